@@ -1,0 +1,12 @@
+# Flags of the project's own code. They stay inside it: a consumer gets none of them.
+add_library(tremolo_flags INTERFACE)
+target_compile_options(tremolo_flags INTERFACE
+  -Wall -Wextra -Wconversion -Wno-sign-conversion -Wshadow -Wnon-virtual-dtor -Wpedantic)
+# Honour `#pragma omp simd` (reductions vectorise without -ffast-math); no OpenMP runtime is linked.
+target_compile_options(tremolo_flags INTERFACE -fopenmp-simd)
+if(TREMOLO_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined
+                      -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+  add_compile_definitions(TREMOLO_SANITIZED=1)
+endif()
