@@ -1,0 +1,17 @@
+// XXH3-64, the checksum of everything Tremolo writes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace tremolo {
+
+// XXH3-64 with seed 0 of the bytes as they lie in memory.
+std::uint64_t hash_bytes(std::span<const std::byte> bytes);
+
+// 16 lower-case hexadecimal digits.
+std::string hash_text(std::uint64_t hash);
+
+}  // namespace tremolo

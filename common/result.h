@@ -1,0 +1,60 @@
+// A value or an error, and the exit codes that errors become.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace tremolo {
+
+// What went wrong, in the terms of the programs' exit codes (docs/architecture.md).
+enum class ErrorKind : int {
+  kSystem = 1,     // I/O, memory, an output that cannot be written
+  kUsage = 2,      // unknown flag or name
+  kContent = 3,    // a value or a file's content is invalid
+  kSolver = 4,     // a solver gave up
+  kBound = 5,      // an orbit left its energy bound
+  kCriterion = 6,  // a stated criterion was missed
+};
+
+// message: one sentence that names what is wrong and where (file, line or byte offset, section).
+struct Error {
+  ErrorKind kind = ErrorKind::kSystem;
+  std::string message;
+};
+
+inline Error content_error(std::string message) {
+  return {ErrorKind::kContent, std::move(message)};
+}
+inline Error system_error(std::string message) {
+  return {ErrorKind::kSystem, std::move(message)};
+}
+inline int exit_code(const Error& error) {
+  return static_cast<int>(error.kind);
+}
+
+// Holds a T or an Error. `if (!result) return result.error();` is the usual way to pass one on.
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
+  Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}
+
+  explicit operator bool() const { return state_.index() == 0; }
+  T& value() { return std::get<0>(state_); }
+  const T& value() const { return std::get<0>(state_); }
+  T* operator->() { return &value(); }
+  const T* operator->() const { return &value(); }
+  T& operator*() { return value(); }
+  const T& operator*() const { return value(); }
+  Error& error() { return std::get<1>(state_); }
+  const Error& error() const { return std::get<1>(state_); }
+
+ private:
+  std::variant<T, Error> state_;
+};
+
+struct Success {};
+using Status = Result<Success>;
+
+}  // namespace tremolo

@@ -1,0 +1,54 @@
+// A tetrahedral mesh as plain values.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace tremolo {
+
+using VertexId = std::int32_t;
+using Tetrahedron = std::array<VertexId, 4>;
+using Triangle = std::array<VertexId, 3>;
+
+// vertices: n rest positions in metres. tetrahedra: m quadruples of indices into vertices,
+// positively oriented once mesh_check.h has seen them: det[x1-x0, x2-x0, x3-x0] > 0.
+// node_sets: named vertex sets of the source file, each sorted and without repeats.
+struct TetMesh {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Tetrahedron> tetrahedra;
+  std::map<std::string, std::vector<VertexId>> node_sets;
+};
+
+// Six times the volume is the determinant of the edge matrix; the sign is the orientation.
+inline double signed_volume(const TetMesh& mesh, const Tetrahedron& tet) {
+  const Eigen::Vector3d& origin = mesh.vertices[tet[0]];
+  const Eigen::Vector3d a = mesh.vertices[tet[1]] - origin;
+  const Eigen::Vector3d b = mesh.vertices[tet[2]] - origin;
+  const Eigen::Vector3d c = mesh.vertices[tet[3]] - origin;
+  return a.dot(b.cross(c)) / 6.0;
+}
+
+// Axis-aligned bounding box of all vertices; {0, 0} for an empty mesh.
+struct BoundingBox {
+  Eigen::Vector3d low = Eigen::Vector3d::Zero();
+  Eigen::Vector3d high = Eigen::Vector3d::Zero();
+  double diagonal() const { return (high - low).norm(); }
+};
+
+inline BoundingBox bounding_box(const std::vector<Eigen::Vector3d>& vertices) {
+  if (vertices.empty()) return {};
+  BoundingBox box{vertices.front(), vertices.front()};
+  for (const Eigen::Vector3d& x : vertices) {
+    box.low = box.low.cwiseMin(x);
+    box.high = box.high.cwiseMax(x);
+  }
+  return box;
+}
+
+}  // namespace tremolo
