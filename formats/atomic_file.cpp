@@ -1,0 +1,114 @@
+#include "formats/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+namespace tremolo {
+namespace {
+
+// The temporary file under way, readable from a signal handler. A program writes one at a time.
+char partial_path[4096];
+volatile std::sig_atomic_t partial_exists = 0;
+
+void remember_partial(const std::string& path) {
+  if (path.size() >= sizeof(partial_path)) return;
+  std::memcpy(partial_path, path.c_str(), path.size() + 1);
+  partial_exists = 1;
+}
+
+extern "C" void tremolo_on_fatal_signal(int signal) {
+  if (partial_exists) ::unlink(partial_path);
+  // SA_RESETHAND has restored the default action: the parent sees death by this signal.
+  ::raise(signal);
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::string path, std::string temporary, int descriptor)
+    : path_(std::move(path)), temporary_(std::move(temporary)), descriptor_(descriptor) {}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      temporary_(std::move(other.temporary_)),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  ::unlink(temporary_.c_str());
+  partial_exists = 0;
+}
+
+Error AtomicFile::failure(const char* what) const {
+  return system_error(path_ + ": cannot " + what + ": " + std::strerror(errno));
+}
+
+Result<AtomicFile> AtomicFile::create(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    return system_error(path + ": cannot write: it exists and is not a regular file");
+  // Through a symbolic link, so that rename replaces the file and not the link.
+  const fs::path target = fs::weakly_canonical(path, ignored);
+  const std::string final_path = target.empty() ? path : target.string();
+  const std::string temporary = final_path + ".partial-" + std::to_string(::getpid());
+  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor < 0)
+    return system_error(path + ": cannot create a file there: " + std::strerror(errno));
+  remember_partial(temporary);
+  return AtomicFile(final_path, temporary, descriptor);
+}
+
+Status AtomicFile::write(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    if (written < 0) {
+      if (errno == EINTR) continue;
+      return failure("write");
+    }
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return Success{};
+}
+
+Status AtomicFile::write(std::string_view text) {
+  return write(std::as_bytes(std::span(text.data(), text.size())));
+}
+
+Status AtomicFile::commit() {
+  if (::fsync(descriptor_) != 0) return failure("flush");
+  const int closed = ::close(std::exchange(descriptor_, -1));
+  if (closed != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) {
+    const Error error = failure("finish");
+    ::unlink(temporary_.c_str());
+    partial_exists = 0;
+    return error;
+  }
+  partial_exists = 0;
+  return Success{};
+}
+
+Status write_file(const std::string& path, std::string_view text) {
+  Result<AtomicFile> file = AtomicFile::create(path);
+  if (!file) return file.error();
+  if (Status status = file->write(text); !status) return status;
+  return file->commit();
+}
+
+void remove_partial_files_on_signals() {
+  struct sigaction action = {};
+  action.sa_handler = tremolo_on_fatal_signal;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  for (int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
+}
+
+}  // namespace tremolo

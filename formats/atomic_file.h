@@ -1,0 +1,48 @@
+// Files that appear whole or not at all: written under a temporary name beside the target, then
+// renamed over it.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+// One file being written. Until commit() succeeds the target path is untouched; the destructor
+// removes an uncommitted temporary file. Errors are ErrorKind::kSystem and name the path.
+class AtomicFile {
+ public:
+  // Refuses a target that exists and is not a regular file.
+  static Result<AtomicFile> create(const std::string& path);
+
+  AtomicFile(AtomicFile&& other) noexcept;
+  AtomicFile& operator=(AtomicFile&&) = delete;
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  ~AtomicFile();
+
+  Status write(std::span<const std::byte> bytes);
+  Status write(std::string_view text);
+  // Flushes to the disk and renames.
+  Status commit();
+
+ private:
+  AtomicFile(std::string path, std::string temporary, int descriptor);
+  Error failure(const char* what) const;
+
+  std::string path_;
+  std::string temporary_;
+  int descriptor_;
+};
+
+// Writes `text` as the whole file.
+Status write_file(const std::string& path, std::string_view text);
+
+// Makes SIGINT, SIGTERM and SIGHUP remove the temporary file of an AtomicFile under way before
+// the process ends by that signal. For programs; a library must not call it.
+void remove_partial_files_on_signals();
+
+}  // namespace tremolo

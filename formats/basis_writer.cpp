@@ -1,0 +1,167 @@
+#include "formats/basis_writer.h"
+
+#include <bit>
+#include <cstring>
+#include <span>
+
+#include "common/hash.h"
+#include "common/packed_index.h"
+#include "formats/atomic_file.h"
+#include "formats/basis_layout.h"
+
+namespace tremolo {
+namespace {
+
+using namespace basis_layout;
+static_assert(std::endian::native == std::endian::little, "values are written as they lie");
+
+// A section to come: its bytes stay where they are in the caller's data.
+struct Section {
+  std::string_view name;
+  ElementType type;
+  bool critical;
+  std::uint64_t rows;
+  std::uint64_t columns;
+  std::span<const std::byte> bytes;
+};
+
+template <class T>
+std::span<const std::byte> bytes_of(const T* data, std::size_t count) {
+  return std::as_bytes(std::span<const T>(data, count));
+}
+
+std::span<const std::byte> ids_of(const std::vector<VertexId>& ids) {
+  static_assert(sizeof(VertexId) == 4);
+  return bytes_of(ids.data(), ids.size());
+}
+
+std::span<const std::byte> points_of(const std::vector<Eigen::Vector3d>& points) {
+  static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
+  return std::as_bytes(std::span(points));
+}
+
+Status check_shapes(const BasisData& data) {
+  const auto r = static_cast<std::size_t>(data.lambda.size());
+  const auto bad = [](const char* member) {
+    return content_error(std::string("basis data: the size of '") + member +
+                         "' does not fit the others");
+  };
+  if (r == 0 || r > kMaxModes) return bad("lambda");
+  if (data.cubic.size() != triple_count(r)) return bad("cubic");
+  if (data.quartic.size() != quad_count(r)) return bad("quartic");
+  for (const auto& [block, name] : {std::pair{&data.surface, "surface"}, {&data.interior, "interior"}}) {
+    const std::size_t count = block->vertex_ids.size();
+    if (block->rest.size() != count || block->rows.rows() != static_cast<Eigen::Index>(3 * count) ||
+        (count > 0 && block->rows.cols() != static_cast<Eigen::Index>(r)))
+      return bad(name);
+  }
+  if (data.surface.vertex_ids.size() + data.interior.vertex_ids.size() != data.vertex_count ||
+      data.vertex_count > kMaxVertices)
+    return bad("vertex_count");
+  if (data.fixed_vertices.size() != data.fixed_vertex_count) return bad("fixed_vertices");
+  if (data.load.vertices.size() != data.load.forces.size()) return bad("load");
+  return Success{};
+}
+
+std::vector<Section> list_sections(const BasisData& data, const std::uint64_t* dimensions) {
+  const auto r = static_cast<std::uint64_t>(data.lambda.size());
+  const std::uint64_t s = data.surface.vertex_ids.size();
+  const std::uint64_t inner = data.interior.vertex_ids.size();
+  const auto f64 = ElementType::kF64;
+  const auto u32 = ElementType::kU32;
+  const auto vector = [](const std::vector<double>& v) { return bytes_of(v.data(), v.size()); };
+  const auto rows = [](const BasisRows& m) {
+    return bytes_of(m.data(), static_cast<std::size_t>(m.size()));
+  };
+  // What a runtime touches comes first, the interior and the provenance last.
+  return {
+      {kDimensions, ElementType::kU64, true, dimension::kCount, 1,
+       bytes_of(dimensions, dimension::kCount)},
+      {kTotalMass, f64, false, 1, 1, bytes_of(&data.total_mass, 1)},
+      {kLambda, f64, true, r, 1, bytes_of(data.lambda.data(), r)},
+      {kCubic, f64, true, data.cubic.size(), 1, vector(data.cubic)},
+      {kQuartic, f64, true, data.quartic.size(), 1, vector(data.quartic)},
+      {kLoadIds, u32, false, data.load.vertices.size(), 1, ids_of(data.load.vertices)},
+      {kLoadForces, f64, false, data.load.forces.size(), 3, points_of(data.load.forces)},
+      {kSurfaceIds, u32, true, s, 1, ids_of(data.surface.vertex_ids)},
+      {kTriangles, u32, true, data.triangles.size(), 3,
+       bytes_of(data.triangles.data(), data.triangles.size())},
+      {kSurfaceRest, f64, true, s, 3, points_of(data.surface.rest)},
+      {kSurfaceBasis, f64, true, 3 * s, r, rows(data.surface.rows)},
+      {kInteriorIds, u32, false, inner, 1, ids_of(data.interior.vertex_ids)},
+      {kInteriorRest, f64, false, inner, 3, points_of(data.interior.rest)},
+      {kInteriorBasis, f64, false, 3 * inner, r, rows(data.interior.rows)},
+      {kFixedIds, u32, false, data.fixed_vertices.size(), 1, ids_of(data.fixed_vertices)},
+      {kSingularValues, f64, false, data.singular_values.size(), 1, vector(data.singular_values)},
+      {kProvenance, ElementType::kU8, false, data.provenance.size(), 1,
+       bytes_of(data.provenance.data(), data.provenance.size())},
+  };
+}
+
+template <class T>
+void put(std::vector<std::byte>& file, std::size_t at, T value) {
+  std::memcpy(file.data() + at, &value, sizeof(value));
+}
+
+std::size_t aligned(std::size_t offset) {
+  return (offset + kAlignment - 1) / kAlignment * kAlignment;
+}
+
+void put_entry(std::vector<std::byte>& file, std::size_t at, const Section& section,
+               std::size_t offset) {
+  std::memcpy(file.data() + at + entry::kNameAt, section.name.data(), section.name.size());
+  put(file, at + entry::kTypeAt, static_cast<std::uint32_t>(section.type));
+  put(file, at + entry::kFlagsAt, section.critical ? kCritical : 0u);
+  put(file, at + entry::kOffsetAt, static_cast<std::uint64_t>(offset));
+  put(file, at + entry::kSizeAt, static_cast<std::uint64_t>(section.bytes.size()));
+  put(file, at + entry::kRowsAt, section.rows);
+  put(file, at + entry::kColumnsAt, section.columns);
+  put(file, at + entry::kHashAt, hash_bytes(section.bytes));
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> encode_basis(const BasisData& data) {
+  if (Status status = check_shapes(data); !status) return status.error();
+  const std::uint64_t dimensions[dimension::kCount] = {
+      data.vertex_count,       data.tetrahedron_count,
+      data.linear_mode_count,  static_cast<std::uint64_t>(data.lambda.size()),
+      data.fixed_vertex_count, data.rigid_mode_count,
+      data.surface.vertex_ids.size(), data.triangles.size()};
+  const std::vector<Section> sections = list_sections(data, dimensions);
+
+  std::size_t size = aligned(kHeaderSize + sections.size() * kEntrySize);
+  for (const Section& section : sections) size = aligned(size + section.bytes.size());
+  std::vector<std::byte> file(size);  // zeros: the padding is part of the format
+
+  std::size_t offset = aligned(kHeaderSize + sections.size() * kEntrySize);
+  std::size_t at = kHeaderSize;
+  for (const Section& section : sections) {
+    put_entry(file, at, section, offset);
+    if (!section.bytes.empty())
+      std::memcpy(file.data() + offset, section.bytes.data(), section.bytes.size());
+    offset = aligned(offset + section.bytes.size());
+    at += kEntrySize;
+  }
+
+  std::memcpy(file.data() + header::kMagicAt, kMagic.data(), kMagic.size());
+  put(file, header::kMajorAt, kMajor);
+  put(file, header::kMinorAt, kMinor);
+  put(file, header::kSectionsAt, static_cast<std::uint32_t>(sections.size()));
+  put(file, header::kFileSizeAt, static_cast<std::uint64_t>(size));
+  put(file, header::kTableHashAt,
+      hash_bytes(std::span(file).subspan(kHeaderSize, sections.size() * kEntrySize)));
+  put(file, header::kHeaderHashAt, hash_bytes(std::span(file).first(header::kHeaderHashAt)));
+  return file;
+}
+
+Status write_basis(const std::string& path, const BasisData& data) {
+  Result<std::vector<std::byte>> bytes = encode_basis(data);
+  if (!bytes) return bytes.error();
+  Result<AtomicFile> file = AtomicFile::create(path);
+  if (!file) return file.error();
+  if (Status status = file->write(std::span<const std::byte>(*bytes)); !status) return status;
+  return file->commit();
+}
+
+}  // namespace tremolo

@@ -1,0 +1,31 @@
+// A whole file as read-only memory.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+// Maps a regular file. The bytes stay valid as long as the object (or what it was moved into)
+// lives and nobody truncates the file meanwhile. Errors are kSystem and name the path.
+class MappedFile {
+ public:
+  static Result<MappedFile> open(const std::string& path);
+
+  MappedFile() = default;
+  MappedFile(MappedFile&& other) noexcept;
+  MappedFile& operator=(MappedFile&& other) noexcept;
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+  ~MappedFile();
+
+  std::span<const std::byte> bytes() const { return bytes_; }
+
+ private:
+  std::span<const std::byte> bytes_;
+};
+
+}  // namespace tremolo

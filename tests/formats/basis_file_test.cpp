@@ -1,0 +1,298 @@
+// The basis file: bytes as specified, and a reader that trusts nothing.
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "common/hash.h"
+#include "formats/basis_reader.h"
+#include "formats/basis_writer.h"
+#include "tests/support/tiny_basis.h"
+
+namespace tremolo {
+namespace {
+
+using namespace basis_layout;
+using Bytes = std::vector<std::byte>;
+using testing::tiny_basis;
+
+Bytes tiny_bytes() {
+  return *encode_basis(tiny_basis());
+}
+
+Bytes read_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+Result<BasisData> decode(const Bytes& bytes) {
+  Result<BasisReader> reader = BasisReader::from_memory(bytes);
+  if (!reader) return reader.error();
+  if (Status status = reader->verify_all(); !status) return status.error();
+  return read_basis(*reader);
+}
+
+template <class T>
+void put(Bytes& bytes, std::size_t at, T value) {
+  std::memcpy(bytes.data() + at, &value, sizeof(value));
+}
+
+template <class T>
+T get(const Bytes& bytes, std::size_t at) {
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof(value));
+  return value;
+}
+
+// Makes all checksums right again, as an attacker would.
+void reseal(Bytes& bytes) {
+  const auto count = get<std::uint32_t>(bytes, header::kSectionsAt);
+  const std::size_t table_size = std::min<std::size_t>(count * kEntrySize, bytes.size() - kHeaderSize);
+  for (std::size_t at = kHeaderSize; at + kEntrySize <= kHeaderSize + table_size; at += kEntrySize) {
+    const auto offset = get<std::uint64_t>(bytes, at + entry::kOffsetAt);
+    const auto size = get<std::uint64_t>(bytes, at + entry::kSizeAt);
+    if (offset > bytes.size() || size > bytes.size() - offset) continue;
+    put(bytes, at + entry::kHashAt, hash_bytes(std::span(bytes).subspan(offset, size)));
+  }
+  put(bytes, header::kTableHashAt, hash_bytes(std::span(bytes).subspan(kHeaderSize, table_size)));
+  put(bytes, header::kHeaderHashAt, hash_bytes(std::span(bytes).first(header::kHeaderHashAt)));
+}
+
+std::size_t entry_of(const Bytes& bytes, std::string_view name) {
+  for (std::size_t at = kHeaderSize;; at += kEntrySize)
+    if (name == reinterpret_cast<const char*>(bytes.data() + at)) return at;
+}
+
+std::size_t offset_of(const Bytes& bytes, std::string_view name) {
+  return get<std::uint64_t>(bytes, entry_of(bytes, name) + entry::kOffsetAt);
+}
+
+void expect_equal(const BasisData& a, const BasisData& b) {
+  EXPECT_EQ(a.vertex_count, b.vertex_count);
+  EXPECT_EQ(a.tetrahedron_count, b.tetrahedron_count);
+  EXPECT_EQ(a.linear_mode_count, b.linear_mode_count);
+  EXPECT_EQ(a.fixed_vertex_count, b.fixed_vertex_count);
+  EXPECT_EQ(a.rigid_mode_count, b.rigid_mode_count);
+  EXPECT_EQ(a.total_mass, b.total_mass);
+  EXPECT_EQ(a.lambda, b.lambda);
+  EXPECT_EQ(a.cubic, b.cubic);
+  EXPECT_EQ(a.quartic, b.quartic);
+  EXPECT_EQ(a.singular_values, b.singular_values);
+  EXPECT_EQ(a.surface.vertex_ids, b.surface.vertex_ids);
+  EXPECT_EQ(a.surface.rest, b.surface.rest);
+  EXPECT_EQ(a.surface.rows, b.surface.rows);
+  EXPECT_EQ(a.interior.vertex_ids, b.interior.vertex_ids);
+  EXPECT_EQ(a.interior.rest, b.interior.rest);
+  EXPECT_EQ(a.interior.rows, b.interior.rows);
+  EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.fixed_vertices, b.fixed_vertices);
+  EXPECT_EQ(a.load.vertices, b.load.vertices);
+  EXPECT_EQ(a.load.forces, b.load.forces);
+  EXPECT_EQ(a.provenance, b.provenance);
+}
+
+TEST(BasisFile, WritesTheGoldenBytesOfVersionOneZero) {
+  EXPECT_EQ(tiny_bytes(), read_file(TREMOLO_SOURCE_DIR "/tests/formats/golden/tiny-1.0.tremolo"));
+}
+
+TEST(BasisFile, ReadsTheGoldenFileOfVersionOneZero) {
+  const auto data = read_basis(TREMOLO_SOURCE_DIR "/tests/formats/golden/tiny-1.0.tremolo");
+  ASSERT_TRUE(data) << data.error().message;
+  expect_equal(*data, tiny_basis());
+}
+
+TEST(BasisFile, WhatIsWrittenIsRead) {
+  const std::string path = ::testing::TempDir() + "round-trip.tremolo";
+  const auto written = write_basis(path, tiny_basis());
+  ASSERT_TRUE(written) << written.error().message;
+  const auto data = read_basis(path);
+  ASSERT_TRUE(data) << data.error().message;
+  expect_equal(*data, tiny_basis());
+}
+
+TEST(BasisFile, BytesAtAnOddAddressAreReadToo) {
+  const Bytes bytes = tiny_bytes();
+  Bytes shifted(bytes.size() + 1);
+  std::memcpy(shifted.data() + 1, bytes.data(), bytes.size());
+  auto reader = BasisReader::from_memory(std::span(shifted).subspan(1));
+  ASSERT_TRUE(reader) << reader.error().message;
+  const auto data = read_basis(*reader);
+  ASSERT_TRUE(data) << data.error().message;
+  expect_equal(*data, tiny_basis());
+}
+
+TEST(BasisFile, ATruncatedFileIsRefusedAtEveryLength) {
+  const Bytes bytes = tiny_bytes();
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    // A buffer of exactly that length: one byte too far is an error under AddressSanitizer.
+    const Bytes cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
+    EXPECT_FALSE(decode(cut)) << "length " << length;
+  }
+}
+
+TEST(BasisFile, AnyDamagedByteIsNoticed) {
+  const Bytes bytes = tiny_bytes();
+  for (std::size_t at = 0; at < bytes.size(); ++at)
+    for (unsigned bit : {0x01u, 0x80u, 0xffu}) {
+      Bytes damaged = bytes;
+      damaged[at] ^= static_cast<std::byte>(bit);
+      EXPECT_FALSE(decode(damaged)) << "byte " << at;
+    }
+}
+
+TEST(BasisFile, AppendedBytesAreRefused) {
+  Bytes bytes = tiny_bytes();
+  bytes.resize(bytes.size() + kAlignment);
+  EXPECT_FALSE(decode(bytes));
+  put(bytes, header::kFileSizeAt, static_cast<std::uint64_t>(bytes.size()));
+  reseal(bytes);
+  EXPECT_FALSE(decode(bytes));
+}
+
+// Every field of header and table set to hostile values, checksums made right again: refused, or
+// (a name, an unknown optional section, a minor version) read without harm. ASan watches.
+TEST(BasisFile, NoFieldValueIsTrusted) {
+  const Bytes bytes = tiny_bytes();
+  const auto sections = get<std::uint32_t>(bytes, header::kSectionsAt);
+  const std::uint64_t hostile[] = {0, 1, 7, 63, 64, 65, 0x7fffffffu, 0xffffffffu,
+                                   bytes.size() - 1, bytes.size(), bytes.size() + 1,
+                                   0x2000000000000000u, 0x7fffffffffffffffu,
+                                   std::numeric_limits<std::uint64_t>::max()};
+  std::vector<std::pair<std::size_t, std::size_t>> fields = {
+      {header::kMagicAt, 8}, {header::kMajorAt, 2},     {header::kMinorAt, 2},
+      {header::kSectionsAt, 4}, {header::kFileSizeAt, 8}, {header::kReservedAt, 8}};
+  for (std::size_t s = 0; s < sections; ++s) {
+    const std::size_t at = kHeaderSize + s * kEntrySize;
+    for (const auto& [offset, size] : {std::pair{entry::kNameAt, std::size_t{8}},
+                                       {entry::kTypeAt, 4}, {entry::kFlagsAt, 4},
+                                       {entry::kOffsetAt, 8}, {entry::kSizeAt, 8},
+                                       {entry::kRowsAt, 8}, {entry::kColumnsAt, 8}})
+      fields.emplace_back(at + offset, size);
+  }
+  for (const auto& [at, size] : fields)
+    for (std::uint64_t value : hostile) {
+      Bytes changed = bytes;
+      std::memcpy(changed.data() + at, &value, size);
+      if (changed == bytes) continue;
+      reseal(changed);
+      const bool accepted = static_cast<bool>(decode(changed));
+      const std::size_t in_entry = (at - kHeaderSize) % kEntrySize;
+      const bool harmless =
+          at == header::kMinorAt ||
+          (at >= kHeaderSize && (in_entry == entry::kNameAt || in_entry == entry::kFlagsAt));
+      EXPECT_TRUE(!accepted || harmless) << "field at " << at << " set to " << value;
+    }
+}
+
+// Every entry of `dimensions` set to hostile values with right checksums.
+TEST(BasisFile, DimensionsMustFitTheSections) {
+  const Bytes bytes = tiny_bytes();
+  const std::size_t at = offset_of(bytes, kDimensions);
+  for (std::size_t d = 0; d < dimension::kCount; ++d) {
+    if (d == dimension::kTetrahedra || d == dimension::kLinearModes || d == dimension::kRigid)
+      continue;  // counts for the reader's information: no section has their size
+    for (std::uint64_t value : {std::uint64_t{0}, std::uint64_t{3}, std::uint64_t{1} << 31,
+                                std::uint64_t{1} << 61, ~std::uint64_t{0}}) {
+      Bytes changed = bytes;
+      put(changed, at + 8 * d, value);
+      reseal(changed);
+      EXPECT_FALSE(decode(changed)) << "dimension " << d << " = " << value;
+    }
+  }
+}
+
+TEST(BasisFile, ValuesThatMakeNoSenseAreRefused) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (std::string_view section : {kLambda, kCubic, kQuartic, kSurfaceRest, kSurfaceBasis,
+                                   kInteriorBasis, kLoadForces, kSingularValues})
+    for (double value : {nan, infinite}) {
+      Bytes changed = tiny_bytes();
+      put(changed, offset_of(changed, section), value);
+      reseal(changed);
+      EXPECT_FALSE(decode(changed)) << section;
+    }
+  for (std::string_view section : {kSurfaceIds, kTriangles, kInteriorIds, kFixedIds, kLoadIds}) {
+    Bytes changed = tiny_bytes();
+    put(changed, offset_of(changed, section), std::uint32_t{5});
+    reseal(changed);
+    EXPECT_FALSE(decode(changed)) << section;
+  }
+  for (double value : {-1.0, 0.0, 1e6}) {  // negative, zero, larger than its successor
+    Bytes changed = tiny_bytes();
+    put(changed, offset_of(changed, kLambda), value);
+    reseal(changed);
+    EXPECT_FALSE(decode(changed)) << value;
+  }
+}
+
+TEST(BasisFile, AnUnknownOptionalSectionIsSkippedAndACriticalOneRefused) {
+  Bytes bytes = tiny_bytes();
+  const std::size_t at = entry_of(bytes, kSingularValues);
+  std::memcpy(bytes.data() + at, "from_the_future", 16);
+  reseal(bytes);
+  const auto data = decode(bytes);
+  ASSERT_TRUE(data) << data.error().message;
+  EXPECT_TRUE(data->singular_values.empty());
+  put(bytes, at + entry::kFlagsAt, kCritical);
+  reseal(bytes);
+  const auto refused = decode(bytes);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("from_the_future"), std::string::npos);
+}
+
+TEST(BasisFile, AnErrorNamesFileSectionAndOffset) {
+  Bytes bytes = tiny_bytes();
+  const std::size_t at = offset_of(bytes, kQuartic);
+  bytes[at + 3] ^= std::byte{4};
+  auto reader = BasisReader::from_memory(bytes, "damaged.tremolo");
+  ASSERT_TRUE(reader) << "the damage is inside a section: found on first use";
+  const auto values = reader->doubles(kQuartic);
+  ASSERT_FALSE(values);
+  EXPECT_EQ(values.error().kind, ErrorKind::kContent);
+  EXPECT_NE(values.error().message.find("damaged.tremolo: quartic at byte " + std::to_string(at)),
+            std::string::npos)
+      << values.error().message;
+  EXPECT_TRUE(reader->doubles(kCubic)) << "other sections can still be used";
+}
+
+TEST(BasisFile, MissingEmptyAndForeignFilesAreErrors) {
+  const std::string folder = ::testing::TempDir();
+  EXPECT_EQ(read_basis(folder + "no-such-file").error().kind, ErrorKind::kSystem);
+  EXPECT_EQ(read_basis(folder).error().kind, ErrorKind::kSystem);
+  std::ofstream(folder + "empty").flush();
+  EXPECT_EQ(read_basis(folder + "empty").error().kind, ErrorKind::kContent);
+  std::ofstream(folder + "foreign") << std::string(5000, 'x');
+  EXPECT_EQ(read_basis(folder + "foreign").error().kind, ErrorKind::kContent);
+}
+
+TEST(BasisFile, TheWriterRefusesDataOfUnequalShape) {
+  for (int member = 0; member < 6; ++member) {
+    BasisData data = tiny_basis();
+    if (member == 0) data.cubic.pop_back();
+    if (member == 1) data.quartic.push_back(0);
+    if (member == 2) data.surface.rows.conservativeResize(9, 2);
+    if (member == 3) data.vertex_count = 6;
+    if (member == 4) data.load.forces.clear();
+    if (member == 5) data.fixed_vertices.clear();
+    EXPECT_FALSE(encode_basis(data)) << member;
+  }
+}
+
+TEST(AtomicFile, AnUnwritableTargetIsAnErrorAndLeavesNothing) {
+  const std::string folder = ::testing::TempDir() + "atomic-test";
+  std::filesystem::create_directories(folder);
+  EXPECT_EQ(write_basis(folder + "/no/such/folder/x.tremolo", tiny_basis()).error().kind,
+            ErrorKind::kSystem);
+  EXPECT_EQ(write_basis(folder, tiny_basis()).error().kind, ErrorKind::kSystem);
+  EXPECT_EQ(write_basis("/dev/full", tiny_basis()).error().kind, ErrorKind::kSystem);
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
+}  // namespace
+}  // namespace tremolo
