@@ -1,0 +1,24 @@
+// Stage "basis": modes and derivatives -> r coordinates (method of Barbic & James 2005, with the
+// rotation that makes the stiffness diagonal, so that "low" and "high" coordinates mean something).
+#pragma once
+
+#include "precompute/matrices.h"
+
+namespace tremolo {
+
+struct Basis {
+  Columns vectors;                          // U: local dofs x r, kg^-1/2
+  Eigen::VectorXd lambda;                   // r, (rad/s)^2, ascending: U^T K U
+  std::vector<double> singular_values;      // of the mass-PCA, descending, all of them
+  double orthonormality_error = 0;          // max |U^T M U - I|
+  double diagonality_error = 0;             // max |U^T K U - Lambda| / max Lambda
+};
+
+// modes: local x k with squared frequencies w2; derivatives: local x k(k+1)/2 (may have no columns:
+// a linear scene). Columns are weighted Psi_i * w2_1/w2_i and Phi_ij * w2_1^2/(w2_i w2_j), reduced
+// to r by an SVD in the M inner product, and rotated by the eigenvectors of U^T K U. Throws Failure
+// (kContent) if r exceeds the rank of the columns.
+Basis make_basis(const Matrices& matrices, const Columns& modes, const Eigen::VectorXd& w2,
+                 const Columns& derivatives, int r);
+
+}  // namespace tremolo

@@ -1,0 +1,18 @@
+// Stage "derivatives": the modal derivatives K Phi_ij = -H[Psi_i, Psi_j] (thesis (4.1.11); Barbic &
+// James 2005), all on the factorisation that shift-invert made.
+#pragma once
+
+#include "precompute/modes.h"
+#include "precompute/stvk.h"
+
+namespace tremolo {
+
+// local dofs x k(k+1)/2, column pair_index(i, j). psi: the modes expanded to all vertices, 3n x k.
+// A body with rigid modes has a singular K: the load is made self-balancing, the factor of
+// K + sM is used in an iteration that converges to the solution on the complement of `rigid`
+// (M-orthonormal), and nothing of `rigid` is left in Phi.
+Columns modal_derivatives(const Solid& solid, const LocalDofs& local, const Matrices& matrices,
+                          const Modes& modes, const Eigen::MatrixXd& psi, const Columns& rigid,
+                          unsigned threads);
+
+}  // namespace tremolo

@@ -1,0 +1,113 @@
+// tremolo-precompute: mesh in, basis file out.
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <new>
+#include <numbers>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/atomic_file.h"
+#include "formats/basis_writer.h"
+#include "precompute/failure.h"
+#include "precompute/options.h"
+#include "precompute/petsc.h"
+#include "precompute/pipeline.h"
+
+namespace tremolo {
+namespace {
+
+void print_json(const PrecomputeResult& result, const StageLog& log) {
+  using Json = nlohmann::ordered_json;
+  const BasisData& data = result.data;
+  const auto r = static_cast<std::size_t>(data.lambda.size());
+  Json stages = Json::array();
+  for (const StageRecord& stage : log.records())
+    stages.push_back({{"name", stage.name},
+                      {"seconds", stage.seconds},
+                      {"peak_bytes", stage.peak_bytes},
+                      {"detail", stage.detail}});
+  Json frequencies = Json::array();
+  for (double value : data.lambda) frequencies.push_back(std::sqrt(value) / (2.0 * std::numbers::pi));
+  std::vector<double> cut(data.singular_values.begin() +
+                              static_cast<std::ptrdiff_t>(std::min(r, data.singular_values.size())),
+                          data.singular_values.end());
+  const Json json = {{"n", data.vertex_count},
+                     {"m", data.tetrahedron_count},
+                     {"r", r},
+                     {"linear_modes", data.linear_mode_count},
+                     {"rigid_modes", data.rigid_mode_count},
+                     {"frequencies_hz", frequencies},
+                     {"explicit_step_limit_s", 2.0 / std::sqrt(data.lambda[data.lambda.size() - 1])},
+                     {"total_mass_kg", data.total_mass},
+                     {"factorisation", result.findings.factorisation},
+                     {"mode_residuals", result.findings.mode_residuals},
+                     {"certified_by_inertia", result.findings.certified},
+                     {"mass_orthonormality_error", result.findings.orthonormality_error},
+                     {"polynomial_error", result.findings.polynomial_error},
+                     {"cut_singular_values", cut},
+                     {"notes", result.problem.notes},
+                     {"stages", stages}};
+  std::cout << json.dump(2) << "\n";
+}
+
+// The user sees at once what came out.
+void print_spectrum(const BasisData& data) {
+  std::fprintf(stderr, "  frequencies ");
+  for (double value : data.lambda) std::fprintf(stderr, " %.4g", std::sqrt(value) / (2.0 * std::numbers::pi));
+  std::fprintf(stderr, " Hz\n  explicit methods are stable below a step of %.4g s\n",
+               2.0 / std::sqrt(data.lambda[data.lambda.size() - 1]));
+}
+
+void run(const CommandLine& line) {
+  const bool speak = mpi_rank() == 0;
+  StageLog log(!speak);
+  PrecomputeResult result = run_precompute(line.options, log);
+  result.data.provenance = provenance_json(line.options, result);
+  if (!speak) return;
+  log.begin("file");
+  unwrap(write_basis(line.options.output_path, result.data));
+  log.end(line.options.output_path);
+  print_spectrum(result.data);
+  for (const std::string& option : unused_petsc_options())
+    log.note("warning: no solver asked for the PETSc option " + option + " (a typo?)");
+  if (line.json) print_json(result, log);
+}
+
+int report(const Error& error) {
+  std::fprintf(stderr, "tremolo-precompute: %s\n", error.message.c_str());
+  return exit_code(error);
+}
+
+int run_program(int count, char** words) {
+  const auto parsed = parse_command_line(count, words);
+  if (const int* code = std::get_if<int>(&parsed)) return *code;
+  const auto& line = std::get<CommandLine>(parsed);
+  try {
+    const PetscSession session(words[0], line.petsc_options);
+    try {
+      run(line);
+    } catch (const Failure& failure) {
+      // Errors of the input are the same on all ranks; a lone rank's would leave the others waiting.
+      const int code = mpi_rank() == 0 || failure.error().kind != ErrorKind::kContent
+                           ? report(failure.error())
+                           : exit_code(failure.error());
+      if (mpi_ranks() > 1 && failure.error().kind != ErrorKind::kContent)
+        MPI_Abort(PETSC_COMM_WORLD, code);
+      return code;
+    }
+  } catch (const Failure& failure) {
+    return report(failure.error());
+  } catch (const std::bad_alloc&) {
+    return report(system_error("out of memory"));
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace tremolo
+
+int main(int count, char** words) {
+  tremolo::remove_partial_files_on_signals();
+  return tremolo::run_program(count, words);
+}

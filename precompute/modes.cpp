@@ -1,0 +1,164 @@
+#include "precompute/modes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "precompute/failure.h"
+
+namespace tremolo {
+namespace {
+
+void require(PetscErrorCode code) {
+  check_petsc(code, "compute the modes");
+}
+
+std::vector<PetscVector> as_vectors(const Columns& columns) {
+  std::vector<PetscVector> vectors(static_cast<std::size_t>(columns.cols()));
+  for (Eigen::Index c = 0; c < columns.cols(); ++c)
+    require(VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, static_cast<PetscInt>(columns.rows()),
+                                  PETSC_DETERMINE, columns.col(c).data(),
+                                  vectors[static_cast<std::size_t>(c)].out()));
+  return vectors;
+}
+
+// Shift-invert on a Cholesky factor: CHOLMOD on one rank, MUMPS on several. The nodes are already
+// in METIS's nested dissection, so CHOLMOD keeps the natural order.
+void choose_factorisation(EPS solver) {
+  ST transform = nullptr;
+  KSP linear = nullptr;
+  PC factor = nullptr;
+  require(EPSGetST(solver, &transform));
+  require(STSetType(transform, STSINVERT));
+  // M's pattern lies inside K's.
+  require(STSetMatStructure(transform, SUBSET_NONZERO_PATTERN));
+  require(STGetKSP(transform, &linear));
+  require(KSPSetType(linear, KSPPREONLY));
+  require(KSPGetPC(linear, &factor));
+  require(PCSetType(factor, PCCHOLESKY));
+  if (mpi_ranks() == 1) {
+    require(PCFactorSetMatSolverType(factor, MATSOLVERCHOLMOD));
+    require(PCFactorSetMatOrderingType(factor, MATORDERINGNATURAL));
+  } else {
+    require(PCFactorSetMatSolverType(factor, MATSOLVERMUMPS));
+  }
+}
+
+// A start vector without chance in it: the same mesh gives the same modes.
+void set_start_vector(EPS solver, Mat stiffness) {
+  PetscVector start;
+  require(MatCreateVecs(stiffness, start.out(), nullptr));
+  PetscInt first = 0, last = 0;
+  require(VecGetOwnershipRange(start.get(), &first, &last));
+  for (PetscInt row = first; row < last; ++row)
+    require(VecSetValue(start.get(), row, 1.0 + 0.5 * std::sin(1.0 + 0.7 * row), INSERT_VALUES));
+  require(VecAssemblyBegin(start.get()));
+  require(VecAssemblyEnd(start.get()));
+  Vec vectors[] = {start.get()};
+  require(EPSSetInitialSpace(solver, 1, vectors));
+}
+
+void set_up(EPS solver, const Matrices& matrices, int wanted, const Columns& rigid, double shift) {
+  require(EPSSetOperators(solver, matrices.stiffness.get(), matrices.mass.get()));
+  require(EPSSetProblemType(solver, EPS_GHEP));
+  require(EPSSetType(solver, EPSKRYLOVSCHUR));
+  require(EPSSetWhichEigenpairs(solver, EPS_TARGET_MAGNITUDE));
+  require(EPSSetTarget(solver, shift));
+  require(EPSSetDimensions(solver, wanted, PETSC_DEFAULT, PETSC_DEFAULT));
+  // Of the shift-inverted problem; leaves residuals of the pencil near rounding.
+  require(EPSSetTolerances(solver, 1e-13, 500));
+  choose_factorisation(solver);
+  set_start_vector(solver, matrices.stiffness.get());
+  std::vector<PetscVector> deflated = as_vectors(rigid);
+  std::vector<Vec> raw;
+  for (const PetscVector& vector : deflated) raw.push_back(vector.get());
+  if (!raw.empty())
+    require(EPSSetDeflationSpace(solver, static_cast<PetscInt>(raw.size()), raw.data()));
+  require(EPSSetFromOptions(solver));
+  require(EPSSetUp(solver));
+}
+
+void copy_pairs(EPS solver, const Matrices& matrices, int count, Modes& modes) {
+  PetscVector vector;
+  require(MatCreateVecs(matrices.stiffness.get(), vector.out(), nullptr));
+  PetscInt rows = 0;
+  require(VecGetLocalSize(vector.get(), &rows));
+  modes.squared_frequencies.resize(count);
+  modes.vectors.resize(rows, count);
+  for (int i = 0; i < count; ++i) {
+    PetscScalar value = 0;
+    require(EPSGetEigenpair(solver, i, &value, nullptr, vector.get(), nullptr));
+    const double* entries = nullptr;
+    require(VecGetArrayRead(vector.get(), &entries));
+    modes.vectors.col(i) = Eigen::Map<const Eigen::VectorXd>(entries, rows);
+    require(VecRestoreArrayRead(vector.get(), &entries));
+    modes.squared_frequencies[i] = value;
+  }
+}
+
+void measure_residuals(const Matrices& matrices, Modes& modes) {
+  const Columns inertia = multiply(matrices.mass.get(), modes.vectors) *
+                          modes.squared_frequencies.asDiagonal();
+  const Columns residual = multiply(matrices.stiffness.get(), modes.vectors) - inertia;
+  Eigen::MatrixXd squares(2, modes.vectors.cols());
+  squares.row(0) = residual.colwise().squaredNorm();
+  squares.row(1) = inertia.colwise().squaredNorm();
+  sum_over_ranks(squares);
+  modes.residuals = (squares.row(0).array() / squares.row(1).array()).sqrt().matrix().transpose();
+}
+
+void keep_factor(Modes& modes) {
+  ST transform = nullptr;
+  KSP linear = nullptr;
+  PC factor = nullptr;
+  MatSolverType package = nullptr;
+  require(EPSGetST(modes.keeper.get(), &transform));
+  require(STGetKSP(transform, &linear));
+  require(KSPGetPC(linear, &factor));
+  require(PCFactorGetMatrix(factor, &modes.factor));
+  require(PCFactorGetMatSolverType(factor, &package));
+  modes.solver = package == nullptr ? "petsc" : package;
+}
+
+}  // namespace
+
+Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, double shift) {
+  PetscInt size = 0;
+  require(MatGetSize(matrices.stiffness.get(), &size, nullptr));
+  const int available = static_cast<int>(size - rigid.cols());
+  if (count < 1 || count > available)
+    throw Failure(content_error(std::to_string(count) + " linear modes asked for, the mesh has " +
+                                std::to_string(available) + " free dofs"));
+  Modes modes;
+  modes.shift = shift;
+  require(EPSCreate(PETSC_COMM_WORLD, modes.keeper.out()));
+  EPS solver = modes.keeper.get();
+  // One more than wanted tells how far the next one is.
+  const int wanted = std::min(count + 1, available);
+  set_up(solver, matrices, wanted, rigid, shift);
+  require(EPSSolve(solver));
+  PetscInt found = 0;
+  require(EPSGetConverged(solver, &found));
+  if (found < wanted)
+    throw Failure({ErrorKind::kSolver, "SLEPc found " + std::to_string(found) + " of " +
+                                           std::to_string(wanted) + " modes"});
+  copy_pairs(solver, matrices, wanted, modes);
+  if (wanted > count) modes.next_squared_frequency = modes.squared_frequencies[count];
+  modes.squared_frequencies.conservativeResize(count);
+  modes.vectors.conservativeResize(Eigen::NoChange, count);
+  measure_residuals(matrices, modes);
+  keep_factor(modes);
+  return modes;
+}
+
+void fix_signs(Columns& vectors, Eigen::MatrixXd& expanded) {
+  for (Eigen::Index c = 0; c < expanded.cols(); ++c) {
+    const double threshold = 0.5 * expanded.col(c).cwiseAbs().maxCoeff();
+    Eigen::Index first = 0;
+    while (std::abs(expanded(first, c)) < threshold) ++first;
+    if (expanded(first, c) >= 0) continue;
+    expanded.col(c) *= -1.0;
+    vectors.col(c) *= -1.0;
+  }
+}
+
+}  // namespace tremolo

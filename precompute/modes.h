@@ -1,0 +1,43 @@
+// Stage "modes": the lowest eigenpairs of K psi = omega^2 M psi (thesis (4.2.2), which prints the
+// pencil upside down) by SLEPc's Krylov-Schur with shift-invert.
+#pragma once
+
+#include "precompute/matrices.h"
+
+namespace tremolo {
+
+struct Modes {
+  Eigen::VectorXd squared_frequencies;  // k, (rad/s)^2, ascending
+  Columns vectors;                      // local dofs x k, M-orthonormal, kg^-1/2
+  Eigen::VectorXd residuals;            // |K psi - w2 M psi| / |w2 M psi|, 2-norms
+  double next_squared_frequency = 0;    // the first one left out; 0 if there is none
+  double shift = 0;                     // sigma of the factorisation, <= 0
+  std::string solver;                   // the package that factorised
+  PetscEigenSolver keeper;              // owns the factor
+  Mat factor = nullptr;                 // of K - shift * M
+};
+
+// rigid: motions to leave out (may have no columns); then shift must be negative, because K is
+// singular. Throws Failure: kContent when k exceeds what the mesh has, kSolver when SLEPc finds
+// too few or the stiffness is singular.
+Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, double shift);
+
+// Number of eigenvalues of (K, M) below `bound`, counted from the inertia of an LDL^T of
+// K - bound*M (Sylvester) by MUMPS: no mode can hide from it.
+int count_modes_below(const Matrices& matrices, double bound);
+
+// What compute_modes found against that count, with the bound halfway to the first mode left out.
+struct InertiaCertificate {
+  double bound = 0;   // (rad/s)^2
+  int expected = 0;   // modes found below the bound, rigid ones included
+  int counted = 0;    // by inertia
+  bool complete() const { return expected == counted; }
+};
+InertiaCertificate certify(const Matrices& matrices, const Modes& modes, int rigid_count);
+
+// A mode's sign is a convention: the first entry, in the mesh's vertex order, that is at least half
+// of the largest becomes positive. Half, so that rounding cannot decide between mirror images.
+// vectors: local rows; expanded: the same for all vertices (3n rows). Both are changed.
+void fix_signs(Columns& vectors, Eigen::MatrixXd& expanded);
+
+}  // namespace tremolo

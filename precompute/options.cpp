@@ -1,0 +1,91 @@
+#include "precompute/options.h"
+
+#include <charconv>
+#include <cstdio>
+#include <iostream>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+
+namespace tremolo {
+namespace {
+
+bool parse_vector(const std::string& text, Eigen::Vector3d& vector) {
+  const char* at = text.data();
+  const char* end = at + text.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [next, error] = std::from_chars(at, end, vector[axis]);
+    if (error != std::errc{}) return false;
+    at = next;
+    if (axis < 2) {
+      if (at == end || *at != ',') return false;
+      ++at;
+    }
+  }
+  return at == end;
+}
+
+std::string join(const std::vector<std::string>& words) {
+  std::string line;
+  for (const std::string& word : words) line += (line.empty() ? "" : " ") + word;
+  return line;
+}
+
+}  // namespace
+
+std::variant<CommandLine, int> parse_command_line(int count, char** words) {
+  CommandLine line;
+  PrecomputeOptions& options = line.options;
+  std::vector<std::string> own;
+  int at = 1;
+  for (; at < count && std::string(words[at]) != "--"; ++at) own.emplace_back(words[at]);
+  options.command_line = join(own);
+  for (++at; at < count; ++at) line.petsc_options.emplace_back(words[at]);
+
+  CLI::App app{"Turns a tetrahedral mesh into a basis file for tremolo. Units are SI.\n"
+               "What follows -- goes to PETSc and SLEPc (their inner solver has the prefix -st_)."};
+  app.name("tremolo-precompute");
+  app.set_version_flag("--version", std::string("tremolo-precompute ") + TREMOLO_VERSION);
+  app.set_config("--config", "", "read options from a TOML file (keys are the long flag names)");
+  app.add_option("mesh", options.mesh_path, "tetrahedral mesh: .msh .vtk .veg .node .ele")
+      ->required();
+  app.add_option("-o,--output", options.output_path, "the basis file to write")->required();
+  app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
+  app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
+  app.add_option("--density", options.material.density, "density, kg/m^3")->capture_default_str();
+  app.add_option("--fix", options.fix,
+                 "vertices that do not move: x<0.01, y>=1.2, box:x0,y0,z0,x1,y1,z1, vertex:ID, "
+                 "file:ids.txt, a set of the mesh, or none for a free body; may be repeated");
+  app.add_option("--load-at", options.load_at, "vertices that the default load acts on (selector)");
+  std::string force;
+  app.add_option("--load-force", force, "the default load, X,Y,Z in N, shared among them")
+      ->needs("--load-at");
+  app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)");
+  app.add_option("--modes", options.modes, "R, coordinates to keep (default 30)");
+  std::string mass = "consistent";
+  app.add_option("--mass", mass, "consistent or lumped")
+      ->check(CLI::IsMember({"consistent", "lumped"}))
+      ->capture_default_str();
+  app.add_flag("--certify,!--no-certify", options.certify,
+               "count the modes by inertia as well: one more factorisation (default: yes)");
+  options.threads = std::max(1u, std::thread::hardware_concurrency());
+  app.add_option("--threads", options.threads, "threads of a rank")->check(CLI::PositiveNumber);
+  app.add_flag("--json", line.json, "print one JSON object on stdout");
+
+  try {
+    std::vector<std::string> reversed(own.rbegin(), own.rend());
+    app.parse(reversed);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error, std::cout, std::cerr);
+    return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});
+  }
+  options.mass = mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;
+  if (!force.empty() && !parse_vector(force, options.load_force)) {
+    std::cerr << "tremolo-precompute: --load-force " << force
+              << ": expected three numbers, X,Y,Z in N\n";
+    return exit_code({ErrorKind::kUsage, ""});
+  }
+  return line;
+}
+
+}  // namespace tremolo

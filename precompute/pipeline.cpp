@@ -1,0 +1,172 @@
+#include "precompute/pipeline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "precompute/basis.h"
+#include "precompute/coefficients.h"
+#include "precompute/derivatives.h"
+#include "precompute/failure.h"
+#include "precompute/modes.h"
+#include "precompute/polynomial_check.h"
+#include "precompute/rigid_motion.h"
+
+namespace tremolo {
+namespace {
+
+template <class... Values>
+std::string text(const char* format, Values... values) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof(buffer), format, values...);
+  return buffer;
+}
+
+double hertz(double squared_frequency) {
+  return std::sqrt(squared_frequency) / (2.0 * std::numbers::pi);
+}
+
+// A free body's K is singular: a small negative shift, far below the first elastic mode of a
+// compact body, makes it definite.
+double choose_shift(const Problem& problem, const Material& material) {
+  if (!problem.free_body) return 0.0;
+  const double size = bounding_box(problem.mesh.vertices).diagonal();
+  return -1e-3 * material.young / (material.density * size * size);
+}
+
+VertexBlock make_block(const TetMesh& mesh, const std::vector<VertexId>& ids,
+                       const BasisRows& basis) {
+  VertexBlock block;
+  block.vertex_ids = ids;
+  block.rows.resize(3 * static_cast<Eigen::Index>(ids.size()), basis.cols());
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    block.rest.push_back(mesh.vertices[ids[i]]);
+    block.rows.middleRows(3 * static_cast<Eigen::Index>(i), 3) =
+        basis.middleRows(3 * Eigen::Index{ids[i]}, 3);
+  }
+  return block;
+}
+
+void add_geometry(const Problem& problem, const BasisRows& basis, BasisData& data) {
+  const TetMesh& mesh = problem.mesh;
+  const BoundarySurface boundary = boundary_surface(mesh);
+  std::vector<VertexId> interior;
+  for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertices.size()); ++v)
+    if (!std::binary_search(boundary.vertex_ids.begin(), boundary.vertex_ids.end(), v))
+      interior.push_back(v);
+  data.surface = make_block(mesh, boundary.vertex_ids, basis);
+  data.interior = make_block(mesh, interior, basis);
+  data.triangles = boundary.triangles;
+  data.vertex_count = mesh.vertices.size();
+  data.tetrahedron_count = mesh.tetrahedra.size();
+  data.fixed_vertices = problem.fixed;
+  data.fixed_vertex_count = problem.fixed.size();
+  data.load = problem.load;
+}
+
+Coefficients compute_coefficients(const Solid& solid, const BasisRows& basis, unsigned threads) {
+  // Ranks share the elements; every rank ends up with the sum.
+  const std::size_t m = solid.samples.size();
+  const auto rank = static_cast<std::size_t>(mpi_rank());
+  const auto ranks = static_cast<std::size_t>(mpi_ranks());
+  Eigen::MatrixXd gram =
+      strain_gram(solid, basis, m * rank / ranks, m * (rank + 1) / ranks, threads);
+  sum_over_ranks(gram);
+  return coefficients_from_gram(gram, static_cast<int>(basis.cols()));
+}
+
+}  // namespace
+
+PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log) {
+  PrecomputeResult result;
+  PrecomputeFindings& findings = result.findings;
+  BasisData& data = result.data;
+
+  log.begin("mesh");
+  result.problem = load_problem(options);
+  const Problem& problem = result.problem;
+  const DofMap map = make_dof_map(problem.mesh, problem.fixed, mpi_ranks());
+  const LocalDofs local = local_dofs(problem.mesh, map, mpi_rank());
+  const auto parts = static_cast<int>(problem.report.parts);
+  const int rigid_count = problem.free_body ? 6 * parts : 0;
+  const ModeCounts counts = choose_mode_counts(options, 3 * map.nodes() - rigid_count);
+  log.end(text("%zu vertices, %zu tetrahedra, %zu fixed vertices", problem.mesh.vertices.size(),
+               problem.mesh.tetrahedra.size(), problem.fixed.size()));
+  for (const std::string& note : problem.notes) log.note(note);
+
+  log.begin("matrices");
+  const Solid solid = make_solid(problem.mesh, options.material);
+  const Matrices matrices = assemble(solid, map, local, options.mass);
+  data.total_mass = total_mass(solid);
+  log.end(text("%d dofs, %.6g kg", 3 * map.nodes(), data.total_mass));
+
+  log.begin("modes");
+  const Columns rigid = problem.free_body
+                            ? rigid_modes(problem.mesh, problem.report.part_of_vertex, parts, local,
+                                          matrices.mass.get())
+                            : Columns(local.dofs(), 0);
+  Modes modes = compute_modes(matrices, counts.linear, rigid,
+                              choose_shift(problem, options.material));
+  Eigen::MatrixXd psi = expand_to_vertices(map, local, modes.vectors);
+  fix_signs(modes.vectors, psi);
+  findings.factorisation = modes.solver;
+  findings.mode_residuals.assign(modes.residuals.begin(), modes.residuals.end());
+  data.linear_mode_count = static_cast<std::uint64_t>(counts.linear);
+  data.rigid_mode_count = static_cast<std::uint64_t>(rigid_count);
+  log.end(text("%d modes, %.4g to %.4g Hz, residual %.1e, %s", counts.linear,
+               hertz(modes.squared_frequencies[0]),
+               hertz(modes.squared_frequencies[counts.linear - 1]), modes.residuals.maxCoeff(),
+               modes.solver.c_str()));
+  if (problem.free_body)
+    log.note(text("a free body: its %d rigid motions are left out of the basis", rigid_count));
+
+  if (options.certify) {
+    log.begin("certificate");
+    const InertiaCertificate certificate = certify(matrices, modes, rigid_count);
+    findings.certified = certificate.complete();
+    findings.inertia_count = certificate.counted;
+    if (!certificate.complete())
+      throw Failure({ErrorKind::kSolver,
+                     text("modes were missed: inertia counts %d below %.6g Hz, %d were found",
+                          certificate.counted, hertz(certificate.bound), certificate.expected)});
+    log.end(text("inertia counts the same %d modes below %.4g Hz", certificate.counted,
+                 hertz(certificate.bound)));
+  }
+
+  log.begin("derivatives");
+  const Columns derivatives =
+      modal_derivatives(solid, local, matrices, modes, psi, rigid, options.threads);
+  log.end(text("%d solves on the factor of the modes", static_cast<int>(derivatives.cols())));
+
+  log.begin("basis");
+  Basis basis = make_basis(matrices, modes.vectors, modes.squared_frequencies, derivatives,
+                           counts.modes);
+  Eigen::MatrixXd expanded = expand_to_vertices(map, local, basis.vectors);
+  fix_signs(basis.vectors, expanded);
+  const BasisRows rows = expanded;
+  findings.orthonormality_error = basis.orthonormality_error;
+  findings.diagonality_error = basis.diagonality_error;
+  data.lambda = basis.lambda;
+  data.singular_values = basis.singular_values;
+  log.end(text("%d coordinates, |U^T M U - I| = %.1e, first singular value cut %.1e of the largest",
+               counts.modes, basis.orthonormality_error,
+               counts.modes < static_cast<int>(basis.singular_values.size())
+                   ? basis.singular_values[counts.modes] / basis.singular_values[0]
+                   : 0.0));
+
+  log.begin("coefficients");
+  Coefficients coefficients = compute_coefficients(solid, rows, options.threads);
+  data.cubic = std::move(coefficients.cubic);
+  data.quartic = std::move(coefficients.quartic);
+  findings.polynomial_error =
+      polynomial_error(solid, rows, data.lambda, data.cubic, data.quartic,
+                       0.1 * bounding_box(problem.mesh.vertices).diagonal());
+  log.end(text("%zu unique entries, |U^T f(Uq) - grad V| = %.1e relative",
+               data.cubic.size() + data.quartic.size(), findings.polynomial_error));
+
+  add_geometry(problem, rows, data);
+  return result;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,33 @@
+// The stages in order: mesh -> matrices -> modes -> derivatives -> basis -> coefficients -> data.
+#pragma once
+
+#include "common/stage_log.h"
+#include "formats/basis_data.h"
+#include "precompute/problem.h"
+
+namespace tremolo {
+
+// What the run found out on the way, for the report and the file's provenance.
+struct PrecomputeFindings {
+  std::string factorisation;              // the package that solved
+  std::vector<double> mode_residuals;     // k
+  double orthonormality_error = 0;        // max |U^T M U - I|
+  double diagonality_error = 0;           // max |U^T K U - Lambda| / max Lambda
+  double polynomial_error = 0;            // |U^T f(Uq) - grad V(q)| / |grad V(q)|
+  bool certified = false;
+  int inertia_count = 0;                  // modes below the bound, by inertia
+};
+
+struct PrecomputeResult {
+  BasisData data;  // complete on rank 0; provenance is still empty
+  Problem problem;
+  PrecomputeFindings findings;
+};
+
+// Runs everything; needs a PetscSession. Throws Failure.
+PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log);
+
+// The JSON object kept in the file. No times: the same input gives the same file.
+std::string provenance_json(const PrecomputeOptions& options, const PrecomputeResult& result);
+
+}  // namespace tremolo

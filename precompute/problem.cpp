@@ -1,0 +1,110 @@
+#include "precompute/problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/hash.h"
+#include "common/packed_index.h"
+#include "formats/mesh_reader.h"
+#include "formats/selector_reader.h"
+#include "precompute/failure.h"
+#include "precompute/rigid_motion.h"
+
+namespace tremolo {
+namespace {
+
+std::string hash_mesh(const TetMesh& mesh) {
+  const std::uint64_t parts[] = {hash_bytes(std::as_bytes(std::span(mesh.vertices))),
+                                 hash_bytes(std::as_bytes(std::span(mesh.tetrahedra)))};
+  return hash_text(hash_bytes(std::as_bytes(std::span(parts))));
+}
+
+std::vector<VertexId> select_fixed(const PrecomputeOptions& options, const TetMesh& mesh) {
+  std::vector<VertexId> fixed;
+  for (const std::string& selector : options.fix) {
+    const std::vector<VertexId> chosen = unwrap(resolve_selector(selector, mesh));
+    fixed.insert(fixed.end(), chosen.begin(), chosen.end());
+  }
+  std::sort(fixed.begin(), fixed.end());
+  fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
+  return fixed;
+}
+
+// A part that can still move rigidly would make K singular.
+void require_held(const Problem& problem) {
+  const std::vector<int> freedom = rigid_freedom(problem.mesh, problem.report.part_of_vertex,
+                                                 static_cast<int>(problem.report.parts),
+                                                 problem.fixed);
+  for (std::size_t part = 0; part < freedom.size(); ++part) {
+    if (freedom[part] == 0) continue;
+    const auto& labels = problem.report.part_of_vertex;
+    const auto first = std::find(labels.begin(), labels.end(), static_cast<int>(part));
+    const Eigen::Vector3d x = problem.mesh.vertices[first - labels.begin()];
+    const auto count = std::count(labels.begin(), labels.end(), static_cast<int>(part));
+    throw Failure(content_error(
+        "part " + std::to_string(part + 1) + " of " + std::to_string(freedom.size()) + " (" +
+        std::to_string(count) + " vertices, one at " + std::to_string(x.x()) + ", " +
+        std::to_string(x.y()) + ", " + std::to_string(x.z()) + ") is not held: " +
+        std::to_string(freedom[part]) +
+        " rigid motions are left. Hold it with --fix SELECTOR, or ask for a free body with "
+        "--fix none"));
+  }
+}
+
+DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) {
+  DefaultLoad load;
+  if (options.load_at.empty()) return load;
+  if (!options.load_force.allFinite() || options.load_force.norm() == 0.0)
+    throw Failure(content_error("--load-at needs --load-force with a finite force other than zero"));
+  for (VertexId v : unwrap(resolve_selector(options.load_at, problem.mesh)))
+    if (!std::binary_search(problem.fixed.begin(), problem.fixed.end(), v))
+      load.vertices.push_back(v);
+  if (load.vertices.empty())
+    throw Failure(content_error("--load-at " + options.load_at + ": every such vertex is fixed"));
+  load.forces.assign(load.vertices.size(),
+                     options.load_force / static_cast<double>(load.vertices.size()));
+  return load;
+}
+
+}  // namespace
+
+Problem load_problem(const PrecomputeOptions& options) {
+  unwrap(check_material(options.material));
+  MeshFile file = unwrap(read_tet_mesh(options.mesh_path));
+  Problem problem;
+  problem.mesh = std::move(file.mesh);
+  problem.mesh_format = std::move(file.format);
+  Result<MeshReport> report = check_mesh(problem.mesh);
+  if (!report) throw Failure({report.error().kind, options.mesh_path + ": " + report.error().message});
+  problem.report = std::move(*report);
+  problem.notes = std::move(file.notes);
+  problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
+                       problem.report.notes.end());
+  problem.mesh_hash = hash_mesh(problem.mesh);
+  problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
+  if (!problem.free_body) {
+    problem.fixed = select_fixed(options, problem.mesh);
+    require_held(problem);
+  }
+  problem.load = make_load(options, problem);
+  return problem;
+}
+
+ModeCounts choose_mode_counts(const PrecomputeOptions& options, int free_dofs) {
+  ModeCounts counts;
+  counts.linear = options.linear_modes.value_or(std::min(20, free_dofs));
+  const auto refuse = [](const std::string& text) { throw Failure(content_error(text)); };
+  if (counts.linear < 1 || counts.linear > free_dofs)
+    refuse("--linear-modes " + std::to_string(counts.linear) + ": the mesh has " +
+           std::to_string(free_dofs) + " dofs to move");
+  const auto k = static_cast<std::size_t>(counts.linear);
+  const int most = static_cast<int>(
+      std::min<std::size_t>(k + pair_count(k), static_cast<std::size_t>(free_dofs)));
+  counts.modes = options.modes.value_or(std::min(30, most));
+  if (counts.modes < 1 || counts.modes > most)
+    refuse("--modes " + std::to_string(counts.modes) + ": " + std::to_string(counts.linear) +
+           " linear modes and their derivatives give at most " + std::to_string(most));
+  return counts;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,52 @@
+// Where a basis file comes from, as JSON. Nothing that changes from run to run.
+#include <filesystem>
+
+#include <metis.h>
+#include <nlohmann/json.hpp>
+
+#include "precompute/petsc.h"
+#include "precompute/pipeline.h"
+
+namespace tremolo {
+namespace {
+
+std::string version_of(int major, int minor, int subminor) {
+  return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(subminor);
+}
+
+}  // namespace
+
+std::string provenance_json(const PrecomputeOptions& options, const PrecomputeResult& result) {
+  using Json = nlohmann::ordered_json;
+  const PrecomputeFindings& findings = result.findings;
+  const auto r = static_cast<std::size_t>(result.data.lambda.size());
+  Json json;
+  json["generator"] = std::string("tremolo-precompute ") + TREMOLO_VERSION;
+  json["units"] = "SI";
+  json["command_line"] = options.command_line;
+  json["mesh"] = {{"file", std::filesystem::path(options.mesh_path).filename().string()},
+                  {"format", result.problem.mesh_format},
+                  {"xxh3_64", result.problem.mesh_hash}};
+  json["material"] = {{"model", "St. Venant-Kirchhoff"},
+                      {"young_pa", options.material.young},
+                      {"poisson", options.material.poisson},
+                      {"density_kg_m3", options.material.density}};
+  json["mass"] = options.mass == MassKind::kConsistent ? "consistent" : "lumped";
+  json["fix"] = options.fix;
+  json["modes"] = {{"solver", "SLEPc Krylov-Schur, shift-invert"},
+                   {"factorisation", findings.factorisation},
+                   {"residuals", findings.mode_residuals},
+                   {"certified_by_inertia", findings.certified}};
+  json["mass_orthonormality_error"] = findings.orthonormality_error;
+  json["stiffness_diagonality_error"] = findings.diagonality_error;
+  json["polynomial_error"] = findings.polynomial_error;
+  const auto& sigma = result.data.singular_values;
+  json["singular_value_cut"] = r < sigma.size() ? Json(sigma[r] / sigma[0]) : Json(nullptr);
+  json["versions"] = {
+      {"petsc", version_of(PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
+      {"slepc", version_of(SLEPC_VERSION_MAJOR, SLEPC_VERSION_MINOR, SLEPC_VERSION_SUBMINOR)},
+      {"metis", version_of(METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR)}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace tremolo

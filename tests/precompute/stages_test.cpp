@@ -1,0 +1,324 @@
+// Each stage against the property that defines it, on a small clamped or free block.
+#include <set>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "common/mesh_check.h"
+#include "common/packed_index.h"
+#include "precompute/basis.h"
+#include "precompute/coefficients.h"
+#include "precompute/derivatives.h"
+#include "precompute/failure.h"
+#include "precompute/modes.h"
+#include "precompute/polynomial_check.h"
+#include "precompute/rigid_motion.h"
+#include "tests/support/box_mesh.h"
+
+namespace tremolo {
+namespace {
+
+using testing::box_mesh;
+using testing::vertices_on_plane;
+
+const Material kRubber{1e6, 0.4, 1100.0};
+
+// Everything up to the matrices.
+struct Block {
+  TetMesh mesh;
+  MeshReport report;
+  std::vector<VertexId> fixed;
+  DofMap map;
+  LocalDofs local;
+  Solid solid;
+  Matrices matrices;
+
+  explicit Block(TetMesh source, bool clamped, MassKind mass = MassKind::kConsistent)
+      : mesh(std::move(source)),
+        report(*check_mesh(mesh)),
+        fixed(clamped ? vertices_on_plane(mesh, 0, 0.0) : std::vector<VertexId>{}),
+        map(make_dof_map(mesh, fixed, 1)),
+        local(local_dofs(mesh, map, 0)),
+        solid(make_solid(mesh, kRubber)),
+        matrices(assemble(solid, map, local, mass)) {}
+
+  Columns rigid() const {
+    return rigid_modes(mesh, report.part_of_vertex, static_cast<int>(report.parts), local,
+                       matrices.mass.get());
+  }
+};
+
+Block clamped_block(MassKind mass = MassKind::kConsistent) {
+  return Block(box_mesh({6, 2, 3}, {0.6, 0.18, 0.25}), true, mass);
+}
+Block free_block() {
+  return Block(box_mesh({6, 2, 3}, {0.6, 0.18, 0.25}), false);
+}
+
+constexpr double kFreeShift = -200.0;  // well below the first elastic mode of the free block
+
+Columns no_rigid(const Block& block) {
+  return Columns(block.local.dofs(), 0);
+}
+
+Eigen::MatrixXd dense(Mat matrix, int size) {
+  return multiply(matrix, Eigen::MatrixXd::Identity(size, size));
+}
+
+TEST(DofMap, EveryFreeVertexIsANodeOnceAndFixedOnesNever) {
+  const Block block = clamped_block();
+  std::set<int> seen(block.map.vertex_of_node.begin(), block.map.vertex_of_node.end());
+  EXPECT_EQ(seen.size(), block.mesh.vertices.size() - block.fixed.size());
+  for (VertexId v : block.fixed) EXPECT_EQ(block.map.node_of_vertex[v], -1);
+  for (int node = 0; node < block.map.nodes(); ++node)
+    EXPECT_EQ(block.map.node_of_vertex[block.map.vertex_of_node[node]], node);
+}
+
+TEST(DofMap, RanksShareTheNodesWithoutGapsAndEachSeesItsElements) {
+  const TetMesh mesh = box_mesh({6, 2, 3}, {0.6, 0.18, 0.25});
+  const DofMap map = make_dof_map(mesh, {}, 3);
+  ASSERT_EQ(map.rank_begin.size(), 4u);
+  EXPECT_EQ(map.rank_begin.front(), 0);
+  EXPECT_EQ(map.rank_begin.back(), map.nodes());
+  std::set<int> rows;
+  for (int rank = 0; rank < 3; ++rank) {
+    const LocalDofs local = local_dofs(mesh, map, rank);
+    EXPECT_GT(local.nodes, 0);
+    for (int row : local.row_of_vertex) {
+      if (row < 0) continue;
+      EXPECT_TRUE(rows.insert(3 * local.first_node + row).second);
+    }
+  }
+  EXPECT_EQ(rows.size(), mesh.vertices.size());
+}
+
+TEST(Matrices, AreSymmetricAndRigidMotionIsTheNullSpaceOfTheFreeStiffness) {
+  const Block block = free_block();
+  const int size = block.local.dofs();
+  const Eigen::MatrixXd k = dense(block.matrices.stiffness.get(), size);
+  const Eigen::MatrixXd m = dense(block.matrices.mass.get(), size);
+  EXPECT_LE((k - k.transpose()).cwiseAbs().maxCoeff(), 1e-14 * k.cwiseAbs().maxCoeff());
+  EXPECT_LE((m - m.transpose()).cwiseAbs().maxCoeff(), 1e-14 * m.cwiseAbs().maxCoeff());
+  const Columns rigid = block.rigid();
+  EXPECT_LE((rigid.transpose() * m * rigid - Eigen::MatrixXd::Identity(6, 6)).cwiseAbs().maxCoeff(),
+            1e-12);
+  EXPECT_LE((k * rigid).norm(), 1e-12 * k.norm() * rigid.norm());
+}
+
+TEST(Modes, AgreeWithADenseEigensolver) {
+  for (MassKind mass : {MassKind::kConsistent, MassKind::kLumped}) {
+    const Block block = clamped_block(mass);
+    const int size = block.local.dofs();
+    const Modes modes = compute_modes(block.matrices, 8, no_rigid(block), 0.0);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> reference(
+        dense(block.matrices.stiffness.get(), size), dense(block.matrices.mass.get(), size));
+    for (int i = 0; i < 8; ++i)
+      EXPECT_NEAR(modes.squared_frequencies[i], reference.eigenvalues()[i],
+                  1e-9 * reference.eigenvalues()[i]);
+    EXPECT_NEAR(modes.next_squared_frequency, reference.eigenvalues()[8],
+                1e-9 * reference.eigenvalues()[8]);
+    EXPECT_LE(modes.residuals.maxCoeff(), 1e-8);
+    EXPECT_EQ(modes.solver, "cholmod");
+  }
+}
+
+TEST(Modes, OfAFreeBodyLeaveRigidMotionOut) {
+  const Block block = free_block();
+  const int size = block.local.dofs();
+  const Columns rigid = block.rigid();
+  const Modes modes = compute_modes(block.matrices, 6, rigid, kFreeShift);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> reference(
+      dense(block.matrices.stiffness.get(), size), dense(block.matrices.mass.get(), size));
+  for (int i = 0; i < 6; ++i)
+    EXPECT_NEAR(modes.squared_frequencies[i], reference.eigenvalues()[i + 6],
+                1e-8 * reference.eigenvalues()[i + 6]);
+  EXPECT_LE((rigid.transpose() * multiply(block.matrices.mass.get(), modes.vectors)).norm(), 1e-9);
+}
+
+TEST(Modes, InertiaCountsThemAndWouldSeeAMissedOne) {
+  const Block block = clamped_block();
+  Modes modes = compute_modes(block.matrices, 7, no_rigid(block), 0.0);
+  for (int i = 0; i < 6; ++i) {
+    const double between = 0.5 * (modes.squared_frequencies[i] + modes.squared_frequencies[i + 1]);
+    EXPECT_EQ(count_modes_below(block.matrices, between), i + 1);
+  }
+  EXPECT_TRUE(certify(block.matrices, modes, 0).complete());
+  // Lose the third mode, as a badly chosen shift can.
+  Eigen::VectorXd thinned(6);
+  thinned << modes.squared_frequencies.head(2), modes.squared_frequencies.tail(4);
+  modes.squared_frequencies = thinned;
+  EXPECT_FALSE(certify(block.matrices, modes, 0).complete());
+}
+
+TEST(Modes, InertiaCountsTheRigidOnesOfAFreeBody) {
+  const Block block = free_block();
+  const Modes modes = compute_modes(block.matrices, 5, block.rigid(), kFreeShift);
+  const InertiaCertificate certificate = certify(block.matrices, modes, 6);
+  EXPECT_EQ(certificate.counted, 11);
+  EXPECT_TRUE(certificate.complete());
+}
+
+TEST(Modes, MoreThanTheMeshHasAreRefused) {
+  const Block block = clamped_block();
+  EXPECT_THROW(compute_modes(block.matrices, block.local.dofs() + 1, no_rigid(block), 0.0), Failure);
+  EXPECT_THROW(compute_modes(block.matrices, 0, no_rigid(block), 0.0), Failure);
+}
+
+TEST(RigidFreedom, CountsTheMotionsThatFixedVerticesLeave) {
+  const TetMesh mesh = box_mesh({1, 1, 1}, {1, 1, 1});
+  const std::vector<int> part(mesh.vertices.size(), 0);
+  const auto freedom = [&](const std::vector<VertexId>& fixed) {
+    return rigid_freedom(mesh, part, 1, fixed).front();
+  };
+  EXPECT_EQ(freedom({}), 6);
+  EXPECT_EQ(freedom({0}), 3);        // turns about a point
+  EXPECT_EQ(freedom({0, 1}), 1);     // turns about an edge
+  EXPECT_EQ(freedom({0, 1, 2}), 0);  // a triangle holds it
+}
+
+TEST(ModalDerivatives, SolveTheirDefiningEquation) {
+  const Block block = clamped_block();
+  const Modes modes = compute_modes(block.matrices, 4, no_rigid(block), 0.0);
+  const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
+  const Columns phi = modal_derivatives(block.solid, block.local, block.matrices, modes, psi,
+                                        no_rigid(block), 2);
+  ASSERT_EQ(phi.cols(), 10);
+  const Columns left = multiply(block.matrices.stiffness.get(), phi);
+  for (std::size_t j = 0; j < 4; ++j)
+    for (std::size_t i = 0; i <= j; ++i) {
+      Eigen::VectorXd h = Eigen::VectorXd::Zero(phi.rows());
+      add_second_derivative(block.solid, block.local.elements, psi.col(i), psi.col(j),
+                            block.local.row_of_vertex, h.data());
+      const auto column = left.col(static_cast<Eigen::Index>(pair_index(i, j)));
+      EXPECT_LE((column + h).norm(), 1e-9 * h.norm());  // condition of K times rounding
+    }
+}
+
+// Along u(p) = Psi p + 1/2 Phi p^2 the static force stays K Psi p to second order.
+TEST(ModalDerivatives, AreTheCurvatureOfTheStaticPath) {
+  const Block block = clamped_block();
+  const Modes modes = compute_modes(block.matrices, 1, no_rigid(block), 0.0);
+  const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
+  const Columns phi = modal_derivatives(block.solid, block.local, block.matrices, modes, psi,
+                                        no_rigid(block), 1);
+  const Eigen::MatrixXd curve = expand_to_vertices(block.map, block.local, phi);
+  const auto deviation = [&](double p, bool curved) {
+    Field u = psi.col(0) * p;
+    if (curved) u += 0.5 * p * p * curve.col(0);
+    Field force = internal_force(block.solid, u);
+    Field linear = Field::Zero(force.size());
+    const Columns k_psi = multiply(block.matrices.stiffness.get(), modes.vectors);
+    linear = expand_to_vertices(block.map, block.local, k_psi).col(0) * p;
+    for (VertexId v : block.fixed) force.segment<3>(3 * Eigen::Index{v}).setZero();
+    return (force - linear).norm();
+  };
+  const double p = 1e-3;
+  EXPECT_NEAR(deviation(p, false) / deviation(p / 2, false), 4.0, 0.2);  // second order without
+  EXPECT_NEAR(deviation(p, true) / deviation(p / 2, true), 8.0, 0.4);    // third order with
+}
+
+TEST(ModalDerivatives, OfAFreeBodyBalanceTheirLoadAndHoldNoRigidMotion) {
+  const Block block = free_block();
+  const Columns rigid = block.rigid();
+  const Modes modes = compute_modes(block.matrices, 3, rigid, kFreeShift);
+  const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
+  const Columns phi =
+      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, rigid, 1);
+  const Columns mass_phi = multiply(block.matrices.mass.get(), phi);
+  EXPECT_LE((rigid.transpose() * mass_phi).cwiseAbs().maxCoeff(),
+            1e-10 * std::sqrt((phi.transpose() * mass_phi).diagonal().maxCoeff()));
+  const Columns left = multiply(block.matrices.stiffness.get(), phi);
+  const Columns mass_rigid = multiply(block.matrices.mass.get(), rigid);
+  for (std::size_t j = 0; j < 3; ++j)
+    for (std::size_t i = 0; i <= j; ++i) {
+      Eigen::VectorXd h = Eigen::VectorXd::Zero(phi.rows());
+      add_second_derivative(block.solid, block.local.elements, psi.col(i), psi.col(j),
+                            block.local.row_of_vertex, h.data());
+      h -= mass_rigid * (rigid.transpose() * h);
+      EXPECT_LE((left.col(static_cast<Eigen::Index>(pair_index(i, j))) + h).norm(), 1e-8 * h.norm());
+    }
+}
+
+Basis make_sample_basis(const Block& block, int r) {
+  Modes modes = compute_modes(block.matrices, 5, no_rigid(block), 0.0);
+  const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
+  const Columns phi = modal_derivatives(block.solid, block.local, block.matrices, modes, psi,
+                                        no_rigid(block), 2);
+  return make_basis(block.matrices, modes.vectors, modes.squared_frequencies, phi, r);
+}
+
+TEST(Basis, IsOrthonormalInTheMassAndDiagonalInTheStiffness) {
+  for (MassKind mass : {MassKind::kConsistent, MassKind::kLumped}) {
+    const Block block = clamped_block(mass);
+    for (int r : {1, 12, 20}) {
+      const Basis basis = make_sample_basis(block, r);
+      const Eigen::MatrixXd gram =
+          basis.vectors.transpose() * multiply(block.matrices.mass.get(), basis.vectors);
+      EXPECT_LE((gram - Eigen::MatrixXd::Identity(r, r)).cwiseAbs().maxCoeff(), 1e-10);
+      EXPECT_LE(basis.orthonormality_error, 1e-10);
+      EXPECT_LE(basis.diagonality_error, 1e-10);
+      for (int i = 1; i < r; ++i) EXPECT_GE(basis.lambda[i], basis.lambda[i - 1]);
+    }
+  }
+}
+
+TEST(Basis, KeepsTheFirstModeAndTheSingularValuesDescend) {
+  const Block block = clamped_block();
+  const Modes modes = compute_modes(block.matrices, 5, no_rigid(block), 0.0);
+  const Basis basis = make_sample_basis(block, 15);
+  EXPECT_EQ(basis.singular_values.size(), 20u);
+  for (std::size_t i = 1; i < basis.singular_values.size(); ++i)
+    EXPECT_LE(basis.singular_values[i], basis.singular_values[i - 1]);
+  // Ritz values lie above the exact ones; the cut costs the first mode next to nothing.
+  EXPECT_GE(basis.lambda[0], modes.squared_frequencies[0] * (1 - 1e-10));
+  EXPECT_LE(basis.lambda[0], modes.squared_frequencies[0] * 1.001);
+}
+
+TEST(Basis, MoreCoordinatesThanColumnsAreRefused) {
+  const Block block = clamped_block();
+  EXPECT_THROW(make_sample_basis(block, 21), Failure);
+}
+
+TEST(Coefficients, ThePolynomialIsTheProjectedForceOfTheFullMesh) {
+  const Block block = clamped_block();
+  const Basis basis = make_sample_basis(block, 12);
+  const BasisRows rows = expand_to_vertices(block.map, block.local, basis.vectors);
+  const Coefficients c =
+      coefficients_from_gram(strain_gram(block.solid, rows, 0, block.solid.samples.size(), 2), 12);
+  const double size = bounding_box(block.mesh.vertices).diagonal();
+  for (double reach : {1e-3, 0.05, 0.5})
+    EXPECT_LE(polynomial_error(block.solid, rows, basis.lambda, c.cubic, c.quartic, reach * size),
+              1e-12)
+        << reach;
+  EXPECT_LE((c.quadratic - Eigen::MatrixXd(basis.lambda.asDiagonal())).cwiseAbs().maxCoeff(),
+            1e-10 * basis.lambda.maxCoeff());
+}
+
+TEST(Coefficients, TheSumDoesNotDependOnTheThreads) {
+  const Block block = clamped_block();
+  const Basis basis = make_sample_basis(block, 6);
+  const BasisRows rows = expand_to_vertices(block.map, block.local, basis.vectors);
+  const std::size_t m = block.solid.samples.size();
+  const Eigen::MatrixXd one = strain_gram(block.solid, rows, 0, m, 1);
+  EXPECT_EQ(one, strain_gram(block.solid, rows, 0, m, 3));
+  // Ranks add their shares.
+  const Eigen::MatrixXd parts =
+      strain_gram(block.solid, rows, 0, m / 3, 1) + strain_gram(block.solid, rows, m / 3, m, 1);
+  EXPECT_LE((one - parts).cwiseAbs().maxCoeff(), 1e-13 * one.cwiseAbs().maxCoeff());
+}
+
+TEST(Signs, TheFirstLargeEntryIsPositiveWhateverTheSolverGave) {
+  const Block block = clamped_block();
+  const Modes modes = compute_modes(block.matrices, 4, no_rigid(block), 0.0);
+  Columns vectors = modes.vectors;
+  Eigen::MatrixXd expanded = expand_to_vertices(block.map, block.local, vectors);
+  Columns mirrored = -vectors;
+  Eigen::MatrixXd mirrored_expanded = -expanded;
+  fix_signs(vectors, expanded);
+  fix_signs(mirrored, mirrored_expanded);
+  EXPECT_EQ(vectors, mirrored);
+  EXPECT_EQ(expanded, mirrored_expanded);
+}
+
+}  // namespace
+}  // namespace tremolo

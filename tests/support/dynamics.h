@@ -1,0 +1,68 @@
+// Helpers for tests of integrators: make one, run it, and an independent reference orbit.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include "runtime/integrators/integrator.h"
+#include "tests/support/sample_basis.h"
+
+namespace tremolo::testing {
+
+inline Model::Pointer make_model(const StrainModel& strain) {
+  Result<Model::Pointer> model = Model::from_data(sample_basis(strain));
+  EXPECT_TRUE(model) << (model ? "" : model.error().message);
+  return *model;
+}
+
+inline std::unique_ptr<Integrator> make(std::string_view name, const Model::Pointer& model,
+                                        const IntegratorOptions& options) {
+  Result<std::unique_ptr<Integrator>> made = make_integrator(name, model, options);
+  EXPECT_TRUE(made) << (made ? "" : made.error().message);
+  return std::move(*made);
+}
+
+// `count` steps from time 0; fails the test where a step does not converge.
+inline void run(Integrator& integrator, State& state, const std::vector<Load>& loads, double step,
+                int count) {
+  StepLoad load = make_step_load(state.q.size());
+  for (int k = 0; k < count; ++k) {
+    sample_loads(loads, k * step, step, load);
+    const StepReport report = integrator.step(state, load);
+    ASSERT_TRUE(report.converged) << integrator.name() << " at step " << k << ", residual "
+                                  << report.residual;
+  }
+}
+
+// Classical Runge-Kutta on q' = p, p' = f(t) - D p - grad V(q), with the strain form of V: shares
+// no code with what is tested.
+inline State reference_orbit(const StrainModel& model, State state, double alpha, double beta,
+                             const std::function<Eigen::VectorXd(double)>& force, double duration,
+                             int steps) {
+  const Eigen::VectorXd rates = (alpha + beta * model.omega.array().square()).matrix();
+  const auto slope = [&](double t, const State& s) {
+    return State{s.p, force(t) - rates.cwiseProduct(s.p) - strain_force(model, s.q)};
+  };
+  const auto moved = [](const State& s, const State& d, double h) {
+    return State{s.q + h * d.q, s.p + h * d.p};
+  };
+  const double h = duration / steps;
+  for (int k = 0; k < steps; ++k) {
+    const double t = k * h;
+    const State k1 = slope(t, state);
+    const State k2 = slope(t + 0.5 * h, moved(state, k1, 0.5 * h));
+    const State k3 = slope(t + 0.5 * h, moved(state, k2, 0.5 * h));
+    const State k4 = slope(t + h, moved(state, k3, h));
+    state.q += h / 6.0 * (k1.q + 2.0 * k2.q + 2.0 * k3.q + k4.q);
+    state.p += h / 6.0 * (k1.p + 2.0 * k2.p + 2.0 * k3.p + k4.p);
+  }
+  return state;
+}
+
+}  // namespace tremolo::testing
