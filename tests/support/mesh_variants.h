@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,8 @@ struct MeshVariant {
   std::string name;
   std::vector<std::pair<std::string, std::string>> files;
   std::map<std::string, std::vector<VertexId>> sets;
+
+  friend void PrintTo(const MeshVariant& variant, std::ostream* out) { *out << variant.name; }
 };
 
 inline std::vector<MeshVariant> all_mesh_variants() {

@@ -1,10 +1,9 @@
 // A folder of its own for a test, removed at its end.
 #pragma once
 
-#include <stdlib.h>
-
 #include <filesystem>
 #include <fstream>
+#include <stdlib.h>
 #include <string>
 
 namespace tremolo::testing {

@@ -1,0 +1,78 @@
+# Shared by ./demo and ./check: what must be installed, and how the build is made.
+# Source it from the top of the repository.
+
+say() { printf '\n== %s\n' "$*"; }
+give_up() { printf '%s: %s\n' "${0##*/}" "$*" >&2; exit 1; }
+
+packages_build="g++ cmake make ninja-build pkg-config libeigen3-dev libxxhash-dev libcli11-dev
+  libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libpugixml-dev libassimp-dev
+  libpetsc-real-dev libslepc-real-dev libopenmpi-dev openmpi-bin libmetis-dev libopenblas-dev
+  libsuitesparse-dev"
+packages_show="gnuplot-nox povray"
+packages_test="libgtest-dev libcgal-dev"
+
+# need PACKAGE...: installs those that are missing.
+need() {
+  local missing=() package root=()
+  if ! command -v apt-get >/dev/null; then
+    say "this is not a Debian system: not installing anything"
+    printf 'Needed (names of Debian 12): %s\n' "$*"
+    command -v cmake >/dev/null || give_up "cmake is missing; install the list above"
+    return
+  fi
+  for package in "$@"; do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] ||
+      missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return
+  say "installing ${missing[*]}"
+  if [ "$(id -u)" != 0 ]; then
+    command -v sudo >/dev/null ||
+      give_up "run as root, install sudo, or do: apt-get install --no-install-recommends ${missing[*]}"
+    root=(sudo)
+  fi
+  "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q=2 ||
+    give_up "apt-get update failed: is the network there?"
+  "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q=2 -y --no-install-recommends \
+    "${missing[@]}" >/dev/null || give_up "apt-get could not install ${missing[*]}"
+}
+
+# build PRESET [CONFIGURE OPTION]... [-- TARGET...]: configures and builds.
+build() {
+  local preset=$1 options=() targets=()
+  shift
+  while [ $# -gt 0 ] && [ "$1" != -- ]; do options+=("$1"); shift; done
+  [ $# -gt 0 ] && shift
+  [ $# -gt 0 ] && targets=(--target "$@")
+  say "building ($preset)"
+  # A tree that was configured with another generator keeps it.
+  local generator=() tree=build
+  [ "$preset" = release ] || tree=build/$preset
+  [ -e "$tree/CMakeCache.txt" ] || generator=(-G Ninja)
+  cmake --preset "$preset" "${generator[@]}" "${options[@]}" >"/tmp/tremolo-configure.$$" 2>&1 ||
+    { cat "/tmp/tremolo-configure.$$" >&2; rm -f "/tmp/tremolo-configure.$$"
+      give_up "cmake could not configure"; }
+  rm -f "/tmp/tremolo-configure.$$"
+  cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}" ||
+    give_up "the build failed"
+}
+
+models="beam basket bridge horse tower heart"
+
+# precompute MODEL: its basis file, unless it is newer than everything it is made of.
+precompute() {
+  local name=$1 out=build/models/$1.tremolo log=build/models/$1.log source
+  local sources=(assets/meshes/$name.msh assets/models/$name.toml build/bin/tremolo-precompute)
+  mkdir -p build/models
+  if [ -e "$out" ]; then
+    for source in "${sources[@]}"; do [ "$source" -nt "$out" ] && break; source=; done
+    [ -z "$source" ] && return
+  fi
+  build/bin/tremolo-precompute "assets/meshes/$name.msh" --config "assets/models/$name.toml" \
+    -o "$out" 2>"$log" || { cat "$log" >&2; give_up "the precompute of $name failed"; }
+}
+
+# MPI refuses to start more ranks than cores, or as root, unless told that it may.
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+# Some machines cap OpenBLAS at an old instruction set.
+unset OPENBLAS_CORETYPE

@@ -1,0 +1,71 @@
+// What the mesh readers have in common: file ids become indices, tetrahedra are kept, other cells
+// are counted.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/result.h"
+#include "common/tet_mesh.h"
+#include "formats/mesh_cells.h"
+#include "formats/mesh_reader.h"
+
+namespace tremolo {
+
+// Fill in this order: all vertices, seal_vertices(), cells and sets, finish(). A call that
+// refuses returns false and leaves a complaint, to which the reader adds the place in its file.
+class MeshBuilder {
+ public:
+  explicit MeshBuilder(std::string file) : file_(std::move(file)) {}
+
+  void reserve_vertices(std::size_t count);
+  void reserve_tetrahedra(std::size_t count) { mesh_.tetrahedra.reserve(count); }
+
+  // id: the file's number for the vertex; x: metres. Refuses what is not finite.
+  bool add_vertex(std::int64_t id, const Eigen::Vector3d& x);
+  // Refuses ids that two vertices share.
+  bool seal_vertices();
+  std::size_t vertex_count() const { return mesh_.vertices.size(); }
+
+  // Indices of the nodes of a cell, which `cell` names for the complaint. Refuses unknown ids.
+  bool resolve(std::int64_t cell, std::span<const std::int64_t> nodes,
+               std::vector<VertexId>& vertices);
+  // A cell of any kind: a tetrahedron is kept, another is counted, one of higher order refused.
+  bool add_cell(std::int64_t cell, const CellKind& kind, std::span<const VertexId> vertices);
+
+  void add_to_set(const std::string& name, std::span<const VertexId> vertices);
+  void add_note(std::string note) { notes_.push_back(std::move(note)); }
+
+  const TetMesh& mesh() const { return mesh_; }
+  TetMesh& mesh() { return mesh_; }
+  const std::string& complaint() const { return complaint_; }
+
+  // Sorts the sets and notes what was skipped. A file without tetrahedra is an error (kContent)
+  // that says what it holds.
+  Result<MeshFile> finish(std::string format);
+
+ private:
+  VertexId find(std::int64_t id) const;
+  bool refuse(std::string complaint);
+
+  std::string file_;
+  TetMesh mesh_;
+  // Ids are almost always consecutive; the table of pairs is built only when they are not.
+  std::int64_t first_id_ = 0;
+  std::int64_t lowest_id_ = 0;
+  std::int64_t highest_id_ = 0;
+  bool consecutive_ = true;
+  std::vector<std::int64_t> ids_;
+  std::vector<std::pair<std::int64_t, VertexId>> index_of_id_;
+  std::map<std::string_view, std::size_t> skipped_;
+  std::vector<std::string> notes_;
+  std::string complaint_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,27 @@
+// Tetrahedral mesh files -> TetMesh. docs/meshes.md lists the formats.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "common/tet_mesh.h"
+
+namespace tremolo {
+
+// mesh: vertices in the file's order, coordinates as they stand in the file (taken as metres),
+// tetrahedra in the file's order and orientation: check_mesh() is still to see them.
+// format: what was read, "MSH 4.1 binary". notes: sentences about what was left out.
+struct MeshFile {
+  TetMesh mesh;
+  std::string format;
+  std::vector<std::string> notes;
+};
+
+// Recognises the format by the file's first line, then by its extension. Cells that are not
+// tetrahedra are skipped and noted; named groups become node sets. Nothing in the file is trusted:
+// memory is bounded by its size. Errors: kSystem for a file that is missing or unreadable, kContent
+// with line (text) or byte offset (binary), what was expected and what was found for all others.
+Result<MeshFile> read_tet_mesh(const std::string& path);
+
+}  // namespace tremolo

@@ -1,0 +1,35 @@
+// Physical groups of an MSH file -> node sets.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/mesh_builder.h"
+#include "formats/msh_input.h"
+
+namespace tremolo {
+
+// A group of dimension 0 to 3 with a tag; its set holds the vertices of all its elements. It is
+// called by its physical name, or "point 7", "curve 7", "surface 7", "volume 7" without one.
+class MshGroups {
+ public:
+  // The body of $PhysicalNames.
+  bool read_names(MshInput& input);
+  // Signs of tags are orientations and do not matter; tag 0 is no group.
+  void add(int dimension, std::int64_t tag, std::span<const VertexId> vertices);
+  void give_to(MeshBuilder& builder) const;
+
+ private:
+  using Key = std::pair<int, std::int64_t>;
+  std::map<Key, std::string> names_;
+  std::map<Key, std::vector<VertexId>> members_;
+};
+
+// Dimension of the cells of an MSH element type.
+int msh_dimension(int type);
+
+}  // namespace tremolo

@@ -1,0 +1,16 @@
+// A selector as the user wrote it -> vertices, including those listed in a file.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "common/selector.h"
+#include "common/tet_mesh.h"
+
+namespace tremolo {
+
+// parse_selector() and select_vertices(), and read_id_list() for `file:PATH`; the same errors.
+Result<std::vector<VertexId>> resolve_selector(const std::string& text, const TetMesh& mesh);
+
+}  // namespace tremolo

@@ -1,0 +1,100 @@
+// Tokens and numbers of a text that lies in memory, with the line they stand on.
+#pragma once
+
+#include <algorithm>
+#include <charconv>
+#include <concepts>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+// How a text is cut into tokens. Blanks, tabs, CR and LF always separate.
+struct TextStyle {
+  char comment = '\0';       // from this character to the end of the line nothing counts
+  bool commas = false;       // commas separate like blanks
+  bool lines = false;        // a record is a line: tokens are not taken from the next one
+  bool open_end = false;     // a number may touch the end of the text; else it may be cut off there
+  bool binary_file = false;  // errors give the byte offset, since lines mean nothing
+};
+
+// What was found, for an error message: short, in quotes, without control characters.
+std::string quoted_text(std::string_view found);
+
+// Walks over a text that must outlive it. A read that fails returns false and leaves an error
+// (kContent) that names file and line, what was expected and what was found.
+class TextScanner {
+ public:
+  TextScanner(std::string_view text, std::string file, TextStyle style = {});
+
+  // True if only blanks and comments are left in the text, or on this line.
+  bool at_end();
+  bool at_line_end();
+  // Goes to the start of the next line that holds something; false at the end of the text.
+  bool next_line();
+
+  // The next token, empty if there is none (with style.lines: none on this line).
+  std::string_view token();
+  std::string_view peek();
+  // The rest of this line without its end, comments included; goes behind it.
+  std::string_view rest_of_line();
+
+  // A whole token that is a number in the range of T; what: "a node id".
+  template <std::integral T>
+  bool read(T& value, std::string_view what) {
+    return read_number(value, what);
+  }
+  bool read(double& value, std::string_view what) { return read_number(value, what); }
+  // A word without blanks, a text between double quotes on one line, or just this word.
+  bool read_word(std::string& word, std::string_view what);
+  bool read_quoted(std::string& text, std::string_view what);
+  bool expect(std::string_view word);
+
+  // Whether `count` items of at least `bytes` each can follow; asked before memory is taken.
+  bool fits(std::size_t count, std::size_t bytes, std::string_view what);
+
+  // Byte positions in the whole text.
+  std::size_t offset() const { return at_; }
+  std::size_t remaining() const { return text_.size() - at_; }
+  void seek(std::size_t offset);
+  std::string_view text() const { return text_; }
+
+  // "FILE, line 12: PROBLEM" at the last token.
+  Error problem(const std::string& text) const;
+  bool fail(std::string_view expected, std::string_view found);
+  const Error& error() const { return error_; }
+
+ private:
+  template <class T>
+  bool read_number(T& value, std::string_view what);
+  bool is_separator(char c) const;
+  void skip_separators(bool over_lines);
+
+  std::string_view text_;
+  std::string file_;
+  TextStyle style_;
+  std::size_t at_ = 0;
+  std::size_t line_ = 1;
+  std::size_t token_at_ = 0;  // where the last token began, and on which line
+  std::size_t token_line_ = 1;
+  Error error_;
+};
+
+template <class T>
+bool TextScanner::read_number(T& value, std::string_view what) {
+  const std::string_view found = token();
+  std::string_view digits = found;
+  if (digits.size() > 1 && digits.front() == '+' && digits[1] != '-') digits.remove_prefix(1);
+  const char* end = digits.data() + digits.size();
+  const auto [stop, code] = std::from_chars(digits.data(), end, value);
+  if (found.empty() || code != std::errc{} || stop != end) return fail(what, found);
+  if (at_ == text_.size() && !style_.open_end)
+    return fail("a line end behind " + std::string(what) + " (the file may be cut off)", "");
+  return true;
+}
+
+}  // namespace tremolo

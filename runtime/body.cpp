@@ -1,0 +1,158 @@
+#include "runtime/body.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace tremolo {
+namespace {
+
+Error usage_error(std::string message) {
+  return {ErrorKind::kUsage, std::move(message)};
+}
+
+template <class Real>
+Status write_positions(const Model& model, const Eigen::VectorXd& q, std::span<Real> out) {
+  const VertexBlock& surface = model.surface();
+  const std::size_t needed = 3 * surface.vertex_ids.size();
+  if (out.size() != needed)
+    return usage_error("the buffer for positions holds " + std::to_string(out.size()) +
+                       " numbers, needs " + std::to_string(needed));
+  // Row by row: a whole product would need a temporary.
+  for (std::size_t row = 0; row < needed; ++row) {
+    const double u = surface.rows.row(static_cast<Eigen::Index>(row)).dot(q);
+    out[row] = static_cast<Real>(surface.rest[row / 3][static_cast<Eigen::Index>(row % 3)] + u);
+  }
+  return Success{};
+}
+
+}  // namespace
+
+Result<Body> Body::create(Model::Pointer model, std::string_view integrator,
+                          const IntegratorOptions& options) {
+  Result<std::unique_ptr<Integrator>> made = make_integrator(integrator, model, options);
+  if (!made) return made.error();
+  return Body(std::move(model), std::move(*made), options);
+}
+
+Body::Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
+           const IntegratorOptions& options)
+    : model_(std::move(model)),
+      integrator_(std::move(integrator)),
+      options_(options),
+      state_{Eigen::VectorXd::Zero(model_->modes()), Eigen::VectorXd::Zero(model_->modes())},
+      step_load_(make_step_load(model_->modes())),
+      q_before_(state_.q),
+      workspace_(model_->potential().make_workspace()),
+      evaluation_(model_->potential().make_evaluation()),
+      momentum_(state_.p) {}
+
+Status Body::set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
+  const Eigen::Index r = model_->modes();
+  if (q.size() != r || p.size() != r)
+    return usage_error("a state has " + std::to_string(r) + " coordinates and momenta, got " +
+                       std::to_string(q.size()) + " and " + std::to_string(p.size()));
+  if (!q.allFinite() || !p.allFinite()) return usage_error("the state is not finite");
+  state_.q = q;
+  state_.p = p;
+  integrator_->reset();
+  return Success{};
+}
+
+Status Body::add_load(const Load& load) {
+  if (load.force.size() != model_->modes() || !load.force.allFinite())
+    return usage_error("a reduced load has " + std::to_string(model_->modes()) +
+                       " finite coordinates");
+  loads_.push_back(load);
+  return Success{};
+}
+
+Status Body::add_load(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force) {
+  Result<Eigen::VectorXd> reduced = reduce_force(*model_, vertex, force);
+  if (!reduced) return reduced.error();
+  return add_load({signal, std::move(*reduced)});
+}
+
+Status Body::add_default_load(const Signal& signal, double scale) {
+  if (model_->default_load().vertices.empty())
+    return usage_error("the model carries no default load; name a vertex and a force");
+  Result<Eigen::VectorXd> reduced = reduce_load(*model_, model_->default_load(), scale);
+  if (!reduced) return reduced.error();
+  return add_load({signal, std::move(*reduced)});
+}
+
+void Body::clear_loads() {
+  loads_.clear();
+  applied_.clear();
+}
+
+Status Body::apply_force(VertexId vertex, const Eigen::Vector3d& force, int steps) {
+  if (steps < 1)
+    return usage_error("a force acts for at least one step, got " + std::to_string(steps));
+  Result<Eigen::VectorXd> reduced = reduce_force(*model_, vertex, force);
+  if (!reduced) return reduced.error();
+  applied_.push_back({std::move(*reduced), steps});
+  return Success{};
+}
+
+StepReport Body::step() {
+  gather_loads();
+  q_before_ = state_.q;
+  const StepReport report = integrator_->step(state_, step_load_);
+  iterations_ += report.iterations;
+  if (!report.converged) return report;
+  ++steps_;
+  work_ += step_load_.average.dot(state_.q - q_before_);
+  dissipated_ += report.dissipated;
+  age_applied_forces();
+  return report;
+}
+
+void Body::gather_loads() {
+  sample_loads(loads_, time(), options_.step, step_load_);
+  for (const AppliedForce& applied : applied_) {
+    step_load_.start += applied.force;
+    step_load_.average += applied.force;
+    step_load_.end += applied.force;
+    step_load_.active = true;
+  }
+}
+
+void Body::age_applied_forces() {
+  for (AppliedForce& applied : applied_) --applied.steps;
+  std::erase_if(applied_, [](const AppliedForce& applied) { return applied.steps == 0; });
+}
+
+bool Body::load_to_come() const {
+  // As sample_signal does, an end within 1e-9 of a step from now counts as now.
+  const double now = time() + 1e-9 * options_.step;
+  return !applied_.empty() || std::any_of(loads_.begin(), loads_.end(), [now](const Load& load) {
+    return signal_end(load.signal) > now;
+  });
+}
+
+Energy Body::energy() const {
+  integrator_->synchronized_momentum(state_, momentum_);
+  model_->potential().evaluate(state_.q, kWantEnergy, workspace_, evaluation_);
+  const std::optional<Split> split = integrator_->split();
+  Energy energy{kinetic_energy(momentum_), evaluation_.energy, 0.0};
+  if (split) energy.high_band = band_energy(model_->lambda(), state_.q, momentum_, split->low);
+  return energy;
+}
+
+Result<Eigen::Vector3d> Body::displacement(VertexId vertex) const {
+  const Result<VertexRows> rows = model_->vertex(vertex);
+  if (!rows) return rows.error();
+  return Eigen::Vector3d(rows->rows * state_.q);
+}
+
+Status Body::surface_positions(std::span<double> out) const {
+  return write_positions(*model_, state_.q, out);
+}
+
+Status Body::surface_positions(std::span<float> out) const {
+  return write_positions(*model_, state_.q, out);
+}
+
+}  // namespace tremolo

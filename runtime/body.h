@@ -1,0 +1,100 @@
+// A body: a model, where it is, how it moves, and what pushes it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/energy.h"
+#include "runtime/integrators/integrator.h"
+#include "runtime/load.h"
+#include "runtime/model.h"
+
+namespace tremolo {
+
+// Starts at rest in the rest shape at time 0. Not thread-safe; different bodies of one model may
+// step on different threads.
+class Body {
+ public:
+  // Errors as make_integrator.
+  static Result<Body> create(Model::Pointer model, std::string_view integrator,
+                             const IntegratorOptions& options);
+
+  const Model& model() const { return *model_; }
+  const Integrator& integrator() const { return *integrator_; }
+  const State& state() const { return state_; }
+  double step_size() const { return options_.step; }                              // s
+  std::int64_t steps() const { return steps_; }                                   // done so far
+  double time() const { return static_cast<double>(steps_) * options_.step; }     // s
+
+  // Sets q and p (each r long, finite); what the integrator carried is forgotten, time goes on.
+  // kUsage otherwise, and nothing is changed.
+  Status set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p);
+
+  // Adds a load in time; its signal's clock is time().
+  Status add_load(const Load& load);  // kUsage if its force is not r long and finite
+  Status add_load(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force);  // N
+  // The model's default load, times scale. kUsage if the model has none.
+  Status add_default_load(const Signal& signal, double scale = 1.0);
+  void clear_loads();
+
+  // A force (N) at a vertex, constant over the next `steps` steps. Several add up.
+  Status apply_force(VertexId vertex, const Eigen::Vector3d& force, int steps = 1);
+
+  // One step. If the report says not converged, the state, the time and the pending forces are as
+  // before. Nothing is allocated.
+  StepReport step();
+
+  // True if a load can still act on a step to come.
+  bool load_to_come() const;
+
+  // Since the start, J: work of the loads, average . (q1 - q0) a step (exact for midpoint-type
+  // methods, second order for the others), and what damping took.
+  double work() const { return work_; }
+  double dissipated() const { return dissipated_; }
+  std::int64_t iterations() const { return iterations_; }  // of all steps
+
+  Energy energy() const;  // evaluates V
+
+  // U_vertex q, m. Errors as Model::vertex.
+  Result<Eigen::Vector3d> displacement(VertexId vertex) const;
+
+  // X + U q of the surface's vertices, x y z x y z ..., m. out: 3 * surface().vertex_ids.size()
+  // long, else kUsage. Nothing is allocated.
+  Status surface_positions(std::span<double> out) const;
+  Status surface_positions(std::span<float> out) const;
+
+ private:
+  struct AppliedForce {
+    Eigen::VectorXd force;
+    int steps = 0;
+  };
+
+  Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
+       const IntegratorOptions& options);
+  void gather_loads();
+  void age_applied_forces();
+
+  Model::Pointer model_;
+  std::unique_ptr<Integrator> integrator_;
+  IntegratorOptions options_;
+  State state_;
+  std::vector<Load> loads_;
+  std::vector<AppliedForce> applied_;
+  StepLoad step_load_;
+  Eigen::VectorXd q_before_;
+  std::int64_t steps_ = 0;
+  std::int64_t iterations_ = 0;
+  double work_ = 0.0;
+  double dissipated_ = 0.0;
+  mutable PotentialWorkspace workspace_;
+  mutable Evaluation evaluation_;
+  mutable Eigen::VectorXd momentum_;
+};
+
+}  // namespace tremolo

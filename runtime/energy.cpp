@@ -1,0 +1,46 @@
+#include "runtime/energy.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tremolo {
+
+double kinetic_energy(const Eigen::VectorXd& p) {
+  return 0.5 * p.squaredNorm();
+}
+
+double band_energy(const Eigen::VectorXd& lambda, const Eigen::VectorXd& q,
+                   const Eigen::VectorXd& p, Eigen::Index low) {
+  const Eigen::Index high = lambda.size() - low;
+  return 0.5 * (p.tail(high).squaredNorm() +
+                (lambda.tail(high).array() * q.tail(high).array().square()).sum());
+}
+
+void DriftMeter::observe(double energy, double work, double dissipated, bool load_to_come) {
+  if (!started_) {
+    started_ = true;
+    start_energy_ = energy;
+  }
+  highest_ = std::max(highest_, std::abs(energy));
+  if (!free_) {
+    const double error = std::abs(energy - start_energy_ - work + dissipated);
+    // Written so that a value that is not finite is kept and shows.
+    if (!(error <= loaded_error_)) loaded_error_ = error;
+    if (load_to_come) return;
+    free_ = true;
+    reference_energy_ = energy;
+    reference_ = energy + dissipated;
+    return;
+  }
+  const double error = std::abs(energy + dissipated - reference_);
+  if (!(error <= free_error_)) free_error_ = error;
+}
+
+double DriftMeter::worst() const {
+  const double error = free_ ? free_error_ : loaded_error_;
+  const double scale = free_ ? reference_energy_ : highest_;
+  if (error == 0.0) return 0.0;
+  return error / scale;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,85 @@
+// Names -> integrators: the one place that knows them all.
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "runtime/integrators/imexv.h"
+#include "runtime/integrators/imexv_thesis.h"
+#include "runtime/integrators/integrator.h"
+#include "runtime/integrators/midpoint.h"
+#include "runtime/integrators/newmark.h"
+#include "runtime/integrators/verlet.h"
+
+namespace tremolo {
+namespace {
+
+using Made = Result<std::unique_ptr<Integrator>>;
+using Maker = Made (*)(Model::Pointer, const IntegratorOptions&);
+
+// Those that cannot fail return a bare pointer.
+template <std::unique_ptr<Integrator> (*kMake)(Model::Pointer, const IntegratorOptions&)>
+Made always(Model::Pointer model, const IntegratorOptions& options) {
+  return kMake(std::move(model), options);
+}
+
+struct Entry {
+  std::string_view name;
+  Maker make;
+};
+
+constexpr std::array kEntries = {
+    Entry{"verlet", always<make_verlet>},     Entry{"midpoint", always<make_midpoint>},
+    Entry{"newmark", always<make_newmark>},   Entry{"imexv", make_imexv},
+    Entry{"imexv-thesis", make_imexv_thesis},
+};
+
+constexpr auto kNames = [] {
+  std::array<std::string_view, kEntries.size()> names;
+  for (std::size_t i = 0; i < names.size(); ++i) names[i] = kEntries[i].name;
+  return names;
+}();
+
+Status refuse(const std::string& what, double value, const char* range) {
+  return Error{ErrorKind::kUsage, what + " is " + std::to_string(value) + ", must be " + range};
+}
+
+Status check_options(const IntegratorOptions& options) {
+  const auto not_below_zero = [](double value) { return value >= 0.0 && std::isfinite(value); };
+  if (!(options.step > 0.0) || !std::isfinite(options.step))
+    return refuse("the step", options.step, "positive and finite (s)");
+  if (!not_below_zero(options.alpha))
+    return refuse("the damping alpha", options.alpha, "finite and not negative (1/s)");
+  if (!not_below_zero(options.beta))
+    return refuse("the damping beta", options.beta, "finite and not negative (s)");
+  if (!not_below_zero(options.newmark_beta))
+    return refuse("Newmark's beta", options.newmark_beta, "finite and not negative");
+  if (!not_below_zero(options.newmark_gamma))
+    return refuse("Newmark's gamma", options.newmark_gamma, "finite and not negative");
+  if (!(options.tolerance > 0.0) || !std::isfinite(options.tolerance))
+    return refuse("the tolerance", options.tolerance, "positive and finite");
+  if (options.max_iterations < 1)
+    return refuse("the number of iterations", options.max_iterations, "at least 1");
+  return Success{};
+}
+
+}  // namespace
+
+std::span<const std::string_view> integrator_names() {
+  return kNames;
+}
+
+Made make_integrator(std::string_view name, Model::Pointer model,
+                     const IntegratorOptions& options) {
+  if (!model) return Error{ErrorKind::kUsage, "an integrator needs a model"};
+  for (const Entry& entry : kEntries) {
+    if (entry.name != name) continue;
+    if (Status status = check_options(options); !status) return status.error();
+    return entry.make(std::move(model), options);
+  }
+  std::string message = "unknown integrator '" + std::string(name) + "'; known:";
+  for (const std::string_view known : kNames) message += " " + std::string(known);
+  return Error{ErrorKind::kUsage, std::move(message)};
+}
+
+}  // namespace tremolo

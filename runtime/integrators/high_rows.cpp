@@ -1,0 +1,71 @@
+#include "runtime/integrators/high_rows.h"
+
+#include <algorithm>
+
+namespace tremolo {
+
+HighRows::HighRows(const Potential& potential, Split split, const Eigen::VectorXd& rates,
+                   const IntegratorOptions& options, HighDamping damping, SolveNorm norm)
+    : potential_(potential),
+      split_(split),
+      rates_(rates.tail(split.high)),
+      step_(options.step),
+      tolerance_(options.tolerance),
+      max_iterations_(options.max_iterations),
+      damping_(damping),
+      norm_(norm),
+      workspace_(potential.make_workspace()),
+      evaluation_(potential.make_evaluation()),
+      middle_(Eigen::VectorXd::Zero(potential.size())),
+      newton_(split.high) {}
+
+StepReport HighRows::advance(const Eigen::VectorXd& q0, State& state,
+                             const Eigen::VectorXd& load) {
+  if (split_.high == 0) return {};
+  const double h = step_;
+  Eigen::VectorXd& d = newton_.unknowns;
+  auto p = state.p.tail(split_.high);
+  d = h * p;
+  middle_.head(split_.low) = 0.5 * (q0.head(split_.low) + state.q.head(split_.low));
+  potential_.begin_trailing(middle_, split_.low, workspace_);
+  StepReport report = solve_newton(newton_, max_iterations_, [&] { return evaluate(q0, state, load); });
+  if (!report.converged) return report;
+  state.q.tail(split_.high) += d;
+  p = (2.0 / h) * d - p;
+  // The force -D v acts along d: v is the mean or the end velocity.
+  if (damping_ == HighDamping::kMeanVelocity)
+    report.dissipated = (d.array().square() * rates_.array()).sum() / h;
+  else
+    report.dissipated = (d.array() * rates_.array() * p.array()).sum();
+  return report;
+}
+
+double HighRows::evaluate(const Eigen::VectorXd& q0, const State& state,
+                          const Eigen::VectorXd& load) {
+  const double h = step_;
+  const Eigen::Index high = split_.high;
+  const Eigen::VectorXd& d = newton_.unknowns;
+  const auto p = state.p.tail(high);
+  middle_.tail(high) = q0.tail(high) + 0.5 * d;
+  potential_.evaluate_trailing(middle_, split_.low, kWantForce | kWantTangent, workspace_,
+                               evaluation_);
+  const auto force = evaluation_.force.tail(high);
+  newton_.residual = d - h * p + (0.5 * h * h) * (force - load.tail(high));
+  newton_.jacobian = (0.25 * h * h) * evaluation_.tangent.bottomRightCorner(high, high);
+  if (damping_ == HighDamping::kMeanVelocity) {
+    newton_.residual.array() += (0.5 * h) * rates_.array() * d.array();
+    newton_.jacobian.diagonal().array() += 1.0 + (0.5 * h) * rates_.array();
+  } else {
+    newton_.residual.array() += rates_.array() * (h * d.array() - (0.5 * h * h) * p.array());
+    newton_.jacobian.diagonal().array() += 1.0 + h * rates_.array();
+  }
+  if (norm_ == SolveNorm::kAbsolute) {
+    // Not lpNorm<Infinity>: a NaN must come through.
+    return newton_.residual.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / tolerance_;
+  }
+  const double scale =
+      std::max({h * p.norm(), h * h * force.norm(), h * h * load.tail(high).norm()});
+  return relative_size(newton_.residual.norm(), tolerance_, scale);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,54 @@
+// The implicit half of the splitting methods: the midpoint rule on the high rows alone, while the
+// low rows go from q0_l to q1_l by themselves.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "runtime/integrators/newton.h"
+#include "runtime/potential.h"
+
+namespace tremolo {
+
+// How the damping force on the high rows is written.
+enum class HighDamping {
+  kMeanVelocity,  // D d/h: second order
+  kEndVelocity,   // D p1, p1 = 2 d/h - p0: first order, the thesis's
+};
+
+// When the solve has converged.
+enum class SolveNorm {
+  kRelative,  // |residual|_2 <= tolerance * max(h |p|, h^2 |R|, h^2 |f|) over the high rows
+  kAbsolute,  // max |residual_i| <= tolerance
+};
+
+class HighRows {
+ public:
+  // rates: diagonal of D on all rows, 1/s, r; the low rows' are not used.
+  HighRows(const Potential& potential, Split split, const Eigen::VectorXd& rates,
+           const IntegratorOptions& options, HighDamping damping, SolveNorm norm);
+
+  // q0: before the step, r. state: low rows of q already at the step's end, high rows of q and p
+  // before it. load: average over the step, r. Solves
+  //     d - h p0 + (h^2/2) [R(qm) + damping force - f]_h = 0
+  // and moves the high rows of state to the end; leaves them alone if it does not converge.
+  // dissipated: the work of the damping force.
+  StepReport advance(const Eigen::VectorXd& q0, State& state, const Eigen::VectorXd& load);
+
+ private:
+  double evaluate(const Eigen::VectorXd& q0, const State& state, const Eigen::VectorXd& load);
+
+  const Potential& potential_;
+  Split split_;
+  Eigen::VectorXd rates_;
+  double step_;
+  double tolerance_;
+  int max_iterations_;
+  HighDamping damping_;
+  SolveNorm norm_;
+  PotentialWorkspace workspace_;
+  Evaluation evaluation_;
+  Eigen::VectorXd middle_;  // qm, r
+  NewtonWorkspace newton_;  // d_h
+};
+
+}  // namespace tremolo

@@ -1,0 +1,83 @@
+// One step of a body: (q, p) at t -> (q, p) at t + h, for  q'' + D q' + grad V(q) = f(t).
+//
+// The mass matrix is the identity, so p is both momentum and velocity. D is Rayleigh's
+// (runtime/damping.h), f comes as a StepLoad (runtime/load.h).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/load.h"
+#include "runtime/model.h"
+#include "runtime/split.h"
+
+namespace tremolo {
+
+// q: kg^1/2 m. p: kg^1/2 m/s. Both r long.
+struct State {
+  Eigen::VectorXd q;
+  Eigen::VectorXd p;
+};
+
+// iterations: linear systems solved. residual: of the step's equation, Euclidean norm, units of q.
+// converged: false if the solve gave up or a number is not finite; the state is then as before the
+// step. dissipated: energy that damping took in this step, J (exact or second order: each method
+// says which).
+struct StepReport {
+  int iterations = 0;
+  double residual = 0.0;
+  bool converged = true;
+  double dissipated = 0.0;
+};
+
+// step: h, s. alpha, beta: Rayleigh's, 1/s and s. newmark_*: Newmark's two numbers. tolerance: of
+// the solve, on the residual relative to max(h |p|, h^2 |R|, h^2 |f|); imexv-thesis takes it as
+// absolute, in units of q. Looser than about 1e-6 the energy of the implicit methods wanders with
+// the solver's error; below 1e-14 rounding keeps the solve from ever converging.
+struct IntegratorOptions {
+  double step = 3e-3;
+  double alpha = 0.0;
+  double beta = 0.0;
+  double newmark_beta = 0.25;
+  double newmark_gamma = 0.5;
+  SplitOptions split = {};
+  double tolerance = 1e-9;
+  int max_iterations = 20;
+};
+
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+
+  // Advances the state by one step. Allocates nothing for r up to 100. Between steps the state may
+  // be changed freely; what was cached for another q is noticed and computed again.
+  virtual StepReport step(State& state, const StepLoad& load) noexcept = 0;
+
+  // Forgets what was carried from earlier steps.
+  virtual void reset() {}
+
+  virtual std::string_view name() const = 0;
+
+  // For methods that split; empty for the others.
+  virtual std::optional<Split> split() const { return std::nullopt; }
+
+  // The momentum at the time of state.q. Differs from state.p only for methods that carry a
+  // staggered one; energies must be read from this. p: r long.
+  virtual void synchronized_momentum(const State& state, Eigen::VectorXd& p) const { p = state.p; }
+};
+
+// Names that make_integrator knows, in the order they are listed to a user.
+std::span<const std::string_view> integrator_names();
+
+// Errors (kUsage): an unknown name (the message lists the known ones), a step that is not positive
+// and finite, negative damping, a Newmark pair outside beta >= 0, gamma >= 0, a split out of range,
+// a tolerance that is not positive, max_iterations < 1.
+Result<std::unique_ptr<Integrator>> make_integrator(std::string_view name, Model::Pointer model,
+                                                    const IntegratorOptions& options);
+
+}  // namespace tremolo

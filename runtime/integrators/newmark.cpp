@@ -1,0 +1,88 @@
+#include "runtime/integrators/newmark.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "runtime/damping.h"
+#include "runtime/integrators/newton.h"
+
+namespace tremolo {
+namespace {
+
+class Newmark final : public Integrator {
+ public:
+  Newmark(Model::Pointer model, const IntegratorOptions& options)
+      : model_(std::move(model)),
+        options_(options),
+        rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
+        workspace_(model_->potential().make_workspace()),
+        evaluation_(model_->potential().make_evaluation()),
+        force_at_(Eigen::VectorXd::Constant(model_->modes(),
+                                            std::numeric_limits<double>::quiet_NaN())),
+        acceleration_(Eigen::VectorXd::Zero(model_->modes())),
+        q1_(acceleration_),
+        v1_(acceleration_),
+        newton_(model_->modes()) {}
+
+  StepReport step(State& state, const StepLoad& load) noexcept override {
+    const double h = options_.step;
+    // The last evaluation of the step before was made at the q it ended with.
+    if (force_at_ != state.q)
+      model_->potential().evaluate(state.q, kWantForce, workspace_, evaluation_);
+    acceleration_ = load.start - rates_.cwiseProduct(state.p) - evaluation_.force;
+    start_force_ = evaluation_.force.norm();
+    newton_.unknowns = (h * h) * acceleration_;
+    StepReport report = solve_newton(newton_, options_.max_iterations,
+                                     [&] { return evaluate(state, load); });
+    force_at_ = q1_;
+    if (!report.converged) return report;
+    report.dissipated = ((q1_ - state.q).array().square() * rates_.array()).sum() / h;
+    state.q = q1_;
+    state.p = v1_;
+    return report;
+  }
+
+  std::string_view name() const override { return "newmark"; }
+
+ private:
+  double evaluate(const State& state, const StepLoad& load) {
+    const double h = options_.step;
+    const double beta = options_.newmark_beta;
+    const double gamma = options_.newmark_gamma;
+    const Eigen::VectorXd& w = newton_.unknowns;
+    q1_ = state.q + h * state.p + (0.5 - beta) * h * h * acceleration_ + beta * w;
+    v1_ = state.p + (1.0 - gamma) * h * acceleration_ + (gamma / h) * w;
+    const unsigned want = beta > 0.0 ? kWantForce | kWantTangent : kWantForce;
+    model_->potential().evaluate(q1_, want, workspace_, evaluation_);
+    newton_.residual = w + (h * h) * (rates_.cwiseProduct(v1_) + evaluation_.force - load.end);
+    if (beta > 0.0)
+      newton_.jacobian = (beta * h * h) * evaluation_.tangent;
+    else
+      newton_.jacobian.setZero();
+    newton_.jacobian.diagonal().array() += 1.0 + gamma * h * rates_.array();
+    const double scale = std::max({h * state.p.norm(), h * h * start_force_,
+                                   h * h * load.start.norm(), h * h * load.end.norm()});
+    return relative_size(newton_.residual.norm(), options_.tolerance, scale);
+  }
+
+  Model::Pointer model_;
+  IntegratorOptions options_;
+  Eigen::VectorXd rates_;
+  PotentialWorkspace workspace_;
+  Evaluation evaluation_;
+  Eigen::VectorXd force_at_;  // the q that evaluation_.force belongs to
+  Eigen::VectorXd acceleration_;
+  double start_force_ = 0.0;
+  Eigen::VectorXd q1_;
+  Eigen::VectorXd v1_;
+  NewtonWorkspace newton_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_newmark(Model::Pointer model, const IntegratorOptions& options) {
+  return std::make_unique<Newmark>(std::move(model), options);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,53 @@
+#include "runtime/integrators/verlet.h"
+
+#include <utility>
+
+#include "runtime/damping.h"
+#include "runtime/integrators/force_cache.h"
+
+namespace tremolo {
+namespace {
+
+class Verlet final : public Integrator {
+ public:
+  Verlet(Model::Pointer model, const IntegratorOptions& options)
+      : model_(std::move(model)),
+        step_(options.step),
+        damped_(options.alpha > 0.0 || options.beta > 0.0),
+        decay_((-0.5 * step_ * damping_rates(model_->lambda(), options.alpha, options.beta).array())
+                   .exp()
+                   .matrix()),
+        forces_(model_->potential()),
+        start_{decay_, decay_} {}
+
+  StepReport step(State& state, const StepLoad& load) noexcept override {
+    StepReport report;
+    start_ = state;
+    if (damped_) report.dissipated += decay_momentum(decay_, state.p);
+    state.p += 0.5 * step_ * (load.start - forces_.force(state.q));
+    state.q += step_ * state.p;
+    state.p += 0.5 * step_ * (load.end - forces_.force(state.q));
+    if (damped_) report.dissipated += decay_momentum(decay_, state.p);
+    report.converged = state.q.allFinite() && state.p.allFinite();
+    if (!report.converged) state = start_;
+    return report;
+  }
+
+  std::string_view name() const override { return "verlet"; }
+
+ private:
+  Model::Pointer model_;
+  double step_;
+  bool damped_;
+  Eigen::VectorXd decay_;
+  ForceCache forces_;
+  State start_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_verlet(Model::Pointer model, const IntegratorOptions& options) {
+  return std::make_unique<Verlet>(std::move(model), options);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,23 @@
+// Stoermer-Verlet, kick-drift-kick (thesis 3.4.4-3.4.5, which lack M^-1; here M = I).
+//
+// The discrete Lagrangian that takes V by the trapezoid rule gives
+//
+//     p <- e^{-D h/2} p
+//     p <- p + (h/2) (f(t+) - R(q0))
+//     q <- q + h p
+//     p <- p + (h/2) (f((t+h)-) - R(q1))
+//     p <- e^{-D h/2} p                       D = alpha + beta lambda_i
+//
+// Explicit: one force a step. Second order, also with load and damping; symplectic and
+// time-reversible without them. Linearly stable iff h omega < 2 for every omega. The damping
+// exponentials are exact flows of p' = -D p, so mass damping takes e^{-alpha h} off the area of each
+// mode's phase plane whatever h omega is. `dissipated` is exact for this composition.
+#pragma once
+
+#include "runtime/integrators/integrator.h"
+
+namespace tremolo {
+
+std::unique_ptr<Integrator> make_verlet(Model::Pointer model, const IntegratorOptions& options);
+
+}  // namespace tremolo

@@ -1,0 +1,114 @@
+#include "runtime/load.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+namespace tremolo {
+namespace {
+
+constexpr double kImpulseDuration = 3e-3;  // s, one step of the thesis
+constexpr double kSquareDuration = 0.3;    // s
+constexpr double kSnap = 1e-9;             // in steps: rounding of k*h against a jump's time
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+double snapped(double value, double time, double end, double slack) {
+  if (std::abs(value - time) <= slack) return time;
+  if (std::abs(value - end) <= slack) return end;
+  return value;
+}
+
+// The part of [begin, finish] with the signal on it: its shape is smooth there.
+StepSignal sample_sine(const Signal& signal, double begin, double finish, double step) {
+  const double rate = 2.0 * std::numbers::pi * signal.frequency;
+  const double middle = 0.5 * (begin + finish) - signal.start;
+  const double half = 0.5 * (finish - begin);
+  // The integral (cos a - cos b)/rate as a product of sines: no cancellation for short steps.
+  const double integral = rate == 0.0 ? 0.0 : 2.0 * std::sin(rate * middle) * std::sin(rate * half) / rate;
+  return {std::sin(rate * (begin - signal.start)), integral / step,
+          std::sin(rate * (finish - signal.start))};
+}
+
+}  // namespace
+
+Result<Signal> parse_signal(std::string_view name) {
+  constexpr std::pair<std::string_view, SignalKind> kNames[] = {
+      {"none", SignalKind::kNone},     {"impulse", SignalKind::kImpulse},
+      {"square", SignalKind::kSquare}, {"sine", SignalKind::kSine},
+      {"constant", SignalKind::kConstant}};
+  for (const auto& [known, kind] : kNames)
+    if (name == known) return Signal{.kind = kind};
+  return Error{ErrorKind::kUsage, "unknown load '" + std::string(name) +
+                                      "'; known: none, impulse, square, sine, constant"};
+}
+
+double signal_end(const Signal& signal) {
+  if (signal.kind == SignalKind::kNone) return signal.start;
+  if (signal.duration > 0.0) return signal.start + signal.duration;
+  if (signal.kind == SignalKind::kImpulse) return signal.start + kImpulseDuration;
+  if (signal.kind == SignalKind::kSquare) return signal.start + kSquareDuration;
+  return kForever;
+}
+
+StepSignal sample_signal(const Signal& signal, double time, double step) {
+  if (signal.kind == SignalKind::kNone) return {};
+  const double end = time + step;
+  const double slack = kSnap * step;
+  const double on = snapped(signal.start, time, end, slack);
+  const double off = snapped(signal_end(signal), time, end, slack);
+  const double begin = std::max(on, time);
+  const double finish = std::min(off, end);
+  if (!(begin < finish)) return {};
+  StepSignal sample{1.0, 1.0, 1.0};
+  const bool whole = begin == time && finish == end;
+  if (signal.kind == SignalKind::kSine)
+    sample = sample_sine(signal, begin, finish, step);
+  else if (!whole)
+    sample.average = (finish - begin) / step;
+  // A sine starts from zero: a kink, no jump. Every other edge inside the step is a jump.
+  const bool kink_only = signal.kind == SignalKind::kSine && finish == end;
+  if (!whole && !kink_only) sample.start = sample.end = sample.average;
+  return sample;
+}
+
+StepLoad make_step_load(Eigen::Index modes) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(modes);
+  return {zero, zero, zero, false};
+}
+
+void sample_loads(const std::vector<Load>& loads, double time, double step, StepLoad& out) {
+  out.start.setZero();
+  out.average.setZero();
+  out.end.setZero();
+  out.active = false;
+  for (const Load& load : loads) {
+    const StepSignal sample = sample_signal(load.signal, time, step);
+    if (sample.start == 0.0 && sample.average == 0.0 && sample.end == 0.0) continue;
+    out.start += sample.start * load.force;
+    out.average += sample.average * load.force;
+    out.end += sample.end * load.force;
+    out.active = true;
+  }
+}
+
+Result<Eigen::VectorXd> reduce_force(const Model& model, VertexId vertex,
+                                     const Eigen::Vector3d& force) {
+  if (!force.allFinite()) return Error{ErrorKind::kUsage, "the force is not finite"};
+  const Result<VertexRows> rows = model.vertex(vertex);
+  if (!rows) return rows.error();
+  return Eigen::VectorXd(rows->rows.transpose() * force);
+}
+
+Result<Eigen::VectorXd> reduce_load(const Model& model, const DefaultLoad& load, double scale) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(model.modes());
+  for (std::size_t i = 0; i < load.vertices.size(); ++i) {
+    const Result<Eigen::VectorXd> one = reduce_force(model, load.vertices[i], scale * load.forces[i]);
+    if (!one) return one.error();
+    sum += *one;
+  }
+  return sum;
+}
+
+}  // namespace tremolo

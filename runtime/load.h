@@ -1,0 +1,76 @@
+// Forces in time, as an integrator sees them.
+//
+// A load is a signal s(t) times a reduced vector. A step sees three values of it: the one-sided
+// limits at its two ends and the exact average over it (closed form). Methods that kick at the ends
+// and methods that kick in the middle then pass on the same impulse. A signal that jumps strictly
+// inside a step shows its average three times, so that even a pulse shorter than a step is handed
+// on exactly.
+#pragma once
+
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/model.h"
+
+namespace tremolo {
+
+enum class SignalKind { kNone, kImpulse, kSquare, kSine, kConstant };
+
+// s(t), dimensionless, of height 1 between `start` and `start + duration` (s) and zero elsewhere;
+// kSine is sin(2 pi frequency (t - start)) there. duration 0 means the usual one: 3 ms for an
+// impulse (the thesis's; its step), 0.3 s for a square, for ever for sine and constant.
+struct Signal {
+  SignalKind kind = SignalKind::kNone;
+  double start = 0.0;
+  double duration = 0.0;
+  double frequency = 1.0;  // Hz
+};
+
+// "none", "impulse", "square", "sine", "constant"; kUsage with the list otherwise.
+Result<Signal> parse_signal(std::string_view name);
+
+// When the signal has ended for good, s; infinity if it lasts, `start` for kNone.
+double signal_end(const Signal& signal);
+
+// The signal over one step, dimensionless.
+struct StepSignal {
+  double start = 0.0;    // limit from inside at the step's beginning
+  double average = 0.0;  // (1/h) times the integral over the step
+  double end = 0.0;      // limit from inside at the step's end
+};
+
+// The step [time, time + step]. A jump within 1e-9 step of an end counts as at that end.
+StepSignal sample_signal(const Signal& signal, double time, double step);
+
+// force: reduced, f = sum over vertices of U_vertex^T F, r.
+struct Load {
+  Signal signal;
+  Eigen::VectorXd force;
+};
+
+// The sum of all loads over one step; each r long. active: some signal is not zero in the step.
+struct StepLoad {
+  Eigen::VectorXd start;
+  Eigen::VectorXd average;
+  Eigen::VectorXd end;
+  bool active = false;
+};
+
+StepLoad make_step_load(Eigen::Index modes);  // zero
+
+// Sets `out` to the sum of the loads over [time, time + step]. Nothing is allocated.
+void sample_loads(const std::vector<Load>& loads, double time, double step, StepLoad& out);
+
+// U_vertex^T F for a force F (N) on a vertex of the source mesh. Errors as Model::vertex, kUsage if
+// the force is not finite.
+Result<Eigen::VectorXd> reduce_force(const Model& model, VertexId vertex,
+                                     const Eigen::Vector3d& force);
+
+// The same for forces on several vertices, each times `scale`.
+Result<Eigen::VectorXd> reduce_load(const Model& model, const DefaultLoad& load, double scale = 1.0);
+
+}  // namespace tremolo

@@ -1,0 +1,165 @@
+#include "runtime/model.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "formats/basis_layout.h"
+#include "formats/basis_reader.h"
+#include "runtime/interior_rows.h"
+
+namespace tremolo {
+namespace {
+
+Result<Eigen::Index> kept_modes(Eigen::Index available, int asked) {
+  if (asked < 0 || asked > available)
+    return Error{ErrorKind::kUsage, "asked for " + std::to_string(asked) +
+                                        " modes; the model has " + std::to_string(available)};
+  return asked == 0 ? available : Eigen::Index{asked};
+}
+
+Status check_lambda(const Eigen::VectorXd& lambda) {
+  for (Eigen::Index i = 0; i < lambda.size(); ++i)
+    if (!(lambda[i] > 0.0) || !std::isfinite(lambda[i]) || (i > 0 && lambda[i] < lambda[i - 1]))
+      return content_error("lambda " + std::to_string(i) + " is " + std::to_string(lambda[i]) +
+                           ", must be positive, finite and not below the one before it");
+  return Success{};
+}
+
+Status check_triangles(const std::vector<Triangle>& triangles, std::size_t vertices) {
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (const VertexId corner : triangles[t])
+      if (corner < 0 || static_cast<std::size_t>(corner) >= vertices)
+        return content_error("triangle " + std::to_string(t) + " names vertex " +
+                             std::to_string(corner) + " of " + std::to_string(vertices));
+  return Success{};
+}
+
+Status check_load(const DefaultLoad& load) {
+  if (load.vertices.size() != load.forces.size())
+    return content_error("the default load has " + std::to_string(load.vertices.size()) +
+                         " vertices and " + std::to_string(load.forces.size()) + " forces");
+  for (const Eigen::Vector3d& force : load.forces)
+    if (!force.allFinite()) return content_error("a force of the default load is not finite");
+  return Success{};
+}
+
+Status read_total_counts(BasisReader& reader, BasisData& data) {
+  data.vertex_count = reader.dimensions().vertices;
+  data.tetrahedron_count = reader.dimensions().tetrahedra;
+  Result<Eigen::VectorXd> lambda = read_lambda(reader);
+  if (!lambda) return lambda.error();
+  data.lambda = std::move(*lambda);
+  return Success{};
+}
+
+Status read_coefficients(BasisReader& reader, BasisData& data) {
+  const Result<std::span<const double>> cubic = reader.doubles(basis_layout::kCubic);
+  if (!cubic) return cubic.error();
+  data.cubic.assign(cubic->begin(), cubic->end());
+  const Result<std::span<const double>> quartic = reader.doubles(basis_layout::kQuartic);
+  if (!quartic) return quartic.error();
+  data.quartic.assign(quartic->begin(), quartic->end());
+  return Success{};
+}
+
+// All but the interior and the provenance.
+Result<BasisData> read_visible(BasisReader& reader) {
+  BasisData data;
+  if (Status s = read_total_counts(reader, data); !s) return s.error();
+  if (Status s = read_coefficients(reader, data); !s) return s.error();
+  Result<VertexBlock> surface = reader.vertex_block(
+      basis_layout::kSurfaceIds, basis_layout::kSurfaceRest, basis_layout::kSurfaceBasis);
+  if (!surface) return surface.error();
+  data.surface = std::move(*surface);
+  Result<std::vector<Triangle>> triangles = read_triangles(reader);
+  if (!triangles) return triangles.error();
+  data.triangles = std::move(*triangles);
+  Result<DefaultLoad> load = read_default_load(reader);
+  if (!load) return load.error();
+  data.load = std::move(*load);
+  return data;
+}
+
+}  // namespace
+
+Model::Model(Potential potential, VertexBlock surface)
+    : potential_(std::move(potential)), surface_(std::move(surface)) {}
+
+Model::~Model() = default;
+
+Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Index modes) {
+  if (Status s = check_lambda(data.lambda); !s) return s.error();
+  Result<VertexBlock> surface = leading_columns(data.surface, modes, "surface");
+  if (!surface) return surface.error();
+  if (Status s = check_triangles(data.triangles, surface->vertex_ids.size()); !s) return s.error();
+  if (Status s = check_load(data.load); !s) return s.error();
+  Result<Potential> potential =
+      Potential::create(data.lambda.head(modes), data.cubic, data.quartic);
+  if (!potential) return potential.error();
+  std::shared_ptr<Model> model(new Model(std::move(*potential), std::move(*surface)));
+  model->triangles_ = data.triangles;
+  model->default_load_ = data.load;
+  model->vertex_count_ = data.vertex_count;
+  model->tetrahedron_count_ = data.tetrahedron_count;
+  return model;
+}
+
+Result<Model::Pointer> Model::from_data(const BasisData& data, ModelOptions options) {
+  const Result<Eigen::Index> modes = kept_modes(data.lambda.size(), options.modes);
+  if (!modes) return modes.error();
+  Result<std::shared_ptr<Model>> model = assemble(data, *modes);
+  if (!model) return model.error();
+  Result<VertexBlock> interior = leading_columns(data.interior, *modes, "interior");
+  if (!interior) return interior.error();
+  (*model)->interior_ = std::make_unique<InteriorRows>(std::move(*interior));
+  return Pointer(std::move(*model));
+}
+
+Result<Model::Pointer> Model::load(const std::string& path, ModelOptions options) {
+  Result<BasisReader> reader = BasisReader::open(path);
+  if (!reader) return reader.error();
+  Result<BasisData> data = read_visible(*reader);
+  if (!data) return data.error();
+  const Result<Eigen::Index> modes = kept_modes(data->lambda.size(), options.modes);
+  if (!modes) return modes.error();
+  Result<std::shared_ptr<Model>> model = assemble(*data, *modes);
+  if (!model) return Error{model.error().kind, path + ": " + model.error().message};
+  (*model)->interior_ = std::make_unique<InteriorRows>(std::move(*reader), *modes);
+  return Pointer(std::move(*model));
+}
+
+Result<Model::Pointer> Model::load_from_memory(std::span<const std::byte> bytes,
+                                               ModelOptions options) {
+  Result<BasisReader> reader = BasisReader::from_memory(bytes);
+  if (!reader) return reader.error();
+  const Result<BasisData> data = read_basis(*reader);
+  if (!data) return data.error();
+  return from_data(*data, options);
+}
+
+Eigen::VectorXd Model::frequencies_hz() const {
+  return lambda().cwiseSqrt() / (2.0 * std::numbers::pi);
+}
+
+double Model::explicit_step_limit() const {
+  return 2.0 / std::sqrt(lambda()[modes() - 1]);
+}
+
+Result<VertexRows> Model::vertex(VertexId id) const {
+  const VertexBlock* block = &surface_;
+  std::optional<std::size_t> at = find_vertex(surface_, id);
+  if (!at) {
+    const Result<const VertexBlock*> interior = interior_->block();
+    if (!interior) return interior.error();
+    block = *interior;
+    at = find_vertex(*block, id);
+  }
+  if (!at)
+    return Error{ErrorKind::kUsage, "the model has no vertex " + std::to_string(id) + "; it has " +
+                                        std::to_string(vertex_count_) + ", counted from 0"};
+  return VertexRows{block->rest[*at],
+                    block->rows.middleRows(static_cast<Eigen::Index>(3 * *at), 3)};
+}
+
+}  // namespace tremolo

@@ -1,0 +1,81 @@
+// What the runtime loads: one precomputed solid, immutable, shared by any number of bodies.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "formats/basis_data.h"
+#include "runtime/potential.h"
+
+namespace tremolo {
+
+class InteriorRows;
+
+// modes: the level of detail, the number of leading coordinates that are kept; 0 keeps all.
+struct ModelOptions {
+  int modes = 0;
+};
+
+// One vertex: rest position (m) and its three rows of U, 3 x r, kg^-1/2.
+struct VertexRows {
+  Eigen::Vector3d rest;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> rows;
+};
+
+class Model {
+ public:
+  using Pointer = std::shared_ptr<const Model>;
+
+  // Errors: kContent if a shape does not fit, lambda is not positive and ascending, ids do not
+  // ascend or a value is not finite; kUsage if options.modes is negative or above r.
+  static Result<Pointer> from_data(const BasisData& data, ModelOptions options = {});
+
+  // A basis file. Interior rows stay in the file until a vertex inside is asked for; the file is
+  // kept mapped for that. Errors as in formats/basis_reader.h and from_data.
+  static Result<Pointer> load(const std::string& path, ModelOptions options = {});
+
+  // A basis file in memory. The bytes are not needed after the call: the interior is copied too.
+  static Result<Pointer> load_from_memory(std::span<const std::byte> bytes,
+                                          ModelOptions options = {});
+
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+  ~Model();
+
+  Eigen::Index modes() const { return potential_.size(); }  // r
+  const Eigen::VectorXd& lambda() const { return potential_.lambda(); }  // r, (rad/s)^2, ascending
+  const Potential& potential() const { return potential_; }
+  const VertexBlock& surface() const { return surface_; }  // rows has r columns
+  const std::vector<Triangle>& triangles() const { return triangles_; }  // into surface()
+  const DefaultLoad& default_load() const { return default_load_; }      // may be empty
+  std::size_t vertex_count() const { return vertex_count_; }             // of the source mesh
+  std::size_t tetrahedron_count() const { return tetrahedron_count_; }
+
+  Eigen::VectorXd frequencies_hz() const;  // sqrt(lambda) / 2 pi, r
+  // 2 / omega_max, s: explicit methods are linearly stable below.
+  double explicit_step_limit() const;
+
+  // A vertex by its id in the source mesh, on the surface or inside. Errors: kUsage if there is no
+  // such vertex; what reading the file gives if the interior is read here. Thread-safe.
+  Result<VertexRows> vertex(VertexId id) const;
+
+ private:
+  Model(Potential potential, VertexBlock surface);
+  static Result<std::shared_ptr<Model>> assemble(const BasisData& data, Eigen::Index modes);
+
+  Potential potential_;
+  VertexBlock surface_;
+  std::vector<Triangle> triangles_;
+  DefaultLoad default_load_;
+  std::size_t vertex_count_ = 0;
+  std::size_t tetrahedron_count_ = 0;
+  std::unique_ptr<InteriorRows> interior_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,88 @@
+// The reduced St. Venant-Kirchhoff energy (docs/theory.md, "Reduced energy"; thesis 4.1):
+//
+//     V(q)  = 1/2 q^T Lambda q + C[q,q,q] + Q[q,q,q,q]
+//     R(q)  = grad V = Lambda q + 3 C[q,q] + 4 Q[q,q,q]
+//     K(q)  = grad R = Lambda   + 6 C[q]   + 12 Q[q,q]
+//
+// from one contraction. With the pairs a = (i <= j) in the order of pair_index,
+//
+//     X_a = q_i q_j (twice that for i != j),   A = S X,  S_ab = Q_ijkl,   B_a = sum_k C_ijk q_k,
+//
+// all three are read off A and B: V = 1/2 q^T Lambda q + X.(B + A), R = Lambda q + (3B + 4A) q,
+// K = Lambda + 6B + 12A. S is symmetric and kept as its packed upper triangle, so each
+// coefficient is loaded once and serves its row and its column.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+// What evaluate() shall fill; combine with |.
+enum Want : unsigned { kWantEnergy = 1, kWantForce = 2, kWantTangent = 4 };
+
+// energy: J. force: R(q), r, J per unit of q (the internal force with the sign of +grad V).
+// tangent: K(q), r x r, symmetric, both triangles filled, (rad/s)^2.
+struct Evaluation {
+  double energy = 0.0;
+  Eigen::VectorXd force;
+  Eigen::MatrixXd tangent;
+};
+
+// Scratch of one caller. Sized by Potential::make_workspace; may be reused for any q of the same
+// potential, not by two threads at once.
+struct PotentialWorkspace {
+  Eigen::VectorXd pairs;         // X, pair_count(r)
+  Eigen::VectorXd quartic;       // A, pair_count(r)
+  Eigen::VectorXd cubic;         // B, pair_count(r)
+  Eigen::VectorXd held_quartic;  // share of the held leading coordinates in A and B: begin_trailing
+  Eigen::VectorXd held_cubic;
+  Eigen::VectorXd mean;          // averaged_gradient: (q0 + q1)/2, r
+  Eigen::VectorXd half;          // averaged_gradient: (q1 - q0)/2, r
+};
+
+class Potential {
+ public:
+  // lambda: r, ascending, (rad/s)^2. cubic, quartic: packed as in common/packed_index.h, at least
+  // triple_count(r) and quad_count(r) entries; the leading ones are used, so that a shorter lambda
+  // leaves trailing coordinates out. kContent if an array is too short or a value is not finite.
+  static Result<Potential> create(Eigen::VectorXd lambda, std::span<const double> cubic,
+                                  std::span<const double> quartic);
+
+  Eigen::Index size() const { return lambda_.size(); }  // r
+  const Eigen::VectorXd& lambda() const { return lambda_; }
+
+  PotentialWorkspace make_workspace() const;
+  Evaluation make_evaluation() const;
+
+  // Fills the parts of `out` that `want` names; the others keep what they held. q: r. Nothing is
+  // allocated.
+  void evaluate(const Eigen::VectorXd& q, unsigned want, PotentialWorkspace& workspace,
+                Evaluation& out) const;
+
+  // The trailing rows alone, for a solve in which the leading `held` coordinates stand still:
+  // begin_trailing() contracts what depends on those only, once; evaluate_trailing() then fills
+  // force[held..r) and, if wanted, the block tangent[held..r, held..r) for a q that differs from
+  // the first in trailing coordinates only. Energy is not available here.
+  void begin_trailing(const Eigen::VectorXd& q, Eigen::Index held,
+                      PotentialWorkspace& workspace) const;
+  void evaluate_trailing(const Eigen::VectorXd& q, Eigen::Index held, unsigned want,
+                         PotentialWorkspace& workspace, Evaluation& out) const;
+
+  // The average of grad V on the segment from q0 to q1, exact since V is quartic:
+  // with m = (q0+q1)/2, d = (q1-q0)/2:  Lambda m + 3 C[m,m] + C[d,d] + 4 Q[m m^T + d d^T] m.
+  // Hence out . (q1 - q0) = V(q1) - V(q0).
+  void averaged_gradient(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1,
+                         PotentialWorkspace& workspace, Eigen::VectorXd& out) const;
+
+ private:
+  Eigen::VectorXd lambda_;
+  std::vector<double> cubic_rows_;     // C_ijk at [k * pair_count(r) + pair_index(i,j)]
+  std::vector<double> quartic_pairs_;  // S, upper triangle by columns: S_ab at pair_index(a,b)
+};
+
+}  // namespace tremolo

@@ -1,0 +1,125 @@
+#include <cmath>
+#include <iostream>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/basis_reader.h"
+#include "runtime/program/commands.h"
+
+namespace tremolo {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace layout = basis_layout;
+
+struct Contents {
+  std::vector<double> frequencies;  // Hz
+  Json provenance;                  // null if the file has none or it is no JSON
+  DefaultLoad load;
+};
+
+Result<Contents> read_contents(BasisReader& reader) {
+  if (Status status = reader.verify_all(); !status) return status.error();
+  Contents contents;
+  Result<Eigen::VectorXd> lambda = read_lambda(reader);
+  if (!lambda) return lambda.error();
+  for (double value : *lambda)
+    contents.frequencies.push_back(std::sqrt(value) / (2.0 * std::numbers::pi));
+  Result<DefaultLoad> load = read_default_load(reader);
+  if (!load) return load.error();
+  contents.load = std::move(*load);
+  if (reader.has(layout::kProvenance)) {
+    Result<std::string_view> text = reader.text(layout::kProvenance);
+    if (!text) return text.error();
+    contents.provenance = Json::parse(*text, nullptr, false);
+    if (contents.provenance.is_discarded())
+      return content_error("section 'provenance' is not JSON");
+  }
+  return contents;
+}
+
+double step_limit(const Contents& contents) {
+  return 1.0 / (std::numbers::pi * contents.frequencies.back());
+}
+
+Json sections_json(const BasisReader& reader) {
+  Json sections = Json::array();
+  for (const BasisSection& section : reader.sections())
+    sections.push_back({{"name", section.name},
+                        {"bytes", section.size},
+                        {"rows", section.rows},
+                        {"columns", section.columns},
+                        {"critical", section.critical}});
+  return sections;
+}
+
+Json load_json(const DefaultLoad& load) {
+  if (load.vertices.empty()) return nullptr;
+  Json forces = Json::array();
+  for (const Eigen::Vector3d& force : load.forces) forces.push_back({force.x(), force.y(), force.z()});
+  return {{"vertices", load.vertices}, {"forces_n", forces}};
+}
+
+Json to_json(const std::string& path, const BasisReader& reader, const Contents& contents) {
+  const BasisDimensions& d = reader.dimensions();
+  const Json& provenance = contents.provenance;
+  Json json;
+  json["file"] = path;
+  json["format_version"] = fmt::format("{}.{}", layout::kMajor, reader.minor_version());
+  json["n"] = d.vertices;
+  json["m"] = d.tetrahedra;
+  json["r"] = d.modes;
+  json["linear_modes"] = d.linear_modes;
+  json["rigid_modes"] = d.rigid;
+  json["fixed_vertices"] = d.fixed;
+  json["surface_vertices"] = d.surface_vertices;
+  json["triangles"] = d.triangles;
+  json["frequencies_hz"] = contents.frequencies;
+  json["explicit_step_limit_s"] = step_limit(contents);
+  json["mass_orthonormality_error"] =
+      provenance.is_object() ? provenance.value("mass_orthonormality_error", Json()) : Json();
+  json["default_load"] = load_json(contents.load);
+  json["sections"] = sections_json(reader);
+  json["provenance"] = provenance;
+  return json;
+}
+
+void print_text(const std::string& path, const BasisReader& reader, const Contents& contents) {
+  const BasisDimensions& d = reader.dimensions();
+  fmt::print("{}: basis file {}.{}, all checksums good\n", path, layout::kMajor,
+             reader.minor_version());
+  fmt::print("  {} vertices ({} on the surface, {} fixed), {} tetrahedra, {} triangles\n",
+             d.vertices, d.surface_vertices, d.fixed, d.tetrahedra, d.triangles);
+  fmt::print("  {} coordinates from {} linear modes{}\n", d.modes, d.linear_modes,
+             d.rigid > 0 ? fmt::format("; a free body, {} rigid motions left out", d.rigid) : "");
+  fmt::print("  frequencies {:.4g} Hz\n", fmt::join(contents.frequencies, " "));
+  fmt::print("  explicit methods are stable below a step of {:.4g} s\n", step_limit(contents));
+  for (std::size_t i = 0; i < contents.load.vertices.size() && i < 4; ++i) {
+    const Eigen::Vector3d& f = contents.load.forces[i];
+    fmt::print("  default load at vertex {}: {:g}, {:g}, {:g} N\n", contents.load.vertices[i], f.x(),
+               f.y(), f.z());
+  }
+  fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", "section", "bytes", "rows", "columns");
+  for (const BasisSection& s : reader.sections())
+    fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", s.name, s.size, s.rows, s.columns);
+  if (contents.provenance.is_object()) fmt::print("{}\n", contents.provenance.dump(2));
+}
+
+}  // namespace
+
+int inspect_command(const std::string& path, bool json) {
+  Result<BasisReader> reader = BasisReader::open(path);
+  if (!reader) return report_error(reader.error());
+  Result<Contents> contents = read_contents(*reader);
+  if (!contents) return report_error({contents.error().kind, path + ": " + contents.error().message});
+  if (json)
+    std::cout << to_json(path, *reader, *contents).dump(2) << "\n";
+  else
+    print_text(path, *reader, *contents);
+  return 0;
+}
+
+}  // namespace tremolo

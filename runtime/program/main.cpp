@@ -1,0 +1,126 @@
+// tremolo: inspect a basis file, let it vibrate, plot what happened.
+#include <filesystem>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "formats/atomic_file.h"
+#include "runtime/integrators/integrator.h"
+#include "runtime/program/commands.h"
+
+namespace tremolo {
+namespace {
+
+void add_run_flags(CLI::App& run, RunOptions& o) {
+  run.add_option("--integrator", o.integrator,
+                 fmt::format("{}", fmt::join(integrator_names(), ", ")))
+      ->capture_default_str();
+  run.add_option("--step", o.step, "h, s")->capture_default_str();
+  run.add_option("--duration", o.duration, "simulated time, s")->capture_default_str();
+  run.add_option("--modes", o.modes, "keep the first R coordinates only (0: all)");
+  run.add_option("--load", o.load, "impulse (3 ms), square (0.3 s), sine (1 Hz), constant, none")
+      ->capture_default_str();
+  run.add_option("--at", o.at, "vertex that the load acts on (default: the model's)");
+  run.add_option("--force", o.force, "with --at: X,Y,Z in N");
+  run.add_option("--scale", o.scale, "multiplies the load")->capture_default_str();
+  run.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
+  run.add_option("--beta", o.beta, "Rayleigh damping of the rest stiffness, s");
+  run.add_option("--newmark-beta", o.newmark_beta, "Newmark's beta")->capture_default_str();
+  run.add_option("--newmark-gamma", o.newmark_gamma, "Newmark's gamma")->capture_default_str();
+  run.add_option("--split", o.split, "which coordinates are explicit: default, thesis or a count")
+      ->capture_default_str();
+  run.add_option("--safety", o.safety, "of the default split: explicit iff h w < 2 safety")
+      ->capture_default_str();
+  run.add_option("--tolerance", o.tolerance, "of a step's solve, relative")->capture_default_str();
+  run.add_option("--max-iterations", o.max_iterations, "of a step's solve")->capture_default_str();
+  run.add_option("--probe", o.probes, "record the displacement of this vertex; may be repeated");
+  run.add_option("--coordinate", o.coordinates, "record this q; may be repeated");
+  run.add_option("--out", o.out, "directory for run.csv, report.json, plots and surfaces");
+  run.add_option("--every", o.every, "a CSV row every so many steps")->capture_default_str();
+  run.add_flag("--plot", o.plot, "draw energy.svg (needs gnuplot)");
+  run.add_option("--surfaces", o.surfaces, "write so many surfaces, evenly spaced in time");
+  run.add_option("--surface-format", o.surface_format, "ply, obj or inc (POV-Ray)")
+      ->check(CLI::IsMember({"ply", "obj", "inc"}))
+      ->capture_default_str();
+}
+
+struct Request {
+  std::string file;
+  bool json = false;
+  std::vector<std::string> directories;
+  std::string picture;
+};
+
+// The same command line read onto given defaults: flags win over a scene's keys.
+struct Parser {
+  CLI::App app{"Deformable solids that vibrate in real time without losing their energy. SI units."};
+  CLI::App* inspect = nullptr;
+  CLI::App* run = nullptr;
+  CLI::App* plot = nullptr;
+
+  Parser(Request& request, RunOptions& options) {
+    app.name("tremolo");
+    app.set_version_flag("--version", std::string("tremolo ") + TREMOLO_VERSION);
+    app.require_subcommand(1);
+    inspect = app.add_subcommand("inspect", "show what a basis file holds, verify its checksums");
+    inspect->add_option("file", request.file, "basis file")->required();
+    inspect->add_flag("--json", request.json, "print one JSON object on stdout");
+    run = app.add_subcommand("run", "integrate a model or a scene");
+    run->add_option("file", request.file, "basis file, or scene.toml")->required();
+    run->add_flag("--json", request.json, "print one JSON object on stdout");
+    add_run_flags(*run, options);
+    plot = app.add_subcommand("plot", "energy over time of several runs in one picture");
+    plot->add_option("runs", request.directories, "directories of tremolo run --out")->required();
+    plot->add_option("-o,--output", request.picture, ".svg or .png")->required();
+  }
+};
+
+std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flags) {
+  RunOptions options = flags;
+  options.model = request.file;
+  options.name = std::filesystem::path(request.file).stem().string();
+  return {options};
+}
+
+int run_scene(int count, char** words, Request& request) {
+  Result<std::vector<RunOptions>> bodies = read_scene(request.file);
+  if (!bodies) return report_error(bodies.error());
+  for (RunOptions& body : *bodies) {
+    Parser parser(request, body);
+    parser.app.parse(count, words);  // cannot fail: it has been parsed before
+    if (bodies->size() > 1 && !body.out.empty())
+      body.out = (std::filesystem::path(body.out) / body.name).string();
+  }
+  return run_command(*bodies, request.json);
+}
+
+int run_program(int count, char** words) {
+  Request request;
+  RunOptions options;
+  Parser parser(request, options);
+  try {
+    parser.app.parse(count, words);
+  } catch (const CLI::ParseError& error) {
+    const int code = parser.app.exit(error, std::cout, std::cerr);
+    return code == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
+  }
+  if (*parser.inspect) return inspect_command(request.file, request.json);
+  if (*parser.plot) return plot_command(request.directories, request.picture);
+  if (std::filesystem::path(request.file).extension() == ".toml")
+    return run_scene(count, words, request);
+  return run_command(bodies_of(request, options), request.json);
+}
+
+}  // namespace
+}  // namespace tremolo
+
+int main(int count, char** words) {
+  tremolo::remove_partial_files_on_signals();
+  try {
+    return tremolo::run_program(count, words);
+  } catch (const std::bad_alloc&) {
+    return tremolo::report_error(tremolo::system_error("out of memory"));
+  }
+}

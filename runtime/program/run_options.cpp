@@ -1,0 +1,135 @@
+#include "runtime/program/run_options.h"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <toml++/toml.h>
+
+namespace tremolo {
+namespace {
+
+// One key of a scene: how to store its value; false if the type is wrong.
+using Store = bool (*)(const toml::node&, RunOptions&);
+
+template <class T>
+bool store(const toml::node& node, T& target) {
+  const auto value = node.value<T>();
+  if (value) target = *value;
+  return value.has_value();
+}
+
+bool store_list(const toml::node& node, std::vector<int>& target) {
+  if (const auto single = node.value<int>()) {
+    target = {*single};
+    return true;
+  }
+  const toml::array* array = node.as_array();
+  if (array == nullptr) return false;
+  target.clear();
+  for (const toml::node& entry : *array) {
+    const auto value = entry.value<int>();
+    if (!value) return false;
+    target.push_back(*value);
+  }
+  return true;
+}
+
+struct Key {
+  std::string_view name;
+  Store store;
+};
+
+constexpr Key kKeys[] = {
+    {"model", [](const toml::node& n, RunOptions& o) { return store(n, o.model); }},
+    {"integrator", [](const toml::node& n, RunOptions& o) { return store(n, o.integrator); }},
+    {"step", [](const toml::node& n, RunOptions& o) { return store(n, o.step); }},
+    {"duration", [](const toml::node& n, RunOptions& o) { return store(n, o.duration); }},
+    {"modes", [](const toml::node& n, RunOptions& o) { return store(n, o.modes); }},
+    {"load", [](const toml::node& n, RunOptions& o) { return store(n, o.load); }},
+    {"at", [](const toml::node& n, RunOptions& o) { return store(n, o.at); }},
+    {"force", [](const toml::node& n, RunOptions& o) { return store(n, o.force); }},
+    {"scale", [](const toml::node& n, RunOptions& o) { return store(n, o.scale); }},
+    {"alpha", [](const toml::node& n, RunOptions& o) { return store(n, o.alpha); }},
+    {"beta", [](const toml::node& n, RunOptions& o) { return store(n, o.beta); }},
+    {"newmark-beta", [](const toml::node& n, RunOptions& o) { return store(n, o.newmark_beta); }},
+    {"newmark-gamma", [](const toml::node& n, RunOptions& o) { return store(n, o.newmark_gamma); }},
+    {"split", [](const toml::node& n, RunOptions& o) { return store(n, o.split); }},
+    {"safety", [](const toml::node& n, RunOptions& o) { return store(n, o.safety); }},
+    {"tolerance", [](const toml::node& n, RunOptions& o) { return store(n, o.tolerance); }},
+    {"max-iterations", [](const toml::node& n, RunOptions& o) { return store(n, o.max_iterations); }},
+    {"probe", [](const toml::node& n, RunOptions& o) { return store_list(n, o.probes); }},
+    {"coordinate", [](const toml::node& n, RunOptions& o) { return store_list(n, o.coordinates); }},
+    {"out", [](const toml::node& n, RunOptions& o) { return store(n, o.out); }},
+    {"every", [](const toml::node& n, RunOptions& o) { return store(n, o.every); }},
+    {"plot", [](const toml::node& n, RunOptions& o) { return store(n, o.plot); }},
+    {"surfaces", [](const toml::node& n, RunOptions& o) { return store(n, o.surfaces); }},
+    {"surface-format", [](const toml::node& n, RunOptions& o) { return store(n, o.surface_format); }},
+};
+
+Error error_at(const std::string& path, const toml::source_region& where, const std::string& what) {
+  return content_error(path + ": line " + std::to_string(where.begin.line) + ": " + what);
+}
+
+Status read_body(const std::string& path, const toml::table& table, RunOptions& body) {
+  for (const auto& [key, node] : table) {
+    const Key* known = nullptr;
+    for (const Key& candidate : kKeys)
+      if (candidate.name == key.str()) known = &candidate;
+    if (known == nullptr)
+      return error_at(path, key.source(), "unknown key '" + std::string(key.str()) + "'");
+    if (!known->store(node, body))
+      return error_at(path, node.source(),
+                      "the value of '" + std::string(key.str()) + "' has the wrong type");
+  }
+  if (body.model.empty())
+    return error_at(path, table.source(), "body '" + body.name + "' names no model");
+  const std::filesystem::path model(body.model);
+  if (model.is_relative())
+    body.model = (std::filesystem::path(path).parent_path() / model).lexically_normal().string();
+  return Success{};
+}
+
+}  // namespace
+
+Result<Eigen::Vector3d> parse_force(const std::string& text) {
+  Eigen::Vector3d vector;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  bool good = true;
+  for (int axis = 0; axis < 3 && good; ++axis) {
+    const auto [next, error] = std::from_chars(at, end, vector[axis]);
+    good = error == std::errc{} && (axis == 2 ? next == end : next != end && *next == ',');
+    at = next + 1;
+  }
+  if (good && vector.allFinite()) return vector;
+  return Error{ErrorKind::kUsage, "force '" + text + "': expected three finite numbers, X,Y,Z in N"};
+}
+
+Result<std::vector<RunOptions>> read_scene(const std::string& path) {
+  std::ifstream stream(path);
+  if (!stream) return system_error(path + ": cannot open");
+  toml::table scene;
+  try {
+    scene = toml::parse(stream, path);
+  } catch (const toml::parse_error& error) {
+    return error_at(path, error.source(), std::string(error.description()));
+  }
+  std::vector<RunOptions> bodies;
+  for (const auto& [name, node] : scene) {
+    const toml::table* table = node.as_table();
+    if (table == nullptr)
+      return error_at(path, name.source(),
+                      "'" + std::string(name.str()) + "' stands outside a table: one table a body");
+    RunOptions body;
+    body.name = std::string(name.str());
+    if (Status status = read_body(path, *table, body); !status) return status.error();
+    bodies.push_back(std::move(body));
+  }
+  if (bodies.empty()) return content_error(path + ": the scene has no body");
+  return bodies;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,221 @@
+#include "runtime/program/simulate.h"
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "formats/surface_writer.h"
+#include "runtime/program/plot.h"
+#include "runtime/program/recorder.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An orbit whose energy exceeds this many times all that was ever put in has left its bound.
+constexpr double kEnergyBound = 10.0;
+
+Error usage_error(std::string message) {
+  return {ErrorKind::kUsage, std::move(message)};
+}
+
+Status check(const RunOptions& options) {
+  if (!(options.duration > 0) || !std::isfinite(options.duration))
+    return usage_error("--duration must be positive and finite (s)");
+  if (!(options.step > 0) || options.duration / options.step > 1e12)
+    return usage_error("--step must be positive and not absurdly small (s)");
+  if (options.every < 1) return usage_error("--every must be at least 1");
+  if (options.surfaces < 0) return usage_error("--surfaces must not be negative");
+  if ((options.surfaces > 0 || options.plot) && options.out.empty())
+    return usage_error("--surfaces and --plot need --out DIR");
+  if ((options.at >= 0) != !options.force.empty())
+    return usage_error("--at and --force belong together");
+  if (!std::isfinite(options.scale)) return usage_error("--scale must be finite");
+  return Success{};
+}
+
+Status add_load(const RunOptions& options, Body& body) {
+  Result<Signal> signal = parse_signal(options.load);
+  if (!signal) return signal.error();
+  if (signal->kind == SignalKind::kNone) return Success{};
+  if (options.at < 0) {
+    if (body.model().default_load().vertices.empty())
+      return usage_error(options.model +
+                         ": the model has no default load; name one with --at and --force, or "
+                         "--load none");
+    return body.add_default_load(*signal, options.scale);
+  }
+  Result<Eigen::Vector3d> force = parse_force(options.force);
+  if (!force) return force.error();
+  return body.add_load(*signal, options.at, options.scale * *force);
+}
+
+Result<Body> make_body(const RunOptions& options) {
+  Result<Model::Pointer> model = Model::load(options.model, {options.modes});
+  if (!model) return model.error();
+  IntegratorOptions settings;
+  settings.step = options.step;
+  settings.alpha = options.alpha;
+  settings.beta = options.beta;
+  settings.newmark_beta = options.newmark_beta;
+  settings.newmark_gamma = options.newmark_gamma;
+  settings.tolerance = options.tolerance;
+  settings.max_iterations = options.max_iterations;
+  Result<SplitOptions> split = parse_split(options.split);
+  if (!split) return split.error();
+  settings.split = *split;
+  settings.split.safety = options.safety;
+  Result<Body> body = Body::create(*model, options.integrator, settings);
+  if (!body) return body.error();
+  if (Status status = add_load(options, *body); !status) return status.error();
+  return body;
+}
+
+Status write_shape(const Body& body, const std::string& path) {
+  SurfaceMesh surface;
+  surface.vertices.resize(body.model().surface().vertex_ids.size());
+  surface.triangles = body.model().triangles();
+  // Eigen's fixed vectors lie in memory without gaps.
+  const std::span<double> flat(surface.vertices.empty() ? nullptr : surface.vertices[0].data(),
+                               3 * surface.vertices.size());
+  if (Status status = body.surface_positions(flat); !status) return status;
+  return write_surface(path, surface);
+}
+
+// Everything that is watched and written while a body runs.
+class Watch {
+ public:
+  Watch(const RunOptions& options, Recorder recorder, std::int64_t steps)
+      : options_(options), recorder_(std::move(recorder)), total_steps_(steps) {}
+
+  // After the start and after every step. Returns false when the orbit has left its bound.
+  Result<bool> observe(const Body& body, RunReport& report) {
+    const Energy energy = body.energy();
+    const bool loaded = body.load_to_come();
+    drift_.observe(energy.total(), body.work(), body.dissipated(), loaded);
+    if (body.steps() == 0) report.energy_initial = energy.total();
+    if (loaded || body.steps() == 0 || was_loaded_) report.energy_reference = energy.total();
+    was_loaded_ = loaded;
+    report.energy_final = energy.total();
+    report.high_band_final = energy.high_band;
+    most_input_ = std::max(most_input_, report.energy_initial + body.work());
+    if (!options_.out.empty() && body.steps() % options_.every == 0) recorder_.record(body, energy);
+    if (Status status = write_due_surface(body, report); !status) return status.error();
+    return std::isfinite(energy.total()) &&
+           (most_input_ <= 0 || energy.total() <= kEnergyBound * most_input_);
+  }
+
+  Status finish(RunReport& report) {
+    report.energy_drift_max = drift_.worst();
+    if (options_.out.empty()) return Success{};
+    const std::string csv = (fs::path(options_.out) / "run.csv").string();
+    if (Status status = recorder_.write(csv); !status) return status;
+    report.files.push_back(csv);
+    if (!options_.plot) return Success{};
+    const std::string picture = (fs::path(options_.out) / "energy.svg").string();
+    if (Status status = plot_energies({{options_.integrator, csv}}, picture); !status)
+      return status;
+    report.files.push_back(picture);
+    return Success{};
+  }
+
+ private:
+  Status write_due_surface(const Body& body, RunReport& report) {
+    if (surfaces_written_ >= options_.surfaces) return Success{};
+    const auto due = static_cast<std::int64_t>(
+        std::llround(static_cast<double>(total_steps_) * (surfaces_written_ + 1) /
+                     options_.surfaces));
+    if (body.steps() < due) return Success{};
+    const std::string path =
+        (fs::path(options_.out) /
+         fmt::format("surface-{:04}.{}", surfaces_written_, options_.surface_format))
+            .string();
+    ++surfaces_written_;
+    report.files.push_back(path);
+    return write_shape(body, path);
+  }
+
+  const RunOptions& options_;
+  Recorder recorder_;
+  DriftMeter drift_;
+  std::int64_t total_steps_;
+  int surfaces_written_ = 0;
+  bool was_loaded_ = false;
+  double most_input_ = 0;
+};
+
+RunReport start_report(const RunOptions& options, const Body& body) {
+  RunReport report;
+  report.name = options.name;
+  report.integrator = options.integrator;
+  report.step = options.step;
+  report.duration = options.duration;
+  report.split = body.integrator().split();
+  return report;
+}
+
+void break_off(RunReport& report, ErrorKind kind, std::string reason) {
+  report.exit_code = static_cast<int>(kind);
+  report.reason = std::move(reason);
+}
+
+}  // namespace
+
+Result<RunReport> simulate(const RunOptions& options) {
+  if (Status status = check(options); !status) return status.error();
+  Result<Body> created = make_body(options);
+  if (!created) return created.error();
+  Body& body = *created;
+  Result<Recorder> recorder = Recorder::create(body.model(), options.coordinates, options.probes);
+  if (!recorder) return recorder.error();
+  if (!options.out.empty()) {
+    std::error_code error;
+    fs::create_directories(options.out, error);
+    if (error) return system_error(options.out + ": cannot create: " + error.message());
+  }
+
+  RunReport report = start_report(options, body);
+  const auto steps = static_cast<std::int64_t>(std::llround(options.duration / options.step));
+  Watch watch(options, std::move(*recorder), steps);
+  Eigen::Matrix<double, 3, Eigen::Dynamic> probe;
+  if (!options.probes.empty()) probe = body.model().vertex(options.probes.front())->rows;
+  Result<bool> inside = watch.observe(body, report);
+  std::chrono::steady_clock::duration spent{};
+  while (inside && *inside && body.steps() < steps) {
+    const auto before = std::chrono::steady_clock::now();
+    const StepReport step = body.step();
+    spent += std::chrono::steady_clock::now() - before;
+    if (!step.converged) {
+      break_off(report, ErrorKind::kSolver,
+                fmt::format("the step from t = {:.6g} s did not converge: residual {:.3g} after {} "
+                            "iterations",
+                            body.time(), step.residual, step.iterations));
+      break;
+    }
+    inside = watch.observe(body, report);
+    if (inside && !*inside)
+      break_off(report, ErrorKind::kBound,
+                fmt::format("at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that "
+                            "the load put in",
+                            body.time(), report.energy_final, kEnergyBound));
+    if (probe.cols() > 0)
+      report.largest_probe = std::max(report.largest_probe, (probe * body.state().q).norm());
+  }
+  if (!inside) return inside.error();
+
+  report.steps = body.steps();
+  report.reached = body.time();
+  const double made = static_cast<double>(std::max<std::int64_t>(body.steps(), 1));
+  report.iterations_per_step = static_cast<double>(body.iterations()) / made;
+  report.microseconds_per_step =
+      std::chrono::duration<double, std::micro>(spent).count() / made;
+  report.work = body.work();
+  report.dissipated = body.dissipated();
+  if (Status status = watch.finish(report); !status) return status.error();
+  return report;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,39 @@
+// One body from rest to the end of its time, watched.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "runtime/body.h"
+#include "runtime/program/run_options.h"
+
+namespace tremolo {
+
+// How a run ended and what it measured. Energies in J; not-a-number means "not known".
+struct RunReport {
+  std::string name;
+  std::string integrator;
+  double step = 0;
+  double duration = 0;
+  std::int64_t steps = 0;              // made
+  double reached = 0;                  // s of simulated time
+  double iterations_per_step = 0;
+  double microseconds_per_step = 0;    // of step() alone, without recording
+  double energy_initial = 0;
+  double energy_reference = 0;         // when the load had ended; of the last moment if it lasts
+  double energy_final = 0;
+  double energy_drift_max = 0;         // docs/architecture.md
+  double high_band_final = 0;
+  double work = 0;
+  double dissipated = 0;
+  double largest_probe = 0;            // largest displacement of the first probe, m
+  std::optional<Split> split;
+  std::vector<std::string> files;      // written, under options.out
+  int exit_code = 0;                   // 0, 4 or 5
+  std::string reason;                  // why it is not 0
+};
+
+// Errors: what loading, creating and writing give. A run that broke off is a report, not an error.
+Result<RunReport> simulate(const RunOptions& options);
+
+}  // namespace tremolo

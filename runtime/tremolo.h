@@ -1,0 +1,136 @@
+/*
+ * libtremolo in C: load a precomputed solid, let it vibrate, fetch where its surface is.
+ *
+ *   tremolo_model* model;
+ *   tremolo_body* body;
+ *   double force[3] = {0.0, -40.0, 0.0};
+ *   if (tremolo_model_load("horse.tremolo", 0, &model) != TREMOLO_OK) puts(tremolo_last_error());
+ *   tremolo_body_create(model, NULL, &body);
+ *   tremolo_body_apply_force(body, 17, force, 1);
+ *   tremolo_body_step(body, 10, NULL);
+ *   tremolo_body_positions_float(body, buffer, buffer_length);
+ *   tremolo_body_destroy(body);
+ *   tremolo_model_release(model);
+ *
+ * Status. Every function that can fail returns a tremolo_status; the values are the exit codes of
+ * the programs. No C++ exception leaves the library. After a failure tremolo_last_error() tells
+ * why; outputs are then untouched unless said otherwise.
+ *
+ * Ownership. The caller owns every buffer; the library never keeps a pointer to one after the call.
+ * A model is owned by the caller until tremolo_model_release; its bodies keep what they need, so it
+ * may be released before them. A body is owned until tremolo_body_destroy. Both accept NULL.
+ *
+ * Threads. A model may be used by any number of threads, a body by one at a time. The error message
+ * belongs to the calling thread.
+ *
+ * Units are SI. Vertices are named by their index in the mesh that was precomputed. Null pointers
+ * where an object or a buffer is needed are TREMOLO_USAGE.
+ */
+#ifndef TREMOLO_H
+#define TREMOLO_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum tremolo_status {
+  TREMOLO_OK = 0,
+  TREMOLO_SYSTEM = 1,  /* I/O or memory failed */
+  TREMOLO_USAGE = 2,   /* an unknown name, a wrong argument, a buffer of the wrong length */
+  TREMOLO_CONTENT = 3, /* the file's content is invalid */
+  TREMOLO_SOLVER = 4   /* a step did not converge; the body is as before that step */
+} tremolo_status;
+
+typedef struct tremolo_model tremolo_model;
+typedef struct tremolo_body tremolo_body;
+
+/* Why the last failing call of this thread failed: one sentence, UTF-8, never NULL; empty if none
+ * failed yet. Valid until the thread's next failing call. */
+const char* tremolo_last_error(void);
+
+/* "major.minor.patch"; static. */
+const char* tremolo_version(void);
+
+/* ---- model ---- */
+
+/* Loads a basis file. modes: leading coordinates to keep (level of detail), 0 for all. */
+tremolo_status tremolo_model_load(const char* path, int32_t modes, tremolo_model** model);
+
+/* The same from memory; the bytes are not needed after the call. */
+tremolo_status tremolo_model_load_memory(const void* bytes, size_t size, int32_t modes,
+                                         tremolo_model** model);
+
+void tremolo_model_release(tremolo_model* model);
+
+/* Sizes. They are 0 for NULL. */
+size_t tremolo_model_modes(const tremolo_model* model);            /* r */
+size_t tremolo_model_surface_vertices(const tremolo_model* model); /* s */
+size_t tremolo_model_triangles(const tremolo_model* model);        /* t */
+
+/* Natural frequencies, Hz, ascending. length must be r. */
+tremolo_status tremolo_model_frequencies(const tremolo_model* model, double* out, size_t length);
+
+/* Corners, three a triangle, counter-clockwise from outside, as indices 0..s-1 into the surface's
+ * vertices (the order of tremolo_body_positions_*). length must be 3 t. */
+tremolo_status tremolo_model_triangle_corners(const tremolo_model* model, uint32_t* out,
+                                              size_t length);
+
+/* Ids of the surface's vertices in the source mesh, ascending. length must be s. */
+tremolo_status tremolo_model_surface_ids(const tremolo_model* model, uint32_t* out, size_t length);
+
+/* ---- body ---- */
+
+/* Fill with tremolo_body_options_init and change what you want. `size` lets a program that was
+ * compiled against an older header use a newer library: fields beyond it keep their defaults. */
+typedef struct tremolo_body_options {
+  uint32_t size;          /* bytes of this struct as the caller knows it */
+  int32_t max_iterations; /* of a step's solve; 20 */
+  const char* integrator; /* "verlet", "midpoint", "newmark", "imexv", "imexv-thesis"; "imexv" */
+  const char* split;      /* "default", "thesis" or a count such as "9"; "default" */
+  double step;            /* h, s; 0.003 */
+  double alpha;           /* Rayleigh damping alpha M + beta K(0), 1/s; 0 */
+  double beta;            /* s; 0 */
+  double newmark_beta;    /* 0.25 */
+  double newmark_gamma;   /* 0.5 */
+  double safety;          /* of the default split, in (0, 1]; 0.9 */
+  double tolerance;       /* of a step's solve, relative; 1e-9 */
+} tremolo_body_options;
+
+void tremolo_body_options_init(tremolo_body_options* options);
+
+/* A body at rest in the rest shape. options: NULL for the defaults. */
+tremolo_status tremolo_body_create(const tremolo_model* model, const tremolo_body_options* options,
+                                   tremolo_body** body);
+
+void tremolo_body_destroy(tremolo_body* body);
+
+/* A force (x, y, z), N, at a vertex, constant over the next `steps` steps. Several add up. */
+tremolo_status tremolo_body_apply_force(tremolo_body* body, uint32_t vertex, const double force[3],
+                                        int32_t steps);
+
+/* Advances by `count` steps. done (may be NULL) receives how many were made, also on failure. */
+tremolo_status tremolo_body_step(tremolo_body* body, int64_t count, int64_t* done);
+
+double tremolo_body_time(const tremolo_body* body); /* s; 0 for NULL */
+
+/* Reduced coordinates and momenta. length must be r; p may be NULL. */
+tremolo_status tremolo_body_state(const tremolo_body* body, double* q, double* p, size_t length);
+tremolo_status tremolo_body_set_state(tremolo_body* body, const double* q, const double* p,
+                                      size_t length);
+
+/* Positions of the surface's vertices, x y z x y z ..., m. length must be 3 s. */
+tremolo_status tremolo_body_positions_float(const tremolo_body* body, float* out, size_t length);
+tremolo_status tremolo_body_positions_double(const tremolo_body* body, double* out, size_t length);
+
+/* J; any of the three may be NULL. high_band is 0 for methods that do not split. */
+tremolo_status tremolo_body_energy(const tremolo_body* body, double* kinetic, double* potential,
+                                   double* high_band);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* TREMOLO_H */

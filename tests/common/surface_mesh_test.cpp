@@ -1,0 +1,82 @@
+#include "common/surface_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/box_mesh.h"
+
+namespace tremolo {
+namespace {
+
+double enclosed_volume(const TetMesh& mesh, const BoundarySurface& surface) {
+  double volume = 0;
+  for (const Triangle& t : surface.triangles) {
+    const Eigen::Vector3d& a = mesh.vertices[surface.vertex_ids[t[0]]];
+    const Eigen::Vector3d& b = mesh.vertices[surface.vertex_ids[t[1]]];
+    const Eigen::Vector3d& c = mesh.vertices[surface.vertex_ids[t[2]]];
+    volume += a.dot(b.cross(c)) / 6.0;
+  }
+  return volume;
+}
+
+double sum_of_volumes(const TetMesh& mesh) {
+  double volume = 0;
+  for (const Tetrahedron& tet : mesh.tetrahedra) volume += signed_volume(mesh, tet);
+  return volume;
+}
+
+TEST(BoundarySurface, IsClosedAndConsistentlyOriented) {
+  const BoundarySurface surface = boundary_surface(testing::box_mesh({3, 2, 2}, {3, 2, 2}));
+  std::map<std::pair<VertexId, VertexId>, int> directed;
+  for (const Triangle& t : surface.triangles)
+    for (int corner = 0; corner < 3; ++corner) ++directed[{t[corner], t[(corner + 1) % 3]}];
+  for (const auto& [edge, count] : directed) {
+    EXPECT_EQ(count, 1) << edge.first << "-" << edge.second;
+    EXPECT_EQ(directed.count({edge.second, edge.first}), 1u) << edge.first << "-" << edge.second;
+  }
+}
+
+TEST(BoundarySurface, EnclosesTheVolumeOfTheTetrahedra) {
+  TetMesh mesh = testing::box_mesh({3, 2, 2}, {3, 2, 2});
+  for (Eigen::Vector3d& x : mesh.vertices)
+    x += 0.2 * Eigen::Vector3d(std::sin(x.y()), std::sin(x.z()), std::sin(x.x() + x.y()));
+  const double expected = sum_of_volumes(mesh);
+  // Some hundred products of numbers below 30 round at 1e-16 each.
+  EXPECT_NEAR(enclosed_volume(mesh, boundary_surface(mesh)), expected, 1e-12);
+  EXPECT_GT(expected, 0);
+}
+
+TEST(BoundarySurface, OfABoxHasTwoTrianglesASquare) {
+  const TetMesh mesh = testing::box_mesh({4, 3, 2}, {4, 3, 2});
+  const BoundarySurface surface = boundary_surface(mesh);
+  EXPECT_EQ(surface.triangles.size(), 2u * 2u * (4 * 3 + 3 * 2 + 2 * 4));
+  // All grid points but the 3 x 2 x 1 inside.
+  EXPECT_EQ(surface.vertex_ids.size(), mesh.vertices.size() - 3 * 2 * 1);
+  EXPECT_TRUE(std::is_sorted(surface.vertex_ids.begin(), surface.vertex_ids.end()));
+}
+
+TEST(BoundarySurface, OfOneTetrahedronIsItsFourFaces) {
+  TetMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.tetrahedra = {{0, 1, 2, 3}};
+  const BoundarySurface surface = boundary_surface(mesh);
+  EXPECT_EQ(surface.triangles.size(), 4u);
+  // One sixth, from four products of 0 and 1.
+  EXPECT_NEAR(enclosed_volume(mesh, surface), 1.0 / 6.0, 1e-16);
+}
+
+TEST(BoundarySurface, LeavesUnreferencedVerticesOut) {
+  TetMesh mesh = testing::box_mesh({1, 1, 1}, {1, 1, 1});
+  mesh.vertices.insert(mesh.vertices.begin(), Eigen::Vector3d(9, 9, 9));
+  for (Tetrahedron& tet : mesh.tetrahedra)
+    for (VertexId& v : tet) ++v;
+  const BoundarySurface surface = boundary_surface(mesh);
+  EXPECT_EQ(surface.vertex_ids, (std::vector<VertexId>{1, 2, 3, 4, 5, 6, 7, 8}));
+}
+
+}  // namespace
+}  // namespace tremolo

@@ -1,0 +1,284 @@
+// What is wrong in a mesh file is said with its place, what was expected and what was found.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "formats/mesh_reader.h"
+#include "tests/support/mesh_variants.h"
+#include "tests/support/temporary_folder.h"
+
+namespace tremolo {
+namespace {
+
+using testing::replaced;
+using testing::TemporaryFolder;
+using Parts = std::initializer_list<const char*>;
+
+void expect_message(const Result<MeshFile>& file, Parts parts) {
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().kind, ErrorKind::kContent) << file.error().message;
+  for (const char* part : parts)
+    EXPECT_NE(file.error().message.find(part), std::string::npos)
+        << "`" << part << "` is not in: " << file.error().message;
+}
+
+void expect_error(const std::string& name, const std::string& bytes, Parts parts) {
+  ASSERT_FALSE(bytes.empty()) << "the test does not fit its file";
+  const TemporaryFolder folder;
+  expect_message(read_tet_mesh(folder.write(name, bytes)), parts);
+}
+
+// Little-endian bytes of a number, for files made by msh2_binary(false) and msh4_binary(false).
+template <class T>
+std::string bytes_of(T value) {
+  return testing::Bytes(false).put(value).str();
+}
+
+void expect_tetgen_error(const std::string& node, const std::string& ele, Parts parts) {
+  ASSERT_FALSE(node.empty() || ele.empty()) << "the test does not fit its file";
+  const TemporaryFolder folder;
+  folder.write("a.node", node);
+  expect_message(read_tet_mesh(folder.write("a.ele", ele)), parts);
+}
+
+TEST(Msh2Errors, NameLineExpectedAndFound) {
+  const std::string good = testing::msh2_text();
+  expect_error("a.msh", replaced(good, "2.2 0 8", "1 0 8"), {"2.2 or 4.1", "`1`"});
+  expect_error("a.msh", replaced(good, "2.2 0 8", "2.2 7 8"), {"line 2", "file type", "7"});
+  expect_error("a.msh", replaced(good, "2.2 0 8", "2.2 0 4"), {"line 2", "data size 8", "4"});
+  expect_error("a.msh", replaced(good, "\"body\"", "body"), {"line 7", "quotes", "body"});
+  expect_error("a.msh", replaced(good, "3 4 \"body\"", "4 4 \"body\""), {"line 7", "0 to 3", "4"});
+  expect_error("a.msh", replaced(good, "2 0 0 0", "2 0 0 x"), {"line 11", "coordinate", "`x`"});
+  expect_error("a.msh", replaced(good, "2 0 0 0", "2 0 0 nan"),
+               {"line 11", "vertex 2", "z", "nan"});
+  expect_error("a.msh", replaced(good, "2 0 0 0", "2 inf 0 0"),
+               {"line 11", "vertex 2", "x", "inf"});
+  expect_error("a.msh", replaced(good, "2 0 0 0", "2 0 1e999 0"), {"line 11", "1e999"});
+  expect_error("a.msh", replaced(good, "2 0 0 0", "9 0 0 0"), {"vertex id 9", "twice"});
+  expect_error("a.msh", replaced(good, "2 0 0 0", "2.5 0 0 0"), {"line 11", "node id", "`2.5`"});
+  expect_error("a.msh", replaced(good, "2 4 2 4 1 2 9 5 7", "2 4 2 4 1 2 9 5 8"),
+               {"line 20", "element 2", "vertex 8", "2 to 9"});
+  expect_error("a.msh", replaced(good, "2 4 2 4 1 2", "2 777 2 4 1 2"),
+               {"line 20", "element type", "777"});
+  expect_error("a.msh", replaced(good, "2 4 2 4 1 2", "2 4 -2 4 1 2"), {"line 20", "tags", "-2"});
+  expect_error("a.msh", replaced(good, "$Elements\n3", "$Elements\n4"),
+               {"line 22", "element id", "`$EndElements`"});
+  expect_error("a.msh", replaced(good, "$Elements\n3", "$Elements\n2"),
+               {"line 21", "`$EndElements`", "`3`"});
+  expect_error("a.msh", replaced(good, "$Nodes\n5", "$Nodes\n6"), {"line 16", "`$EndNodes`"});
+}
+
+TEST(Msh2Errors, SectionsMustBeThereOnceAndInOrder) {
+  const std::string format = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+  const std::string nodes = "$Nodes\n1\n1 0 0 0\n$EndNodes\n";
+  const std::string elements = "$Elements\n0\n$EndElements\n";
+  expect_error("a.msh", format, {"without $Nodes"});
+  expect_error("a.msh", format + nodes, {"without $Elements"});
+  expect_error("a.msh", format + elements + nodes, {"line 4", "$Elements before $Nodes"});
+  expect_error("a.msh", format + nodes + nodes, {"line 8", "second section $Nodes"});
+  expect_error("a.msh", format + nodes + elements + elements, {"line 11", "second"});
+  expect_error("a.msh", format + "stray", {"line 4", "section", "`stray`"});
+}
+
+TEST(Msh2Errors, NameTheOffsetInABinaryFile) {
+  const std::string good = testing::msh2_binary(false);
+  const std::size_t node = good.find("$Nodes\n5\n") + 9;
+  std::string bad = good;
+  bad.replace(node + 4, 8, bytes_of(std::nan("")));
+  // The vertex is complete when it is judged: the place is that of its last coordinate.
+  expect_error("a.msh", bad, {("byte " + std::to_string(node + 20)).c_str(), "vertex 2", "nan"});
+  const std::size_t element = good.find("$Elements\n3\n") + 12;
+  bad = good;
+  bad.replace(element + 4, 4, bytes_of(std::int32_t{77}));
+  expect_error("a.msh", bad, {("byte " + std::to_string(element + 4)).c_str(), "1 to 3", "77"});
+  bad = good;
+  bad.replace(good.find("2.2 1 8\n") + 8, 4, bytes_of(std::int32_t{3}));
+  expect_error("a.msh", bad, {"byte", "byte order", "3"});
+}
+
+TEST(Msh4Errors, NameLineExpectedAndFound) {
+  const std::string good = testing::msh4_text();
+  expect_error("a.msh", replaced(good, "4.1 0 8", "4.0 0 8"), {"2.2 or 4.1", "`4.0`"});
+  expect_error("a.msh", replaced(good, "\n2 6 1 3\n", "\n2 6 2 3\n"), {"line 16", "0 or 1", "2"});
+  expect_error("a.msh", replaced(good, "\n2 6 1 3\n", "\n2 6 1 9\n"),
+               {"line 16", "at most 5", "9"});
+  expect_error("a.msh", replaced(good, "\n2 6 1 3\n", "\n4 6 1 3\n"), {"line 16", "0 to 3", "4"});
+  expect_error("a.msh", replaced(good, "2 5 2 9\n", "2 6 2 9\n"), {"6 nodes", "found 5"});
+  expect_error("a.msh", replaced(good, "2 5 2 9\n", "1 5 2 9\n"), {"5 nodes", "found 3"});
+  expect_error("a.msh", replaced(good, "2 3 1 3\n", "2 4 1 3\n"), {"4 elements", "found 3"});
+  expect_error("a.msh", replaced(good, "2 2 9 5 7\n", "2 2 9 5 8\n"),
+               {"line 34", "element 2", "vertex 8"});
+  expect_error("a.msh", replaced(good, "2 6 2 1\n", "2 6 -1 1\n"), {"element type", "-1"});
+  expect_error("a.msh", replaced(good, "\n1 0 1 1\n", "\n1 0 1 2\n"), {"entity", "`$EndEntities`"});
+}
+
+TEST(MeshErrors, CountsThatTheFileCannotHoldAreRefusedBeforeMemoryIsTaken) {
+  // Each would need far more memory than any machine has.
+  const char* huge = "4611686018427387904";
+  const auto nodes = [huge](const std::string& text, const std::string& from,
+                            const std::string& to) { return replaced(text, from, to + huge); };
+  expect_error("a.msh", nodes(testing::msh2_text(), "$Nodes\n5", "$Nodes\n"),
+               {"line 10", huge, "nodes", "bytes"});
+  expect_error("a.msh", nodes(testing::msh2_text(), "$Elements\n3", "$Elements\n"),
+               {"line 18", huge, "elements"});
+  expect_error("a.msh", nodes(testing::msh2_text(), "Names\n2", "Names\n"),
+               {"line 5", huge, "names"});
+  expect_error("a.msh", nodes(testing::msh4_text(), "2 6 2 1", "2 6 2 "), {huge});
+  expect_error("a.msh", nodes(testing::msh2_binary(true), "$Nodes\n5", "$Nodes\n"),
+               {"byte", huge, "nodes"});
+  expect_error("a.vtk", nodes(testing::vtk_text(), "POINTS 5", "POINTS "),
+               {"line 7", huge, "points"});
+  expect_error("a.vtk", nodes(testing::vtk_text(), "CELLS 3 14", "CELLS 3 "), {huge, "cells"});
+  expect_error("a.vtk", nodes(testing::vtk_binary(), "CELLS 3 14", "CELLS 3 "), {"byte", huge});
+  expect_error("a.vtk", nodes(testing::vtk_binary_5_1(), "CELLS 4 11", "CELLS 4 "), {huge});
+  expect_error("a.vtk", nodes(testing::vtk_text(), "TIME 1 2", std::string("TIME ") + huge + " "),
+               {"line 6", "fits"});
+  expect_error("a.vtu",
+               replaced(testing::vtu_text(), "Points=\"5", std::string("Points=\"") + huge),
+               {"NumberOfPoints", huge});
+  expect_error("a.vtu", replaced(testing::vtu_text(), "3 7 11", std::string("3 7 ") + huge),
+               {"offsets", huge});
+  expect_error("a.veg", nodes(testing::veg_text(0), "VERTICES\n5", "VERTICES\n"), {"vertex"});
+  expect_tetgen_error(nodes(testing::node_text(0), "5 3 1 1", "") + " 3", testing::ele_text(0),
+                      {"a.node, line 2"});
+  expect_tetgen_error(replaced(testing::node_text(0), "5 3 1 1", std::string(huge) + " 3 1 1"),
+                      testing::ele_text(0), {"a.node, line 2", huge, "points"});
+}
+
+TEST(VtkErrors, NameLineExpectedAndFound) {
+  const std::string good = testing::vtk_text();
+  expect_error("a.vtk", replaced(good, "\nASCII\n", "\nHEX\n"), {"line 3", "ASCII", "`HEX`"});
+  expect_error("a.vtk", replaced(good, "UNSTRUCTURED_GRID", "POLYDATA"),
+               {"line 4", "UNSTRUCTURED_GRID", "`POLYDATA`"});
+  expect_error("a.vtk", replaced(good, "0.125", "nan"), {"vertex 3", "x", "nan"});
+  expect_error("a.vtk", replaced(good, "0.125", "0,125"), {"line 11", "`0,125`"});
+  expect_error("a.vtk", replaced(good, "4 1 4 2 3", "4 1 5 2 3"),
+               {"element 2", "vertex 5", "0 to 4"});
+  expect_error("a.vtk", replaced(good, "4 1 4 2 3", "4 1 -1 2 3"), {"element 2", "vertex -1"});
+  expect_error("a.vtk", replaced(good, "4 1 4 2 3", "5 1 4 2 3"), {"cell 2", "5"});
+  expect_error("a.vtk", replaced(good, "4 1 4 2 3", "3 1 4 2 3"), {"expected a list of 13"});
+  expect_error("a.vtk", replaced(good, "CELLS 3 14", "CELLS 99 14"), {"99 cells"});
+  expect_error("a.vtk", replaced(good, "CELL_TYPES 3\n5\n", "CELL_TYPES 2\n"),
+               {"2 types of 3 cells"});
+  expect_error("a.vtk", replaced(good, "TYPES 3\n5\n10", "TYPES 3\n5\n12"),
+               {"cell 1", "hexahedra", "8 nodes", "4"});
+  expect_error("a.vtk", replaced(good, "TYPES 3\n5\n10", "TYPES 3\n5\n99"), {"cell 1", "type 99"});
+  expect_error("a.vtk", replaced(good, "POINTS 5 double", "POINTS 5"), {"line 8"});
+  expect_error("a.vtk", replaced(good, "METADATA", "OTHERDATA"), {"line 13", "`OTHERDATA`"});
+  expect_error("a.vtk", good.substr(0, good.find("CELL_TYPES")), {"without CELL_TYPES"});
+}
+
+TEST(VtkErrors, OffsetsMustAscendWithinTheListOfNodes) {
+  const std::string good = testing::vtk_text_5_1();
+  expect_error("a.vtk", replaced(good, "0 3 7 11", "0 8 7 11"), {"cell 1", "8", "7"});
+  expect_error("a.vtk", replaced(good, "0 3 7 11", "1 3 7 11"), {"offsets from 0 to 11"});
+  expect_error("a.vtk", replaced(good, "0 3 7 11", "0 3 7 12"), {"offsets from 0 to 11", "12"});
+}
+
+TEST(VtuErrors, NameTheArrayExpectedAndFound) {
+  const std::string good = testing::vtu_text();
+  const std::string encoded = testing::vtu_base64(false, false);
+  expect_error("a.vtu", replaced(good, "</Points>", "</Pints>"), {"byte", "well-formed XML"});
+  expect_error("a.vtu", replaced(good, "type=\"UnstructuredGrid\"", "type=\"ImageData\""),
+               {"UnstructuredGrid", "`ImageData`"});
+  expect_error("a.vtu", replaced(good, "byte_order", "compressor=\"zlib\" byte_order"),
+               {"not compressed", "zlib"});
+  expect_error("a.vtu", replaced(good, "LittleEndian", "MiddleEndian"), {"`MiddleEndian`"});
+  expect_error("a.vtu", replaced(good, "0.125", "nan"), {"points", "vertex 3", "nan"});
+  expect_error("a.vtu", replaced(good, "0.125", "o.125"), {"array `points`", "`o.125`"});
+  expect_error("a.vtu", replaced(good, "5 10 10", "5 10"), {"array `types`", "a number"});
+  expect_error("a.vtu", replaced(good, "5 10 10", "5 10 10 10"), {"array `types`", "found more"});
+  expect_error("a.vtu", replaced(good, "3 7 11", "3 7 -1"), {"offsets", "-1"});
+  expect_error("a.vtu", replaced(good, "Name=\"types\"", "Name=\"kinds\""), {"types", "none"});
+  expect_error("a.vtu", replaced(encoded, "UInt32", "UInt64"), {"points"});
+  expect_error("a.vtu", replaced(encoded, "type=\"UInt8\"", "type=\"Bool\""), {"types", "`Bool`"});
+  expect_error("a.vtu", replaced(encoded, "type=\"UInt8\"", "type=\"Float32\""),
+               {"types", "integers"});
+  expect_error("a.vtu",
+               replaced(good, "<DataArray format=\"ascii\" type=\"UInt8\"",
+                        "<DataArray format=\"appended\" type=\"UInt8\""),
+               {"types", "`appended`", "inline"});
+}
+
+TEST(VegErrors, NameLineExpectedAndFound) {
+  const std::string good = testing::veg_text(1);
+  expect_error("a.veg", replaced(good, "5 3 0 0", "5 2 0 0"), {"line 4", "dimension 3", "2"});
+  expect_error("a.veg", replaced(good, "1 0 0 0\n", "1 0 0\n"), {"line 5", "coordinate", "line"});
+  expect_error("a.veg", replaced(good, "1 0 0 0\n", "1 0 0 inf\n"), {"line 5", "vertex 1", "inf"});
+  expect_error("a.veg", replaced(good, "TETS", "CUBIC"), {"line 12", "TETS", "`CUBIC`"});
+  expect_error("a.veg", replaced(good, "2 4 0\n", "2 10 0\n"), {"line 13", "linear", "10"});
+  expect_error("a.veg", replaced(good, "1 1 2 3 4\n", "1 1 2 3 6\n"),
+               {"line 14", "element 1", "6"});
+  expect_error("a.veg", replaced(good, "1 1 2 3 4\n", "1 1 2 3 0\n"),
+               {"line 14", "element 1", "0"});
+  expect_error("a.veg", replaced(good, "1 1 2 3 4\n", "1 1 2 3\n"), {"line 14", "node", "line"});
+  expect_error("a.veg", replaced(good, "1 1 2 3 4\n", "5 1 2 3 4\n"), {"line 14", "0 or 1", "5"});
+  expect_error("a.veg", replaced(good, "2 2 5 3 4\n", "1 2 5 3 4\n"), {"line 15", "id 2", "1"});
+  expect_error("a.veg", replaced(good, "first\n1,", "first\n0,"), {"line 21", "`first`", "0"});
+  expect_error("a.veg", replaced(good, "first\n1,", "first\n3,"), {"line 21", "`first`", "3"});
+  expect_error("a.veg", replaced(good, "*REGION", "*LEGION"), {"line 18", "`*LEGION`"});
+  expect_error("a.veg", replaced(good, "*ELEMENTS", "*VERTICES"), {"line 11", "a second"});
+  expect_error("a.veg", good.substr(0, good.find("*ELEMENTS")), {"*ELEMENTS", "end of the file"});
+}
+
+TEST(VegErrors, IncludesStayInTheirFolderAndEndSomewhere) {
+  const std::string start = "*VERTICES\n*INCLUDE ";
+  expect_error("a.veg", start + "../b.node\n", {"line 2", "same folder", "`../b.node`"});
+  expect_error("a.veg", start + "/etc/passwd\n", {"line 2", "same folder"});
+  expect_error("a.veg", start + "\n", {"line 2", "name of a file"});
+  // A file that includes itself is read as its own inclusion once and then refused.
+  expect_error("a.veg", start + "a.veg\n", {"each once", "`a.veg`"});
+  const TemporaryFolder folder;
+  const Result<MeshFile> file = read_tet_mesh(folder.write("a.veg", start + "none.node\n"));
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().kind, ErrorKind::kSystem);
+  EXPECT_NE(file.error().message.find("none.node"), std::string::npos);
+}
+
+TEST(TetgenErrors, NameFileLineExpectedAndFound) {
+  const std::string node = testing::node_text(1);
+  const std::string ele = testing::ele_text(1);
+  expect_tetgen_error(replaced(node, "5 3 1 1", "5 2 1 1"), ele, {"a.node, line 2", "3", "2"});
+  expect_tetgen_error(replaced(node, "5 3 1 1", "6 3 1 1"), ele, {"a.node, line 8", "point id"});
+  expect_tetgen_error(replaced(node, "0.125", "nan"), ele, {"a.node, line 6", "vertex 4", "nan"});
+  expect_tetgen_error(replaced(node, "0.125", "-"), ele, {"a.node, line 6", "`-`"});
+  expect_tetgen_error(node, replaced(ele, "2  4  1", "2  10  1"),
+                      {"a.ele, line 1", "linear", "10"});
+  expect_tetgen_error(node, replaced(ele, "2  4  1", "3  4  1"), {"a.ele", "element id", "end"});
+  expect_tetgen_error(node, replaced(ele, "1 1 2 3 4", "1 1 2 3 6"),
+                      {"a.ele, line 2", "element 1", "vertex 6", "1 to 5"});
+  expect_tetgen_error(testing::node_text(0), ele, {"a.ele, line 3", "vertex 5", "0 to 4"});
+}
+
+TEST(TetgenErrors, AMissingPartnerIsNamed) {
+  const TemporaryFolder folder;
+  const Result<MeshFile> file = read_tet_mesh(folder.write("a.node", testing::node_text(0)));
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().kind, ErrorKind::kSystem);
+  EXPECT_NE(file.error().message.find("a.ele"), std::string::npos);
+}
+
+TEST(MeshErrors, AMeshWithoutTetrahedraSaysWhatItHolds) {
+  const std::string text = testing::msh2_text();
+  expect_error(
+      "a.msh",
+      replaced(replaced(replaced(text, "2 4 2 4 1 2 9 5 7\n", ""), "3 4 2 4 1 9 3 5 7\n", ""),
+               "$Elements\n3", "$Elements\n1"),
+      {"expected tetrahedra", "5 vertices", "1 triangles"});
+  expect_error("a.veg", "*VERTICES\n1 3\n0 0 0 0\n*ELEMENTS\nTET\n0 4\n",
+               {"expected tetrahedra", "1 vertices and no cells"});
+}
+
+TEST(MeshErrors, QuadraticTetrahedraAreRefusedByName) {
+  const std::string format =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n";
+  expect_error("a.msh", format + "$Elements\n1\n7 11 0 1 1 1 1 1 1 1 1 1 1\n$EndElements\n",
+               {"line 10", "element 7", "10-node tetrahedra", "linear"});
+}
+
+}  // namespace
+}  // namespace tremolo

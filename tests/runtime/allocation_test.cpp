@@ -1,0 +1,119 @@
+// Nothing is allocated in a step. Every request for memory is counted: operator new and Eigen both
+// end in malloc, which this executable replaces (or, under a sanitizer, hooks).
+#include <cstddef>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "runtime/body.h"
+#include "runtime/integrators/newton.h"
+#include "tests/support/dynamics.h"
+
+namespace {
+thread_local long allocations = 0;
+}
+
+#if defined(TREMOLO_SANITIZED)
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*, std::size_t),
+                                                         void (*)(const volatile void*));
+namespace {
+const int hooks = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
+}
+#elif defined(__GLIBC__)
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+
+void* malloc(std::size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  ++allocations;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* pointer, std::size_t size) {
+  ++allocations;
+  return __libc_realloc(pointer, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  ++allocations;
+  return __libc_memalign(alignment, size);
+}
+}
+#endif
+
+namespace tremolo {
+namespace {
+
+// Deep enough into the nonlinear range for several corrections a step.
+Body shaken_body(std::string_view integrator, Eigen::Index r) {
+  const testing::StrainModel strain =
+      testing::random_strain_model(testing::spread_omega(r, 5.0, 900.0), 0.02, 61);
+  IntegratorOptions options{.step = integrator == "verlet" ? 1e-3 : 3e-3, .alpha = 0.3, .beta = 1e-6};
+  Result<Body> body = Body::create(testing::make_model(strain), integrator, options);
+  EXPECT_TRUE(body);
+  EXPECT_TRUE(body->set_state(testing::random_vector(r, 0.02, 1), testing::random_vector(r, 1.0, 2)));
+  EXPECT_TRUE(body->add_load({.kind = SignalKind::kSine}, 5, {0.1, 0.2, 0.3}));
+  EXPECT_TRUE(body->apply_force(5, {1.0, 0.0, 0.0}, 3));
+  return std::move(*body);
+}
+
+long allocations_of_steps(Body& body, int count) {
+  const long before = allocations;
+  bool converged = true;
+  for (int k = 0; k < count; ++k) converged = body.step().converged && converged;
+  const long after = allocations;
+  EXPECT_TRUE(converged);
+  return after - before;
+}
+
+TEST(Allocation, IsSeenByTheCounter) {
+  const long before = allocations;
+  const Eigen::VectorXd vector = Eigen::VectorXd::Zero(100);
+  const std::vector<double> other(static_cast<std::size_t>(vector.size()), vector[3]);
+  EXPECT_GE(allocations - before, 2) << other.size();
+}
+
+TEST(Allocation, NoStepOfAnyMethodAllocates) {
+  for (const Eigen::Index r : {1, 2, 15, 20})
+    for (const std::string_view name : integrator_names()) {
+      Body body = shaken_body(name, r);
+      // From the very first step on: everything is made when the body is.
+      EXPECT_EQ(allocations_of_steps(body, 20), 0) << name << ", r = " << r;
+    }
+}
+
+TEST(Allocation, NoStepAllocatesWhereTheJacobianIsIndefinite) {
+  for (const Eigen::Index n : {3, 20, 60, 100}) {
+    NewtonWorkspace workspace(n);
+    const Eigen::MatrixXd random = testing::random_vector(n * n, 1.0, 4).reshaped(n, n);
+    workspace.jacobian = random + random.transpose();
+    workspace.residual = testing::random_vector(n, 1.0, 5);
+    const long before = allocations;
+    solve_correction(workspace);
+    EXPECT_EQ(allocations - before, 0) << n;
+    workspace.jacobian.diagonal().array() += 4.0 * static_cast<double>(n);
+    const long again = allocations;
+    solve_correction(workspace);
+    EXPECT_EQ(allocations - again, 0) << n;
+  }
+}
+
+TEST(Allocation, ReadingPositionsAndEnergyAllocatesNothing) {
+  Body body = shaken_body("imexv-thesis", 15);
+  std::vector<float> positions(15);
+  const long before = allocations;
+  const bool written = static_cast<bool>(body.surface_positions(positions));
+  const double energy = body.energy().total();
+  const long after = allocations;
+  EXPECT_TRUE(written);
+  EXPECT_GT(energy, 0.0);
+  EXPECT_EQ(after - before, 0);
+}
+
+}  // namespace
+}  // namespace tremolo

@@ -1,0 +1,231 @@
+// Where two methods are the same method, and what happens when a step fails.
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "runtime/integrators/newton.h"
+#include "tests/support/dynamics.h"
+
+namespace tremolo {
+namespace {
+
+using testing::make;
+
+testing::StrainModel strain_model() {
+  return testing::random_strain_model(testing::spread_omega(5, 5.0, 400.0), 0.6, 33);
+}
+
+State start_state() {
+  return {testing::random_vector(5, 0.05, 1), testing::random_vector(5, 0.8, 2)};
+}
+
+IntegratorOptions options_of(double step, int low) {
+  IntegratorOptions options{.step = step};
+  options.split = {.rule = SplitRule::kCount, .count = low};
+  options.tolerance = 1e-13;
+  return options;
+}
+
+// A pulse that ends inside a step, and a sine.
+std::vector<Load> loads_of() {
+  return {{{.kind = SignalKind::kSquare, .duration = 0.0505}, testing::random_vector(5, 8.0, 3)},
+          {{.kind = SignalKind::kSine, .frequency = 3.0}, testing::random_vector(5, 4.0, 4)}};
+}
+
+double distance(const State& a, const State& b) {
+  return (a.q - b.q).norm() + (a.p - b.p).norm() / 100.0;
+}
+
+TEST(Equivalence, ImexvWithAllRowsLowIsVerlet) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  IntegratorOptions options = options_of(2e-3, 5);
+  options.alpha = 0.5;
+  options.beta = 1e-4;
+  State a = start_state(), b = start_state();
+  testing::run(*make("imexv", model, options), a, loads_of(), options.step, 200);
+  testing::run(*make("verlet", model, options), b, loads_of(), options.step, 200);
+  EXPECT_LE(distance(a, b), 1e-12);  // the same operations
+}
+
+TEST(Equivalence, ImexvWithAllRowsHighIsMidpoint) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  IntegratorOptions options = options_of(5e-3, 0);
+  options.beta = 1e-4;
+  State a = start_state(), b = start_state();
+  testing::run(*make("imexv", model, options), a, loads_of(), options.step, 200);
+  testing::run(*make("midpoint", model, options), b, loads_of(), options.step, 200);
+  // The same equation solved to 1e-13 a step, over 200 steps of a nonlinear motion.
+  EXPECT_LE(distance(a, b), 1e-10);
+}
+
+TEST(Equivalence, ExplicitNewmarkIsVerlet) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  IntegratorOptions options = options_of(2e-3, 5);
+  options.newmark_beta = 0.0;
+  State a = start_state(), b = start_state();
+  testing::run(*make("newmark", model, options), a, loads_of(), options.step, 200);
+  testing::run(*make("verlet", model, options), b, loads_of(), options.step, 200);
+  EXPECT_LE(distance(a, b), 1e-11);  // rounding over 200 steps
+}
+
+TEST(Equivalence, ThesisFormHasTheOrbitOfImexvWhenItStartsHalfAKickBack) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  const IntegratorOptions options = options_of(5e-3, 3);
+  const auto symmetric = make("imexv", model, options);
+  const auto thesis = make("imexv-thesis", model, options);
+  State a = start_state(), b = start_state();
+  Eigen::VectorXd momentum = b.p;
+  thesis->synchronized_momentum(b, momentum);
+  b.p -= momentum - b.p;
+  StepLoad load = make_step_load(5);
+  for (int k = 0; k < 150; ++k) {
+    sample_loads(loads_of(), k * options.step, options.step, load);
+    ASSERT_TRUE(symmetric->step(a, load).converged);
+    ASSERT_TRUE(thesis->step(b, load).converged);
+    thesis->synchronized_momentum(b, momentum);
+    // Equal but for rounding and the solves' tolerance, stretched over 150 steps.
+    ASSERT_LE((a.q - b.q).norm(), 1e-9) << k;
+    ASSERT_LE((a.p - momentum).norm(), 1e-7) << k;
+  }
+  EXPECT_GE((a.p - b.p).norm(), 1e-3) << "the stored momentum should lag";
+}
+
+TEST(Equivalence, ChangingTheStateFromOutsideIsNoticed) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  for (const std::string_view name : integrator_names()) {
+    const IntegratorOptions options = options_of(2e-3, 3);
+    const auto used = make(name, model, options);
+    State warm{testing::random_vector(5, 0.05, 8), testing::random_vector(5, 0.5, 9)};
+    testing::run(*used, warm, {}, options.step, 3);
+    State a = start_state(), b = start_state();
+    testing::run(*used, a, {}, options.step, 5);
+    testing::run(*make(name, model, options), b, {}, options.step, 5);
+    EXPECT_EQ(a.q, b.q) << name;
+    EXPECT_EQ(a.p, b.p) << name;
+  }
+}
+
+TEST(Failure, SolveThatGivesUpRestoresTheStateAndSaysSo) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  IntegratorOptions options = options_of(2e-2, 2);
+  options.max_iterations = 1;  // far too few for this state
+  const State before{testing::random_vector(5, 0.6, 5), testing::random_vector(5, 60.0, 6)};
+  for (const char* name : {"midpoint", "newmark", "imexv", "imexv-thesis"}) {
+    State state = before;
+    const StepReport report = make(name, model, options)->step(state, make_step_load(5));
+    EXPECT_FALSE(report.converged) << name;
+    EXPECT_EQ(report.iterations, 1) << name;
+    EXPECT_GT(report.residual, 0.0) << name;
+    EXPECT_EQ(state.q, before.q) << name;
+    EXPECT_EQ(state.p, before.p) << name;
+  }
+}
+
+TEST(Failure, FailedStepLeavesNoTraceInTheNextOne) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  const IntegratorOptions options = options_of(2e-3, 3);
+  for (const std::string_view name : integrator_names()) {
+    const auto integrator = make(name, model, options);
+    State a = start_state(), b = start_state();
+    testing::run(*integrator, a, {}, options.step, 2);
+    StepLoad broken = make_step_load(5);
+    broken.start.setConstant(std::nan(""));
+    broken.average = broken.end = broken.start;
+    EXPECT_FALSE(integrator->step(a, broken).converged) << name;
+    testing::run(*integrator, a, {}, options.step, 2);
+    testing::run(*make(name, model, options), b, {}, options.step, 4);
+    EXPECT_EQ(a.q, b.q) << name;
+    EXPECT_EQ(a.p, b.p) << name;
+  }
+}
+
+TEST(Failure, NumbersThatOverflowAreNoConvergence) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  for (const std::string_view name : integrator_names()) {
+    const State before{Eigen::VectorXd::Constant(5, 1e150), Eigen::VectorXd::Zero(5)};
+    State state = before;
+    EXPECT_FALSE(make(name, model, options_of(2e-3, 3))->step(state, make_step_load(5)).converged)
+        << name;
+    EXPECT_EQ(state.q, before.q) << name;
+    EXPECT_EQ(state.p, before.p) << name;
+  }
+}
+
+TEST(Rest, BodyAtRestStaysThereWithoutASolve) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  for (const std::string_view name : integrator_names()) {
+    State state{Eigen::VectorXd::Zero(5), Eigen::VectorXd::Zero(5)};
+    const StepReport report =
+        make(name, model, options_of(2e-3, 3))->step(state, make_step_load(5));
+    EXPECT_TRUE(report.converged) << name;
+    EXPECT_EQ(report.iterations, 0) << name;
+    EXPECT_EQ(state.q, Eigen::VectorXd::Zero(5)) << name;
+  }
+}
+
+TEST(Rest, MotionThatHasAllButDiedOutStillConverges) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  for (const std::string_view name : integrator_names())
+    for (const double size : {1e-80, 1e-140, 1e-200, 1e-300}) {
+      State state{Eigen::VectorXd::Constant(5, size), Eigen::VectorXd::Constant(5, size)};
+      testing::run(*make(name, model, options_of(2e-3, 3)), state, {}, 2e-3, 20);
+    }
+}
+
+TEST(Newton, IndefiniteJacobianIsSolvedAllTheSame) {
+  NewtonWorkspace workspace(4);
+  const Eigen::MatrixXd random = testing::random_vector(16, 1.0, 1).reshaped(4, 4);
+  workspace.jacobian = random + random.transpose() - 0.5 * Eigen::MatrixXd::Identity(4, 4);
+  ASSERT_LT(workspace.jacobian.eigenvalues().real().minCoeff(), 0.0);
+  workspace.residual = testing::random_vector(4, 1.0, 2);
+  solve_correction(workspace);
+  // A well-conditioned 4 x 4 system: rounding.
+  EXPECT_LE((workspace.jacobian * workspace.correction - workspace.residual).norm(), 1e-13);
+}
+
+TEST(Factory, UnknownNameIsAUsageErrorThatListsTheKnownOnes) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  const auto unknown = make_integrator("leapfrog", model, {});
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().kind, ErrorKind::kUsage);
+  for (const std::string_view name : integrator_names())
+    EXPECT_NE(unknown.error().message.find(name), std::string::npos) << name;
+}
+
+TEST(Factory, EveryNameMakesAMethodOfThatName) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  for (const std::string_view name : integrator_names()) {
+    const auto integrator = make(name, model, {});
+    EXPECT_EQ(integrator->name(), name);
+    EXPECT_EQ(integrator->split().has_value(), name.starts_with("imexv"));
+  }
+}
+
+TEST(Factory, ThesisFormUsesTheDefaultSplitUnlessToldOtherwise) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  const Split by_default = *choose_split(model->lambda(), 3e-3, {});
+  EXPECT_EQ(make("imexv-thesis", model, {})->split()->low, by_default.low);
+  EXPECT_EQ(make("imexv-thesis", model, options_of(3e-3, 1))->split()->low, 1);
+}
+
+TEST(Factory, RefusesOptionsOutsideTheirRange) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  const auto refuses = [&](auto change) {
+    IntegratorOptions options;
+    change(options);
+    const auto made = make_integrator("newmark", model, options);
+    return !made && made.error().kind == ErrorKind::kUsage;
+  };
+  EXPECT_TRUE(refuses([](auto& o) { o.step = 0.0; }));
+  EXPECT_TRUE(refuses([](auto& o) { o.step = std::nan(""); }));
+  EXPECT_TRUE(refuses([](auto& o) { o.alpha = -1.0; }));
+  EXPECT_TRUE(refuses([](auto& o) { o.beta = INFINITY; }));
+  EXPECT_TRUE(refuses([](auto& o) { o.newmark_beta = -0.1; }));
+  EXPECT_TRUE(refuses([](auto& o) { o.newmark_gamma = std::nan(""); }));
+  EXPECT_TRUE(refuses([](auto& o) { o.tolerance = 0.0; }));
+  EXPECT_TRUE(refuses([](auto& o) { o.max_iterations = 0; }));
+}
+
+}  // namespace
+}  // namespace tremolo

@@ -1,0 +1,233 @@
+// Each method on linear oscillators against its own recurrence, worked out by hand.
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/dynamics.h"
+
+namespace tremolo {
+namespace {
+
+using testing::make;
+
+constexpr double kStep = 0.01;  // s
+
+// What is left is rounding, which a few dozen steps add up: relative to the amplitude.
+constexpr double kRounding = 1e-13;
+
+testing::StrainModel oscillators(const std::vector<double>& step_omegas) {
+  Eigen::VectorXd omega(static_cast<Eigen::Index>(step_omegas.size()));
+  for (std::size_t i = 0; i < step_omegas.size(); ++i)
+    omega[static_cast<Eigen::Index>(i)] = step_omegas[i] / kStep;
+  return testing::random_strain_model(omega, 0.0, 1);
+}
+
+IntegratorOptions tight(double alpha = 0.0, double beta = 0.0) {
+  IntegratorOptions options{.step = kStep, .alpha = alpha, .beta = beta};
+  // A linear equation is solved by one correction; then rounding decides.
+  options.tolerance = 1e-13;
+  return options;
+}
+
+// q_n = q0 cos(n theta) + (p0/w) sin(n theta), and p_n = p0 cos(n theta) - q0 w sin(n theta).
+void expect_rotation(std::string_view name, const IntegratorOptions& options, double omega,
+                     double theta, double w) {
+  const Model::Pointer model = testing::make_model(oscillators({kStep * omega}));
+  const auto integrator = make(name, model, options);
+  const double q0 = 0.3, p0 = 0.7 * omega;
+  State state{Eigen::VectorXd::Constant(1, q0), Eigen::VectorXd::Constant(1, p0)};
+  for (int n = 1; n <= 50; ++n) {
+    testing::run(*integrator, state, {}, kStep, 1);
+    const double c = std::cos(n * theta), s = std::sin(n * theta);
+    // theta itself is rounded: n times that, and 1/w grows towards the limit of stability.
+    const double q_size = q0 + p0 / w, p_size = p0 + q0 * w;
+    EXPECT_NEAR(state.q[0], q0 * c + p0 / w * s, kRounding * q_size) << name << ' ' << n;
+    EXPECT_NEAR(state.p[0], p0 * c - q0 * w * s, kRounding * p_size) << name << ' ' << n;
+  }
+}
+
+TEST(Recurrence, VerletTurnsByItsClosedFormAngle) {
+  for (const double x : {0.1, 0.5, 1.0, 1.5, 1.9}) {
+    const double theta = std::acos(1.0 - 0.5 * x * x);
+    expect_rotation("verlet", tight(), x / kStep, theta, std::sin(theta) / kStep);
+    IntegratorOptions explicit_newmark = tight();
+    explicit_newmark.newmark_beta = 0.0;
+    expect_rotation("newmark", explicit_newmark, x / kStep, theta, std::sin(theta) / kStep);
+  }
+}
+
+TEST(Recurrence, MidpointAndNewmarkTurnByTwiceTheArcTangent) {
+  for (const double x : {0.1, 1.0, 2.0, 5.0, 50.0}) {
+    const double theta = 2.0 * std::atan(0.5 * x);
+    expect_rotation("midpoint", tight(), x / kStep, theta, x / kStep);
+    // Newmark's equation holds at the end of the step: its terms cancel to 1/(h omega)^2 of their
+    // size, which at 50 leaves three digits less.
+    if (x < 10.0) expect_rotation("newmark", tight(), x / kStep, theta, x / kStep);
+  }
+}
+
+TEST(Recurrence, ImexvTurnsLowRowsLikeVerletAndHighRowsLikeMidpoint) {
+  const double low = 1.2, high = 7.0;
+  const double low_angle = std::acos(1.0 - 0.5 * low * low);
+  expect_rotation("imexv", tight(), low / kStep, low_angle, std::sin(low_angle) / kStep);
+  expect_rotation("imexv", tight(), high / kStep, 2.0 * std::atan(0.5 * high), high / kStep);
+}
+
+// One coordinate of a damped, forced step, and what carries over to the next one.
+struct Scalar {
+  double q, p;
+  double load_before = 0.0;
+};
+struct Forcing {
+  double start, average, end;
+};
+
+Scalar verlet_step(Scalar s, Forcing f, double lambda, double decay_rate) {
+  const double h = kStep, decay = std::exp(-0.5 * h * decay_rate);
+  s.p = decay * s.p + 0.5 * h * (f.start - lambda * s.q);
+  s.q += h * s.p;
+  s.p = decay * (s.p + 0.5 * h * (f.end - lambda * s.q));
+  return s;
+}
+
+Scalar midpoint_step(Scalar s, Forcing f, double lambda, double rate) {
+  const double h = kStep;
+  const double d = (h * s.p + 0.5 * h * h * (f.average - lambda * s.q)) /
+                   (1.0 + 0.25 * h * h * lambda + 0.5 * h * rate);
+  return {s.q + d, 2.0 * d / h - s.p};
+}
+
+Scalar newmark_step(Scalar s, Forcing f, double lambda, double rate, double beta, double gamma) {
+  const double h = kStep;
+  const double a0 = f.start - rate * s.p - lambda * s.q;
+  const double q = s.q + h * s.p + h * h * (0.5 - beta) * a0;
+  const double p = s.p + h * (1.0 - gamma) * a0;
+  const double a1 =
+      (f.end - rate * p - lambda * q) / (1.0 + gamma * h * rate + beta * h * h * lambda);
+  return {q + beta * h * h * a1, p + gamma * h * a1};
+}
+
+Scalar imexv_high_step(Scalar s, Forcing f, double lambda, double alpha, double beta) {
+  const double decay = std::exp(-0.5 * kStep * alpha);
+  s.p *= decay;
+  s = midpoint_step(s, f, lambda, beta * lambda);
+  s.p *= decay;
+  return s;
+}
+
+Scalar thesis_low_step(Scalar s, Forcing f, double lambda, double rate) {
+  s.p += kStep * (0.5 * (s.load_before + f.start) - lambda * s.q - rate * s.p);
+  return {s.q + kStep * s.p, s.p, f.end};
+}
+
+Scalar thesis_high_step(Scalar s, Forcing f, double lambda, double rate) {
+  const double h = kStep;
+  // d - h p + (h^2/2)(lambda (q + d/2) + rate (2 d/h - p) - f) = 0
+  const double d = (h * s.p + 0.5 * h * h * (f.average - lambda * s.q + rate * s.p)) /
+                   (1.0 + 0.25 * h * h * lambda + h * rate);
+  return {s.q + d, 2.0 * d / h - s.p};
+}
+
+using ScalarStep = std::function<Scalar(Scalar, Forcing)>;
+
+// Sixty steps of two uncoupled oscillators, the first low and the second high, under a load whose
+// three values differ, against the two scalar recurrences.
+void expect_recurrence(std::string_view name, IntegratorOptions options,
+                       const std::vector<double>& step_omegas, const ScalarStep& first,
+                       const ScalarStep& second) {
+  options.split = {.rule = SplitRule::kCount, .count = 1};
+  const Model::Pointer model = testing::make_model(oscillators(step_omegas));
+  const auto integrator = make(name, model, options);
+  State state{Eigen::Vector2d(0.02, -0.01), Eigen::Vector2d(3.0, 5.0)};
+  Scalar low{state.q[0], state.p[0]}, high{state.q[1], state.p[1]};
+  StepLoad load = make_step_load(2);
+  for (unsigned k = 0; k < 60; ++k) {
+    load.start = testing::random_vector(2, 300.0, 3 * k);
+    load.average = testing::random_vector(2, 300.0, 3 * k + 1);
+    load.end = testing::random_vector(2, 300.0, 3 * k + 2);
+    ASSERT_TRUE(integrator->step(state, load).converged);
+    low = first(low, {load.start[0], load.average[0], load.end[0]});
+    high = second(high, {load.start[1], load.average[1], load.end[1]});
+    const double q_scale = 0.1, p_scale = 10.0;  // sizes of this motion
+    EXPECT_NEAR(state.q[0], low.q, kRounding * q_scale) << name << ' ' << k;
+    EXPECT_NEAR(state.q[1], high.q, kRounding * q_scale) << name << ' ' << k;
+    EXPECT_NEAR(state.p[0], low.p, kRounding * p_scale) << name << ' ' << k;
+    EXPECT_NEAR(state.p[1], high.p, kRounding * p_scale) << name << ' ' << k;
+  }
+}
+
+constexpr double kAlpha = 0.7, kBeta = 2e-4;
+
+double lambda_of(double step_omega) {
+  return step_omega * step_omega / (kStep * kStep);
+}
+double rate_of(double step_omega) {
+  return kAlpha + kBeta * lambda_of(step_omega);
+}
+
+TEST(Recurrence, VerletDampedAndForced) {
+  const auto step = [](double x) {
+    return [x](Scalar s, Forcing f) { return verlet_step(s, f, lambda_of(x), rate_of(x)); };
+  };
+  expect_recurrence("verlet", tight(kAlpha, kBeta), {0.5, 1.7}, step(0.5), step(1.7));
+}
+
+TEST(Recurrence, MidpointDampedAndForced) {
+  const auto step = [](double x) {
+    return [x](Scalar s, Forcing f) { return midpoint_step(s, f, lambda_of(x), rate_of(x)); };
+  };
+  expect_recurrence("midpoint", tight(kAlpha, kBeta), {0.5, 6.0}, step(0.5), step(6.0));
+}
+
+TEST(Recurrence, NewmarkDampedAndForcedForSeveralPairs) {
+  for (const auto& [beta, gamma] : {std::pair{0.25, 0.5}, {0.3025, 0.6}, {0.0, 0.5}, {0.1, 0.5}}) {
+    const auto step = [beta = beta, gamma = gamma](double x) {
+      return [=](Scalar s, Forcing f) {
+        return newmark_step(s, f, lambda_of(x), rate_of(x), beta, gamma);
+      };
+    };
+    IntegratorOptions options = tight(kAlpha, kBeta);
+    options.newmark_beta = beta;
+    options.newmark_gamma = gamma;
+    expect_recurrence("newmark", options, {0.5, 1.7}, step(0.5), step(1.7));
+  }
+}
+
+TEST(Recurrence, ImexvDampedAndForced) {
+  expect_recurrence(
+      "imexv", tight(kAlpha, kBeta), {0.5, 6.0},
+      [](Scalar s, Forcing f) { return verlet_step(s, f, lambda_of(0.5), rate_of(0.5)); },
+      [](Scalar s, Forcing f) { return imexv_high_step(s, f, lambda_of(6.0), kAlpha, kBeta); });
+}
+
+TEST(Recurrence, ImexvThesisDampedAndForced) {
+  expect_recurrence(
+      "imexv-thesis", tight(kAlpha, kBeta), {0.5, 6.0},
+      [](Scalar s, Forcing f) { return thesis_low_step(s, f, lambda_of(0.5), rate_of(0.5)); },
+      [](Scalar s, Forcing f) { return thesis_high_step(s, f, lambda_of(6.0), rate_of(6.0)); });
+}
+
+// The area of the phase plane that one step of a linear mode keeps: the determinant of its map.
+double area_factor(std::string_view name, double step_omega, double alpha) {
+  const Model::Pointer model = testing::make_model(oscillators({step_omega}));
+  const auto integrator = make(name, model, tight(alpha));
+  State from_q{Eigen::VectorXd::Ones(1), Eigen::VectorXd::Zero(1)};
+  State from_p{Eigen::VectorXd::Zero(1), Eigen::VectorXd::Ones(1)};
+  testing::run(*integrator, from_q, {}, kStep, 1);
+  testing::run(*integrator, from_p, {}, kStep, 1);
+  return from_q.q[0] * from_p.p[0] - from_p.q[0] * from_q.p[0];
+}
+
+TEST(Recurrence, MassDampingDecaysEveryLinearModeExactly) {
+  const double alpha = 4.0;
+  for (const double x : {0.1, 1.0, 1.9})
+    EXPECT_NEAR(area_factor("verlet", x, alpha), std::exp(-alpha * kStep), kRounding) << x;
+  for (const double x : {0.1, 1.0, 1.7, 1.9, 3.0, 30.0})
+    EXPECT_NEAR(area_factor("imexv", x, alpha), std::exp(-alpha * kStep), kRounding) << x;
+  // The midpoint rule takes alpha as part of D and underdamps fast modes.
+  EXPECT_GT(area_factor("midpoint", 30.0, alpha), std::exp(-0.1 * alpha * kStep));
+}
+
+}  // namespace
+}  // namespace tremolo
