@@ -1,4 +1,5 @@
 // tremolo-precompute: mesh in, basis file out.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -59,6 +60,17 @@ void print_spectrum(const BasisData& data) {
                2.0 / std::sqrt(data.lambda[data.lambda.size() - 1]));
 }
 
+void print_total(const StageLog& log) {
+  double seconds = 0;
+  std::uint64_t peak = 0;
+  for (const StageRecord& stage : log.records()) {
+    seconds += stage.seconds;
+    peak = std::max(peak, stage.peak_bytes);
+  }
+  std::fprintf(stderr, "  %-12s %7.2f s %6.0f MB\n", "total", seconds,
+               static_cast<double>(peak) / 1e6);
+}
+
 void run(const CommandLine& line) {
   const bool speak = mpi_rank() == 0;
   StageLog log(!speak);
@@ -68,6 +80,7 @@ void run(const CommandLine& line) {
   log.begin("file");
   unwrap(write_basis(line.options.output_path, result.data));
   log.end(line.options.output_path);
+  print_total(log);
   print_spectrum(result.data);
   for (const std::string& option : unused_petsc_options())
     log.note("warning: no solver asked for the PETSc option " + option + " (a typo?)");

@@ -25,9 +25,20 @@ bool parse_vector(const std::string& text, Eigen::Vector3d& vector) {
   return at == end;
 }
 
-std::string join(const std::vector<std::string>& words) {
+// What shaped the result: where it went, how many threads worked and what was printed is left out,
+// so that the same model gives the same file.
+std::string essential(const std::vector<std::string>& words) {
   std::string line;
-  for (const std::string& word : words) line += (line.empty() ? "" : " ") + word;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (word == "--json" || word.starts_with("--output=") || word.starts_with("--threads=")) continue;
+    if (word == "-o" || word == "--output" || word == "--threads") {
+      ++i;
+      continue;
+    }
+    if (!line.empty()) line += ' ';
+    line += word;
+  }
   return line;
 }
 
@@ -39,7 +50,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   std::vector<std::string> own;
   int at = 1;
   for (; at < count && std::string(words[at]) != "--"; ++at) own.emplace_back(words[at]);
-  options.command_line = join(own);
+  options.command_line = essential(own);
   for (++at; at < count; ++at) line.petsc_options.emplace_back(words[at]);
 
   CLI::App app{"Turns a tetrahedral mesh into a basis file for tremolo. Units are SI.\n"

@@ -14,7 +14,8 @@ thread_local long allocations = 0;
 }
 
 #if defined(TREMOLO_SANITIZED)
-extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*, std::size_t),
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*,
+                                                                  std::size_t),
                                                          void (*)(const volatile void*));
 namespace {
 const int hooks = __sanitizer_install_malloc_and_free_hooks(
@@ -53,10 +54,12 @@ namespace {
 Body shaken_body(std::string_view integrator, Eigen::Index r) {
   const testing::StrainModel strain =
       testing::random_strain_model(testing::spread_omega(r, 5.0, 900.0), 0.02, 61);
-  IntegratorOptions options{.step = integrator == "verlet" ? 1e-3 : 3e-3, .alpha = 0.3, .beta = 1e-6};
+  IntegratorOptions options{
+      .step = integrator == "verlet" ? 1e-3 : 3e-3, .alpha = 0.3, .beta = 1e-6};
   Result<Body> body = Body::create(testing::make_model(strain), integrator, options);
   EXPECT_TRUE(body);
-  EXPECT_TRUE(body->set_state(testing::random_vector(r, 0.02, 1), testing::random_vector(r, 1.0, 2)));
+  EXPECT_TRUE(
+      body->set_state(testing::random_vector(r, 0.02, 1), testing::random_vector(r, 1.0, 2)));
   EXPECT_TRUE(body->add_load({.kind = SignalKind::kSine}, 5, {0.1, 0.2, 0.3}));
   EXPECT_TRUE(body->apply_force(5, {1.0, 0.0, 0.0}, 3));
   return std::move(*body);

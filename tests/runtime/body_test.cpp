@@ -114,8 +114,7 @@ TEST(Body, ModelWithoutADefaultLoadSaysSo) {
   BasisData data = testing::sample_basis(strain_model(0.1));
   data.load = {};
   Result<Body> body = Body::create(*Model::from_data(data), "imexv", {});
-  EXPECT_EQ(body->add_default_load({.kind = SignalKind::kImpulse}).error().kind,
-            ErrorKind::kUsage);
+  EXPECT_EQ(body->add_default_load({.kind = SignalKind::kImpulse}).error().kind, ErrorKind::kUsage);
 }
 
 TEST(Body, WorkAndDissipationBalanceTheEnergyOfTheMidpointRuleExactly) {

@@ -56,7 +56,8 @@ class CApi : public ::testing::Test {
 TEST_F(CApi, RoundTripFromC) {
   const std::string path = ::testing::TempDir() + "c_api_test.tremolo";
   ASSERT_TRUE(write_basis(path, testing::sample_basis(strain_model())));
-  EXPECT_EQ(tremolo_c_round_trip(path.c_str()), 0) << "line of c_api_test.c; " << tremolo_last_error();
+  EXPECT_EQ(tremolo_c_round_trip(path.c_str()), 0)
+      << "line of c_api_test.c; " << tremolo_last_error();
   std::filesystem::remove(path);
 }
 
@@ -74,7 +75,8 @@ TEST_F(CApi, StepsAreThoseOfTheEngine) {
 }
 
 TEST_F(CApi, StateSurvivesARoundTrip) {
-  const Eigen::VectorXd q = testing::random_vector(4, 0.1, 1), p = testing::random_vector(4, 1.0, 2);
+  const Eigen::VectorXd q = testing::random_vector(4, 0.1, 1),
+                        p = testing::random_vector(4, 1.0, 2);
   ASSERT_EQ(tremolo_body_set_state(body_, q.data(), p.data(), 4), TREMOLO_OK);
   Eigen::VectorXd q_read(4), p_read(4);
   ASSERT_EQ(tremolo_body_state(body_, q_read.data(), p_read.data(), 4), TREMOLO_OK);

@@ -30,8 +30,9 @@ TEST_P(StepOfLoad, AveragesAddUpToTheIntegralOfAPulse) {
   // A snapped edge may move by 1e-9 of a step.
   EXPECT_NEAR(total_impulse({.kind = SignalKind::kImpulse}, step, count), 3e-3, 2e-9 * step);
   EXPECT_NEAR(total_impulse({.kind = SignalKind::kSquare}, step, count), 0.3, 2e-9 * step);
-  EXPECT_NEAR(total_impulse({.kind = SignalKind::kSquare, .start = 0.0501, .duration = 0.2},
-                            step, count), 0.2, 2e-9 * step);
+  EXPECT_NEAR(
+      total_impulse({.kind = SignalKind::kSquare, .start = 0.0501, .duration = 0.2}, step, count),
+      0.2, 2e-9 * step);
 }
 
 TEST_P(StepOfLoad, AveragesAddUpToTheIntegralOfASine) {

@@ -71,8 +71,9 @@ TEST(Model, DamagedInteriorMattersOnlyToThoseWhoAskForIt) {
   const BasisData data = sample();
   std::vector<std::byte> bytes = *encode_basis(data);
   std::uint64_t at = 0;
-  const BasisReader reader = *BasisReader::from_memory(bytes);
-  for (const BasisSection& section : reader.sections())
+  const Result<BasisReader> reader = BasisReader::from_memory(bytes);
+  ASSERT_TRUE(reader);
+  for (const BasisSection& section : reader->sections())
     if (section.name == basis_layout::kInteriorBasis) at = section.offset;
   ASSERT_GT(at, 0u);
   bytes[at] ^= std::byte{1};

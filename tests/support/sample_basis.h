@@ -3,8 +3,8 @@
 //     V(q) = 1/2 sum_e (omega_e q_e + q^T B_e q)^2,   B_e symmetric, e = 1..r
 //
 // has the shape of a StVK energy: a sum of squares of quadratic strains, never negative, with a
-// diagonal Hessian at rest, Lambda = diag(omega^2). strain_energy() and strain_force() evaluate this
-// form directly; sample_basis() expands it into the packed coefficients of a basis file.
+// diagonal Hessian at rest, Lambda = diag(omega^2). strain_energy() and strain_force() evaluate
+// this form directly; sample_basis() expands it into the packed coefficients of a basis file.
 #pragma once
 
 #include <cmath>
@@ -20,8 +20,8 @@
 namespace tremolo::testing {
 
 struct StrainModel {
-  Eigen::VectorXd omega;            // r, rad/s, ascending
-  std::vector<Eigen::MatrixXd> b;   // r matrices r x r, symmetric
+  Eigen::VectorXd omega;           // r, rad/s, ascending
+  std::vector<Eigen::MatrixXd> b;  // r matrices r x r, symmetric
 };
 
 // nonlinearity: size of B_e relative to omega_e; 0 is a linear model. blocks: coordinates below it
@@ -37,8 +37,7 @@ inline StrainModel random_strain_model(const Eigen::VectorXd& omega, double nonl
     for (Eigen::Index j = 0; j < r; ++j)
       for (Eigen::Index i = 0; i <= j; ++i) {
         const bool apart = (i < blocks) != (j < blocks) || (i < blocks) != (e < blocks);
-        b(i, j) = b(j, i) = apart ? 0.0
-                                  : nonlinearity * omega[e] * uniform(generator);
+        b(i, j) = b(j, i) = apart ? 0.0 : nonlinearity * omega[e] * uniform(generator);
       }
     model.b.push_back(b);
   }
@@ -126,8 +125,9 @@ inline BasisData sample_basis(const StrainModel& model, unsigned seed = 7) {
 inline Eigen::VectorXd spread_omega(Eigen::Index r, double lowest, double highest) {
   Eigen::VectorXd omega(r);
   for (Eigen::Index i = 0; i < r; ++i)
-    omega[i] = lowest * std::pow(highest / lowest,
-                                 r == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(r - 1));
+    omega[i] =
+        lowest * std::pow(highest / lowest,
+                          r == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(r - 1));
   return omega;
 }
 

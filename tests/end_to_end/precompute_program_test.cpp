@@ -1,0 +1,241 @@
+// tremolo-precompute as a user meets it: exit codes, messages, and outputs that appear whole or not
+// at all.
+#include <cmath>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/basis_reader.h"
+#include "tests/support/box_mesh.h"
+#include "tests/support/mesh_file.h"
+#include "tests/support/run_program.h"
+
+namespace tremolo {
+namespace {
+
+using testing::box_mesh;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::slurp;
+using testing::test_folder;
+using testing::write_veg;
+
+const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-precompute ";
+const std::string kOld = "an older file that must survive";
+
+// A folder with block.veg and an existing out.tremolo.
+class PrecomputeProgram : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = test_folder();
+    write_veg(folder_ + "/block.veg", block_);
+    std::ofstream(folder_ + "/out.tremolo") << kOld;
+  }
+
+  ProgramResult run(const std::string& arguments) {
+    return run_program(folder_, kProgram + arguments);
+  }
+
+  // Writes a changed block and runs on it.
+  ProgramResult run_on(const TetMesh& mesh, const std::string& arguments = kGood) {
+    write_veg(folder_ + "/changed.veg", mesh);
+    return run("changed.veg " + arguments);
+  }
+
+  void expect_failure(const ProgramResult& result, int code, const std::string& words) {
+    EXPECT_EQ(result.code, code) << result.err;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_EQ(slurp(folder_ + "/out.tremolo"), kOld) << "the old output was touched";
+    for (const auto& entry : std::filesystem::directory_iterator(folder_))
+      EXPECT_EQ(entry.path().string().find(".partial"), std::string::npos) << entry.path();
+  }
+
+  static constexpr const char* kGood =
+      "-o out.tremolo --fix 'x<0.001' --linear-modes 4 --modes 8 --threads 1";
+  TetMesh block_ = box_mesh({4, 2, 2}, {0.4, 0.15, 0.2});
+  std::string folder_;
+};
+
+TEST_F(PrecomputeProgram, MakesABasisFileAndSaysWhatCameOut) {
+  const ProgramResult result = run(std::string("block.veg --json ") + kGood);
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.err.find("frequencies"), std::string::npos);
+  EXPECT_NE(result.err.find("explicit methods are stable below a step of"), std::string::npos);
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["n"], block_.vertices.size());
+  EXPECT_EQ(json["m"], block_.tetrahedra.size());
+  EXPECT_EQ(json["r"], 8);
+  EXPECT_LE(json["mass_orthonormality_error"], 1e-10);
+  EXPECT_LE(json["polynomial_error"], 1e-12);
+  for (double residual : json["mode_residuals"]) EXPECT_LE(residual, 1e-8);
+  EXPECT_EQ(json["cut_singular_values"].size(), 4 + 10 - 8);
+  for (const auto& stage : json["stages"]) {
+    EXPECT_GE(stage["seconds"], 0);
+    EXPECT_GT(stage["peak_bytes"], 0);
+  }
+  const auto data = read_basis(folder_ + "/out.tremolo");
+  ASSERT_TRUE(data) << data.error().message;
+  EXPECT_EQ(data->lambda.size(), 8);
+  EXPECT_EQ(data->surface.vertex_ids.size() + data->interior.vertex_ids.size(),
+            block_.vertices.size());
+}
+
+TEST_F(PrecomputeProgram, TheSameMeshGivesTheSameBytes) {
+  ASSERT_EQ(run("block.veg -o a.tremolo --fix 'x<0.001'").code, 0);
+  ASSERT_EQ(run("block.veg -o b.tremolo --fix 'x<0.001' --threads 3 --json").code, 0);
+  const std::string a = slurp(folder_ + "/a.tremolo");
+  EXPECT_FALSE(a.empty());
+  EXPECT_EQ(a, slurp(folder_ + "/b.tremolo"));
+}
+
+TEST_F(PrecomputeProgram, LumpedMassIsAnOptionThroughout) {
+  ASSERT_EQ(run("block.veg -o a.tremolo --fix 'x<0.001' --mass lumped --json").code, 0);
+  const auto json = nlohmann::json::parse(slurp(folder_ + "/stdout.txt"));
+  EXPECT_LE(json["mass_orthonormality_error"], 1e-10);
+  expect_failure(run(std::string("block.veg --mass wrong ") + kGood), 2, "--mass");
+}
+
+TEST_F(PrecomputeProgram, PassesPetscOptionsOnAndWarnsOfThoseNobodyReads) {
+  const ProgramResult result = run(std::string("block.veg --json ") + kGood +
+                                   " -- -st_pc_factor_mat_solver_type mumps -pc_type lu");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out)["factorisation"], "mumps");
+  EXPECT_NE(result.err.find("-pc_type (a typo?)"), std::string::npos) << result.err;
+}
+
+TEST_F(PrecomputeProgram, SeveralRanksFindTheSameModel) {
+  ASSERT_EQ(run(std::string("block.veg --json ") + kGood).code, 0);
+  const auto one = nlohmann::json::parse(slurp(folder_ + "/stdout.txt"));
+  const ProgramResult result =
+      run_program(folder_, "mpiexec --oversubscribe -n 2 " + kProgram + "block.veg --json " + kGood);
+  ASSERT_EQ(result.code, 0) << result.err;
+  const auto two = nlohmann::json::parse(result.out);
+  EXPECT_EQ(two["factorisation"], "mumps");
+  for (std::size_t i = 0; i < 8; ++i) {
+    const double f = one["frequencies_hz"][i];
+    EXPECT_NEAR(two["frequencies_hz"][i], f, 1e-9 * f);  // another factorisation's rounding
+  }
+  EXPECT_LE(two["polynomial_error"], 1e-12);
+}
+
+TEST_F(PrecomputeProgram, AFreeBodyLeavesItsRigidMotionOut) {
+  const ProgramResult result = run("block.veg -o free.tremolo --fix none --json --modes 8");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["rigid_modes"], 6);
+  EXPECT_TRUE(json["certified_by_inertia"]);
+  EXPECT_NE(result.err.find("6 rigid motions are left out"), std::string::npos);
+  const auto data = read_basis(folder_ + "/free.tremolo");
+  ASSERT_TRUE(data);
+  EXPECT_EQ(data->rigid_mode_count, 6u);
+  EXPECT_EQ(data->fixed_vertex_count, 0u);
+}
+
+TEST_F(PrecomputeProgram, APartThatNothingHoldsIsNamed) {
+  TetMesh two = block_;
+  const auto offset = static_cast<VertexId>(two.vertices.size());
+  for (const Eigen::Vector3d& x : block_.vertices) two.vertices.emplace_back(x + Eigen::Vector3d(0, 3, 0));
+  for (Tetrahedron tet : block_.tetrahedra) {
+    for (VertexId& v : tet) v += offset;
+    two.tetrahedra.push_back(tet);
+  }
+  expect_failure(run_on(two, "-o out.tremolo --fix 'box:-1,-1,-1,0.01,0.5,1'"), 3, "part 2 of 2");
+  const ProgramResult free = run_on(two, "-o free.tremolo --fix none --json");
+  ASSERT_EQ(free.code, 0) << free.err;
+  EXPECT_EQ(nlohmann::json::parse(free.out)["rigid_modes"], 12);
+}
+
+TEST_F(PrecomputeProgram, BadMeshesAreRefusedWithoutTouchingTheOutput) {
+  expect_failure(run(std::string("missing.veg ") + kGood), 1, "missing.veg");
+  std::ofstream(folder_ + "/empty.msh").flush();
+  expect_failure(run(std::string("empty.msh ") + kGood), 3, "empty.msh");
+  std::ofstream(folder_ + "/noise.msh") << std::string(3000, 'q');
+  expect_failure(run(std::string("noise.msh ") + kGood), 3, "noise.msh");
+  const std::string text = slurp(folder_ + "/block.veg");
+  std::ofstream(folder_ + "/cut.veg") << text.substr(0, text.size() / 2);
+  expect_failure(run(std::string("cut.veg ") + kGood), 3, "cut.veg");
+
+  TetMesh changed = block_;
+  changed.vertices[7].y() = std::nan("");
+  expect_failure(run_on(changed), 3, "changed.veg");
+  changed = block_;
+  changed.vertices[7].z() = INFINITY;
+  expect_failure(run_on(changed), 3, "changed.veg");
+  changed = block_;
+  changed.tetrahedra[3][2] = 12345;
+  expect_failure(run_on(changed), 3, "12346");  // .veg counts from 1
+  changed = block_;
+  changed.tetrahedra[3][2] = changed.tetrahedra[3][1];
+  expect_failure(run_on(changed), 3, "tetrahedron");
+  changed = block_;
+  changed.tetrahedra.push_back(changed.tetrahedra[5]);
+  expect_failure(run_on(changed), 3, "same");
+}
+
+TEST_F(PrecomputeProgram, RepairsAndOdditiesAreReported) {
+  TetMesh changed = block_;
+  std::swap(changed.tetrahedra[3][0], changed.tetrahedra[3][1]);
+  changed.vertices.emplace_back(9, 9, 9);
+  const ProgramResult result = run_on(changed, "-o odd.tremolo --fix 'x<0.001'");
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.err.find("repaired"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("no tetrahedron"), std::string::npos) << result.err;
+  const auto data = read_basis(folder_ + "/odd.tremolo");
+  ASSERT_TRUE(data);
+  EXPECT_EQ(data->vertex_count, block_.vertices.size() + 1);
+}
+
+TEST_F(PrecomputeProgram, ImpossibleMaterialsAreRefused) {
+  for (const char* bad : {"--poisson 0.5", "--poisson 0.7", "--poisson=-1", "--poisson nan",
+                          "--young 0", "--young=-5", "--young inf", "--density 0",
+                          "--density=-1", "--density nan"})
+    expect_failure(run(std::string("block.veg ") + bad + " " + kGood), 3, "must be");
+}
+
+TEST_F(PrecomputeProgram, ImpossibleConstraintsAndCountsAreRefused) {
+  expect_failure(run("block.veg -o out.tremolo --fix 'x>-1'"), 3, "every vertex");
+  expect_failure(run("block.veg -o out.tremolo"), 3, "--fix");
+  expect_failure(run("block.veg -o out.tremolo --fix vertex:3"), 3, "is not held");
+  expect_failure(run("block.veg -o out.tremolo --fix 'x<-7'"), 3, "0.4");  // the bounding box
+  expect_failure(run("block.veg -o out.tremolo --fix 'x<0.001' --linear-modes 1000"), 3,
+                 "--linear-modes 1000");
+  expect_failure(run("block.veg -o out.tremolo --fix 'x<0.001' --linear-modes 0"), 3, "");
+  expect_failure(run("block.veg -o out.tremolo --fix 'x<0.001' --linear-modes 3 --modes 10"), 3,
+                 "--modes 10");
+  expect_failure(run(std::string("block.veg --load-at 'x<0.001' --load-force 0,0,1 ") + kGood), 3,
+                 "fixed");
+  expect_failure(run(std::string("block.veg --load-at 'x>0.39' ") + kGood), 3, "--load-force");
+}
+
+TEST_F(PrecomputeProgram, WrongUsageIsToldApart) {
+  expect_failure(run(std::string("block.veg --no-such-flag ") + kGood), 2, "no-such-flag");
+  expect_failure(run("-o out.tremolo"), 2, "mesh");
+  expect_failure(run("block.veg -o out.tremolo --fix 'x<<1'"), 2, "x<<1");
+  expect_failure(run(std::string("block.veg --load-at 'x>0.39' --load-force 1,2 ") + kGood), 2,
+                 "--load-force");
+  EXPECT_EQ(run("--help").code, 0);
+  EXPECT_EQ(run("--version").code, 0);
+}
+
+TEST_F(PrecomputeProgram, AnUnwritableOutputIsASystemError) {
+  const std::string rest = " --fix 'x<0.001' --linear-modes 4 --modes 8";
+  expect_failure(run("block.veg -o no/such/folder/x.tremolo" + rest), 1, "no/such/folder");
+  expect_failure(run("block.veg -o /dev/full" + rest), 1, "/dev/full");
+  expect_failure(run("block.veg -o ." + rest), 1, "regular file");
+}
+
+TEST_F(PrecomputeProgram, CtrlCAndTermLeaveTheOldOutputAlone) {
+  write_veg(folder_ + "/large.veg", box_mesh({60, 12, 12}, {1.2, 0.2, 0.2}));
+  for (const auto& [name, code] : {std::pair{"INT", 130}, {"TERM", 143}, {"KILL", 137}})
+    for (const char* delay : {"0.05", "0.4"}) {
+      const ProgramResult result =
+          run_program(folder_, std::string("timeout --preserve-status -s ") + name + " " + delay +
+                                   " " + kProgram + "large.veg -o out.tremolo --fix 'x<0.001'");
+      EXPECT_EQ(result.code, code) << name << " " << delay << "\n" << result.err;
+      EXPECT_EQ(slurp(folder_ + "/out.tremolo"), kOld);
+    }
+}
+
+}  // namespace
+}  // namespace tremolo

@@ -1,0 +1,47 @@
+// Starts one of the project's programs and waits for it.
+#pragma once
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace tremolo::testing {
+
+struct ProgramResult {
+  int code = -1;    // exit code; 128 + n after signal n, as a shell says it
+  std::string out;  // stdout
+  std::string err;  // stderr
+};
+
+inline std::string slurp(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// A folder of this test's own, emptied.
+inline std::string test_folder() {
+  const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+  const std::string path = ::testing::TempDir() + "tremolo-" + info->test_suite_name() + "-" + info->name();
+  if (std::system(("rm -rf '" + path + "' && mkdir -p '" + path + "'").c_str()) != 0) std::abort();
+  return path;
+}
+
+// `command` as a shell would read it.
+inline ProgramResult run_program(const std::string& folder, const std::string& command) {
+  const std::string out = folder + "/stdout.txt";
+  const std::string err = folder + "/stderr.txt";
+  const int status =
+      std::system(("cd '" + folder + "' && " + command + " >'" + out + "' 2>'" + err + "'").c_str());
+  ProgramResult result;
+  result.code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  result.out = slurp(out);
+  result.err = slurp(err);
+  return result;
+}
+
+}  // namespace tremolo::testing
