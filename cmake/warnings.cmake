@@ -1,7 +1,8 @@
 # Flags of the project's own code. They stay inside it: a consumer gets none of them.
 add_library(tremolo_flags INTERFACE)
 target_compile_options(tremolo_flags INTERFACE
-  -Wall -Wextra -Wconversion -Wno-sign-conversion -Wshadow -Wnon-virtual-dtor -Wpedantic
+  -Wall -Wextra -Wconversion -Wno-sign-conversion -Wshadow -Wpedantic
+  $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
   -Wno-restrict)  # g++ 12 warns falsely on every "literal" + std::string
 # Honour `#pragma omp simd` (reductions vectorise without -ffast-math); no OpenMP runtime is linked.
 target_compile_options(tremolo_flags INTERFACE -fopenmp-simd)

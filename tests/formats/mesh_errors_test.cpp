@@ -47,7 +47,7 @@ void expect_tetgen_error(const std::string& node, const std::string& ele, Parts 
 
 TEST(Msh2Errors, NameLineExpectedAndFound) {
   const std::string good = testing::msh2_text();
-  expect_error("a.msh", replaced(good, "2.2 0 8", "1 0 8"), {"2.2 or 4.1", "`1`"});
+  expect_error("a.msh", replaced(good, "2.2 0 8", "1 0 8"), {"line 2", "2.2 or 4.1", "`1`"});
   expect_error("a.msh", replaced(good, "2.2 0 8", "2.2 7 8"), {"line 2", "file type", "7"});
   expect_error("a.msh", replaced(good, "2.2 0 8", "2.2 0 4"), {"line 2", "data size 8", "4"});
   expect_error("a.msh", replaced(good, "\"body\"", "body"), {"line 7", "quotes", "body"});
@@ -102,7 +102,7 @@ TEST(Msh2Errors, NameTheOffsetInABinaryFile) {
 
 TEST(Msh4Errors, NameLineExpectedAndFound) {
   const std::string good = testing::msh4_text();
-  expect_error("a.msh", replaced(good, "4.1 0 8", "4.0 0 8"), {"2.2 or 4.1", "`4.0`"});
+  expect_error("a.msh", replaced(good, "4.1 0 8", "4.0 0 8"), {"line 2", "2.2 or 4.1", "`4.0`"});
   expect_error("a.msh", replaced(good, "\n2 6 1 3\n", "\n2 6 2 3\n"), {"line 17", "0 or 1", "2"});
   expect_error("a.msh", replaced(good, "\n2 6 1 3\n", "\n2 6 1 9\n"),
                {"line 17", "at most 5", "9"});
