@@ -21,9 +21,9 @@ class Culprits {
   }
   bool any() const { return count_ > 0; }
   Error error(const std::string& problem) const {
-    return content_error(problem + ": " + (count_ == 1 ? one_ : many_) + " " + list_ +
-                         (count_ > kNamed ? " and " + std::to_string(count_ - kNamed) + " more"
-                                          : ""));
+    return content_error(
+        problem + ": " + (count_ == 1 ? one_ : many_) + " " + list_ +
+        (count_ > kNamed ? " and " + std::to_string(count_ - kNamed) + " more" : ""));
   }
 
  private:
@@ -80,8 +80,7 @@ double longest_edge(const TetMesh& mesh, const Tetrahedron& tet) {
   double squared = 0;
   for (std::size_t a = 0; a < 4; ++a)
     for (std::size_t b = 0; b < a; ++b)
-      squared =
-          std::max(squared, (mesh.vertices[tet[a]] - mesh.vertices[tet[b]]).squaredNorm());
+      squared = std::max(squared, (mesh.vertices[tet[a]] - mesh.vertices[tet[b]]).squaredNorm());
   return std::sqrt(squared);
 }
 
@@ -186,8 +185,7 @@ Result<MeshReport> check_mesh(TetMesh& mesh) {
   if (mesh.tetrahedra.empty()) return content_error("the mesh has no tetrahedra");
   if (mesh.vertices.size() > static_cast<std::size_t>(std::numeric_limits<VertexId>::max()))
     return content_error("the mesh has 2^31 vertices or more");
-  for (const auto& check :
-       {check_coordinates, check_indices, check_volumes, check_duplicates}) {
+  for (const auto& check : {check_coordinates, check_indices, check_volumes, check_duplicates}) {
     const Status status = check(mesh);
     if (!status) return status.error();
   }

@@ -70,8 +70,7 @@ std::optional<Result<Selector>> parse_half_space(const std::string& text, std::s
 
 Result<Selector> parse_box(const std::string& text, std::string_view body) {
   const auto values = number_list<double>(body);
-  if (!values || values->size() != 6)
-    return malformed(text, "six finite numbers behind `box:`");
+  if (!values || values->size() != 6) return malformed(text, "six finite numbers behind `box:`");
   const std::vector<double>& v = *values;
   const BoundingBox box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
   if ((box.low.array() > box.high.array()).any())
@@ -81,16 +80,21 @@ Result<Selector> parse_box(const std::string& text, std::string_view body) {
 
 bool is_inside(const SelectHalfSpace& half, const Eigen::Vector3d& x) {
   switch (half.comparison) {
-    case SelectHalfSpace::Comparison::kLess: return x[half.axis] < half.bound;
-    case SelectHalfSpace::Comparison::kLessEqual: return x[half.axis] <= half.bound;
-    case SelectHalfSpace::Comparison::kGreater: return x[half.axis] > half.bound;
-    case SelectHalfSpace::Comparison::kGreaterEqual: return x[half.axis] >= half.bound;
+    case SelectHalfSpace::Comparison::kLess:
+      return x[half.axis] < half.bound;
+    case SelectHalfSpace::Comparison::kLessEqual:
+      return x[half.axis] <= half.bound;
+    case SelectHalfSpace::Comparison::kGreater:
+      return x[half.axis] > half.bound;
+    case SelectHalfSpace::Comparison::kGreaterEqual:
+      return x[half.axis] >= half.bound;
   }
   return false;
 }
 
 bool is_inside(const SelectBox& select, const Eigen::Vector3d& x) {
-  return (x.array() >= select.box.low.array()).all() && (x.array() <= select.box.high.array()).all();
+  return (x.array() >= select.box.low.array()).all() &&
+         (x.array() <= select.box.high.array()).all();
 }
 
 std::string describe_sets(const TetMesh& mesh) {
@@ -158,7 +162,8 @@ Result<std::vector<VertexId>> find_candidates(const Selector& selector, const Te
   const std::string& name = std::get<SelectSet>(selector.choice).name;
   const auto found = mesh.node_sets.find(name);
   if (found != mesh.node_sets.end()) return found->second;
-  return Error{ErrorKind::kUsage, "selector `" + selector.text + "`: the mesh has no set of this name; " +
+  return Error{ErrorKind::kUsage, "selector `" + selector.text +
+                                      "`: the mesh has no set of this name; " +
                                       describe_sets(mesh) + "; a selector is " + kSelectorGrammar};
 }
 

@@ -1,15 +1,15 @@
 #include "common/stage_log.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <fstream>
+#include <sys/resource.h>
+#include <unistd.h>
 
 namespace tremolo {
 namespace {
 
-// Lets the kernel's high-water mark start anew; where that is not allowed the mark is the process's.
+// Lets the kernel's high-water mark start anew; where that is not allowed the mark is the
+// process's.
 void reset_peak() {
   std::ofstream clear("/proc/self/clear_refs");
   clear << "5\n";

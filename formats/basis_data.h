@@ -33,17 +33,17 @@ struct DefaultLoad {
 // One precomputed model (docs/theory.md, section "Reduced energy"):
 //   V(q) = 1/2 q^T diag(lambda) q + C[q,q,q] + Q[q,q,q,q]     J, mass matrix = identity
 struct BasisData {
-  std::uint64_t vertex_count = 0;        // n of the whole mesh
-  std::uint64_t tetrahedron_count = 0;   // m
-  std::uint64_t linear_mode_count = 0;   // k
+  std::uint64_t vertex_count = 0;       // n of the whole mesh
+  std::uint64_t tetrahedron_count = 0;  // m
+  std::uint64_t linear_mode_count = 0;  // k
   std::uint64_t fixed_vertex_count = 0;
-  std::uint64_t rigid_mode_count = 0;    // left out of the basis: six for each free part
-  double total_mass = 0;                 // kg
+  std::uint64_t rigid_mode_count = 0;  // left out of the basis: six for each free part
+  double total_mass = 0;               // kg
 
-  Eigen::VectorXd lambda;                // r, (rad/s)^2, ascending
-  std::vector<double> cubic;             // C: triple_count(r) entries, packed_index.h
-  std::vector<double> quartic;           // Q: quad_count(r) entries
-  std::vector<double> singular_values;   // of the mass-PCA, descending, kept and cut
+  Eigen::VectorXd lambda;               // r, (rad/s)^2, ascending
+  std::vector<double> cubic;            // C: triple_count(r) entries, packed_index.h
+  std::vector<double> quartic;          // Q: quad_count(r) entries
+  std::vector<double> singular_values;  // of the mass-PCA, descending, kept and cut
 
   VertexBlock surface;                   // vertices of the boundary
   VertexBlock interior;                  // all others
@@ -51,7 +51,7 @@ struct BasisData {
   std::vector<VertexId> fixed_vertices;  // ascending ids in the source mesh
   DefaultLoad load;                      // may be empty
 
-  std::string provenance;                // a JSON object, UTF-8
+  std::string provenance;  // a JSON object, UTF-8
 };
 
 }  // namespace tremolo

@@ -31,14 +31,14 @@ inline constexpr std::size_t kHeaderHashAt = 56;  // u64, XXH3-64 of bytes 0..55
 // Table: one 64-byte entry a section, directly behind the header.
 inline constexpr std::size_t kEntrySize = 64;
 namespace entry {
-inline constexpr std::size_t kNameAt = 0;     // 16 characters, padded with zeros
-inline constexpr std::size_t kTypeAt = 16;    // u32, ElementType
-inline constexpr std::size_t kFlagsAt = 20;   // u32, bit 0: critical; others zero
-inline constexpr std::size_t kOffsetAt = 24;  // u64, from the start of the file, multiple of 64
-inline constexpr std::size_t kSizeAt = 32;    // u64, bytes = rows * columns * element size
-inline constexpr std::size_t kRowsAt = 40;    // u64
-inline constexpr std::size_t kColumnsAt = 48; // u64
-inline constexpr std::size_t kHashAt = 56;    // u64, XXH3-64 of the section's bytes
+inline constexpr std::size_t kNameAt = 0;      // 16 characters, padded with zeros
+inline constexpr std::size_t kTypeAt = 16;     // u32, ElementType
+inline constexpr std::size_t kFlagsAt = 20;    // u32, bit 0: critical; others zero
+inline constexpr std::size_t kOffsetAt = 24;   // u64, from the start of the file, multiple of 64
+inline constexpr std::size_t kSizeAt = 32;     // u64, bytes = rows * columns * element size
+inline constexpr std::size_t kRowsAt = 40;     // u64
+inline constexpr std::size_t kColumnsAt = 48;  // u64
+inline constexpr std::size_t kHashAt = 56;     // u64, XXH3-64 of the section's bytes
 }  // namespace entry
 inline constexpr std::size_t kNameSize = 16;
 inline constexpr std::uint32_t kCritical = 1;
@@ -48,44 +48,48 @@ enum class ElementType : std::uint32_t { kU8 = 1, kU32 = 2, kU64 = 3, kF64 = 4 }
 // Bytes of one element; 0 for an unknown type.
 constexpr std::size_t element_size(ElementType type) {
   switch (type) {
-    case ElementType::kU8: return 1;
-    case ElementType::kU32: return 4;
-    case ElementType::kU64: return 8;
-    case ElementType::kF64: return 8;
+    case ElementType::kU8:
+      return 1;
+    case ElementType::kU32:
+      return 4;
+    case ElementType::kU64:
+      return 8;
+    case ElementType::kF64:
+      return 8;
   }
   return 0;
 }
 
 // Section names. Shapes are in terms of the entries of `dimensions`.
-inline constexpr std::string_view kDimensions = "dimensions";          // u64, 8 x 1
-inline constexpr std::string_view kTotalMass = "total_mass";           // f64, 1 x 1
-inline constexpr std::string_view kLambda = "lambda";                  // f64, r x 1
-inline constexpr std::string_view kCubic = "cubic";                    // f64, C(r+2,3) x 1
-inline constexpr std::string_view kQuartic = "quartic";                // f64, C(r+3,4) x 1
-inline constexpr std::string_view kSurfaceIds = "surface_ids";         // u32, s x 1
-inline constexpr std::string_view kSurfaceRest = "surface_rest";       // f64, s x 3
-inline constexpr std::string_view kSurfaceBasis = "surface_basis";     // f64, 3s x r, row-major
-inline constexpr std::string_view kTriangles = "triangles";            // u32, t x 3
-inline constexpr std::string_view kInteriorIds = "interior_ids";       // u32, (n-s) x 1
-inline constexpr std::string_view kInteriorRest = "interior_rest";     // f64, (n-s) x 3
-inline constexpr std::string_view kInteriorBasis = "interior_basis";   // f64, 3(n-s) x r, row-major
-inline constexpr std::string_view kFixedIds = "fixed_ids";             // u32, fixed x 1
-inline constexpr std::string_view kLoadIds = "load_ids";               // u32, l x 1
-inline constexpr std::string_view kLoadForces = "load_forces";         // f64, l x 3
-inline constexpr std::string_view kSingularValues = "singular_values"; // f64, c x 1
-inline constexpr std::string_view kProvenance = "provenance";          // u8, bytes x 1
+inline constexpr std::string_view kDimensions = "dimensions";         // u64, 8 x 1
+inline constexpr std::string_view kTotalMass = "total_mass";          // f64, 1 x 1
+inline constexpr std::string_view kLambda = "lambda";                 // f64, r x 1
+inline constexpr std::string_view kCubic = "cubic";                   // f64, C(r+2,3) x 1
+inline constexpr std::string_view kQuartic = "quartic";               // f64, C(r+3,4) x 1
+inline constexpr std::string_view kSurfaceIds = "surface_ids";        // u32, s x 1
+inline constexpr std::string_view kSurfaceRest = "surface_rest";      // f64, s x 3
+inline constexpr std::string_view kSurfaceBasis = "surface_basis";    // f64, 3s x r, row-major
+inline constexpr std::string_view kTriangles = "triangles";           // u32, t x 3
+inline constexpr std::string_view kInteriorIds = "interior_ids";      // u32, (n-s) x 1
+inline constexpr std::string_view kInteriorRest = "interior_rest";    // f64, (n-s) x 3
+inline constexpr std::string_view kInteriorBasis = "interior_basis";  // f64, 3(n-s) x r, row-major
+inline constexpr std::string_view kFixedIds = "fixed_ids";            // u32, fixed x 1
+inline constexpr std::string_view kLoadIds = "load_ids";              // u32, l x 1
+inline constexpr std::string_view kLoadForces = "load_forces";        // f64, l x 3
+inline constexpr std::string_view kSingularValues = "singular_values";  // f64, c x 1
+inline constexpr std::string_view kProvenance = "provenance";           // u8, bytes x 1
 
 // Entries of the section `dimensions`, in this order.
 namespace dimension {
 enum : std::size_t {
-  kVertices,        // n
-  kTetrahedra,      // m
-  kLinearModes,     // k
-  kModes,           // r
-  kFixed,           // fixed vertices
-  kRigid,           // rigid modes left out
-  kSurfaceVertices, // s
-  kTriangles,       // t
+  kVertices,         // n
+  kTetrahedra,       // m
+  kLinearModes,      // k
+  kModes,            // r
+  kFixed,            // fixed vertices
+  kRigid,            // rigid modes left out
+  kSurfaceVertices,  // s
+  kTriangles,        // t
   kCount
 };
 }  // namespace dimension

@@ -160,8 +160,9 @@ Status BasisReader::read_dimensions() {
   if (!bytes) return bytes.error();
   std::uint64_t v[dimension::kCount];
   std::memcpy(v, bytes->data(), sizeof(v));
-  dimensions_ = {v[dimension::kVertices], v[dimension::kTetrahedra], v[dimension::kLinearModes],
-                 v[dimension::kModes],    v[dimension::kFixed],      v[dimension::kRigid],
+  dimensions_ = {v[dimension::kVertices],        v[dimension::kTetrahedra],
+                 v[dimension::kLinearModes],     v[dimension::kModes],
+                 v[dimension::kFixed],           v[dimension::kRigid],
                  v[dimension::kSurfaceVertices], v[dimension::kTriangles]};
   const BasisDimensions& d = dimensions_;
   if (d.modes == 0 || d.modes > kMaxModes || d.vertices == 0 || d.vertices > kMaxVertices ||
@@ -212,9 +213,8 @@ Status BasisReader::check_shapes() const {
                           std::to_string(section->columns) + " does not fit the dimensions");
   }
   for (const BasisSection& section : sections_)
-    if (section.critical && std::none_of(std::begin(shapes), std::end(shapes), [&](const Shape& s) {
-          return s.name == section.name;
-        }))
+    if (section.critical && std::none_of(std::begin(shapes), std::end(shapes),
+                                         [&](const Shape& s) { return s.name == section.name; }))
       return error_at("table", section.offset,
                       "section '" + section.name + "' is critical and unknown to this version");
   const BasisSection* ids = find(kLoadIds);
@@ -265,13 +265,13 @@ Result<std::span<const std::uint32_t>> BasisReader::indices(std::string_view nam
                                                             std::uint64_t bound) {
   Result<std::span<const std::byte>> bytes = contents(name, ElementType::kU32);
   if (!bytes) return bytes.error();
-  const std::span<const std::uint32_t> values{
-      reinterpret_cast<const std::uint32_t*>(bytes->data()), bytes->size() / sizeof(std::uint32_t)};
+  const std::span<const std::uint32_t> values{reinterpret_cast<const std::uint32_t*>(bytes->data()),
+                                              bytes->size() / sizeof(std::uint32_t)};
   for (std::size_t i = 0; i < values.size(); ++i)
     if (values[i] >= bound)
-      return error_at(name, find(name)->offset + i * sizeof(std::uint32_t),
-                      "index " + std::to_string(values[i]) + " is not below " +
-                          std::to_string(bound));
+      return error_at(
+          name, find(name)->offset + i * sizeof(std::uint32_t),
+          "index " + std::to_string(values[i]) + " is not below " + std::to_string(bound));
   return values;
 }
 

@@ -31,10 +31,10 @@ struct BasisSection {
 
 // The section `dimensions`.
 struct BasisDimensions {
-  std::uint64_t vertices = 0;          // n
-  std::uint64_t tetrahedra = 0;        // m
-  std::uint64_t linear_modes = 0;      // k
-  std::uint64_t modes = 0;             // r
+  std::uint64_t vertices = 0;      // n
+  std::uint64_t tetrahedra = 0;    // m
+  std::uint64_t linear_modes = 0;  // k
+  std::uint64_t modes = 0;         // r
   std::uint64_t fixed = 0;
   std::uint64_t rigid = 0;
   std::uint64_t surface_vertices = 0;  // s

@@ -49,7 +49,8 @@ Status check_shapes(const BasisData& data) {
   if (r == 0 || r > kMaxModes) return bad("lambda");
   if (data.cubic.size() != triple_count(r)) return bad("cubic");
   if (data.quartic.size() != quad_count(r)) return bad("quartic");
-  for (const auto& [block, name] : {std::pair{&data.surface, "surface"}, {&data.interior, "interior"}}) {
+  for (const auto& [block, name] :
+       {std::pair{&data.surface, "surface"}, {&data.interior, "interior"}}) {
     const std::size_t count = block->vertex_ids.size();
     if (block->rest.size() != count || block->rows.rows() != static_cast<Eigen::Index>(3 * count) ||
         (count > 0 && block->rows.cols() != static_cast<Eigen::Index>(r)))
@@ -124,10 +125,14 @@ void put_entry(std::vector<std::byte>& file, std::size_t at, const Section& sect
 Result<std::vector<std::byte>> encode_basis(const BasisData& data) {
   if (Status status = check_shapes(data); !status) return status.error();
   const std::uint64_t dimensions[dimension::kCount] = {
-      data.vertex_count,       data.tetrahedron_count,
-      data.linear_mode_count,  static_cast<std::uint64_t>(data.lambda.size()),
-      data.fixed_vertex_count, data.rigid_mode_count,
-      data.surface.vertex_ids.size(), data.triangles.size()};
+      data.vertex_count,
+      data.tetrahedron_count,
+      data.linear_mode_count,
+      static_cast<std::uint64_t>(data.lambda.size()),
+      data.fixed_vertex_count,
+      data.rigid_mode_count,
+      data.surface.vertex_ids.size(),
+      data.triangles.size()};
   const std::vector<Section> sections = list_sections(data, dimensions);
 
   std::size_t size = aligned(kHeaderSize + sections.size() * kEntrySize);

@@ -14,10 +14,10 @@ ByteScanner::ByteScanner(std::string_view bytes, std::string file, std::size_t o
 bool ByteScanner::fits(std::size_t count, std::size_t size, std::string_view what) {
   if (size == 0 || count <= remaining() / size) return true;
   last_ = at_;
-  error_ = problem("expected " + (count == 1 ? "" : std::to_string(count) + " ") +
-                   std::string(what) + " (" + std::to_string(size) +
-                   (count == 1 ? " bytes)" : " bytes each)") + ", found only " +
-                   std::to_string(remaining()) + " bytes before the end of the file");
+  error_ =
+      problem("expected " + (count == 1 ? "" : std::to_string(count) + " ") + std::string(what) +
+              " (" + std::to_string(size) + (count == 1 ? " bytes)" : " bytes each)") +
+              ", found only " + std::to_string(remaining()) + " bytes before the end of the file");
   return false;
 }
 

@@ -26,8 +26,8 @@ bool MeshBuilder::add_vertex(std::int64_t id, const Eigen::Vector3d& x) {
     return refuse("expected fewer than 2^31 vertices");
   if (ids_.empty()) first_id_ = lowest_id_ = highest_id_ = id;
   // Compared with the neighbour rather than with first + size, which could overflow.
-  if (!ids_.empty() && (ids_.back() == std::numeric_limits<std::int64_t>::max() ||
-                        id != ids_.back() + 1))
+  if (!ids_.empty() &&
+      (ids_.back() == std::numeric_limits<std::int64_t>::max() || id != ids_.back() + 1))
     consecutive_ = false;
   lowest_id_ = std::min(lowest_id_, id);
   highest_id_ = std::max(highest_id_, id);

@@ -13,7 +13,8 @@ struct CellKind {
   Role role = Role::kOther;
 };
 
-// Element types of MSH files (Gmsh reference manual, section "MSH file format"); nullptr if unknown.
+// Element types of MSH files (Gmsh reference manual, section "MSH file format"); nullptr if
+// unknown.
 const CellKind* msh_cell(int type);
 
 // Cell types of VTK files (VTK file formats, vtkCellType.h); nullptr if unknown.

@@ -21,8 +21,7 @@ MeshFormat format_of_first_line(std::string_view text) {
   // A .veg file may open with comments.
   TextScanner uncommented(text, "", {.comment = '#'});
   const std::string_view keyword = uncommented.peek();
-  if (keyword.starts_with("*VERTICES") || keyword.starts_with("*INCLUDE"))
-    return MeshFormat::kVeg;
+  if (keyword.starts_with("*VERTICES") || keyword.starts_with("*INCLUDE")) return MeshFormat::kVeg;
   return MeshFormat::kUnknown;
 }
 
@@ -44,16 +43,21 @@ Result<MeshFile> read_tet_mesh(const std::string& path) {
   MeshFormat format = format_of_first_line(*text);
   if (format == MeshFormat::kUnknown) format = format_of_extension(extension);
   switch (format) {
-    case MeshFormat::kMsh: return read_msh(*text, path);
-    case MeshFormat::kVtk: return read_vtk(*text, path);
-    case MeshFormat::kVtu: return read_vtu(*text, path);
-    case MeshFormat::kVeg: return read_veg(*text, path);
-    case MeshFormat::kUnknown: break;
+    case MeshFormat::kMsh:
+      return read_msh(*text, path);
+    case MeshFormat::kVtk:
+      return read_vtk(*text, path);
+    case MeshFormat::kVtu:
+      return read_vtu(*text, path);
+    case MeshFormat::kVeg:
+      return read_veg(*text, path);
+    case MeshFormat::kUnknown:
+      break;
   }
-  return content_error(
-      path + ", line 1: expected a tetrahedral mesh (.msh 2.2 or 4.1, .vtk, .vtu, .veg, "
-             ".node/.ele), found " +
-      quoted_text(TextScanner(*text, path).rest_of_line()));
+  return content_error(path +
+                       ", line 1: expected a tetrahedral mesh (.msh 2.2 or 4.1, .vtk, .vtu, .veg, "
+                       ".node/.ele), found " +
+                       quoted_text(TextScanner(*text, path).rest_of_line()));
 }
 
 }  // namespace tremolo

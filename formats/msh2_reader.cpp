@@ -157,7 +157,7 @@ Status read_msh2_elements(MshInput& input, MeshBuilder& builder, MshGroups& grou
       if (!block) return block.error();
       done += *block;
     } else {
-      const Status status = read_text_element(reading);
+      Status status = read_text_element(reading);
       if (!status) return status;
       ++done;
     }

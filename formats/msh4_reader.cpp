@@ -72,12 +72,11 @@ Status read_ids(MshInput& input, std::uint64_t count, std::vector<std::int64_t>&
 Status read_node_block(MshInput& input, const Block& block, std::vector<std::int64_t>& ids,
                        MeshBuilder& builder) {
   if (block.kind != 0 && block.kind != 1)
-    return input.problem("expected 0 or 1 (parametric nodes), found " +
-                         std::to_string(block.kind));
+    return input.problem("expected 0 or 1 (parametric nodes), found " + std::to_string(block.kind));
   const std::size_t parameters = block.kind == 1 ? static_cast<std::size_t>(block.dimension) : 0;
   if (!input.fits(block.count, {.sizes = 1, .reals = 3 + parameters}, "nodes"))
     return input.error();
-  const Status status = read_ids(input, block.count, ids);
+  Status status = read_ids(input, block.count, ids);
   if (!status) return status;
   for (std::int64_t id : ids) {
     Eigen::Vector3d x;
@@ -111,7 +110,7 @@ Status read_element_block(MshInput& input, const Block& block, Elements& element
     std::uint64_t tag = 0;
     if (!input.size(tag, "an element tag")) return input.error();
     const auto id = static_cast<std::int64_t>(tag);
-    const Status status = read_ids(input, node_count, elements.nodes);
+    Status status = read_ids(input, node_count, elements.nodes);
     if (!status) return status;
     if (!builder.resolve(id, elements.nodes, elements.vertices) ||
         !builder.add_cell(id, *kind, elements.vertices))
@@ -194,8 +193,7 @@ Status read_msh4_elements(MshInput& input, const MshEntities& entities, MeshBuil
     const int dimension = static_cast<int>(block.dimension);
     const auto entity = entities.find({dimension, block.entity});
     if (entity == entities.end()) continue;
-    for (std::int64_t physical : entity->second)
-      groups.add(dimension, physical, elements.of_block);
+    for (std::int64_t physical : entity->second) groups.add(dimension, physical, elements.of_block);
   }
   if (left > 0) return missing(input, "elements", count, left);
   input.end_data();

@@ -56,9 +56,9 @@ void MshGroups::give_to(MeshBuilder& builder) const {
   for (const auto& [key, members] : members_) {
     const auto name = names_.find(key);
     const auto& [dimension, tag] = key;
-    builder.add_to_set(name != names_.end() ? name->second
-                                            : std::string(kDimensionNames[dimension]) + " " +
-                                                  std::to_string(tag),
+    builder.add_to_set(name != names_.end()
+                           ? name->second
+                           : std::string(kDimensionNames[dimension]) + " " + std::to_string(tag),
                        members);
   }
 }

@@ -20,9 +20,12 @@ Result<MshInput> MshInput::open(std::string_view text, const std::string& path) 
 Status MshInput::read_format() {
   int type = 0;
   int data_size = 0;
-  if (!text_.expect("$MeshFormat") || !text_.read_word(version_, "a version number") ||
-      !text_.read(type, "a file type (0: text, 1: binary)"))
+  if (!text_.expect("$MeshFormat") || !text_.read_word(version_, "a version number"))
     return text_.error();
+  if (version_ != "4.1" && version_ != "2" && !version_.starts_with("2."))
+    return text_.problem("expected an MSH file of version 2.2 or 4.1, found version " +
+                         quoted_text(version_));
+  if (!text_.read(type, "a file type (0: text, 1: binary)")) return text_.error();
   if (type != 0 && type != 1)
     return text_.problem("expected file type 0 (text) or 1 (binary), found " +
                          std::to_string(type));

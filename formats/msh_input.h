@@ -22,10 +22,10 @@ struct MshItem {
 // Walks over the sections of a file. Reads that fail return false and leave error().
 class MshInput {
  public:
-  // Reads the $MeshFormat section, with which the file begins.
+  // Reads the $MeshFormat section, with which the file begins, and refuses other versions.
   static Result<MshInput> open(std::string_view text, const std::string& path);
 
-  // Such as "4.1".
+  // "4.1", "2" or "2.2" and its like; open() refuses others.
   const std::string& version() const { return version_; }
   bool binary() const { return binary_; }
   // "MSH 4.1 binary"

@@ -55,17 +55,15 @@ Result<MeshFile> read_msh(std::string_view text, const std::string& path) {
   Result<MshInput> opened = MshInput::open(text, path);
   if (!opened) return opened.error();
   MshInput& input = *opened;
-  if (input.version() != "4.1" && input.version() != "2" && !input.version().starts_with("2."))
-    return content_error(path + ": expected an MSH file of version 2.2 or 4.1, found version " +
-                         quoted_text(input.version()));
   MshFile file{MeshBuilder(path), {}, {}, false, false};
   for (std::string_view name = input.next_section(); !name.empty(); name = input.next_section()) {
     const Status status = read_section(input, name, file);
     if (!status) return status.error();
   }
   if (!file.has_elements)
-    return content_error(path + ": expected sections $Nodes and $Elements, found the end of the "
-                                "file without " +
+    return content_error(path +
+                         ": expected sections $Nodes and $Elements, found the end of the "
+                         "file without " +
                          (file.has_nodes ? "$Elements" : "$Nodes"));
   file.groups.give_to(file.builder);
   return file.builder.finish(input.format());

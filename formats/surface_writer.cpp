@@ -25,8 +25,10 @@ void append_bytes(std::string& bytes, T value) {
 
 std::string obj_text(const SurfaceMesh& surface) {
   std::string text;
-  for (const Eigen::Vector3d& x : surface.vertices) append(text, "v %.9g %.9g %.9g\n", x[0], x[1], x[2]);
-  for (const Triangle& t : surface.triangles) append(text, "f %d %d %d\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  for (const Eigen::Vector3d& x : surface.vertices)
+    append(text, "v %.9g %.9g %.9g\n", x[0], x[1], x[2]);
+  for (const Triangle& t : surface.triangles)
+    append(text, "f %d %d %d\n", t[0] + 1, t[1] + 1, t[2] + 1);
   return text;
 }
 
@@ -49,7 +51,8 @@ std::string pov_text(const SurfaceMesh& surface) {
   std::string text = "#declare Surface = mesh2 {\n  vertex_vectors {\n";
   const auto vectors = [&text](const std::vector<Eigen::Vector3d>& list) {
     append(text, "    %zu", list.size());
-    for (const Eigen::Vector3d& x : list) append(text, ",\n    <%.7g, %.7g, %.7g>", x[0], x[1], x[2]);
+    for (const Eigen::Vector3d& x : list)
+      append(text, ",\n    <%.7g, %.7g, %.7g>", x[0], x[1], x[2]);
     text += "\n  }\n";
   };
   vectors(surface.vertices);

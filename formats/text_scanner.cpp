@@ -117,19 +117,19 @@ bool TextScanner::expect(std::string_view word) {
 bool TextScanner::fits(std::size_t count, std::size_t bytes, std::string_view what) {
   // The last item may do without the separator behind it.
   if (bytes == 0 || count <= (remaining() + 1) / bytes) return true;
-  error_ = problem("expected " + std::to_string(count) + " " + std::string(what) +
-                   ", found only " + std::to_string(remaining()) + " bytes behind this count");
+  error_ = problem("expected " + std::to_string(count) + " " + std::string(what) + ", found only " +
+                   std::to_string(remaining()) + " bytes behind this count");
   return false;
 }
 
 void TextScanner::seek(std::size_t offset) {
   offset = std::min(offset, text_.size());
   if (offset > at_)
-    line_ += static_cast<std::size_t>(
-        std::count(text_.begin() + at_, text_.begin() + offset, '\n'));
+    line_ +=
+        static_cast<std::size_t>(std::count(text_.begin() + at_, text_.begin() + offset, '\n'));
   else
-    line_ -= static_cast<std::size_t>(
-        std::count(text_.begin() + offset, text_.begin() + at_, '\n'));
+    line_ -=
+        static_cast<std::size_t>(std::count(text_.begin() + offset, text_.begin() + at_, '\n'));
   at_ = offset;
   token_at_ = offset;
   token_line_ = line_;

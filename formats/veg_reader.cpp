@@ -41,7 +41,7 @@ Status read_vertices(VegInput& input, VegFile& file) {
   for (std::uint64_t n = 0; n < count; ++n) {
     std::int64_t id = 0;
     Eigen::Vector3d x;
-    if (!input.expect_line("a vertex") || !input.line().read(id, "a vertex id")) 
+    if (!input.expect_line("a vertex") || !input.line().read(id, "a vertex id"))
       return input.error();
     for (double& coordinate : x)
       if (!input.line().read(coordinate, "a coordinate")) return input.error();
@@ -74,7 +74,7 @@ Status read_elements(VegInput& input, VegFile& file) {
                                 std::string(file.has_elements ? "a second" : "it before"));
   file.has_elements = true;
   std::uint64_t count = 0;
-  const Status header = read_element_header(input, count);
+  Status header = read_element_header(input, count);
   if (!header) return header;
   file.builder.reserve_tetrahedra(at_most(input, count, 10));
   constexpr CellKind kKind{"tetrahedra", 4, CellKind::Role::kTetrahedron};
@@ -86,8 +86,7 @@ Status read_elements(VegInput& input, VegFile& file) {
       return input.error();
     // Sets count elements by their place, so the ids have to say the same.
     if (e == 0) file.first_element = id;
-    if ((id != 0 && id != 1 && e == 0) ||
-        id != file.first_element + static_cast<std::int64_t>(e))
+    if ((id != 0 && id != 1 && e == 0) || id != file.first_element + static_cast<std::int64_t>(e))
       return input.line().problem(
           "expected element id " +
           (e == 0 ? "0 or 1" : std::to_string(file.first_element + static_cast<std::int64_t>(e))) +
@@ -112,10 +111,10 @@ Result<bool> read_set(VegInput& input, VegFile& file) {
       std::int64_t id = 0;
       if (!input.line().read(id, "an element id")) return input.error();
       if (id < file.first_element || id - file.first_element >= count)
-        return input.line().problem(
-            "set " + quoted_text(name) + " names element " + std::to_string(id) +
-            ", expected an id from " + std::to_string(file.first_element) + " to " +
-            std::to_string(file.first_element + count - 1));
+        return input.line().problem("set " + quoted_text(name) + " names element " +
+                                    std::to_string(id) + ", expected an id from " +
+                                    std::to_string(file.first_element) + " to " +
+                                    std::to_string(file.first_element + count - 1));
       file.builder.add_to_set(name, tets[static_cast<std::size_t>(id - file.first_element)]);
     }
   }
@@ -132,9 +131,10 @@ Result<bool> read_section(VegInput& input, VegFile& file) {
   }
   if (keyword == "*SET") return read_set(input, file);
   if (keyword != "*MATERIAL" && keyword != "*REGION")
-    return input.line().problem("expected *VERTICES, *ELEMENTS, *SET, *MATERIAL, *REGION or "
-                                "*INCLUDE, found " +
-                                quoted_text(keyword));
+    return input.line().problem(
+        "expected *VERTICES, *ELEMENTS, *SET, *MATERIAL, *REGION or "
+        "*INCLUDE, found " +
+        quoted_text(keyword));
   if (keyword == "*MATERIAL") ++file.materials;
   bool more = input.next_line();
   while (more && !input.line().peek().starts_with('*')) more = input.next_line();
@@ -156,8 +156,8 @@ Result<MeshFile> read_veg(std::string_view text, const std::string& path) {
     return input.error();
   }
   if (file.materials > 0)
-    file.builder.add_note("materials of the file are not used (" +
-                          std::to_string(file.materials) + ")");
+    file.builder.add_note("materials of the file are not used (" + std::to_string(file.materials) +
+                          ")");
   return file.builder.finish("VegaFEM");
 }
 

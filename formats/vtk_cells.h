@@ -10,8 +10,8 @@
 
 namespace tremolo {
 
-// Cell c is of kind types[c] (vtk_cell()) and has the nodes connectivity[offsets[c] .. offsets[c+1]).
-// offsets: one more than cells, from 0. Node ids count from 0.
+// Cell c is of kind types[c] (vtk_cell()) and has the nodes connectivity[offsets[c] ..
+// offsets[c+1]). offsets: one more than cells, from 0. Node ids count from 0.
 struct VtkCells {
   std::vector<std::int64_t> offsets;
   std::vector<std::int64_t> connectivity;

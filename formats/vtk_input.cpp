@@ -9,7 +9,7 @@ VtkInput::VtkInput(std::string_view text, const std::string& path)
     : whole_(text), path_(path), text_(text, path) {}
 
 bool VtkInput::fail(const std::string& complaint) {
-  error_ = text_.problem(complaint);
+  error_ = content_error(part_ + ": " + complaint);
   return false;
 }
 
@@ -19,8 +19,7 @@ bool VtkInput::read_header() {
     return text_.fail("`# vtk DataFile Version ...`", first);
   text_.rest_of_line();
   const std::string_view encoding = text_.token();
-  if (encoding != "ASCII" && encoding != "BINARY")
-    return text_.fail("ASCII or BINARY", encoding);
+  if (encoding != "ASCII" && encoding != "BINARY") return text_.fail("ASCII or BINARY", encoding);
   binary_ = encoding == "BINARY";
   return true;
 }
@@ -70,7 +69,8 @@ bool VtkInput::read_values(const std::string& type, std::uint64_t count, std::st
     return read_bytes<std::uint64_t>(count, what, values);
   if (type == "short") return read_bytes<std::int16_t>(count, what, values);
   if (type == "unsigned_short") return read_bytes<std::uint16_t>(count, what, values);
-  if (type == "char") return read_bytes<std::int8_t>(count, what, values);
+  // A char is read as its bits: no list of a mesh that matters holds negative ones.
+  if (type == "char") return read_bytes<std::uint8_t>(count, what, values);
   if (type == "unsigned_char") return read_bytes<std::uint8_t>(count, what, values);
   return text_.fail("a type of numbers such as float or int", type);
 }

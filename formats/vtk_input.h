@@ -30,6 +30,10 @@ class VtkInput {
                  std::vector<double>& values);
 
   TextScanner& text() { return text_; }
+  // Of the last token: what is found wrong in the list it begins will be said to be there.
+  void begin_part(const std::string& keyword) { part_ = text_.problem("in " + keyword).message; }
+  const std::string& part() const { return part_; }
+  // An error in the part.
   bool fail(const std::string& complaint);
   const Error& error() const { return error_.message.empty() ? text_.error() : error_; }
 
@@ -44,6 +48,7 @@ class VtkInput {
   std::string path_;
   TextScanner text_;
   bool binary_ = false;
+  std::string part_;
   Error error_;
 };
 

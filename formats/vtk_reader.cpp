@@ -11,6 +11,7 @@ namespace {
 struct VtkFile {
   MeshBuilder builder;
   VtkCells cells;
+  std::string cells_part;  // where they stand
   bool has_points = false;
   bool has_cells = false;
   bool has_types = false;
@@ -21,8 +22,7 @@ bool read_points(VtkInput& input, VtkFile& file) {
   std::string type;
   std::vector<double> coordinates;
   if (file.has_points) return input.fail("expected one list POINTS, found a second");
-  if (!input.text().read(count, "the number of points") ||
-      !input.text().fits(count, 3, "points") ||
+  if (!input.text().read(count, "the number of points") || !input.text().fits(count, 3, "points") ||
       !input.text().read_word(type, "the type of the coordinates") ||
       !input.read_list(type, 3 * count, "coordinates", coordinates))
     return false;
@@ -41,14 +41,12 @@ bool read_offset_cells(VtkInput& input, std::uint64_t offsets, std::uint64_t nod
   std::string type;
   return input.text().expect("OFFSETS") && input.text().read_word(type, "the type of offsets") &&
          input.read_list(type, offsets, "cell offsets", cells.offsets) &&
-         input.text().expect("CONNECTIVITY") &&
-         input.text().read_word(type, "the type of nodes") &&
+         input.text().expect("CONNECTIVITY") && input.text().read_word(type, "the type of nodes") &&
          input.read_list(type, nodes, "nodes of cells", cells.connectivity);
 }
 
 // Before: one list in which each cell's number of nodes stands before its nodes.
-bool read_counted_cells(VtkInput& input, std::uint64_t count, std::uint64_t size,
-                        VtkCells& cells) {
+bool read_counted_cells(VtkInput& input, std::uint64_t count, std::uint64_t size, VtkCells& cells) {
   std::vector<std::int64_t> list;
   if (!input.read_list("int", size, "nodes of cells", list)) return false;
   if (count > list.size())
@@ -79,6 +77,7 @@ bool read_cells(VtkInput& input, VtkFile& file) {
   std::uint64_t second = 0;
   if (file.has_cells) return input.fail("expected one list CELLS, found a second");
   file.has_cells = true;
+  file.cells_part = input.part();
   if (!input.text().read(first, "the number of cells") ||
       !input.text().read(second, "the length of the list of cells"))
     return false;
@@ -115,8 +114,8 @@ bool skip_field(VtkInput& input) {
         !input.text().read_word(word, "the type of an array"))
       return false;
     if (components != 0 && tuples > std::numeric_limits<std::uint64_t>::max() / components)
-      return input.fail("expected an array that fits in the file, found " +
-                        std::to_string(tuples) + " tuples");
+      return input.fail("expected an array that fits in the file, found " + std::to_string(tuples) +
+                        " tuples");
     if (!input.read_list(word, components * tuples, "numbers of an array", ignored)) return false;
   }
   return true;
@@ -129,6 +128,7 @@ void skip_metadata(VtkInput& input) {
 }
 
 bool read_part(VtkInput& input, const std::string& keyword, VtkFile& file) {
+  input.begin_part(keyword);
   if (keyword == "POINTS") return read_points(input, file);
   if (keyword == "CELLS") return read_cells(input, file);
   if (keyword == "CELL_TYPES") return read_types(input, file);
@@ -147,7 +147,7 @@ Result<MeshFile> read_vtk(std::string_view text, const std::string& path) {
   if (!input.read_header() || !input.text().expect("DATASET") ||
       !input.text().expect("UNSTRUCTURED_GRID"))
     return input.error();
-  VtkFile file{MeshBuilder(path), {}, false, false, false};
+  VtkFile file{MeshBuilder(path), {}, "", false, false, false};
   while (!input.text().at_end()) {
     const std::string keyword(input.text().token());
     // What belongs to points and cells follows the mesh and is not needed.
@@ -155,13 +155,14 @@ Result<MeshFile> read_vtk(std::string_view text, const std::string& path) {
     if (!read_part(input, keyword, file)) return input.error();
   }
   if (!file.has_points || !file.has_cells || !file.has_types)
-    return input.text().problem("expected POINTS, CELLS and CELL_TYPES, found the end of the mesh "
-                                "without " +
-                                std::string(!file.has_points  ? "POINTS"
-                                            : !file.has_cells ? "CELLS"
-                                                              : "CELL_TYPES"));
+    return input.text().problem(
+        "expected POINTS, CELLS and CELL_TYPES, found the end of the mesh "
+        "without " +
+        std::string(!file.has_points  ? "POINTS"
+                    : !file.has_cells ? "CELLS"
+                                      : "CELL_TYPES"));
   const std::string complaint = add_vtk_cells(file.cells, file.builder);
-  if (!complaint.empty()) return content_error(path + ": " + complaint);
+  if (!complaint.empty()) return content_error(file.cells_part + ": " + complaint);
   return file.builder.finish(std::string("VTK legacy ") + (input.binary() ? "binary" : "text"));
 }
 

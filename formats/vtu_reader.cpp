@@ -1,11 +1,10 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <pugixml.hpp>
 #include <string>
 #include <type_traits>
 #include <vector>
-
-#include <pugixml.hpp>
 
 #include "formats/base64.h"
 #include "formats/byte_scanner.h"
@@ -49,8 +48,9 @@ Status read_base64(const VtuArray& array, std::size_t count, std::vector<T>& val
   const DecodedBase64 decoded = decode_base64(text);
   if (decoded.bad_at != std::string_view::npos)
     return content_error(array.place + ": expected base64, found " +
-                         (decoded.bad_at == text.size() ? "its end too early"
-                                                        : quoted_text(text.substr(decoded.bad_at))));
+                         (decoded.bad_at == text.size()
+                              ? "its end too early"
+                              : quoted_text(text.substr(decoded.bad_at))));
   ByteScanner scanner(decoded.bytes, array.place, 0, array.bytes.swap);
   std::uint64_t size = 0;
   std::uint32_t short_size = 0;
@@ -100,9 +100,9 @@ Status read_array(const VtuArray& array, std::size_t count, std::vector<T>& valu
 
 Result<VtuArray> find_array(pugi::xml_node parent, const char* name, const VtuBytes& bytes,
                             const std::string& path) {
-  const pugi::xml_node node =
-      *name != '\0' ? parent.find_child_by_attribute("DataArray", "Name", name)
-                    : parent.child("DataArray");
+  const pugi::xml_node node = *name != '\0'
+                                  ? parent.find_child_by_attribute("DataArray", "Name", name)
+                                  : parent.child("DataArray");
   const std::string shown = *name != '\0' ? name : "points";
   if (!node) return content_error(path + ": expected a DataArray of " + shown + ", found none");
   return VtuArray{node,
@@ -155,8 +155,7 @@ Result<std::size_t> read_count(pugi::xml_node piece, const char* name, std::size
 Status read_points(pugi::xml_node piece, const VtuBytes& bytes, const std::string& path,
                    std::size_t count, MeshBuilder& builder) {
   std::vector<double> coordinates;
-  const Status status =
-      read_named(piece.child("Points"), "", bytes, path, 3 * count, coordinates);
+  Status status = read_named(piece.child("Points"), "", bytes, path, 3 * count, coordinates);
   if (!status) return status;
   builder.reserve_vertices(count);
   for (std::size_t p = 0; p < count; ++p)
@@ -178,7 +177,8 @@ Status read_cells(pugi::xml_node piece, const VtuBytes& bytes, const std::string
   found.offsets.insert(found.offsets.begin(), 0);
   const std::int64_t length = found.offsets.back();
   if (length < 0 || static_cast<std::size_t>(length) > limit)
-    return content_error(path + ", array `offsets`: expected a last offset that fits in a file of " +
+    return content_error(path +
+                         ", array `offsets`: expected a last offset that fits in a file of " +
                          std::to_string(limit) + " bytes, found " + std::to_string(length));
   status = read_named(cells, "connectivity", bytes, path, static_cast<std::size_t>(length),
                       found.connectivity);

@@ -24,7 +24,8 @@ void for_each_stiffness_block(const Solid& solid, const DofMap& map, const Local
   for (int element : local.elements) {
     const auto e = static_cast<std::size_t>(element);
     const Tetrahedron& tet = solid.mesh.tetrahedra[e];
-    const Eigen::Matrix<double, 12, 12> stiffness = rest_stiffness(solid.material, solid.samples[e]);
+    const Eigen::Matrix<double, 12, 12> stiffness =
+        rest_stiffness(solid.material, solid.samples[e]);
     for (int a = 0; a < 4; ++a) {
       if (local.row_of_vertex[tet[a]] < 0) continue;
       for (int b = 0; b < 4; ++b)

@@ -48,8 +48,8 @@ Factored orthonormalise(Mat mass, const Columns& columns) {
   const Eigen::VectorXd root = eigen.eigenvalues().tail(rank).cwiseSqrt();
   const Eigen::MatrixXd directions = eigen.eigenvectors().rightCols(rank);
   Factored factored;
-  factored.q = columns * (norms.cwiseInverse().asDiagonal() * directions *
-                          root.cwiseInverse().asDiagonal());
+  factored.q =
+      columns * (norms.cwiseInverse().asDiagonal() * directions * root.cwiseInverse().asDiagonal());
   factored.t = root.asDiagonal() * directions.transpose() * norms.asDiagonal();
   const Eigen::LLT<Eigen::MatrixXd> second(gram(mass, factored.q));
   factored.q = second.matrixU().solve<Eigen::OnTheRight>(factored.q).eval();

@@ -7,11 +7,11 @@
 namespace tremolo {
 
 struct Basis {
-  Columns vectors;                          // U: local dofs x r, kg^-1/2
-  Eigen::VectorXd lambda;                   // r, (rad/s)^2, ascending: U^T K U
-  std::vector<double> singular_values;      // of the mass-PCA, descending, all of them
-  double orthonormality_error = 0;          // max |U^T M U - I|
-  double diagonality_error = 0;             // max |U^T K U - Lambda| / max Lambda
+  Columns vectors;                      // U: local dofs x r, kg^-1/2
+  Eigen::VectorXd lambda;               // r, (rad/s)^2, ascending: U^T K U
+  std::vector<double> singular_values;  // of the mass-PCA, descending, all of them
+  double orthonormality_error = 0;      // max |U^T M U - I|
+  double diagonality_error = 0;         // max |U^T K U - Lambda| / max Lambda
 };
 
 // modes: local x k with squared frequencies w2; derivatives: local x k(k+1)/2 (may have no columns:

@@ -126,7 +126,8 @@ Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::siz
 Coefficients coefficients_from_gram(const Eigen::MatrixXd& gram, int r) {
   const auto modes = static_cast<std::size_t>(r);
   const auto entry = [&gram](std::size_t a, std::size_t b) {
-    return gram(static_cast<Eigen::Index>(std::max(a, b)), static_cast<Eigen::Index>(std::min(a, b)));
+    return gram(static_cast<Eigen::Index>(std::max(a, b)),
+                static_cast<Eigen::Index>(std::min(a, b)));
   };
   Coefficients c;
   c.quadratic = gram.topLeftCorner(r, r).selfadjointView<Eigen::Lower>();

@@ -44,8 +44,8 @@ Columns solve_on_complement(const Modes& modes, const Matrices& matrices, const 
   loads -= mass_rigid * inner_products(rigid, loads);
   Columns solution = Columns::Zero(loads.rows(), loads.cols());
   for (int round = 0; round < kMaxRounds; ++round) {
-    Columns next = solve(modes.factor,
-                         loads - modes.shift * multiply(matrices.mass.get(), solution));
+    Columns next =
+        solve(modes.factor, loads - modes.shift * multiply(matrices.mass.get(), solution));
     next -= rigid * inner_products(mass_rigid, next);
     Eigen::MatrixXd change(2, 1);
     change << (next - solution).squaredNorm(), next.squaredNorm();

@@ -1,9 +1,9 @@
 #include "precompute/dof_map.h"
 
-#include <metis.h>
-
 #include <algorithm>
 #include <numeric>
+
+#include <metis.h>
 
 #include "precompute/failure.h"
 
@@ -139,7 +139,8 @@ LocalDofs local_dofs(const TetMesh& mesh, const DofMap& map, int rank) {
     local.row_of_vertex[map.vertex_of_node[local.first_node + i]] = 3 * i;
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     const Tetrahedron& tet = mesh.tetrahedra[e];
-    if (std::any_of(tet.begin(), tet.end(), [&](VertexId v) { return local.row_of_vertex[v] >= 0; }))
+    if (std::any_of(tet.begin(), tet.end(),
+                    [&](VertexId v) { return local.row_of_vertex[v] >= 0; }))
       local.elements.push_back(static_cast<int>(e));
   }
   return local;

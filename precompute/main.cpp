@@ -29,33 +29,36 @@ void print_json(const PrecomputeResult& result, const StageLog& log) {
                       {"peak_bytes", stage.peak_bytes},
                       {"detail", stage.detail}});
   Json frequencies = Json::array();
-  for (double value : data.lambda) frequencies.push_back(std::sqrt(value) / (2.0 * std::numbers::pi));
+  for (double value : data.lambda)
+    frequencies.push_back(std::sqrt(value) / (2.0 * std::numbers::pi));
   std::vector<double> cut(data.singular_values.begin() +
                               static_cast<std::ptrdiff_t>(std::min(r, data.singular_values.size())),
                           data.singular_values.end());
-  const Json json = {{"n", data.vertex_count},
-                     {"m", data.tetrahedron_count},
-                     {"r", r},
-                     {"linear_modes", data.linear_mode_count},
-                     {"rigid_modes", data.rigid_mode_count},
-                     {"frequencies_hz", frequencies},
-                     {"explicit_step_limit_s", 2.0 / std::sqrt(data.lambda[data.lambda.size() - 1])},
-                     {"total_mass_kg", data.total_mass},
-                     {"factorisation", result.findings.factorisation},
-                     {"mode_residuals", result.findings.mode_residuals},
-                     {"certified_by_inertia", result.findings.certified},
-                     {"mass_orthonormality_error", result.findings.orthonormality_error},
-                     {"polynomial_error", result.findings.polynomial_error},
-                     {"cut_singular_values", cut},
-                     {"notes", result.problem.notes},
-                     {"stages", stages}};
+  const Json json = {
+      {"n", data.vertex_count},
+      {"m", data.tetrahedron_count},
+      {"r", r},
+      {"linear_modes", data.linear_mode_count},
+      {"rigid_modes", data.rigid_mode_count},
+      {"frequencies_hz", frequencies},
+      {"explicit_step_limit_s", 2.0 / std::sqrt(data.lambda[data.lambda.size() - 1])},
+      {"total_mass_kg", data.total_mass},
+      {"factorisation", result.findings.factorisation},
+      {"mode_residuals", result.findings.mode_residuals},
+      {"certified_by_inertia", result.findings.certified},
+      {"mass_orthonormality_error", result.findings.orthonormality_error},
+      {"polynomial_error", result.findings.polynomial_error},
+      {"cut_singular_values", cut},
+      {"notes", result.problem.notes},
+      {"stages", stages}};
   std::cout << json.dump(2) << "\n";
 }
 
 // The user sees at once what came out.
 void print_spectrum(const BasisData& data) {
   std::fprintf(stderr, "  frequencies ");
-  for (double value : data.lambda) std::fprintf(stderr, " %.4g", std::sqrt(value) / (2.0 * std::numbers::pi));
+  for (double value : data.lambda)
+    std::fprintf(stderr, " %.4g", std::sqrt(value) / (2.0 * std::numbers::pi));
   std::fprintf(stderr, " Hz\n  explicit methods are stable below a step of %.4g s\n",
                2.0 / std::sqrt(data.lambda[data.lambda.size() - 1]));
 }
@@ -101,7 +104,8 @@ int run_program(int count, char** words) {
     try {
       run(line);
     } catch (const Failure& failure) {
-      // Errors of the input are the same on all ranks; a lone rank's would leave the others waiting.
+      // Errors of the input are the same on all ranks; a lone rank's would leave the others
+      // waiting.
       const int code = mpi_rank() == 0 || failure.error().kind != ErrorKind::kContent
                            ? report(failure.error())
                            : exit_code(failure.error());

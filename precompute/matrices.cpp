@@ -45,18 +45,20 @@ void finish(PetscMatrix& matrix) {
 Matrices assemble(const Solid& solid, const DofMap& map, const LocalDofs& local, MassKind kind) {
   Matrices matrices;
   matrices.stiffness = make_sparse(map, local, 3);
-  for_each_stiffness_block(solid, map, local, [&](int row, int column, const Eigen::Matrix3d& block) {
-    // PETSc wants blocks row by row.
-    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> values = block;
-    require(MatSetValuesBlocked(matrices.stiffness.get(), 1, &row, 1, &column, values.data(),
-                                ADD_VALUES));
-  });
+  for_each_stiffness_block(solid, map, local,
+                           [&](int row, int column, const Eigen::Matrix3d& block) {
+                             // PETSc wants blocks row by row.
+                             const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> values = block;
+                             require(MatSetValuesBlocked(matrices.stiffness.get(), 1, &row, 1,
+                                                         &column, values.data(), ADD_VALUES));
+                           });
   finish(matrices.stiffness);
 
   matrices.mass = make_sparse(map, local, 1);
   for_each_mass_entry(solid, map, local, kind, [&](int row, int column, double value) {
     for (int axis = 0; axis < 3; ++axis)
-      require(MatSetValue(matrices.mass.get(), 3 * row + axis, 3 * column + axis, value, ADD_VALUES));
+      require(
+          MatSetValue(matrices.mass.get(), 3 * row + axis, 3 * column + axis, value, ADD_VALUES));
   });
   finish(matrices.mass);
   return matrices;

@@ -17,6 +17,7 @@ Matrices assemble(const Solid& solid, const DofMap& map, const LocalDofs& local,
 
 // Values of this rank's rows -> values of all vertices on every rank: 3n x columns, zero where a
 // vertex is fixed.
-Eigen::MatrixXd expand_to_vertices(const DofMap& map, const LocalDofs& local, const Columns& columns);
+Eigen::MatrixXd expand_to_vertices(const DofMap& map, const LocalDofs& local,
+                                   const Columns& columns);
 
 }  // namespace tremolo

@@ -96,8 +96,8 @@ void copy_pairs(EPS solver, const Matrices& matrices, int count, Modes& modes) {
 }
 
 void measure_residuals(const Matrices& matrices, Modes& modes) {
-  const Columns inertia = multiply(matrices.mass.get(), modes.vectors) *
-                          modes.squared_frequencies.asDiagonal();
+  const Columns inertia =
+      multiply(matrices.mass.get(), modes.vectors) * modes.squared_frequencies.asDiagonal();
   const Columns residual = multiply(matrices.stiffness.get(), modes.vectors) - inertia;
   Eigen::MatrixXd squares(2, modes.vectors.cols());
   squares.row(0) = residual.colwise().squaredNorm();

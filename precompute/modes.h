@@ -28,9 +28,9 @@ int count_modes_below(const Matrices& matrices, double bound);
 
 // What compute_modes found against that count, with the bound halfway to the first mode left out.
 struct InertiaCertificate {
-  double bound = 0;   // (rad/s)^2
-  int expected = 0;   // modes found below the bound, rigid ones included
-  int counted = 0;    // by inertia
+  double bound = 0;  // (rad/s)^2
+  int expected = 0;  // modes found below the bound, rigid ones included
+  int counted = 0;   // by inertia
   bool complete() const { return expected == counted; }
 };
 InertiaCertificate certify(const Matrices& matrices, const Modes& modes, int rigid_count);

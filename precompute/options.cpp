@@ -31,7 +31,8 @@ std::string essential(const std::vector<std::string>& words) {
   std::string line;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (word == "--json" || word.starts_with("--output=") || word.starts_with("--threads=")) continue;
+    if (word == "--json" || word.starts_with("--output=") || word.starts_with("--threads="))
+      continue;
     if (word == "-o" || word == "--output" || word == "--threads") {
       ++i;
       continue;
@@ -53,8 +54,9 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   options.command_line = essential(own);
   for (++at; at < count; ++at) line.petsc_options.emplace_back(words[at]);
 
-  CLI::App app{"Turns a tetrahedral mesh into a basis file for tremolo. Units are SI.\n"
-               "What follows -- goes to PETSc and SLEPc (their inner solver has the prefix -st_)."};
+  CLI::App app{
+      "Turns a tetrahedral mesh into a basis file for tremolo. Units are SI.\n"
+      "What follows -- goes to PETSc and SLEPc (their inner solver has the prefix -st_)."};
   app.name("tremolo-precompute");
   app.set_version_flag("--version", std::string("tremolo-precompute ") + TREMOLO_VERSION);
   app.set_config("--config", "", "read options from a TOML file (keys are the long flag names)");

@@ -44,8 +44,9 @@ PetscSession::~PetscSession() {
 void check_petsc(PetscErrorCode code, const char* doing) {
   if (code == 0) return;
   const ErrorKind kind = code == PETSC_ERR_MEM ? ErrorKind::kSystem : ErrorKind::kSolver;
-  throw Failure({kind, std::string("PETSc failed to ") + doing + ": " +
-                           (last_message.empty() ? "error " + std::to_string(code) : last_message)});
+  throw Failure(
+      {kind, std::string("PETSc failed to ") + doing + ": " +
+                 (last_message.empty() ? "error " + std::to_string(code) : last_message)});
 }
 
 std::vector<std::string> unused_petsc_options() {

@@ -102,12 +102,11 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   log.end(text("%d dofs, %.6g kg", 3 * map.nodes(), data.total_mass));
 
   log.begin("modes");
-  const Columns rigid = problem.free_body
-                            ? rigid_modes(problem.mesh, problem.report.part_of_vertex, parts, local,
-                                          matrices.mass.get())
-                            : Columns(local.dofs(), 0);
-  Modes modes = compute_modes(matrices, counts.linear, rigid,
-                              choose_shift(problem, options.material));
+  const Columns rigid = problem.free_body ? rigid_modes(problem.mesh, problem.report.part_of_vertex,
+                                                        parts, local, matrices.mass.get())
+                                          : Columns(local.dofs(), 0);
+  Modes modes =
+      compute_modes(matrices, counts.linear, rigid, choose_shift(problem, options.material));
   Eigen::MatrixXd psi = expand_to_vertices(map, local, modes.vectors);
   fix_signs(modes.vectors, psi);
   findings.factorisation = modes.solver;
@@ -140,8 +139,8 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   log.end(text("%d solves on the factor of the modes", static_cast<int>(derivatives.cols())));
 
   log.begin("basis");
-  Basis basis = make_basis(matrices, modes.vectors, modes.squared_frequencies, derivatives,
-                           counts.modes);
+  Basis basis =
+      make_basis(matrices, modes.vectors, modes.squared_frequencies, derivatives, counts.modes);
   Eigen::MatrixXd expanded = expand_to_vertices(map, local, basis.vectors);
   fix_signs(basis.vectors, expanded);
   const BasisRows rows = expanded;

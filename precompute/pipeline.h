@@ -9,13 +9,13 @@ namespace tremolo {
 
 // What the run found out on the way, for the report and the file's provenance.
 struct PrecomputeFindings {
-  std::string factorisation;              // the package that solved
-  std::vector<double> mode_residuals;     // k
-  double orthonormality_error = 0;        // max |U^T M U - I|
-  double diagonality_error = 0;           // max |U^T K U - Lambda| / max Lambda
-  double polynomial_error = 0;            // |U^T f(Uq) - grad V(q)| / |grad V(q)|
+  std::string factorisation;           // the package that solved
+  std::vector<double> mode_residuals;  // k
+  double orthonormality_error = 0;     // max |U^T M U - I|
+  double diagonality_error = 0;        // max |U^T K U - Lambda| / max Lambda
+  double polynomial_error = 0;         // |U^T f(Uq) - grad V(q)| / |grad V(q)|
   bool certified = false;
-  int inertia_count = 0;                  // modes below the bound, by inertia
+  int inertia_count = 0;  // modes below the bound, by inertia
 };
 
 struct PrecomputeResult {

@@ -32,9 +32,9 @@ std::vector<VertexId> select_fixed(const PrecomputeOptions& options, const TetMe
 
 // A part that can still move rigidly would make K singular.
 void require_held(const Problem& problem) {
-  const std::vector<int> freedom = rigid_freedom(problem.mesh, problem.report.part_of_vertex,
-                                                 static_cast<int>(problem.report.parts),
-                                                 problem.fixed);
+  const std::vector<int> freedom =
+      rigid_freedom(problem.mesh, problem.report.part_of_vertex,
+                    static_cast<int>(problem.report.parts), problem.fixed);
   for (std::size_t part = 0; part < freedom.size(); ++part) {
     if (freedom[part] == 0) continue;
     const auto& labels = problem.report.part_of_vertex;
@@ -44,8 +44,8 @@ void require_held(const Problem& problem) {
     throw Failure(content_error(
         "part " + std::to_string(part + 1) + " of " + std::to_string(freedom.size()) + " (" +
         std::to_string(count) + " vertices, one at " + std::to_string(x.x()) + ", " +
-        std::to_string(x.y()) + ", " + std::to_string(x.z()) + ") is not held: " +
-        std::to_string(freedom[part]) +
+        std::to_string(x.y()) + ", " + std::to_string(x.z()) +
+        ") is not held: " + std::to_string(freedom[part]) +
         " rigid motions are left. Hold it with --fix SELECTOR, or ask for a free body with "
         "--fix none"));
   }
@@ -55,7 +55,8 @@ DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) 
   DefaultLoad load;
   if (options.load_at.empty()) return load;
   if (!options.load_force.allFinite() || options.load_force.norm() == 0.0)
-    throw Failure(content_error("--load-at needs --load-force with a finite force other than zero"));
+    throw Failure(
+        content_error("--load-at needs --load-force with a finite force other than zero"));
   for (VertexId v : unwrap(resolve_selector(options.load_at, problem.mesh)))
     if (!std::binary_search(problem.fixed.begin(), problem.fixed.end(), v))
       load.vertices.push_back(v);
@@ -75,7 +76,8 @@ Problem load_problem(const PrecomputeOptions& options) {
   problem.mesh = std::move(file.mesh);
   problem.mesh_format = std::move(file.format);
   Result<MeshReport> report = check_mesh(problem.mesh);
-  if (!report) throw Failure({report.error().kind, options.mesh_path + ": " + report.error().message});
+  if (!report)
+    throw Failure({report.error().kind, options.mesh_path + ": " + report.error().message});
   problem.report = std::move(*report);
   problem.notes = std::move(file.notes);
   problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),

@@ -16,26 +16,26 @@ struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
   Material material;
-  std::vector<std::string> fix;      // selectors; {"none"} asks for a free body
-  std::string load_at;               // selector; empty: no default load
+  std::vector<std::string> fix;                          // selectors; {"none"} asks for a free body
+  std::string load_at;                                   // selector; empty: no default load
   Eigen::Vector3d load_force = Eigen::Vector3d::Zero();  // N, shared by the selected vertices
-  std::optional<int> linear_modes;   // k; default 20 or what the mesh has
-  std::optional<int> modes;          // r; default 30 or what k allows
+  std::optional<int> linear_modes;                       // k; default 20 or what the mesh has
+  std::optional<int> modes;                              // r; default 30 or what k allows
   MassKind mass = MassKind::kConsistent;
   bool certify = true;
   unsigned threads = 1;
-  std::string command_line;          // for the file's provenance
+  std::string command_line;  // for the file's provenance
 };
 
 struct Problem {
   TetMesh mesh;
   MeshReport report;
-  std::vector<VertexId> fixed;       // ascending
+  std::vector<VertexId> fixed;  // ascending
   bool free_body = false;
   DefaultLoad load;
   std::string mesh_format;
-  std::string mesh_hash;             // XXH3-64 of vertices and tetrahedra, after repair
-  std::vector<std::string> notes;    // for the user: repairs, oddities
+  std::string mesh_hash;           // XXH3-64 of vertices and tetrahedra, after repair
+  std::vector<std::string> notes;  // for the user: repairs, oddities
 };
 
 // Reads, checks and selects. Throws Failure: kSystem for unreadable files, kContent and kUsage for

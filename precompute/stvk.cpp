@@ -20,8 +20,7 @@ std::vector<StrainSample> strain_samples(const TetMesh& mesh) {
   samples.reserve(mesh.tetrahedra.size());
   for (const Tetrahedron& tet : mesh.tetrahedra) {
     Eigen::Matrix3d edges;
-    for (int a = 0; a < 3; ++a)
-      edges.col(a) = mesh.vertices[tet[a + 1]] - mesh.vertices[tet[0]];
+    for (int a = 0; a < 3; ++a) edges.col(a) = mesh.vertices[tet[a + 1]] - mesh.vertices[tet[0]];
     StrainSample sample;
     sample.weight = edges.determinant() / 6.0;
     sample.gradients.rightCols<3>() = edges.inverse().transpose();
@@ -52,8 +51,8 @@ double strain_energy(const Solid& solid, const FieldRef& u) {
   double energy = 0;
   for (std::size_t e = 0; e < solid.samples.size(); ++e) {
     const Eigen::Matrix3d strain = green_strain(displacement_gradient(solid, e, u));
-    energy += 0.5 * solid.samples[e].weight *
-              stress(solid.material, strain).cwiseProduct(strain).sum();
+    energy +=
+        0.5 * solid.samples[e].weight * stress(solid.material, strain).cwiseProduct(strain).sum();
   }
   return energy;
 }

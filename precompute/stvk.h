@@ -40,8 +40,8 @@ using FieldRef = Eigen::Ref<const Eigen::VectorXd>;
 Eigen::Matrix3d displacement_gradient(const Solid& solid, std::size_t element, const FieldRef& u);
 Eigen::Matrix3d stress(const Material& material, const Eigen::Matrix3d& strain);
 
-double strain_energy(const Solid& solid, const FieldRef& u);          // J
-Field internal_force(const Solid& solid, const FieldRef& u);          // N, the gradient of the energy
+double strain_energy(const Solid& solid, const FieldRef& u);  // J
+Field internal_force(const Solid& solid, const FieldRef& u);  // N, the gradient of the energy
 
 // The second derivative of the force at rest, H[a, b] (thesis section 4.1.3; Barbic & James 2005).
 // StVK's force is cubic; the part of F S that is bilinear in two displacement gradients A, B is

@@ -28,9 +28,9 @@ class Body {
   const Model& model() const { return *model_; }
   const Integrator& integrator() const { return *integrator_; }
   const State& state() const { return state_; }
-  double step_size() const { return options_.step; }                              // s
-  std::int64_t steps() const { return steps_; }                                   // done so far
-  double time() const { return static_cast<double>(steps_) * options_.step; }     // s
+  double step_size() const { return options_.step; }                           // s
+  std::int64_t steps() const { return steps_; }                                // done so far
+  double time() const { return static_cast<double>(steps_) * options_.step; }  // s
 
   // Sets q and p (each r long, finite); what the integrator carried is forgotten, time goes on.
   // kUsage otherwise, and nothing is changed.

@@ -4,6 +4,14 @@
 #include <cmath>
 
 namespace tremolo {
+namespace {
+
+// The larger of the two; once one is not a number, so it stays.
+void keep_worst(double& worst, double error) {
+  if (!std::isnan(worst) && !(error <= worst)) worst = error;
+}
+
+}  // namespace
 
 double kinetic_energy(const Eigen::VectorXd& p) {
   return 0.5 * p.squaredNorm();
@@ -23,17 +31,14 @@ void DriftMeter::observe(double energy, double work, double dissipated, bool loa
   }
   highest_ = std::max(highest_, std::abs(energy));
   if (!free_) {
-    const double error = std::abs(energy - start_energy_ - work + dissipated);
-    // Written so that a value that is not finite is kept and shows.
-    if (!(error <= loaded_error_)) loaded_error_ = error;
+    keep_worst(loaded_error_, std::abs(energy - start_energy_ - work + dissipated));
     if (load_to_come) return;
     free_ = true;
     reference_energy_ = energy;
     reference_ = energy + dissipated;
     return;
   }
-  const double error = std::abs(energy + dissipated - reference_);
-  if (!(error <= free_error_)) free_error_ = error;
+  keep_worst(free_error_, std::abs(energy + dissipated - reference_));
 }
 
 double DriftMeter::worst() const {

@@ -39,9 +39,8 @@ Result<const VertexBlock*> InteriorRows::block() {
     if (!reader_->has(basis_layout::kInteriorIds)) {
       block_.emplace();
     } else {
-      const Result<VertexBlock> all =
-          reader_->vertex_block(basis_layout::kInteriorIds, basis_layout::kInteriorRest,
-                                basis_layout::kInteriorBasis);
+      const Result<VertexBlock> all = reader_->vertex_block(
+          basis_layout::kInteriorIds, basis_layout::kInteriorRest, basis_layout::kInteriorBasis);
       if (!all) return all.error();
       Result<VertexBlock> leading = leading_columns(*all, modes_, "interior");
       if (!leading) return leading.error();

@@ -26,7 +26,8 @@ StepSignal sample_sine(const Signal& signal, double begin, double finish, double
   const double middle = 0.5 * (begin + finish) - signal.start;
   const double half = 0.5 * (finish - begin);
   // The integral (cos a - cos b)/rate as a product of sines: no cancellation for short steps.
-  const double integral = rate == 0.0 ? 0.0 : 2.0 * std::sin(rate * middle) * std::sin(rate * half) / rate;
+  const double integral =
+      rate == 0.0 ? 0.0 : 2.0 * std::sin(rate * middle) * std::sin(rate * half) / rate;
   return {std::sin(rate * (begin - signal.start)), integral / step,
           std::sin(rate * (finish - signal.start))};
 }
@@ -35,8 +36,10 @@ StepSignal sample_sine(const Signal& signal, double begin, double finish, double
 
 Result<Signal> parse_signal(std::string_view name) {
   constexpr std::pair<std::string_view, SignalKind> kNames[] = {
-      {"none", SignalKind::kNone},     {"impulse", SignalKind::kImpulse},
-      {"square", SignalKind::kSquare}, {"sine", SignalKind::kSine},
+      {"none", SignalKind::kNone},
+      {"impulse", SignalKind::kImpulse},
+      {"square", SignalKind::kSquare},
+      {"sine", SignalKind::kSine},
       {"constant", SignalKind::kConstant}};
   for (const auto& [known, kind] : kNames)
     if (name == known) return Signal{.kind = kind};
@@ -104,7 +107,8 @@ Result<Eigen::VectorXd> reduce_force(const Model& model, VertexId vertex,
 Result<Eigen::VectorXd> reduce_load(const Model& model, const DefaultLoad& load, double scale) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(model.modes());
   for (std::size_t i = 0; i < load.vertices.size(); ++i) {
-    const Result<Eigen::VectorXd> one = reduce_force(model, load.vertices[i], scale * load.forces[i]);
+    const Result<Eigen::VectorXd> one =
+        reduce_force(model, load.vertices[i], scale * load.forces[i]);
     if (!one) return one.error();
     sum += *one;
   }

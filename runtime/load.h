@@ -71,6 +71,7 @@ Result<Eigen::VectorXd> reduce_force(const Model& model, VertexId vertex,
                                      const Eigen::Vector3d& force);
 
 // The same for forces on several vertices, each times `scale`.
-Result<Eigen::VectorXd> reduce_load(const Model& model, const DefaultLoad& load, double scale = 1.0);
+Result<Eigen::VectorXd> reduce_load(const Model& model, const DefaultLoad& load,
+                                    double scale = 1.0);
 
 }  // namespace tremolo

@@ -48,10 +48,10 @@ class Model {
   Model& operator=(const Model&) = delete;
   ~Model();
 
-  Eigen::Index modes() const { return potential_.size(); }  // r
+  Eigen::Index modes() const { return potential_.size(); }               // r
   const Eigen::VectorXd& lambda() const { return potential_.lambda(); }  // r, (rad/s)^2, ascending
   const Potential& potential() const { return potential_; }
-  const VertexBlock& surface() const { return surface_; }  // rows has r columns
+  const VertexBlock& surface() const { return surface_; }                // rows has r columns
   const std::vector<Triangle>& triangles() const { return triangles_; }  // into surface()
   const DefaultLoad& default_load() const { return default_load_; }      // may be empty
   std::size_t vertex_count() const { return vertex_count_; }             // of the source mesh

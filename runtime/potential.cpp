@@ -96,9 +96,9 @@ Result<Potential> Potential::create(VectorXd lambda, std::span<const double> cub
   if (r == 0) return content_error("the potential has no coordinates");
   if (cubic.size() < triple_count(r) || quartic.size() < quad_count(r))
     return content_error("the potential needs " + std::to_string(triple_count(r)) + " cubic and " +
-                         std::to_string(quad_count(r)) + " quartic coefficients for r = " +
-                         std::to_string(r) + ", found " + std::to_string(cubic.size()) + " and " +
-                         std::to_string(quartic.size()));
+                         std::to_string(quad_count(r)) +
+                         " quartic coefficients for r = " + std::to_string(r) + ", found " +
+                         std::to_string(cubic.size()) + " and " + std::to_string(quartic.size()));
   cubic = cubic.first(triple_count(r));
   quartic = quartic.first(quad_count(r));
   if (Status status = check_finite({lambda.data(), r}, "lambda"); !status) return status.error();

@@ -41,8 +41,8 @@ struct PotentialWorkspace {
   Eigen::VectorXd cubic;         // B, pair_count(r)
   Eigen::VectorXd held_quartic;  // share of the held leading coordinates in A and B: begin_trailing
   Eigen::VectorXd held_cubic;
-  Eigen::VectorXd mean;          // averaged_gradient: (q0 + q1)/2, r
-  Eigen::VectorXd half;          // averaged_gradient: (q1 - q0)/2, r
+  Eigen::VectorXd mean;  // averaged_gradient: (q0 + q1)/2, r
+  Eigen::VectorXd half;  // averaged_gradient: (q1 - q0)/2, r
 };
 
 class Potential {

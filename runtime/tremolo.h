@@ -32,6 +32,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* NOLINTBEGIN(readability-identifier-naming): types carry the prefix, as C names do */
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -132,5 +134,7 @@ tremolo_status tremolo_body_energy(const tremolo_body* body, double* kinetic, do
 #ifdef __cplusplus
 }
 #endif
+
+/* NOLINTEND(readability-identifier-naming) */
 
 #endif /* TREMOLO_H */

@@ -19,8 +19,7 @@ HighRows::HighRows(const Potential& potential, Split split, const Eigen::VectorX
       middle_(Eigen::VectorXd::Zero(potential.size())),
       newton_(split.high) {}
 
-StepReport HighRows::advance(const Eigen::VectorXd& q0, State& state,
-                             const Eigen::VectorXd& load) {
+StepReport HighRows::advance(const Eigen::VectorXd& q0, State& state, const Eigen::VectorXd& load) {
   if (split_.high == 0) return {};
   const double h = step_;
   Eigen::VectorXd& d = newton_.unknowns;
@@ -28,7 +27,8 @@ StepReport HighRows::advance(const Eigen::VectorXd& q0, State& state,
   d = h * p;
   middle_.head(split_.low) = 0.5 * (q0.head(split_.low) + state.q.head(split_.low));
   potential_.begin_trailing(middle_, split_.low, workspace_);
-  StepReport report = solve_newton(newton_, max_iterations_, [&] { return evaluate(q0, state, load); });
+  StepReport report =
+      solve_newton(newton_, max_iterations_, [&] { return evaluate(q0, state, load); });
   if (!report.converged) return report;
   state.q.tail(split_.high) += d;
   p = (2.0 / h) * d - p;

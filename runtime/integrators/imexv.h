@@ -17,10 +17,10 @@
 // so the unknowns and the rows that are evaluated are the high ones only.
 //
 // Second order, also with load and damping; time-reversible without damping. Symplectic only where
-// V does not couple low and high rows. All low: it is `verlet`; all high and beta = 0 without alpha:
-// it is `midpoint`. Mass damping takes exactly e^{-alpha h} a step off each linear mode. Linearly
-// stable iff h omega < 2 on the low rows. `dissipated` is exact for the exponentials and d.D d/h for
-// the high rows' beta.
+// V does not couple low and high rows. All low: it is `verlet`; all high and
+// alpha = 0: it is `midpoint`. Mass damping takes exactly e^{-alpha h} a step off each linear mode.
+// Linearly stable iff h omega < 2 on the low rows. `dissipated` is exact for the exponentials and
+// d.D d/h for the high rows' beta.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

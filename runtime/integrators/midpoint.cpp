@@ -24,8 +24,8 @@ class Midpoint final : public Integrator {
     const double h = options_.step;
     Eigen::VectorXd& d = newton_.unknowns;
     d = h * state.p;
-    StepReport report = solve_newton(newton_, options_.max_iterations,
-                                     [&] { return evaluate(state, load); });
+    StepReport report =
+        solve_newton(newton_, options_.max_iterations, [&] { return evaluate(state, load); });
     if (!report.converged) return report;
     report.dissipated = (d.array().square() * rates_.array()).sum() / h;
     state.q += d;
@@ -45,8 +45,8 @@ class Midpoint final : public Integrator {
                        (0.5 * h) * rates_.cwiseProduct(d);
     newton_.jacobian = (0.25 * h * h) * evaluation_.tangent;
     newton_.jacobian.diagonal().array() += 1.0 + 0.5 * h * rates_.array();
-    const double scale = std::max({h * state.p.norm(), h * h * evaluation_.force.norm(),
-                                   h * h * load.average.norm()});
+    const double scale = std::max(
+        {h * state.p.norm(), h * h * evaluation_.force.norm(), h * h * load.average.norm()});
     return relative_size(newton_.residual.norm(), options_.tolerance, scale);
   }
 

@@ -18,8 +18,8 @@ class Newmark final : public Integrator {
         rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
         workspace_(model_->potential().make_workspace()),
         evaluation_(model_->potential().make_evaluation()),
-        force_at_(Eigen::VectorXd::Constant(model_->modes(),
-                                            std::numeric_limits<double>::quiet_NaN())),
+        force_at_(
+            Eigen::VectorXd::Constant(model_->modes(), std::numeric_limits<double>::quiet_NaN())),
         acceleration_(Eigen::VectorXd::Zero(model_->modes())),
         q1_(acceleration_),
         v1_(acceleration_),
@@ -33,8 +33,8 @@ class Newmark final : public Integrator {
     acceleration_ = load.start - rates_.cwiseProduct(state.p) - evaluation_.force;
     start_force_ = evaluation_.force.norm();
     newton_.unknowns = (h * h) * acceleration_;
-    StepReport report = solve_newton(newton_, options_.max_iterations,
-                                     [&] { return evaluate(state, load); });
+    StepReport report =
+        solve_newton(newton_, options_.max_iterations, [&] { return evaluate(state, load); });
     force_at_ = q1_;
     if (!report.converged) return report;
     report.dissipated = ((q1_ - state.q).array().square() * rates_.array()).sum() / h;

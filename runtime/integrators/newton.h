@@ -34,9 +34,9 @@ inline constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon()
 
 // Corrects workspace.unknowns until the residual is small enough, at most max_iterations times.
 // evaluate(): fills residual and jacobian for the present unknowns and returns the residual's size
-// divided by what is allowed, so that <= 1 is convergence; a correction that is lost in the rounding
-// of the unknowns is convergence too, since h^2 omega^2 may lift the residual's rounding above any
-// tolerance. The report's residual is the Euclidean norm.
+// divided by what is allowed, so that <= 1 is convergence; a correction that is lost in the
+// rounding of the unknowns is convergence too, since h^2 omega^2 may lift the residual's rounding
+// above any tolerance. The report's residual is the Euclidean norm.
 template <class Evaluate>
 StepReport solve_newton(NewtonWorkspace& workspace, int max_iterations, Evaluate&& evaluate) {
   StepReport report;

@@ -10,8 +10,8 @@
 //
 // Explicit: one force a step. Second order, also with load and damping; symplectic and
 // time-reversible without them. Linearly stable iff h omega < 2 for every omega. The damping
-// exponentials are exact flows of p' = -D p, so mass damping takes e^{-alpha h} off the area of each
-// mode's phase plane whatever h omega is. `dissipated` is exact for this composition.
+// exponentials are exact flows of p' = -D p, so mass damping takes e^{-alpha h} off the area of
+// each mode's phase plane whatever h omega is. `dissipated` is exact for this composition.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

@@ -59,7 +59,8 @@ Json sections_json(const BasisReader& reader) {
 Json load_json(const DefaultLoad& load) {
   if (load.vertices.empty()) return nullptr;
   Json forces = Json::array();
-  for (const Eigen::Vector3d& force : load.forces) forces.push_back({force.x(), force.y(), force.z()});
+  for (const Eigen::Vector3d& force : load.forces)
+    forces.push_back({force.x(), force.y(), force.z()});
   return {{"vertices", load.vertices}, {"forces_n", forces}};
 }
 
@@ -99,8 +100,8 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
   fmt::print("  explicit methods are stable below a step of {:.4g} s\n", step_limit(contents));
   for (std::size_t i = 0; i < contents.load.vertices.size() && i < 4; ++i) {
     const Eigen::Vector3d& f = contents.load.forces[i];
-    fmt::print("  default load at vertex {}: {:g}, {:g}, {:g} N\n", contents.load.vertices[i], f.x(),
-               f.y(), f.z());
+    fmt::print("  default load at vertex {}: {:g}, {:g}, {:g} N\n", contents.load.vertices[i],
+               f.x(), f.y(), f.z());
   }
   fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", "section", "bytes", "rows", "columns");
   for (const BasisSection& s : reader.sections())
@@ -114,7 +115,8 @@ int inspect_command(const std::string& path, bool json) {
   Result<BasisReader> reader = BasisReader::open(path);
   if (!reader) return report_error(reader.error());
   Result<Contents> contents = read_contents(*reader);
-  if (!contents) return report_error({contents.error().kind, path + ": " + contents.error().message});
+  if (!contents)
+    return report_error({contents.error().kind, path + ": " + contents.error().message});
   if (json)
     std::cout << to_json(path, *reader, *contents).dump(2) << "\n";
   else

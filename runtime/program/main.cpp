@@ -55,7 +55,8 @@ struct Request {
 
 // The same command line read onto given defaults: flags win over a scene's keys.
 struct Parser {
-  CLI::App app{"Deformable solids that vibrate in real time without losing their energy. SI units."};
+  CLI::App app{
+      "Deformable solids that vibrate in real time without losing their energy. SI units."};
   CLI::App* inspect = nullptr;
   CLI::App* run = nullptr;
   CLI::App* plot = nullptr;

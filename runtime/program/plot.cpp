@@ -1,10 +1,9 @@
 #include "runtime/program/plot.h"
 
-#include <sys/wait.h>
-
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <sys/wait.h>
 
 #include <fmt/format.h>
 

@@ -86,7 +86,8 @@ int run_command(const std::vector<RunOptions>& bodies, bool json) {
         return report_error(status.error());
   }
   if (json)
-    std::cout << (objects.size() == 1 ? objects.front() : Json{{"bodies", objects}}).dump(2) << "\n";
+    std::cout << (objects.size() == 1 ? objects.front() : Json{{"bodies", objects}}).dump(2)
+              << "\n";
   return code;
 }
 

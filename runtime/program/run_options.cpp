@@ -59,14 +59,16 @@ constexpr Key kKeys[] = {
     {"split", [](const toml::node& n, RunOptions& o) { return store(n, o.split); }},
     {"safety", [](const toml::node& n, RunOptions& o) { return store(n, o.safety); }},
     {"tolerance", [](const toml::node& n, RunOptions& o) { return store(n, o.tolerance); }},
-    {"max-iterations", [](const toml::node& n, RunOptions& o) { return store(n, o.max_iterations); }},
+    {"max-iterations",
+     [](const toml::node& n, RunOptions& o) { return store(n, o.max_iterations); }},
     {"probe", [](const toml::node& n, RunOptions& o) { return store_list(n, o.probes); }},
     {"coordinate", [](const toml::node& n, RunOptions& o) { return store_list(n, o.coordinates); }},
     {"out", [](const toml::node& n, RunOptions& o) { return store(n, o.out); }},
     {"every", [](const toml::node& n, RunOptions& o) { return store(n, o.every); }},
     {"plot", [](const toml::node& n, RunOptions& o) { return store(n, o.plot); }},
     {"surfaces", [](const toml::node& n, RunOptions& o) { return store(n, o.surfaces); }},
-    {"surface-format", [](const toml::node& n, RunOptions& o) { return store(n, o.surface_format); }},
+    {"surface-format",
+     [](const toml::node& n, RunOptions& o) { return store(n, o.surface_format); }},
 };
 
 Error error_at(const std::string& path, const toml::source_region& where, const std::string& what) {
@@ -105,7 +107,8 @@ Result<Eigen::Vector3d> parse_force(const std::string& text) {
     at = next + 1;
   }
   if (good && vector.allFinite()) return vector;
-  return Error{ErrorKind::kUsage, "force '" + text + "': expected three finite numbers, X,Y,Z in N"};
+  return Error{ErrorKind::kUsage,
+               "force '" + text + "': expected three finite numbers, X,Y,Z in N"};
 }
 
 Result<std::vector<RunOptions>> read_scene(const std::string& path) {

@@ -12,15 +12,15 @@ namespace tremolo {
 
 // One body. The names are those of the flags; units SI.
 struct RunOptions {
-  std::string name;                    // the scene's table; the file's stem without a scene
-  std::string model;                   // path of the basis file
+  std::string name;   // the scene's table; the file's stem without a scene
+  std::string model;  // path of the basis file
   std::string integrator = "imexv";
   double step = 3e-3;
   double duration = 30.0;
-  int modes = 0;                       // leading coordinates to keep; 0: all
-  std::string load = "square";         // impulse, square, sine, constant, none
-  int at = -1;                         // vertex; with force; else the model's default load
-  std::string force;                   // "X,Y,Z" in N
+  int modes = 0;                // leading coordinates to keep; 0: all
+  std::string load = "square";  // impulse, square, sine, constant, none
+  int at = -1;                  // vertex; with force; else the model's default load
+  std::string force;            // "X,Y,Z" in N
   double scale = 1.0;
   double alpha = 0.0, beta = 0.0;
   double newmark_beta = 0.25, newmark_gamma = 0.5;
@@ -28,10 +28,10 @@ struct RunOptions {
   double safety = 0.9;
   double tolerance = 1e-9;
   int max_iterations = 20;
-  std::vector<int> probes;             // vertices whose displacement is recorded
-  std::vector<int> coordinates;        // coordinates whose q is recorded
-  std::string out;                     // directory for CSV, plots and surfaces; empty: none
-  int every = 1;                       // a CSV row every so many steps
+  std::vector<int> probes;       // vertices whose displacement is recorded
+  std::vector<int> coordinates;  // coordinates whose q is recorded
+  std::string out;               // directory for CSV, plots and surfaces; empty: none
+  int every = 1;                 // a CSV row every so many steps
   bool plot = false;
   int surfaces = 0;                    // surface files, evenly spaced in time
   std::string surface_format = "ply";  // ply, obj or inc
@@ -40,8 +40,9 @@ struct RunOptions {
 // "X,Y,Z" -> vector; kUsage otherwise.
 Result<Eigen::Vector3d> parse_force(const std::string& text);
 
-// A scene: one table a body, keys as the long flags, `model` the path of the basis file, relative to
-// the scene file. Errors: kSystem if unreadable; kContent with file, line and the wrong key or type.
+// A scene: one table a body, keys as the long flags, `model` the path of the basis file, relative
+// to the scene file. Errors: kSystem if unreadable; kContent with file, line and the wrong key or
+// type.
 Result<std::vector<RunOptions>> read_scene(const std::string& path);
 
 }  // namespace tremolo

@@ -125,9 +125,8 @@ class Watch {
  private:
   Status write_due_surface(const Body& body, RunReport& report) {
     if (surfaces_written_ >= options_.surfaces) return Success{};
-    const auto due = static_cast<std::int64_t>(
-        std::llround(static_cast<double>(total_steps_) * (surfaces_written_ + 1) /
-                     options_.surfaces));
+    const auto due = static_cast<std::int64_t>(std::llround(
+        static_cast<double>(total_steps_) * (surfaces_written_ + 1) / options_.surfaces));
     if (body.steps() < due) return Success{};
     const std::string path =
         (fs::path(options_.out) /
@@ -197,10 +196,11 @@ Result<RunReport> simulate(const RunOptions& options) {
     }
     inside = watch.observe(body, report);
     if (inside && !*inside)
-      break_off(report, ErrorKind::kBound,
-                fmt::format("at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that "
-                            "the load put in",
-                            body.time(), report.energy_final, kEnergyBound));
+      break_off(
+          report, ErrorKind::kBound,
+          fmt::format("at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that "
+                      "the load put in",
+                      body.time(), report.energy_final, kEnergyBound));
     if (probe.cols() > 0)
       report.largest_probe = std::max(report.largest_probe, (probe * body.state().q).norm());
   }
@@ -210,8 +210,7 @@ Result<RunReport> simulate(const RunOptions& options) {
   report.reached = body.time();
   const double made = static_cast<double>(std::max<std::int64_t>(body.steps(), 1));
   report.iterations_per_step = static_cast<double>(body.iterations()) / made;
-  report.microseconds_per_step =
-      std::chrono::duration<double, std::micro>(spent).count() / made;
+  report.microseconds_per_step = std::chrono::duration<double, std::micro>(spent).count() / made;
   report.work = body.work();
   report.dissipated = body.dissipated();
   if (Status status = watch.finish(report); !status) return status.error();

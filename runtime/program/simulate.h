@@ -15,22 +15,22 @@ struct RunReport {
   std::string integrator;
   double step = 0;
   double duration = 0;
-  std::int64_t steps = 0;              // made
-  double reached = 0;                  // s of simulated time
+  std::int64_t steps = 0;  // made
+  double reached = 0;      // s of simulated time
   double iterations_per_step = 0;
-  double microseconds_per_step = 0;    // of step() alone, without recording
+  double microseconds_per_step = 0;  // of step() alone, without recording
   double energy_initial = 0;
-  double energy_reference = 0;         // when the load had ended; of the last moment if it lasts
+  double energy_reference = 0;  // when the load had ended; of the last moment if it lasts
   double energy_final = 0;
-  double energy_drift_max = 0;         // docs/architecture.md
+  double energy_drift_max = 0;  // docs/architecture.md
   double high_band_final = 0;
   double work = 0;
   double dissipated = 0;
-  double largest_probe = 0;            // largest displacement of the first probe, m
+  double largest_probe = 0;  // largest displacement of the first probe, m
   std::optional<Split> split;
-  std::vector<std::string> files;      // written, under options.out
-  int exit_code = 0;                   // 0, 4 or 5
-  std::string reason;                  // why it is not 0
+  std::vector<std::string> files;  // written, under options.out
+  int exit_code = 0;               // 0, 4 or 5
+  std::string reason;              // why it is not 0
 };
 
 // Errors: what loading, creating and writing give. A run that broke off is a report, not an error.

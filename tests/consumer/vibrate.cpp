@@ -1,9 +1,8 @@
 // The C++ library as a game would use it: load, push, step, fetch positions.
 #include <cmath>
 #include <cstdio>
-#include <vector>
-
 #include <tremolo/runtime/body.h>
+#include <vector>
 
 int main(int count, char** words) {
   if (count != 2) return 2;

@@ -23,8 +23,8 @@ struct Sample {
   const char* name;
   int r, low, high;
 };
-constexpr Sample kSamples[] = {{"beam", 15, 9, 6},   {"basket", 20, 15, 5}, {"bridge", 15, 13, 2},
-                               {"horse", 15, 9, 6},  {"tower", 20, 11, 9},  {"heart", 30, 27, 3}};
+constexpr Sample kSamples[] = {{"beam", 15, 9, 6},  {"basket", 20, 15, 5}, {"bridge", 15, 13, 2},
+                               {"horse", 15, 9, 6}, {"tower", 20, 11, 9},  {"heart", 30, 27, 3}};
 
 std::string basis_path(const Sample& sample) {
   return std::string(TREMOLO_MODEL_DIR "/") + sample.name + ".tremolo";
@@ -36,7 +36,8 @@ INSTANTIATE_TEST_SUITE_P(Six, SampleModel, ::testing::ValuesIn(kSamples),
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST_P(SampleModel, HasAMeshOfRealisticSizeWithoutSlivers) {
-  auto file = read_tet_mesh(std::string(TREMOLO_SOURCE_DIR "/assets/meshes/") + GetParam().name + ".msh");
+  auto file =
+      read_tet_mesh(std::string(TREMOLO_SOURCE_DIR "/assets/meshes/") + GetParam().name + ".msh");
   ASSERT_TRUE(file) << file.error().message;
   const auto report = check_mesh(file->mesh);
   ASSERT_TRUE(report) << report.error().message;
@@ -79,7 +80,8 @@ TEST_P(SampleModel, MeetsTheResidualsThatItsFileClaims) {
 }
 
 TEST_P(SampleModel, VibratesForThirtySecondsInItsOwnScene) {
-  const std::string scene = std::string(TREMOLO_SOURCE_DIR "/assets/scenes/") + GetParam().name + ".toml";
+  const std::string scene =
+      std::string(TREMOLO_SOURCE_DIR "/assets/scenes/") + GetParam().name + ".toml";
   const std::string folder = testing::test_folder();
   const auto result = testing::run_program(
       folder, std::string(TREMOLO_BIN_DIR "/tremolo run ") + scene + " --json");

@@ -107,8 +107,8 @@ TEST_F(PrecomputeProgram, PassesPetscOptionsOnAndWarnsOfThoseNobodyReads) {
 TEST_F(PrecomputeProgram, SeveralRanksFindTheSameModel) {
   ASSERT_EQ(run(std::string("block.veg --json ") + kGood).code, 0);
   const auto one = nlohmann::json::parse(slurp(folder_ + "/stdout.txt"));
-  const ProgramResult result =
-      run_program(folder_, "mpiexec --oversubscribe -n 2 " + kProgram + "block.veg --json " + kGood);
+  const ProgramResult result = run_program(
+      folder_, "mpiexec --oversubscribe -n 2 " + kProgram + "block.veg --json " + kGood);
   ASSERT_EQ(result.code, 0) << result.err;
   const auto two = nlohmann::json::parse(result.out);
   EXPECT_EQ(two["factorisation"], "mumps");
@@ -135,7 +135,8 @@ TEST_F(PrecomputeProgram, AFreeBodyLeavesItsRigidMotionOut) {
 TEST_F(PrecomputeProgram, APartThatNothingHoldsIsNamed) {
   TetMesh two = block_;
   const auto offset = static_cast<VertexId>(two.vertices.size());
-  for (const Eigen::Vector3d& x : block_.vertices) two.vertices.emplace_back(x + Eigen::Vector3d(0, 3, 0));
+  for (const Eigen::Vector3d& x : block_.vertices)
+    two.vertices.emplace_back(x + Eigen::Vector3d(0, 3, 0));
   for (Tetrahedron tet : block_.tetrahedra) {
     for (VertexId& v : tet) v += offset;
     two.tetrahedra.push_back(tet);
@@ -187,9 +188,9 @@ TEST_F(PrecomputeProgram, RepairsAndOdditiesAreReported) {
 }
 
 TEST_F(PrecomputeProgram, ImpossibleMaterialsAreRefused) {
-  for (const char* bad : {"--poisson 0.5", "--poisson 0.7", "--poisson=-1", "--poisson nan",
-                          "--young 0", "--young=-5", "--young inf", "--density 0",
-                          "--density=-1", "--density nan"})
+  for (const char* bad :
+       {"--poisson 0.5", "--poisson 0.7", "--poisson=-1", "--poisson nan", "--young 0",
+        "--young=-5", "--young inf", "--density 0", "--density=-1", "--density nan"})
     expect_failure(run(std::string("block.veg ") + bad + " " + kGood), 3, "must be");
 }
 

@@ -1,4 +1,6 @@
 // tremolo inspect, run and plot as a user meets them, on a small clamped block.
+#include "tests/support/run_program.h"
+
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -6,7 +8,6 @@
 
 #include "tests/support/box_mesh.h"
 #include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
 
 namespace tremolo {
 namespace {
@@ -94,8 +95,8 @@ TEST_F(RunProgram, MethodsAgreeOnAResolvedMotion) {
   double energies[2];
   int i = 0;
   for (const char* name : {"verlet", "midpoint"}) {
-    const ProgramResult result = run("run " + model() + " --json --step 0.0001 --duration 0.5 " +
-                                     "--integrator " + name);
+    const ProgramResult result =
+        run("run " + model() + " --json --step 0.0001 --duration 0.5 " + "--integrator " + name);
     ASSERT_EQ(result.code, 0) << result.err;
     energies[i++] = json::parse(result.out)["energy_final"];
   }
@@ -104,7 +105,8 @@ TEST_F(RunProgram, MethodsAgreeOnAResolvedMotion) {
 
 TEST_F(RunProgram, WritesARowForEachRecordedMomentWithTheChosenColumns) {
   const ProgramResult result =
-      run("run " + model() + " --duration 0.3 --every 10 --probe 80 --coordinate 0 --coordinate 3 "
+      run("run " + model() +
+          " --duration 0.3 --every 10 --probe 80 --coordinate 0 --coordinate 3 "
           "--out result --surfaces 2 --surface-format obj");
   ASSERT_EQ(result.code, 0) << result.err;
   std::ifstream csv(folder_ + "/result/run.csv");
@@ -143,8 +145,8 @@ TEST_F(RunProgram, AnOrbitThatLeavesItsEnergyBoundIsReported) {
 }
 
 TEST_F(RunProgram, ASolverThatGivesUpIsReported) {
-  const ProgramResult result = run("run " + model() +
-                                   " --json --integrator midpoint --scale 500 --max-iterations 1");
+  const ProgramResult result =
+      run("run " + model() + " --json --integrator midpoint --scale 500 --max-iterations 1");
   expect_failure(result, 4, "did not converge");
   const json report = json::parse(result.out);
   EXPECT_EQ(report["exit_code"], 4);
@@ -182,8 +184,8 @@ TEST_F(RunProgram, ASceneGivesTheDefaultsAndFlagsWin) {
   std::ofstream(folder_ + "/scene.toml") << "[first]\nmodel = \"" << model()
                                          << "\"\nintegrator = \"newmark\"\nduration = 0.3\n"
                                             "load = \"impulse\"\nprobe = [80]\n"
-                                            "[second]\nmodel = \"" << model()
-                                         << "\"\nduration = 0.6\n";
+                                            "[second]\nmodel = \""
+                                         << model() << "\"\nduration = 0.6\n";
   const ProgramResult result = run("run scene.toml --json --duration 0.15 --out both");
   ASSERT_EQ(result.code, 0) << result.err;
   const json report = json::parse(result.out);

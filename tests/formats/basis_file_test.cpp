@@ -52,8 +52,10 @@ T get(const Bytes& bytes, std::size_t at) {
 // Makes all checksums right again, as an attacker would.
 void reseal(Bytes& bytes) {
   const auto count = get<std::uint32_t>(bytes, header::kSectionsAt);
-  const std::size_t table_size = std::min<std::size_t>(count * kEntrySize, bytes.size() - kHeaderSize);
-  for (std::size_t at = kHeaderSize; at + kEntrySize <= kHeaderSize + table_size; at += kEntrySize) {
+  const std::size_t table_size =
+      std::min<std::size_t>(count * kEntrySize, bytes.size() - kHeaderSize);
+  for (std::size_t at = kHeaderSize; at + kEntrySize <= kHeaderSize + table_size;
+       at += kEntrySize) {
     const auto offset = get<std::uint64_t>(bytes, at + entry::kOffsetAt);
     const auto size = get<std::uint64_t>(bytes, at + entry::kSizeAt);
     if (offset > bytes.size() || size > bytes.size() - offset) continue;
@@ -159,19 +161,32 @@ TEST(BasisFile, AppendedBytesAreRefused) {
 TEST(BasisFile, NoFieldValueIsTrusted) {
   const Bytes bytes = tiny_bytes();
   const auto sections = get<std::uint32_t>(bytes, header::kSectionsAt);
-  const std::uint64_t hostile[] = {0, 1, 7, 63, 64, 65, 0x7fffffffu, 0xffffffffu,
-                                   bytes.size() - 1, bytes.size(), bytes.size() + 1,
-                                   0x2000000000000000u, 0x7fffffffffffffffu,
+  const std::uint64_t hostile[] = {0,
+                                   1,
+                                   7,
+                                   63,
+                                   64,
+                                   65,
+                                   0x7fffffffu,
+                                   0xffffffffu,
+                                   bytes.size() - 1,
+                                   bytes.size(),
+                                   bytes.size() + 1,
+                                   0x2000000000000000u,
+                                   0x7fffffffffffffffu,
                                    std::numeric_limits<std::uint64_t>::max()};
   std::vector<std::pair<std::size_t, std::size_t>> fields = {
-      {header::kMagicAt, 8}, {header::kMajorAt, 2},     {header::kMinorAt, 2},
+      {header::kMagicAt, 8},    {header::kMajorAt, 2},    {header::kMinorAt, 2},
       {header::kSectionsAt, 4}, {header::kFileSizeAt, 8}, {header::kReservedAt, 8}};
   for (std::size_t s = 0; s < sections; ++s) {
     const std::size_t at = kHeaderSize + s * kEntrySize;
     for (const auto& [offset, size] : {std::pair{entry::kNameAt, std::size_t{8}},
-                                       {entry::kTypeAt, 4}, {entry::kFlagsAt, 4},
-                                       {entry::kOffsetAt, 8}, {entry::kSizeAt, 8},
-                                       {entry::kRowsAt, 8}, {entry::kColumnsAt, 8}})
+                                       {entry::kTypeAt, 4},
+                                       {entry::kFlagsAt, 4},
+                                       {entry::kOffsetAt, 8},
+                                       {entry::kSizeAt, 8},
+                                       {entry::kRowsAt, 8},
+                                       {entry::kColumnsAt, 8}})
       fields.emplace_back(at + offset, size);
   }
   for (const auto& [at, size] : fields)
@@ -284,7 +299,7 @@ TEST(BasisFile, TheWriterRefusesDataOfUnequalShape) {
   }
 }
 
-TEST(AtomicFile, AnUnwritableTargetIsAnErrorAndLeavesNothing) {
+TEST(BasisFile, AnUnwritableTargetIsAnErrorAndLeavesNothing) {
   const std::string folder = ::testing::TempDir() + "atomic-test";
   std::filesystem::create_directories(folder);
   EXPECT_EQ(write_basis(folder + "/no/such/folder/x.tremolo", tiny_basis()).error().kind,

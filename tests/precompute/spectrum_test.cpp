@@ -28,8 +28,8 @@ const Material kSteelLike{2e11, 0.0, 7800.0};
 
 // Angular frequencies of the first three modes that move mostly along y.
 Eigen::Vector3d bending_frequencies(int cells_across, bool both_ends) {
-  const TetMesh mesh = box_mesh({50 * cells_across / 2, cells_across, cells_across},
-                                {kLength, kThickness, kWidth});
+  const TetMesh mesh =
+      box_mesh({50 * cells_across / 2, cells_across, cells_across}, {kLength, kThickness, kWidth});
   std::vector<VertexId> fixed = vertices_on_plane(mesh, 0, 0.0);
   if (both_ends) {
     const std::vector<VertexId> far = vertices_on_plane(mesh, 0, kLength);
@@ -55,8 +55,8 @@ Eigen::Vector3d bending_frequencies(int cells_across, bool both_ends) {
 
 void check_spectrum(const char* name, bool both_ends, const Eigen::Vector3d& beta_l_squared) {
   const double inertia_radius = kThickness / std::sqrt(12.0);
-  const double unit = std::sqrt(kSteelLike.young / kSteelLike.density) * inertia_radius /
-                      (kLength * kLength);
+  const double unit =
+      std::sqrt(kSteelLike.young / kSteelLike.density) * inertia_radius / (kLength * kLength);
   Eigen::Vector3d levels[3];
   const int cells[3] = {2, 4, 8};
   for (int level = 0; level < 3; ++level)
@@ -67,8 +67,8 @@ void check_spectrum(const char* name, bool both_ends, const Eigen::Vector3d& bet
     const double coarse = levels[0][n] / exact, middle = levels[1][n] / exact;
     const double fine = levels[2][n] / exact;
     // Stiffness converges: omega^2 has the clean expansion in the cell size.
-    const double order = std::log2((coarse * coarse - middle * middle) /
-                                   (middle * middle - fine * fine));
+    const double order =
+        std::log2((coarse * coarse - middle * middle) / (middle * middle - fine * fine));
     const double limit = std::sqrt(fine * fine + (fine * fine - middle * middle) / 3.0);
     const double wave = std::sqrt(beta_l_squared[n]) * kThickness / kLength;
     const double timoshenko = 1.0 - 0.1417 * wave * wave;

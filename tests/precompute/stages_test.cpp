@@ -160,7 +160,8 @@ TEST(Modes, InertiaCountsTheRigidOnesOfAFreeBody) {
 
 TEST(Modes, MoreThanTheMeshHasAreRefused) {
   const Block block = clamped_block();
-  EXPECT_THROW(compute_modes(block.matrices, block.local.dofs() + 1, no_rigid(block), 0.0), Failure);
+  EXPECT_THROW(compute_modes(block.matrices, block.local.dofs() + 1, no_rigid(block), 0.0),
+               Failure);
   EXPECT_THROW(compute_modes(block.matrices, 0, no_rigid(block), 0.0), Failure);
 }
 
@@ -180,8 +181,8 @@ TEST(ModalDerivatives, SolveTheirDefiningEquation) {
   const Block block = clamped_block();
   const Modes modes = compute_modes(block.matrices, 4, no_rigid(block), 0.0);
   const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
-  const Columns phi = modal_derivatives(block.solid, block.local, block.matrices, modes, psi,
-                                        no_rigid(block), 2);
+  const Columns phi =
+      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 2);
   ASSERT_EQ(phi.cols(), 10);
   const Columns left = multiply(block.matrices.stiffness.get(), phi);
   for (std::size_t j = 0; j < 4; ++j)
@@ -199,8 +200,8 @@ TEST(ModalDerivatives, AreTheCurvatureOfTheStaticPath) {
   const Block block = clamped_block();
   const Modes modes = compute_modes(block.matrices, 1, no_rigid(block), 0.0);
   const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
-  const Columns phi = modal_derivatives(block.solid, block.local, block.matrices, modes, psi,
-                                        no_rigid(block), 1);
+  const Columns phi =
+      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 1);
   const Eigen::MatrixXd curve = expand_to_vertices(block.map, block.local, phi);
   const auto deviation = [&](double p, bool curved) {
     Field u = psi.col(0) * p;
@@ -235,15 +236,16 @@ TEST(ModalDerivatives, OfAFreeBodyBalanceTheirLoadAndHoldNoRigidMotion) {
       add_second_derivative(block.solid, block.local.elements, psi.col(i), psi.col(j),
                             block.local.row_of_vertex, h.data());
       h -= mass_rigid * (rigid.transpose() * h);
-      EXPECT_LE((left.col(static_cast<Eigen::Index>(pair_index(i, j))) + h).norm(), 1e-8 * h.norm());
+      EXPECT_LE((left.col(static_cast<Eigen::Index>(pair_index(i, j))) + h).norm(),
+                1e-8 * h.norm());
     }
 }
 
 Basis make_sample_basis(const Block& block, int r) {
   Modes modes = compute_modes(block.matrices, 5, no_rigid(block), 0.0);
   const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
-  const Columns phi = modal_derivatives(block.solid, block.local, block.matrices, modes, psi,
-                                        no_rigid(block), 2);
+  const Columns phi =
+      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 2);
   return make_basis(block.matrices, modes.vectors, modes.squared_frequencies, phi, r);
 }
 

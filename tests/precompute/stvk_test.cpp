@@ -1,4 +1,7 @@
-// The elements against what defines them: invariance, derivatives, the closed form of one tetrahedron.
+// The elements against what defines them: invariance, derivatives, the closed form of one
+// tetrahedron.
+#include "precompute/stvk.h"
+
 #include <numbers>
 #include <random>
 
@@ -6,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "precompute/assembly.h"
-#include "precompute/stvk.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo {
@@ -74,8 +76,9 @@ TEST(Elements, ForceIsTheGradientOfTheEnergy) {
   double last = 1.0;
   for (double step : {1e-1, 1e-2, 1e-3}) {
     // The energy is a quartic: the central difference errs by exactly c * step^2.
-    const double difference = (strain_energy(solid, u + step * direction) -
-                               strain_energy(solid, u - step * direction)) / (2 * step);
+    const double difference =
+        (strain_energy(solid, u + step * direction) - strain_energy(solid, u - step * direction)) /
+        (2 * step);
     const double error = std::abs(difference / slope - 1.0);
     EXPECT_LT(error, 0.02 * last);
     last = error;

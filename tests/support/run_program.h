@@ -1,12 +1,11 @@
 // Starts one of the project's programs and waits for it.
 #pragma once
 
-#include <sys/wait.h>
-
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <sys/wait.h>
 
 #include <gtest/gtest.h>
 
@@ -26,7 +25,8 @@ inline std::string slurp(const std::string& path) {
 // A folder of this test's own, emptied.
 inline std::string test_folder() {
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-  const std::string path = ::testing::TempDir() + "tremolo-" + info->test_suite_name() + "-" + info->name();
+  const std::string path =
+      ::testing::TempDir() + "tremolo-" + info->test_suite_name() + "-" + info->name();
   if (std::system(("rm -rf '" + path + "' && mkdir -p '" + path + "'").c_str()) != 0) std::abort();
   return path;
 }
@@ -35,8 +35,8 @@ inline std::string test_folder() {
 inline ProgramResult run_program(const std::string& folder, const std::string& command) {
   const std::string out = folder + "/stdout.txt";
   const std::string err = folder + "/stderr.txt";
-  const int status =
-      std::system(("cd '" + folder + "' && " + command + " >'" + out + "' 2>'" + err + "'").c_str());
+  const int status = std::system(
+      ("cd '" + folder + "' && " + command + " >'" + out + "' 2>'" + err + "'").c_str());
   ProgramResult result;
   result.code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   result.out = slurp(out);
