@@ -54,13 +54,9 @@ StepReport solve_newton(NewtonWorkspace& workspace, int max_iterations, Evaluate
   return report;
 }
 
-// Below this size (units of q, kg^1/2 m) motion counts as rest: a damped body that has died out
-// must not fail on numbers that underflow.
-inline constexpr double kRest = 1e-100;
-
-// size / (tolerance * scale); 0 at rest.
+// size / (tolerance * scale); 0 where nothing moves and nothing pushes.
 inline double relative_size(double size, double tolerance, double scale) {
-  return size <= kRest ? 0.0 : size / (tolerance * scale);
+  return size == 0.0 ? 0.0 : size / (tolerance * scale);
 }
 
 }  // namespace tremolo

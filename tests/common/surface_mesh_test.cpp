@@ -59,14 +59,21 @@ TEST(BoundarySurface, OfABoxHasTwoTrianglesASquare) {
   EXPECT_TRUE(std::is_sorted(surface.vertex_ids.begin(), surface.vertex_ids.end()));
 }
 
-TEST(BoundarySurface, OfOneTetrahedronIsItsFourFaces) {
+TEST(BoundarySurface, OfOneTetrahedronIsItsFourFacesSeenFromOutside) {
   TetMesh mesh;
-  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  // Away from the origin, or the faces through it would say nothing about their orientation.
+  mesh.vertices = {{1, 2, 3}, {2, 2, 3}, {1, 3, 3}, {1, 2, 4}};
   mesh.tetrahedra = {{0, 1, 2, 3}};
   const BoundarySurface surface = boundary_surface(mesh);
   EXPECT_EQ(surface.triangles.size(), 4u);
-  // One sixth, from four products of 0 and 1.
-  EXPECT_NEAR(enclosed_volume(mesh, surface), 1.0 / 6.0, 1e-16);
+  const Eigen::Vector3d centre(1.25, 2.25, 3.25);
+  for (const Triangle& t : surface.triangles) {
+    const Eigen::Vector3d& a = mesh.vertices[t[0]];
+    const Eigen::Vector3d normal = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
+    EXPECT_GT(normal.dot(a - centre), 0) << t[0] << t[1] << t[2];
+  }
+  // A dozen products of small integers: exact but for the division by six.
+  EXPECT_NEAR(enclosed_volume(mesh, surface), 1.0 / 6.0, 1e-14);
 }
 
 TEST(BoundarySurface, LeavesUnreferencedVerticesOut) {

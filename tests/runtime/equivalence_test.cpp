@@ -173,6 +173,17 @@ TEST(Rest, MotionThatHasAllButDiedOutStillConverges) {
     }
 }
 
+TEST(Newton, StiffCoordinatesConvergeToTheirRounding) {
+  // h omega = 3e4: the residual cannot be rounded to better than 1e9 * 2e-16 of the step, which is
+  // above the default tolerance.
+  const Model::Pointer model =
+      testing::make_model(testing::random_strain_model(Eigen::Vector2d(1e2, 1e7), 0.0, 3));
+  for (const char* name : {"midpoint", "newmark", "imexv"}) {
+    State state{Eigen::Vector2d(0.1, 0.2), Eigen::Vector2d(3.0, 4.0)};
+    testing::run(*make(name, model, {}), state, {}, 3e-3, 200);
+  }
+}
+
 TEST(Newton, IndefiniteJacobianIsSolvedAllTheSame) {
   NewtonWorkspace workspace(4);
   const Eigen::MatrixXd random = testing::random_vector(16, 1.0, 1).reshaped(4, 4);

@@ -55,6 +55,19 @@ TEST(Signal, EndsAreOneSidedWhereAPulseEndsWithAStep) {
   }
 }
 
+TEST(Signal, PulseFillsTheStepsThatDivideItWhateverTheRounding) {
+  for (int n = 1; n <= 400; ++n) {
+    const double step = 0.3 / n;
+    for (int k = 0; k <= n; ++k) {
+      const StepSignal sample = sample_signal({.kind = SignalKind::kSquare}, k * step, step);
+      const double expected = k < n ? 1.0 : 0.0;
+      ASSERT_EQ(sample.start, expected) << k << " of " << n;
+      ASSERT_EQ(sample.average, expected) << k << " of " << n;
+      ASSERT_EQ(sample.end, expected) << k << " of " << n;
+    }
+  }
+}
+
 TEST(Signal, JumpInsideAStepShowsTheAverageThreeTimes) {
   const StepSignal sample = sample_signal({.kind = SignalKind::kImpulse}, 0.0, 1e-2);
   EXPECT_NEAR(sample.average, 0.3, 1e-15);

@@ -205,6 +205,7 @@ TEST(Energy, UndampedEnergyOscillatesAndDoesNotDrift) {
       (k < 10000 ? first : last) = std::max(k < 10000 ? first : last, error);
     }
     // Second order in h omega <= 0.1 or so; the later half must be no worse than the first by much.
+    std::printf("%s %g %g\n",name,first,last);
     EXPECT_LE(first, 0.03) << name;
     EXPECT_LE(last, 1.5 * first) << name;
   }
