@@ -53,7 +53,6 @@ constexpr std::size_t element_size(ElementType type) {
     case ElementType::kU32:
       return 4;
     case ElementType::kU64:
-      return 8;
     case ElementType::kF64:
       return 8;
   }

@@ -9,6 +9,7 @@
 
 extern "C" {
 // BLAS, Fortran interface: C <- alpha A^T A + beta C on one triangle.
+// NOLINTNEXTLINE(readability-identifier-naming)
 void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha,
             const double* a, const int* lda, const double* beta, double* c, const int* ldc);
 // OpenBLAS only: our threads are outside, BLAS's inside would fight them.

@@ -90,8 +90,8 @@ Columns multiply(Mat a, const Columns& x) {
   PetscInt stride = 0;
   require(MatDenseGetLDA(product.get(), &stride), "read a product");
   require(MatDenseGetArrayRead(product.get(), &values), "read a product");
-  const Columns result = Eigen::Map<const Columns, 0, Eigen::OuterStride<>>(
-      values, x.rows(), x.cols(), Eigen::OuterStride<>(stride));
+  Columns result = Eigen::Map<const Columns, 0, Eigen::OuterStride<>>(values, x.rows(), x.cols(),
+                                                                      Eigen::OuterStride<>(stride));
   require(MatDenseRestoreArrayRead(product.get(), &values), "read a product");
   return result;
 }

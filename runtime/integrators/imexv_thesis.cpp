@@ -38,10 +38,14 @@ class ImexvThesis final : public Integrator {
     StepReport report = high_.advance(start_.q, state, load.average);
     report.dissipated += dissipated;
     report.converged = report.converged && state.q.allFinite() && state.p.allFinite();
-    if (report.converged)
-      load_before_ = load.end;
-    else
+    if (!report.converged) {
       state = start_;
+      return report;
+    }
+    load_before_ = load.end;
+    // The next step's kick wants it, and so does whoever reads an energy in between: evaluated
+    // here, a step's time contains all of its work.
+    if (low > 0) forces_.force(state.q);
     return report;
   }
 
