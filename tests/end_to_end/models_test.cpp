@@ -33,7 +33,7 @@ std::string basis_path(const Sample& sample) {
 class SampleModel : public ::testing::TestWithParam<Sample> {};
 
 INSTANTIATE_TEST_SUITE_P(Six, SampleModel, ::testing::ValuesIn(kSamples),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& sample) { return std::string(sample.param.name); });
 
 TEST_P(SampleModel, HasAMeshOfRealisticSizeWithoutSlivers) {
   auto file =

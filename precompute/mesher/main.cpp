@@ -1,0 +1,142 @@
+// tremolo-mesh: recipe in, tetrahedral mesh out.
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <new>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "common/mesh_quality.h"
+#include "common/surface_mesh.h"
+#include "formats/atomic_file.h"
+#include "formats/msh_writer.h"
+#include "formats/surface_writer.h"
+#include "precompute/mesher/cgal_mesher.h"
+#include "precompute/mesher/recipe_list.h"
+
+namespace tremolo {
+namespace {
+
+struct Options {
+  std::string recipe;
+  std::string output;
+  std::string surface;
+  double size = 0;  // m; 0: the recipe's own
+  int tets = 0;     // 0: as many as come out
+};
+
+// --tets is met to this share, in at most so many tries.
+constexpr double kCountTolerance = 0.1;
+constexpr int kTries = 6;
+
+Recipe scaled(const Recipe& recipe, double factor) {
+  Recipe copy = recipe;
+  copy.size = [size = recipe.size, factor](const Eigen::Vector3d& x) { return factor * size(x); };
+  copy.surface_error = factor * recipe.surface_error;
+  return copy;
+}
+
+Result<TetMesh> mesh_to_count(const Recipe& recipe, int wanted) {
+  double factor = 1.0;
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    Result<TetMesh> mesh = mesh_recipe(scaled(recipe, factor));
+    if (!mesh) return mesh;
+    const double share = static_cast<double>(mesh->tetrahedra.size()) / wanted;
+    if (std::abs(share - 1.0) <= kCountTolerance) return mesh;
+    factor *= std::cbrt(share);
+  }
+  return content_error(std::string(recipe.name) + ": no mesh of " + std::to_string(wanted) +
+                       " tetrahedra within 10 % came out in " + std::to_string(kTries) + " tries");
+}
+
+Result<TetMesh> make_mesh(const Options& options) {
+  Result<Recipe> recipe = find_recipe(options.recipe);
+  if (!recipe) return recipe.error();
+  if (options.size > 0.0)
+    recipe->size = [size = options.size](const Eigen::Vector3d&) { return size; };
+  return options.tets > 0 ? mesh_to_count(*recipe, options.tets) : mesh_recipe(*recipe);
+}
+
+SurfaceMesh compact_boundary(const TetMesh& mesh) {
+  BoundarySurface boundary = boundary_surface(mesh);
+  SurfaceMesh surface;
+  for (VertexId id : boundary.vertex_ids) surface.vertices.push_back(mesh.vertices[id]);
+  surface.triangles = std::move(boundary.triangles);
+  return surface;
+}
+
+void print_quality(const TetMesh& mesh) {
+  const MeshQuality quality = mesh_quality(mesh);
+  const BoundingBox box = bounding_box(mesh.vertices);
+  std::printf("vertices          %zu\n", mesh.vertices.size());
+  std::printf("tetrahedra        %zu\n", mesh.tetrahedra.size());
+  std::printf("dihedral angles   %.2f to %.2f degrees\n", quality.min_dihedral_deg,
+              quality.max_dihedral_deg);
+  std::printf("radius ratio      %.4f at least, %.4f on average\n", quality.min_radius_ratio,
+              quality.mean_radius_ratio);
+  std::printf("volume            %.6g m^3\n", quality.volume);
+  std::printf("bounding box      %.5g %.5g %.5g to %.5g %.5g %.5g m\n", box.low[0], box.low[1],
+              box.low[2], box.high[0], box.high[1], box.high[2]);
+}
+
+Status run(const Options& options) {
+  const Result<TetMesh> mesh = make_mesh(options);
+  if (!mesh) return mesh.error();
+  if (!options.surface.empty())
+    if (Status status = write_surface(options.surface, compact_boundary(*mesh)); !status)
+      return status;
+  if (Status status = write_msh(options.output, *mesh); !status) return status;
+  print_quality(*mesh);
+  return Success{};
+}
+
+// The exit code when there is nothing more to do.
+std::optional<int> parse(int count, char** words, Options& options) {
+  CLI::App app{"Cuts one of the sample solids into tetrahedra. Units are SI."};
+  app.name("tremolo-mesh");
+  app.set_version_flag("--version", std::string("tremolo-mesh ") + TREMOLO_VERSION);
+  app.add_option("recipe", options.recipe, "one of: " + recipe_names())->required();
+  app.add_option("-o,--output", options.output, "the mesh to write, MSH 2.2 binary (.msh)")
+      ->required();
+  CLI::Option* size =
+      app.add_option("--size", options.size,
+                     "longest wanted edge everywhere, m (the surface may ask for less)")
+          ->check(CLI::PositiveNumber);
+  app.add_option("--tets", options.tets,
+                 "wanted number of tetrahedra, met within 10 %: all sizes of the recipe are scaled")
+      ->check(CLI::PositiveNumber)
+      ->excludes(size);
+  app.add_option("--surface", options.surface,
+                 "also write the boundary, as .obj, .ply or .inc (POV-Ray)");
+  try {
+    app.parse(count, words);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error, std::cout, std::cerr);
+    return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});
+  }
+  return std::nullopt;
+}
+
+int run_program(int count, char** words) {
+  Options options;
+  if (const auto code = parse(count, words, options)) return *code;
+  try {
+    const Status status = run(options);
+    if (status) return 0;
+    std::fprintf(stderr, "tremolo-mesh: %s\n", status.error().message.c_str());
+    return exit_code(status.error());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "tremolo-mesh: out of memory\n");
+    return exit_code(system_error(""));
+  }
+}
+
+}  // namespace
+}  // namespace tremolo
+
+int main(int count, char** words) {
+  tremolo::remove_partial_files_on_signals();
+  return tremolo::run_program(count, words);
+}

@@ -1,0 +1,35 @@
+#include "precompute/mesher/recipe_list.h"
+
+#include <array>
+
+namespace tremolo {
+namespace {
+
+struct Entry {
+  std::string_view name;
+  Recipe (*make)();
+};
+
+constexpr std::array<Entry, 6> kRecipes = {{{"beam", beam_recipe},
+                                            {"basket", basket_recipe},
+                                            {"bridge", bridge_recipe},
+                                            {"horse", horse_recipe},
+                                            {"tower", tower_recipe},
+                                            {"heart", heart_recipe}}};
+
+}  // namespace
+
+std::string recipe_names() {
+  std::string names;
+  for (const Entry& entry : kRecipes) names += (names.empty() ? "" : " ") + std::string(entry.name);
+  return names;
+}
+
+Result<Recipe> find_recipe(std::string_view name) {
+  for (const Entry& entry : kRecipes)
+    if (entry.name == name) return entry.make();
+  return Error{ErrorKind::kUsage, "'" + std::string(name) + "' is no recipe; there are: " +
+                                      recipe_names() + " (surface files are not read)"};
+}
+
+}  // namespace tremolo

@@ -1,0 +1,58 @@
+// tremolo-mesh: a recipe gives its mesh anew.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "common/mesh_check.h"
+#include "common/mesh_quality.h"
+#include "formats/mesh_reader.h"
+#include "tests/support/run_program.h"
+
+namespace tremolo {
+namespace {
+
+using testing::ProgramResult;
+using testing::run_program;
+using testing::slurp;
+using testing::test_folder;
+
+const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-mesh ";
+
+TEST(MeshProgram, MakesTheBeamAnewTheSameEachTime) {
+  const std::string folder = test_folder();
+  const ProgramResult first = run_program(folder, kProgram + "beam -o a.msh --surface a.ply");
+  ASSERT_EQ(first.code, 0) << first.err;
+  EXPECT_NE(first.out.find("dihedral angles"), std::string::npos);
+  EXPECT_NE(first.out.find("radius ratio"), std::string::npos);
+  EXPECT_GT(std::filesystem::file_size(folder + "/a.ply"), 1000u);
+  ASSERT_EQ(run_program(folder, kProgram + "beam -o b.msh").code, 0);
+  EXPECT_EQ(slurp(folder + "/a.msh"), slurp(folder + "/b.msh"));
+
+  auto made = read_tet_mesh(folder + "/a.msh");
+  auto committed = read_tet_mesh(TREMOLO_SOURCE_DIR "/assets/meshes/beam.msh");
+  ASSERT_TRUE(made && committed);
+  const auto report = check_mesh(made->mesh);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->parts, 1u);
+  EXPECT_GE(mesh_quality(made->mesh).min_dihedral_deg, 8.0);
+  // Another processor may round a Delaunay predicate's input differently: the same solid, not
+  // necessarily the same vertices as the committed one.
+  EXPECT_NEAR(report->volume, mesh_quality(committed->mesh).volume, 0.01 * report->volume);
+}
+
+TEST(MeshProgram, WrongUsageIsToldApartAndWritesNothing) {
+  const std::string folder = test_folder();
+  const ProgramResult unknown = run_program(folder, kProgram + "giraffe -o x.msh");
+  EXPECT_EQ(unknown.code, 2) << unknown.err;
+  EXPECT_NE(unknown.err.find("horse"), std::string::npos) << "the recipes are listed";
+  EXPECT_EQ(run_program(folder, kProgram + "beam -o x.msh --size 0.01 --tets 100").code, 2);
+  EXPECT_EQ(run_program(folder, kProgram + "beam -o x.msh --size -1").code, 2);
+  EXPECT_EQ(run_program(folder, kProgram + "beam").code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder + "/x.msh"));
+  EXPECT_EQ(run_program(folder, kProgram + "beam -o no/folder/x.msh").code, 1);
+  EXPECT_EQ(run_program(folder, kProgram + "--help").code, 0);
+  EXPECT_EQ(run_program(folder, kProgram + "--version").code, 0);
+}
+
+}  // namespace
+}  // namespace tremolo
