@@ -1,6 +1,6 @@
-// An oval woven basket with a roped rim and a roped handle, 0.30 m long: willow weavers run in and
+// An oval woven basket with a roped rim and a roped handle, 0.32 m long: willow weavers run in and
 // out around upright stakes and are fused to them. All lengths in metres.
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -17,7 +17,7 @@ constexpr int kStakes = 18;  // even: neighbouring weavers then pass a stake on 
 constexpr int kWeavers = 4;
 constexpr double kBottom = 0.009;  // z of the middle of the floor
 constexpr double kRim = 0.118;     // z of the middle of the rim
-constexpr double kStakeRadius = 0.0066;
+constexpr double kStakeRadius = 0.0070;
 constexpr double kWeaverRadius = 0.0076;
 constexpr double kFirstWeaver = 0.031;  // z of the lowest weaver
 constexpr double kWeaverPitch = 0.020;
@@ -120,8 +120,8 @@ Recipe basket_recipe() {
   recipe.name = "basket";
   recipe.bounds = {Point(-0.185, -0.155, -0.01), Point(0.185, 0.155, 0.29)};
   recipe.distance = basket_distance;
-  recipe.size = [](const Point&) { return 0.0095; };
-  recipe.surface_error = 0.0012;
+  recipe.size = [](const Point&) { return 0.0092; };
+  recipe.surface_error = 0.0013;
   return recipe;
 }
 

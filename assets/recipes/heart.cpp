@@ -1,6 +1,6 @@
-// A human heart as an anatomist's rubber model, 0.15 m high, seen from the front along +y: its own
-// left is at +x, its back at +y, z is up. Sculpted in centimetres about the middle of the base of
-// the ventricles, then lifted so that the apex is near z = 0.
+// A human heart, a soft teaching model 0.33 m high (twice life size), seen from the front along +y:
+// its own left is at +x, its back at +y, z is up. Sculpted in centimetres of the living size about
+// the middle of the base of the ventricles, then lifted so that the apex is near z = 0.
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -14,7 +14,7 @@ namespace {
 
 using shapes::Point;
 
-constexpr double kScale = 0.01;
+constexpr double kScale = 0.02;
 constexpr double kLift = 6.6;  // cm
 
 // A vessel that ends in the air: its tube, and the hollow of its cut end.

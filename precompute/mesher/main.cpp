@@ -1,6 +1,7 @@
 // tremolo-mesh: recipe in, tetrahedral mesh out.
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <iostream>
 #include <new>
 #include <optional>
@@ -122,21 +123,23 @@ std::optional<int> parse(int count, char** words, Options& options) {
 int run_program(int count, char** words) {
   Options options;
   if (const auto code = parse(count, words, options)) return *code;
-  try {
-    const Status status = run(options);
-    if (status) return 0;
-    std::fprintf(stderr, "tremolo-mesh: %s\n", status.error().message.c_str());
-    return exit_code(status.error());
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "tremolo-mesh: out of memory\n");
-    return exit_code(system_error(""));
-  }
+  const Status status = run(options);
+  if (status) return 0;
+  std::fprintf(stderr, "tremolo-mesh: %s\n", status.error().message.c_str());
+  return exit_code(status.error());
 }
 
 }  // namespace
 }  // namespace tremolo
 
 int main(int count, char** words) {
-  tremolo::remove_partial_files_on_signals();
-  return tremolo::run_program(count, words);
+  try {
+    tremolo::remove_partial_files_on_signals();
+    return tremolo::run_program(count, words);
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "tremolo-mesh: out of memory\n");
+  } catch (const std::exception& failure) {
+    std::fprintf(stderr, "tremolo-mesh: %s\n", failure.what());
+  }
+  return static_cast<int>(tremolo::ErrorKind::kSystem);
 }

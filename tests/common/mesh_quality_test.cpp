@@ -81,10 +81,10 @@ TEST(MeshQuality, InvertedTetrahedronKeepsItsShapeAndHasNegativeVolume) {
 }
 
 TEST(MeshQuality, WorstAndMeanAreOverAllTetrahedra) {
-  TetMesh both = regular_tetrahedron();
-  for (const Eigen::Vector3d& x : corner_tetrahedron().vertices)
+  TetMesh both = corner_tetrahedron();
+  for (const Eigen::Vector3d& x : regular_tetrahedron().vertices)
     both.vertices.push_back(x + Eigen::Vector3d(10, 0, 0));
-  both.tetrahedra.push_back({4, 5, 6, 7});
+  both.tetrahedra.push_back({4, 6, 5, 7});
   const MeshQuality corner = mesh_quality(corner_tetrahedron());
   const MeshQuality quality = mesh_quality(both);
   EXPECT_NEAR(quality.min_radius_ratio, corner.min_radius_ratio, kRounding);
@@ -99,6 +99,16 @@ TEST(MeshQuality, PartsAreCountedThroughSharedVerticesOnly) {
   mesh.vertices.emplace_back(5, 5, 5);  // belongs to nothing
   mesh.tetrahedra.push_back({0, 2, 1, 4});
   EXPECT_EQ(mesh_quality(mesh).parts, 1u);
+}
+
+TEST(MeshQuality, TwoPartsJoinedLaterAreOne) {
+  // A strip of points on a twisted curve: any four of them have a volume.
+  TetMesh mesh;
+  for (int i = 0; i < 8; ++i) mesh.vertices.emplace_back(i, i * i, i * i * i);
+  mesh.tetrahedra = {{0, 1, 2, 3}, {4, 5, 6, 7}, {7, 6, 3, 2}};
+  EXPECT_EQ(mesh_quality(mesh).parts, 1u);
+  mesh.tetrahedra.pop_back();
+  EXPECT_EQ(mesh_quality(mesh).parts, 2u);
 }
 
 TEST(MeshQuality, EmptyMeshHasNoParts) {

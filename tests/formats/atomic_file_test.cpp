@@ -11,6 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/run_program.h"
+
 namespace tremolo {
 namespace {
 
@@ -19,9 +21,7 @@ namespace fs = std::filesystem;
 class AtomicFileTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = ::testing::TempDir() + "tremolo-atomic-file";
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    folder_ = testing::test_folder();
     std::ofstream(target()) << "old";
   }
 
