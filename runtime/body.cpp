@@ -33,14 +33,17 @@ Result<Body> Body::create(Model::Pointer model, std::string_view integrator,
                           const IntegratorOptions& options) {
   Result<std::unique_ptr<Integrator>> made = make_integrator(integrator, model, options);
   if (!made) return made.error();
-  return Body(std::move(model), std::move(*made), options);
+  const Result<Split> band = choose_split(model->lambda(), options.step, options.split);
+  if (!band) return band.error();
+  return Body(std::move(model), std::move(*made), options, band->low);
 }
 
 Body::Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
-           const IntegratorOptions& options)
+           const IntegratorOptions& options, Eigen::Index low)
     : model_(std::move(model)),
       integrator_(std::move(integrator)),
       options_(options),
+      low_(low),
       state_{Eigen::VectorXd::Zero(model_->modes()), Eigen::VectorXd::Zero(model_->modes())},
       step_load_(make_step_load(model_->modes())),
       q_before_(state_.q),
@@ -134,11 +137,9 @@ bool Body::load_to_come() const {
 
 Energy Body::energy() const {
   integrator_->synchronized_momentum(state_, momentum_);
-  model_->potential().evaluate(state_.q, kWantEnergy, workspace_, evaluation_);
-  const std::optional<Split> split = integrator_->split();
-  Energy energy{kinetic_energy(momentum_), evaluation_.energy, 0.0};
-  if (split) energy.high_band = band_energy(model_->lambda(), state_.q, momentum_, split->low);
-  return energy;
+  model_->potential().evaluate(state_.q, kWantEnergy | kWantForce, workspace_, evaluation_);
+  return {kinetic_energy(momentum_), evaluation_.energy,
+          band_energy(model_->lambda(), evaluation_.force, momentum_, low_)};
 }
 
 Result<Eigen::Vector3d> Body::displacement(VertexId vertex) const {

@@ -59,7 +59,9 @@ class Body {
   double dissipated() const { return dissipated_; }
   std::int64_t iterations() const { return iterations_; }  // of all steps
 
-  Energy energy() const;  // evaluates V
+  // Evaluates V. The high band is that of the integrator's split, or, for a method that does not
+  // split, of the one that options.split would give.
+  Energy energy() const;
 
   // U_vertex q, m. Errors as Model::vertex.
   Result<Eigen::Vector3d> displacement(VertexId vertex) const;
@@ -76,13 +78,14 @@ class Body {
   };
 
   Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
-       const IntegratorOptions& options);
+       const IntegratorOptions& options, Eigen::Index low);
   void gather_loads();
   void age_applied_forces();
 
   Model::Pointer model_;
   std::unique_ptr<Integrator> integrator_;
   IntegratorOptions options_;
+  Eigen::Index low_;  // where the high band begins
   State state_;
   std::vector<Load> loads_;
   std::vector<AppliedForce> applied_;

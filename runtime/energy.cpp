@@ -17,11 +17,11 @@ double kinetic_energy(const Eigen::VectorXd& p) {
   return 0.5 * p.squaredNorm();
 }
 
-double band_energy(const Eigen::VectorXd& lambda, const Eigen::VectorXd& q,
+double band_energy(const Eigen::VectorXd& lambda, const Eigen::VectorXd& force,
                    const Eigen::VectorXd& p, Eigen::Index low) {
   const Eigen::Index high = lambda.size() - low;
   return 0.5 * (p.tail(high).squaredNorm() +
-                (lambda.tail(high).array() * q.tail(high).array().square()).sum());
+                (force.tail(high).array().square() / lambda.tail(high).array()).sum());
 }
 
 void DriftMeter::observe(double energy, double work, double dissipated, bool load_to_come) {

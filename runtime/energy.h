@@ -8,9 +8,11 @@
 
 namespace tremolo {
 
-// All in J. high_band: sum over the coordinates i >= low of 1/2 p_i^2 + 1/2 lambda_i q_i^2, the
-// harmonic energy of the band that a split steps implicitly; the coupling terms of V belong to no
-// band and are left out. Zero if there is no split.
+// All in J. high_band: sum over the coordinates i >= low of 1/2 p_i^2 + 1/2 R_i(q)^2 / lambda_i, the
+// energy with which the high rows oscillate about the place to which the low ones push them.
+// For a linear force it is the harmonic energy 1/2 p_i^2 + 1/2 lambda_i q_i^2. That one itself says
+// little in large motion: modal derivatives follow the low modes statically, q_h is large, and
+// the coupling terms of V cancel most of 1/2 lambda_h q_h^2.
 struct Energy {
   double kinetic = 0.0;
   double potential = 0.0;
@@ -20,8 +22,8 @@ struct Energy {
 
 double kinetic_energy(const Eigen::VectorXd& p);
 
-// sum over i in [low, r), as above.
-double band_energy(const Eigen::VectorXd& lambda, const Eigen::VectorXd& q,
+// The sum over i in [low, r), as above. force: R(q), r.
+double band_energy(const Eigen::VectorXd& lambda, const Eigen::VectorXd& force,
                    const Eigen::VectorXd& p, Eigen::Index low);
 
 // Watches H over a run and says how far it left what it should be (docs/architecture.md,

@@ -127,7 +127,8 @@ tremolo_status tremolo_body_set_state(tremolo_body* body, const double* q, const
 tremolo_status tremolo_body_positions_float(const tremolo_body* body, float* out, size_t length);
 tremolo_status tremolo_body_positions_double(const tremolo_body* body, double* out, size_t length);
 
-/* J; any of the three may be NULL. high_band is 0 for methods that do not split. */
+/* J; any of the three may be NULL. high_band: energy of the oscillation of the
+ * coordinates above the split (runtime/energy.h). */
 tremolo_status tremolo_body_energy(const tremolo_body* body, double* kinetic, double* potential,
                                    double* high_band);
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "recipes/recipe.h"
-#include "recipes/shapes.h"
+#include "assets/recipes/recipe.h"
+#include "assets/recipes/shapes.h"
 
 namespace tremolo {
 namespace {

@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "recipes/recipe.h"
-#include "recipes/shapes.h"
-#include "recipes/strand.h"
+#include "assets/recipes/recipe.h"
+#include "assets/recipes/shapes.h"
+#include "assets/recipes/strand.h"
 
 namespace tremolo {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "recipes/recipe.h"
-#include "recipes/strand.h"
+#include "assets/recipes/recipe.h"
+#include "assets/recipes/strand.h"
 
 namespace tremolo {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "recipes/shapes.h"
+#include "assets/recipes/shapes.h"
 
 namespace tremolo {
 

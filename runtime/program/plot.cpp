@@ -42,8 +42,8 @@ std::string script(const std::vector<PlotSource>& sources, const std::string& ou
                          : "set terminal pngcairo size 960,640 font 'sans,11'\n";
   text += "set output " + quoted(output) + "\n";
   text +=
-      "set datafile separator ','\nset key autotitle columnhead\nset key top right\n"
-      "set grid lc rgb '#dddddd'\nset border 3\nset tics nomirror\nset yrange [0:*]\n"
+      "set datafile separator ','\nset key autotitle columnhead\n"
+      "set key outside top right horizontal\nset grid lc rgb '#dddddd'\nset border 3\nset tics nomirror\nset yrange [0:*]\n"
       "set multiplot layout 2,1\nset xlabel 'time (s)'\n"
       "set title 'total energy'\nset ylabel 'J'\n";
   text += curves(sources, "total");
