@@ -52,7 +52,7 @@ void add_chambers(Heart* heart) {
 }
 
 void add_vessels(Heart* heart) {
-  const auto hollow = [](Point end, Point inward, double radius) {
+  const auto hollow = [](const Point& end, const Point& inward, double radius) {
     return Strand{{end - 0.5 * inward, radius}, {end + inward, 0.8 * radius}};
   };
   heart->vessels = {

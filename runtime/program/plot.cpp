@@ -43,7 +43,8 @@ std::string script(const std::vector<PlotSource>& sources, const std::string& ou
   text += "set output " + quoted(output) + "\n";
   text +=
       "set datafile separator ','\nset key autotitle columnhead\n"
-      "set key outside top right horizontal\nset grid lc rgb '#dddddd'\nset border 3\nset tics nomirror\nset yrange [0:*]\n"
+      "set key outside top right horizontal\nset grid lc rgb '#dddddd'\nset border 3\nset tics "
+      "nomirror\nset yrange [0:*]\n"
       "set multiplot layout 2,1\nset xlabel 'time (s)'\n"
       "set title 'total energy'\nset ylabel 'J'\n";
   text += curves(sources, "total");
