@@ -6,15 +6,13 @@
 
 #include "common/packed_index.h"
 #include "common/parallel.h"
+#include "precompute/blas_threads.h"
 
 extern "C" {
 // BLAS, Fortran interface: C <- alpha A^T A + beta C on one triangle.
 // NOLINTNEXTLINE(readability-identifier-naming)
 void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha,
             const double* a, const int* lda, const double* beta, double* c, const int* ldc);
-// OpenBLAS only: our threads are outside, BLAS's inside would fight them.
-void openblas_set_num_threads(int) __attribute__((weak));
-int openblas_get_num_threads() __attribute__((weak));
 }
 
 namespace tremolo {
@@ -76,22 +74,6 @@ void strain_rows(const Solid& solid, const BasisRows& basis, const ElasticityRoo
   }
 }
 
-// BLAS on one thread while this lives.
-class SingleThreadedBlas {
- public:
-  SingleThreadedBlas() : before_(openblas_get_num_threads ? openblas_get_num_threads() : 0) {
-    if (openblas_set_num_threads) openblas_set_num_threads(1);
-  }
-  SingleThreadedBlas(const SingleThreadedBlas&) = delete;
-  SingleThreadedBlas& operator=(const SingleThreadedBlas&) = delete;
-  ~SingleThreadedBlas() {
-    if (openblas_set_num_threads && before_ > 0) openblas_set_num_threads(before_);
-  }
-
- private:
-  int before_;
-};
-
 }  // namespace
 
 Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::size_t first,
@@ -101,7 +83,7 @@ Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::siz
   const auto r = static_cast<std::size_t>(basis.cols());
   const auto columns = static_cast<int>(r + pair_count(r));
   const ElasticityRoot root(solid.material);
-  const SingleThreadedBlas guard;
+  const BlasThreads single(1);  // our threads are outside: BLAS's would fight them
   std::array<Eigen::MatrixXd, kLanes> sums;
   parallel_for(kLanes, threads, [&](std::size_t lane) {
     const std::size_t begin = first + (last - first) * lane / kLanes;

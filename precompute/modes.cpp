@@ -106,6 +106,17 @@ void measure_residuals(const Matrices& matrices, Modes& modes) {
   modes.residuals = (squares.row(0).array() / squares.row(1).array()).sqrt().matrix().transpose();
 }
 
+double largest_diagonal_ratio(const Matrices& matrices) {
+  PetscVector stiffness, mass;
+  require(MatCreateVecs(matrices.stiffness.get(), stiffness.out(), mass.out()));
+  require(MatGetDiagonal(matrices.stiffness.get(), stiffness.get()));
+  require(MatGetDiagonal(matrices.mass.get(), mass.get()));
+  require(VecPointwiseDivide(stiffness.get(), stiffness.get(), mass.get()));
+  PetscReal largest = 0;
+  require(VecMax(stiffness.get(), nullptr, &largest));
+  return largest;
+}
+
 void keep_factor(Modes& modes) {
   ST transform = nullptr;
   KSP linear = nullptr;
@@ -146,6 +157,7 @@ Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, d
   modes.squared_frequencies.conservativeResize(count);
   modes.vectors.conservativeResize(Eigen::NoChange, count);
   measure_residuals(matrices, modes);
+  modes.largest_ratio = largest_diagonal_ratio(matrices);
   keep_factor(modes);
   return modes;
 }

@@ -11,6 +11,7 @@ struct Modes {
   Columns vectors;                      // local dofs x k, M-orthonormal, kg^-1/2
   Eigen::VectorXd residuals;            // |K psi - w2 M psi| / |w2 M psi|, 2-norms
   double next_squared_frequency = 0;    // the first one left out; 0 if there is none
+  double largest_ratio = 0;             // max K_ii / M_ii: about the largest squared frequency
   double shift = 0;                     // sigma of the factorisation, <= 0
   std::string solver;                   // the package that factorised
   PetscEigenSolver keeper;              // owns the factor

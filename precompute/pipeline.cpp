@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "precompute/basis.h"
+#include "precompute/blas_threads.h"
 #include "precompute/coefficients.h"
 #include "precompute/derivatives.h"
 #include "precompute/failure.h"
@@ -33,6 +34,37 @@ double choose_shift(const Problem& problem, const Material& material) {
   if (!problem.free_body) return 0.0;
   const double size = bounding_box(problem.mesh.vertices).diagonal();
   return -1e-3 * material.young / (material.density * size * size);
+}
+
+// A hinge or a joint of one vertex lets a part move without strain: K is singular although enough
+// vertices are fixed, and what a factorisation then returns is noise.
+void require_no_mechanism(const Problem& problem, const Modes& modes, const Eigen::MatrixXd& psi) {
+  // Below this share of the largest squared frequency a mode is rounding: a double has 2e-16, the
+  // factorisation loses some.
+  constexpr double kNoise = 1e-13;
+  if (modes.squared_frequencies[0] > kNoise * modes.largest_ratio && psi.allFinite()) return;
+  std::string where;
+  Eigen::Index row = 0;
+  if (psi.allFinite() && psi.col(0).cwiseAbs().maxCoeff(&row) > 0) {
+    const Eigen::Vector3d& x = problem.mesh.vertices[static_cast<std::size_t>(row / 3)];
+    where = text(" near vertex %d at %g, %g, %g", static_cast<int>(row / 3), x.x(), x.y(), x.z());
+  }
+  throw Failure(content_error(
+      "a part of the mesh" + where +
+      " moves without strain: it hangs by a vertex or an edge only. Join it by faces, or fix it"));
+}
+
+void require_accurate(const PrecomputeFindings& findings) {
+  const double residual =
+      *std::max_element(findings.mode_residuals.begin(), findings.mode_residuals.end());
+  // Far above what a sound mesh gives (1e-10, 1e-14 and 1e-12), far below what harms.
+  if (residual <= 1e-6 && findings.orthonormality_error <= 1e-9 &&
+      findings.polynomial_error <= 1e-9)
+    return;
+  throw Failure({ErrorKind::kSolver,
+                 text("the result is not accurate: mode residual %.1e, |U^T M U - I| %.1e, "
+                      "polynomial %.1e; is the mesh extremely thin or uneven?",
+                      residual, findings.orthonormality_error, findings.polynomial_error)});
 }
 
 VertexBlock make_block(const TetMesh& mesh, const std::vector<VertexId>& ids,
@@ -95,6 +127,10 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
                problem.mesh.tetrahedra.size(), problem.fixed.size()));
   for (const std::string& note : problem.notes) log.note(note);
 
+  // The fronts of a small factor are too small to share: more threads only wait for each other.
+  constexpr int kSmall = 100'000;  // dofs
+  const BlasThreads blas(3 * map.nodes() < kSmall ? 1 : static_cast<int>(options.threads));
+
   log.begin("matrices");
   const Solid solid = make_solid(problem.mesh, options.material);
   const Matrices matrices = assemble(solid, map, local, options.mass);
@@ -108,6 +144,7 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   Modes modes =
       compute_modes(matrices, counts.linear, rigid, choose_shift(problem, options.material));
   Eigen::MatrixXd psi = expand_to_vertices(map, local, modes.vectors);
+  require_no_mechanism(problem, modes, psi);
   fix_signs(modes.vectors, psi);
   findings.factorisation = modes.solver;
   findings.mode_residuals.assign(modes.residuals.begin(), modes.residuals.end());
@@ -160,9 +197,11 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   data.quartic = std::move(coefficients.quartic);
   findings.polynomial_error =
       polynomial_error(solid, rows, data.lambda, data.cubic, data.quartic,
-                       0.1 * bounding_box(problem.mesh.vertices).diagonal());
+                       0.5 * bounding_box(problem.mesh.vertices).diagonal());
   log.end(text("%zu unique entries, |U^T f(Uq) - grad V| = %.1e relative",
                data.cubic.size() + data.quartic.size(), findings.polynomial_error));
+
+  require_accurate(findings);
 
   add_geometry(problem, rows, data);
   return result;

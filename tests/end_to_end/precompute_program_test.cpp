@@ -147,6 +147,28 @@ TEST_F(PrecomputeProgram, APartThatNothingHoldsIsNamed) {
   EXPECT_EQ(nlohmann::json::parse(free.out)["rigid_modes"], 12);
 }
 
+TEST_F(PrecomputeProgram, APartThatHangsByAVertexOrAnEdgeIsRefused) {
+  const TetMesh cube = box_mesh({2, 2, 2}, {0.2, 0.2, 0.2});
+  for (const Eigen::Vector3d& offset :
+       {Eigen::Vector3d(0.2, 0.2, 0.2), Eigen::Vector3d(0.2, 0.2, 0)}) {
+    TetMesh joined = cube;
+    std::vector<VertexId> ids;
+    for (const Eigen::Vector3d& x : cube.vertices) {
+      const Eigen::Vector3d moved = x + offset;
+      VertexId id = 0;
+      while (id < static_cast<VertexId>(joined.vertices.size()) &&
+             (joined.vertices[id] - moved).norm() > 1e-9)
+        ++id;
+      if (id == static_cast<VertexId>(joined.vertices.size())) joined.vertices.push_back(moved);
+      ids.push_back(id);
+    }
+    for (const Tetrahedron& tet : cube.tetrahedra)
+      joined.tetrahedra.push_back({ids[tet[0]], ids[tet[1]], ids[tet[2]], ids[tet[3]]});
+    expect_failure(run_on(joined), 3, "moves without strain");
+    expect_failure(run_on(joined, "-o out.tremolo --fix none"), 3, "moves without strain");
+  }
+}
+
 TEST_F(PrecomputeProgram, BadMeshesAreRefusedWithoutTouchingTheOutput) {
   expect_failure(run(std::string("missing.veg ") + kGood), 1, "missing.veg");
   std::ofstream(folder_ + "/empty.msh").flush();
