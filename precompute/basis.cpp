@@ -1,5 +1,7 @@
 #include "precompute/basis.h"
 
+#include <limits>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
@@ -38,7 +40,9 @@ struct Factored {
 };
 Factored orthonormalise(Mat mass, const Columns& columns) {
   const Eigen::MatrixXd first = gram(mass, columns);
-  const Eigen::VectorXd norms = first.diagonal().cwiseSqrt();
+  // A column may be zero: modes of parts that do not touch have no common derivative.
+  const Eigen::VectorXd norms =
+      first.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
   const Eigen::MatrixXd scaled =
       norms.cwiseInverse().asDiagonal() * first * norms.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
@@ -66,10 +70,12 @@ Basis make_basis(const Matrices& matrices, const Columns& modes, const Eigen::Ve
   const Eigen::JacobiSVD<Eigen::MatrixXd, Eigen::ColPivHouseholderQRPreconditioner> svd(
       factored.t, Eigen::ComputeThinU);
   const Eigen::VectorXd& sigma = svd.singularValues();
-  if (r < 1 || r > factored.q.cols())
+  constexpr double kRank = 1e-13;  // of the largest singular value: below is rounding
+  const auto rank = (sigma.array() > kRank * sigma[0]).count();
+  if (r < 1 || r > rank)
     throw Failure(content_error(
         std::to_string(r) + " coordinates asked for; " + std::to_string(modes.cols()) +
-        " linear modes with their derivatives span " + std::to_string(factored.q.cols())));
+        " linear modes with their derivatives span " + std::to_string(rank)));
   Basis basis;
   basis.singular_values.assign(sigma.data(), sigma.data() + sigma.size());
   const Columns reduced = factored.q * svd.matrixU().leftCols(r);

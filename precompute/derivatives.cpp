@@ -1,5 +1,7 @@
 #include "precompute/derivatives.h"
 
+#include <cmath>
+
 #include "common/packed_index.h"
 #include "common/parallel.h"
 #include "precompute/failure.h"
@@ -34,14 +36,19 @@ Columns solve(Mat factor, const Columns& loads) {
   return solution;
 }
 
+// Takes the part out of the loads that would set the body moving as a whole.
+void balance(const Matrices& matrices, const Columns& rigid, Columns& loads) {
+  if (rigid.cols() > 0)
+    loads -= multiply(matrices.mass.get(), rigid) * inner_products(rigid, loads);
+}
+
 // K X = B on the M-complement of the rigid modes, with the factor of K + sM: X <- (K + sM)^-1
 // (B + sM X) contracts every mode by s / (omega^2 + s).
 Columns solve_on_complement(const Modes& modes, const Matrices& matrices, const Columns& rigid,
-                            Columns loads) {
+                            const Columns& loads) {
   constexpr int kMaxRounds = 200;
   constexpr double kTolerance = 1e-13;  // of the change, relative: rounding of the solves
   const Columns mass_rigid = multiply(matrices.mass.get(), rigid);
-  loads -= mass_rigid * inner_products(rigid, loads);
   Columns solution = Columns::Zero(loads.rows(), loads.cols());
   for (int round = 0; round < kMaxRounds; ++round) {
     Columns next =
@@ -58,14 +65,31 @@ Columns solve_on_complement(const Modes& modes, const Matrices& matrices, const 
                  "is too close to rigid motion"});
 }
 
+double largest_residual(const Matrices& matrices, const Columns& solution, const Columns& loads) {
+  const Columns residual = multiply(matrices.stiffness.get(), solution) - loads;
+  Eigen::MatrixXd squares(2, loads.cols());
+  squares.row(0) = residual.colwise().squaredNorm();
+  squares.row(1) = loads.colwise().squaredNorm();
+  sum_over_ranks(squares);
+  // A pair of modes of parts that do not touch has no load: against the largest one.
+  const Eigen::ArrayXd scale =
+      squares.row(1).transpose().array().max(1e-20 * squares.row(1).maxCoeff());
+  return std::sqrt((squares.row(0).transpose().array() / scale).maxCoeff());
+}
+
 }  // namespace
 
-Columns modal_derivatives(const Solid& solid, const LocalDofs& local, const Matrices& matrices,
-                          const Modes& modes, const Eigen::MatrixXd& psi, const Columns& rigid,
-                          unsigned threads) {
+ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local,
+                                   const Matrices& matrices, const Modes& modes,
+                                   const Eigen::MatrixXd& psi, const Columns& rigid,
+                                   unsigned threads) {
   Columns loads = right_hand_sides(solid, local, psi, threads);
-  if (rigid.cols() == 0) return solve(modes.factor, loads);
-  return solve_on_complement(modes, matrices, rigid, std::move(loads));
+  balance(matrices, rigid, loads);
+  ModalDerivatives derivatives;
+  derivatives.vectors = rigid.cols() == 0 ? solve(modes.factor, loads)
+                                          : solve_on_complement(modes, matrices, rigid, loads);
+  derivatives.residual = largest_residual(matrices, derivatives.vectors, loads);
+  return derivatives;
 }
 
 }  // namespace tremolo

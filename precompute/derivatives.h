@@ -7,12 +7,21 @@
 
 namespace tremolo {
 
-// local dofs x k(k+1)/2, column pair_index(i, j). psi: the modes expanded to all vertices, 3n x k.
+// vectors: local dofs x k(k+1)/2, column pair_index(i, j). residual: largest |K Phi + H| / |H| of
+// the columns (made self-balancing for a free body): it also tells a factor that is not K's, as
+// PETSc options can bring about.
+struct ModalDerivatives {
+  Columns vectors;
+  double residual = 0;
+};
+
+// psi: the modes expanded to all vertices, 3n x k.
 // A body with rigid modes has a singular K: the load is made self-balancing, the factor of
 // K + sM is used in an iteration that converges to the solution on the complement of `rigid`
 // (M-orthonormal), and nothing of `rigid` is left in Phi.
-Columns modal_derivatives(const Solid& solid, const LocalDofs& local, const Matrices& matrices,
-                          const Modes& modes, const Eigen::MatrixXd& psi, const Columns& rigid,
-                          unsigned threads);
+ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local,
+                                   const Matrices& matrices, const Modes& modes,
+                                   const Eigen::MatrixXd& psi, const Columns& rigid,
+                                   unsigned threads);
 
 }  // namespace tremolo

@@ -1,4 +1,6 @@
 // The certificate that no mode was missed: Sylvester's law of inertia on an LDL^T factor.
+#include <vector>
+
 #include "precompute/failure.h"
 #include "precompute/modes.h"
 
@@ -33,17 +35,19 @@ int count_modes_below(const Matrices& matrices, double bound) {
 }
 
 InertiaCertificate certify(const Matrices& matrices, const Modes& modes, int rigid_count) {
-  const Eigen::Index count = modes.squared_frequencies.size();
-  const double last = modes.squared_frequencies[count - 1];
-  const double next = modes.next_squared_frequency;
+  constexpr double kGap = 1e-7;  // relative: closer eigenvalues are a cluster
+  std::vector<double> values(modes.squared_frequencies.begin(), modes.squared_frequencies.end());
+  if (modes.next_squared_frequency > 0) values.push_back(modes.next_squared_frequency);
+  // Between the last two that differ: a cluster at the cut may go on beyond what was computed.
+  std::size_t below = values.size() - 1;
+  while (below > 0 && values[below] <= values[below - 1] * (1.0 + kGap)) --below;
   InertiaCertificate certificate;
-  certificate.expected = static_cast<int>(count) + rigid_count;
-  if (next > last * (1.0 + 1e-7)) {
-    certificate.bound = 0.5 * (last + next);
+  if (below == 0) {  // all alike, or one mode that is all there is
+    certificate.bound = values.front() * (1.0 - kGap);
+    certificate.expected = rigid_count;
   } else {
-    // The cut goes through a cluster: count above it, the next mode included.
-    certificate.bound = std::max(last, next) * (1.0 + 1e-7);
-    if (next > 0) ++certificate.expected;
+    certificate.bound = 0.5 * (values[below - 1] + values[below]);
+    certificate.expected = static_cast<int>(below) + rigid_count;
   }
   certificate.counted = count_modes_below(matrices, certificate.bound);
   return certificate;

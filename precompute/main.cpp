@@ -45,13 +45,15 @@ void print_json(const PrecomputeResult& result, const StageLog& log) {
       {"total_mass_kg", data.total_mass},
       {"factorisation", result.findings.factorisation},
       {"mode_residuals", result.findings.mode_residuals},
+      {"derivative_residual", result.findings.derivative_residual},
+      {"inertia_count", result.findings.inertia_count},
       {"certified_by_inertia", result.findings.certified},
       {"mass_orthonormality_error", result.findings.orthonormality_error},
       {"polynomial_error", result.findings.polynomial_error},
       {"cut_singular_values", cut},
       {"notes", result.problem.notes},
       {"stages", stages}};
-  std::cout << json.dump(2) << "\n";
+  std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
 }
 
 // The user sees at once what came out.
@@ -77,6 +79,8 @@ void print_total(const StageLog& log) {
 void run(const CommandLine& line) {
   const bool speak = mpi_rank() == 0;
   StageLog log(!speak);
+  // An output that cannot be written is told before the work, not after it.
+  if (speak) unwrap(AtomicFile::create(line.options.output_path));
   PrecomputeResult result = run_precompute(line.options, log);
   result.data.provenance = provenance_json(line.options, result);
   if (!speak) return;
@@ -95,6 +99,19 @@ int report(const Error& error) {
   return exit_code(error);
 }
 
+// What `run` threw, as an error.
+Error caught() {
+  try {
+    throw;
+  } catch (const Failure& failure) {
+    return failure.error();
+  } catch (const std::bad_alloc&) {
+    return system_error("out of memory");
+  } catch (const std::exception& exception) {
+    return system_error(exception.what());
+  }
+}
+
 int run_program(int count, char** words) {
   const auto parsed = parse_command_line(count, words);
   if (const int* code = std::get_if<int>(&parsed)) return *code;
@@ -103,22 +120,19 @@ int run_program(int count, char** words) {
     const PetscSession session(words[0], line.petsc_options);
     try {
       run(line);
-    } catch (const Failure& failure) {
-      // Errors of the input are the same on all ranks; a lone rank's would leave the others
-      // waiting.
-      const int code = mpi_rank() == 0 || failure.error().kind != ErrorKind::kContent
-                           ? report(failure.error())
-                           : exit_code(failure.error());
-      if (mpi_ranks() > 1 && failure.error().kind != ErrorKind::kContent)
-        MPI_Abort(PETSC_COMM_WORLD, code);
-      return code;
+      return 0;
+    } catch (...) {
+      const Error error = caught();
+      // Errors of the input are the same on all ranks: one speaks. Others may be one rank's own,
+      // and the rest would wait for it for ever.
+      const bool common = error.kind == ErrorKind::kContent || error.kind == ErrorKind::kUsage;
+      if (!common || mpi_rank() == 0) report(error);
+      if (!common && mpi_ranks() > 1) MPI_Abort(PETSC_COMM_WORLD, exit_code(error));
+      return exit_code(error);
     }
-  } catch (const Failure& failure) {
-    return report(failure.error());
-  } catch (const std::bad_alloc&) {
-    return report(system_error("out of memory"));
+  } catch (...) {
+    return report(caught());
   }
-  return 0;
 }
 
 }  // namespace

@@ -106,15 +106,19 @@ void measure_residuals(const Matrices& matrices, Modes& modes) {
   modes.residuals = (squares.row(0).array() / squares.row(1).array()).sqrt().matrix().transpose();
 }
 
-double largest_diagonal_ratio(const Matrices& matrices) {
-  PetscVector stiffness, mass;
-  require(MatCreateVecs(matrices.stiffness.get(), stiffness.out(), mass.out()));
-  require(MatGetDiagonal(matrices.stiffness.get(), stiffness.get()));
-  require(MatGetDiagonal(matrices.mass.get(), mass.get()));
-  require(VecPointwiseDivide(stiffness.get(), stiffness.get(), mass.get()));
-  PetscReal largest = 0;
-  require(VecMax(stiffness.get(), nullptr, &largest));
-  return largest;
+double measure_cancellation(const Matrices& matrices, const Modes& modes) {
+  PetscVector diagonal;
+  require(MatCreateVecs(matrices.stiffness.get(), diagonal.out(), nullptr));
+  require(MatGetDiagonal(matrices.stiffness.get(), diagonal.get()));
+  const double* values = nullptr;
+  require(VecGetArrayRead(diagonal.get(), &values));
+  Eigen::MatrixXd terms(1, 1);
+  terms << (Eigen::Map<const Eigen::ArrayXd>(values, modes.vectors.rows()) *
+            modes.vectors.col(0).array().square())
+               .sum();
+  require(VecRestoreArrayRead(diagonal.get(), &values));
+  sum_over_ranks(terms);
+  return modes.squared_frequencies[0] / terms(0);
 }
 
 void keep_factor(Modes& modes) {
@@ -157,7 +161,7 @@ Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, d
   modes.squared_frequencies.conservativeResize(count);
   modes.vectors.conservativeResize(Eigen::NoChange, count);
   measure_residuals(matrices, modes);
-  modes.largest_ratio = largest_diagonal_ratio(matrices);
+  modes.cancellation = measure_cancellation(matrices, modes);
   keep_factor(modes);
   return modes;
 }

@@ -11,7 +11,7 @@ struct Modes {
   Columns vectors;                      // local dofs x k, M-orthonormal, kg^-1/2
   Eigen::VectorXd residuals;            // |K psi - w2 M psi| / |w2 M psi|, 2-norms
   double next_squared_frequency = 0;    // the first one left out; 0 if there is none
-  double largest_ratio = 0;             // max K_ii / M_ii: about the largest squared frequency
+  double cancellation = 1;              // omega_1^2 / sum K_ii psi_i^2: what is left of the terms
   double shift = 0;                     // sigma of the factorisation, <= 0
   std::string solver;                   // the package that factorised
   PetscEigenSolver keeper;              // owns the factor
@@ -27,7 +27,8 @@ Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, d
 // K - bound*M (Sylvester) by MUMPS: no mode can hide from it.
 int count_modes_below(const Matrices& matrices, double bound);
 
-// What compute_modes found against that count, with the bound halfway to the first mode left out.
+// What compute_modes found against that count, with the bound in the last gap, usually halfway to
+// the first mode left out.
 struct InertiaCertificate {
   double bound = 0;  // (rad/s)^2
   int expected = 0;  // modes found below the bound, rigid ones included

@@ -31,7 +31,8 @@ std::string essential(const std::vector<std::string>& words) {
   std::string line;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (word == "--json" || word.starts_with("--output=") || word.starts_with("--threads="))
+    if (word == "--json" || word.starts_with("--output=") || word.starts_with("--threads=") ||
+        (word.starts_with("-o") && word.size() > 2))
       continue;
     if (word == "-o" || word == "--output" || word == "--threads") {
       ++i;
@@ -59,8 +60,9 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
       "What follows -- goes to PETSc and SLEPc (their inner solver has the prefix -st_)."};
   app.name("tremolo-precompute");
   app.set_version_flag("--version", std::string("tremolo-precompute ") + TREMOLO_VERSION);
+  app.allow_config_extras(CLI::config_extras_mode::error);
   app.set_config("--config", "", "read options from a TOML file (keys are the long flag names)");
-  app.add_option("mesh", options.mesh_path, "tetrahedral mesh: .msh .vtk .veg .node .ele")
+  app.add_option("mesh", options.mesh_path, "tetrahedral mesh: .msh .vtk .vtu .veg .node .ele")
       ->required();
   app.add_option("-o,--output", options.output_path, "the basis file to write")->required();
   app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();

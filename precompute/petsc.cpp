@@ -1,5 +1,7 @@
 #include "precompute/petsc.h"
 
+#include <cstdlib>
+
 #include "precompute/failure.h"
 
 namespace tremolo {
@@ -28,8 +30,9 @@ PetscSession::PetscSession(const char* program, const std::vector<std::string>& 
   pointers.push_back(nullptr);
   int count = static_cast<int>(words.size());
   char** arguments = pointers.data();
-  // A user's ~/.petscrc must not change what the same command gives.
+  // A user's ~/.petscrc or environment must not change what the same command gives.
   PetscOptionsSetValue(nullptr, "-skip_petscrc", nullptr);
+  ::unsetenv("PETSC_OPTIONS");
   if (SlepcInitialize(&count, &arguments, nullptr, nullptr) != 0)
     throw Failure(system_error("PETSc or MPI could not be started"));
   PetscPopSignalHandler();

@@ -39,10 +39,10 @@ double choose_shift(const Problem& problem, const Material& material) {
 // A hinge or a joint of one vertex lets a part move without strain: K is singular although enough
 // vertices are fixed, and what a factorisation then returns is noise.
 void require_no_mechanism(const Problem& problem, const Modes& modes, const Eigen::MatrixXd& psi) {
-  // Below this share of the largest squared frequency a mode is rounding: a double has 2e-16, the
-  // factorisation loses some.
-  constexpr double kNoise = 1e-13;
-  if (modes.squared_frequencies[0] > kNoise * modes.largest_ratio && psi.allFinite()) return;
+  // psi^T K psi is a sum in which terms cancel. A double has 2e-16, the factorisation loses some; a
+  // cantilever a thousand times as long as thick keeps 1e-13.
+  constexpr double kNoise = 2e-14;
+  if (modes.cancellation > kNoise && psi.allFinite()) return;
   std::string where;
   Eigen::Index row = 0;
   if (psi.allFinite() && psi.col(0).cwiseAbs().maxCoeff(&row) > 0) {
@@ -57,14 +57,16 @@ void require_no_mechanism(const Problem& problem, const Modes& modes, const Eige
 void require_accurate(const PrecomputeFindings& findings) {
   const double residual =
       *std::max_element(findings.mode_residuals.begin(), findings.mode_residuals.end());
-  // Far above what a sound mesh gives (1e-10, 1e-14 and 1e-12), far below what harms.
+  // Far above what a sound mesh gives (1e-9, 1e-14 and 1e-12), far below what harms.
   if (residual <= 1e-6 && findings.orthonormality_error <= 1e-9 &&
       findings.polynomial_error <= 1e-9)
     return;
   throw Failure({ErrorKind::kSolver,
-                 text("the result is not accurate: mode residual %.1e, |U^T M U - I| %.1e, "
-                      "polynomial %.1e; is the mesh extremely thin or uneven?",
-                      residual, findings.orthonormality_error, findings.polynomial_error)});
+                 text("the result is not accurate: residual of the modes %.1e, of the derivatives "
+                      "%.1e, |U^T M U - I| %.1e, polynomial %.1e; is the mesh extremely thin or "
+                      "uneven, or does a PETSc option change the factorisation?",
+                      residual, findings.derivative_residual, findings.orthonormality_error,
+                      findings.polynomial_error)});
 }
 
 VertexBlock make_block(const TetMesh& mesh, const std::vector<VertexId>& ids,
@@ -171,13 +173,15 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   }
 
   log.begin("derivatives");
-  const Columns derivatives =
+  const ModalDerivatives derivatives =
       modal_derivatives(solid, local, matrices, modes, psi, rigid, options.threads);
-  log.end(text("%d solves on the factor of the modes", static_cast<int>(derivatives.cols())));
+  findings.derivative_residual = derivatives.residual;
+  log.end(text("%d solves on the factor of the modes, residual %.1e",
+               static_cast<int>(derivatives.vectors.cols()), derivatives.residual));
 
   log.begin("basis");
-  Basis basis =
-      make_basis(matrices, modes.vectors, modes.squared_frequencies, derivatives, counts.modes);
+  Basis basis = make_basis(matrices, modes.vectors, modes.squared_frequencies, derivatives.vectors,
+                           counts.modes);
   Eigen::MatrixXd expanded = expand_to_vertices(map, local, basis.vectors);
   fix_signs(basis.vectors, expanded);
   const BasisRows rows = expanded;

@@ -11,6 +11,7 @@ namespace tremolo {
 struct PrecomputeFindings {
   std::string factorisation;           // the package that solved
   std::vector<double> mode_residuals;  // k
+  double derivative_residual = 0;      // largest |K Phi + H| / |H|
   double orthonormality_error = 0;     // max |U^T M U - I|
   double diagonality_error = 0;        // max |U^T K U - Lambda| / max Lambda
   double polynomial_error = 0;         // |U^T f(Uq) - grad V(q)| / |grad V(q)|

@@ -37,6 +37,7 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
                    {"factorisation", findings.factorisation},
                    {"residuals", findings.mode_residuals},
                    {"certified_by_inertia", findings.certified}};
+  json["derivative_residual"] = findings.derivative_residual;
   json["mass_orthonormality_error"] = findings.orthonormality_error;
   json["stiffness_diagonality_error"] = findings.diagonality_error;
   json["polynomial_error"] = findings.polynomial_error;
@@ -46,7 +47,8 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
       {"petsc", version_of(PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
       {"slepc", version_of(SLEPC_VERSION_MAJOR, SLEPC_VERSION_MINOR, SLEPC_VERSION_SUBMINOR)},
       {"metis", version_of(METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR)}};
-  return json.dump(2) + "\n";
+  // A file name need not be UTF-8; the provenance is.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace tremolo

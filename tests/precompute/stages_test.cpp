@@ -182,7 +182,8 @@ TEST(ModalDerivatives, SolveTheirDefiningEquation) {
   const Modes modes = compute_modes(block.matrices, 4, no_rigid(block), 0.0);
   const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
   const Columns phi =
-      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 2);
+      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 2)
+          .vectors;
   ASSERT_EQ(phi.cols(), 10);
   const Columns left = multiply(block.matrices.stiffness.get(), phi);
   for (std::size_t j = 0; j < 4; ++j)
@@ -201,7 +202,8 @@ TEST(ModalDerivatives, AreTheCurvatureOfTheStaticPath) {
   const Modes modes = compute_modes(block.matrices, 1, no_rigid(block), 0.0);
   const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
   const Columns phi =
-      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 1);
+      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 1)
+          .vectors;
   const Eigen::MatrixXd curve = expand_to_vertices(block.map, block.local, phi);
   const auto deviation = [&](double p, bool curved) {
     Field u = psi.col(0) * p;
@@ -224,7 +226,7 @@ TEST(ModalDerivatives, OfAFreeBodyBalanceTheirLoadAndHoldNoRigidMotion) {
   const Modes modes = compute_modes(block.matrices, 3, rigid, kFreeShift);
   const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
   const Columns phi =
-      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, rigid, 1);
+      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, rigid, 1).vectors;
   const Columns mass_phi = multiply(block.matrices.mass.get(), phi);
   EXPECT_LE((rigid.transpose() * mass_phi).cwiseAbs().maxCoeff(),
             1e-10 * std::sqrt((phi.transpose() * mass_phi).diagonal().maxCoeff()));
@@ -245,7 +247,8 @@ Basis make_sample_basis(const Block& block, int r) {
   Modes modes = compute_modes(block.matrices, 5, no_rigid(block), 0.0);
   const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
   const Columns phi =
-      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 2);
+      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 2)
+          .vectors;
   return make_basis(block.matrices, modes.vectors, modes.squared_frequencies, phi, r);
 }
 
