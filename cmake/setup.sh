@@ -49,10 +49,9 @@ build() {
   local generator=() tree=build
   [ "$preset" = release ] || tree=build/$preset
   [ -e "$tree/CMakeCache.txt" ] || generator=(-G Ninja)
-  cmake --preset "$preset" "${generator[@]}" "${options[@]}" >"/tmp/tremolo-configure.$$" 2>&1 ||
-    { cat "/tmp/tremolo-configure.$$" >&2; rm -f "/tmp/tremolo-configure.$$"
-      give_up "cmake could not configure"; }
-  rm -f "/tmp/tremolo-configure.$$"
+  mkdir -p "$tree"
+  cmake --preset "$preset" "${generator[@]}" "${options[@]}" >"$tree/configure.log" 2>&1 ||
+    { cat "$tree/configure.log" >&2; give_up "cmake could not configure"; }
   cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}" ||
     give_up "the build failed"
 }
@@ -64,7 +63,7 @@ precompute() {
   local name=$1 out=build/models/$1.tremolo log=build/models/$1.log source
   local sources=(assets/meshes/$name.msh assets/models/$name.toml build/bin/tremolo-precompute)
   mkdir -p build/models
-  if [ -e "$out" ]; then
+  if [ -e "$out" ] && [ -e "$log" ]; then
     for source in "${sources[@]}"; do [ "$source" -nt "$out" ] && break; source=; done
     [ -z "$source" ] && return
   fi
@@ -74,5 +73,3 @@ precompute() {
 
 # MPI refuses to start more ranks than cores, or as root, unless told that it may.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-# Some machines cap OpenBLAS at an old instruction set.
-unset OPENBLAS_CORETYPE

@@ -22,7 +22,7 @@ std::vector<PetscVector> as_vectors(const Columns& columns) {
 }
 
 // Shift-invert on a Cholesky factor: CHOLMOD on one rank, MUMPS on several. The nodes are already
-// in METIS's nested dissection, so CHOLMOD keeps the natural order.
+// in METIS's nested dissection, so CHOLMOD is given the natural order as its first choice.
 void choose_factorisation(EPS solver) {
   ST transform = nullptr;
   KSP linear = nullptr;

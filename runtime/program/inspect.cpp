@@ -106,7 +106,8 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
   fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", "section", "bytes", "rows", "columns");
   for (const BasisSection& s : reader.sections())
     fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", s.name, s.size, s.rows, s.columns);
-  if (contents.provenance.is_object()) fmt::print("{}\n", contents.provenance.dump(2));
+  if (contents.provenance.is_object())
+    fmt::print("{}\n", contents.provenance.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -118,7 +119,9 @@ int inspect_command(const std::string& path, bool json) {
   if (!contents)
     return report_error({contents.error().kind, path + ": " + contents.error().message});
   if (json)
-    std::cout << to_json(path, *reader, *contents).dump(2) << "\n";
+    std::cout
+        << to_json(path, *reader, *contents).dump(2, ' ', false, Json::error_handler_t::replace)
+        << "\n";
   else
     print_text(path, *reader, *contents);
   return 0;

@@ -123,5 +123,7 @@ int main(int count, char** words) {
     return tremolo::run_program(count, words);
   } catch (const std::bad_alloc&) {
     return tremolo::report_error(tremolo::system_error("out of memory"));
+  } catch (const std::exception& exception) {
+    return tremolo::report_error(tremolo::system_error(exception.what()));
   }
 }

@@ -1,9 +1,11 @@
 #include "runtime/program/plot.h"
 
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -14,14 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Within gnuplot's double quotes.
+// Within gnuplot's single quotes, where nothing but the quote itself is special.
 std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
-  }
-  return result + '"';
+  std::string result = "'";
+  for (char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
+  return result + "'";
 }
 
 std::string curves(const std::vector<PlotSource>& sources, const char* column) {
@@ -31,7 +30,7 @@ std::string curves(const std::vector<PlotSource>& sources, const char* column) {
                                             "lw 1 lc rgb '#666666'"};
   std::string plot = "plot ";
   for (std::size_t i = 0; i < sources.size(); ++i)
-    plot += fmt::format("{}{} using 't':'{}' with lines {} title {}", i == 0 ? "" : ", ",
+    plot += fmt::format("{}{} using 't':'{}' with lines {} title {} noenhanced", i == 0 ? "" : ", ",
                         quoted(sources[i].csv), column, kStyles[i % std::size(kStyles)],
                         quoted(sources[i].label));
   return plot + "\n";
@@ -59,12 +58,15 @@ Status plot_energies(const std::vector<PlotSource>& sources, const std::string& 
   const std::string ending = fs::path(output).extension().string();
   if (ending != ".svg" && ending != ".png")
     return Error{ErrorKind::kUsage, output + ": a plot ends in .svg or .png"};
-  const std::string partial = output + ".partial" + ending;
+  const std::string partial = fmt::format("{}.partial-{}{}", output, ::getpid(), ending);
+  // Where gnuplot is missing the shell is gone before it has read: that must not kill us.
+  const auto before = std::signal(SIGPIPE, SIG_IGN);
   std::FILE* pipe = ::popen("gnuplot", "w");
   if (pipe == nullptr) return system_error("gnuplot cannot be started");
   const std::string commands = script(sources, partial, ending == ".svg");
-  std::fwrite(commands.data(), 1, commands.size(), pipe);
+  std::fwrite(commands.data(), 1, commands.size(), pipe);  // a failure shows in the status
   const int status = ::pclose(pipe);
+  std::signal(SIGPIPE, before);
   std::error_code error;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
     return system_error("gnuplot is not installed (Debian: apt-get install gnuplot-nox)");

@@ -81,12 +81,15 @@ int run_command(const std::vector<RunOptions>& bodies, bool json) {
     }
     objects.push_back(to_json(*report, options));
     if (!options.out.empty())
-      if (Status status = write_file(options.out + "/report.json", objects.back().dump(2) + "\n");
+      if (Status status =
+              write_file(options.out + "/report.json",
+                         objects.back().dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
           !status)
         return report_error(status.error());
   }
   if (json)
-    std::cout << (objects.size() == 1 ? objects.front() : Json{{"bodies", objects}}).dump(2)
+    std::cout << (objects.size() == 1 ? objects.front() : Json{{"bodies", objects}})
+                     .dump(2, ' ', false, Json::error_handler_t::replace)
               << "\n";
   return code;
 }

@@ -27,10 +27,16 @@ Status check(const RunOptions& options) {
     return usage_error("--duration must be positive and finite (s)");
   if (!(options.step > 0) || options.duration / options.step > 1e12)
     return usage_error("--step must be positive and not absurdly small (s)");
+  if (options.duration < 0.5 * options.step)
+    return usage_error("--duration is shorter than half a step: nothing would be done");
+  const std::string& format = options.surface_format;
+  if (format != "ply" && format != "obj" && format != "inc")
+    return usage_error("surface-format '" + format + "': must be ply, obj or inc");
   if (options.every < 1) return usage_error("--every must be at least 1");
   if (options.surfaces < 0) return usage_error("--surfaces must not be negative");
   if ((options.surfaces > 0 || options.plot) && options.out.empty())
     return usage_error("--surfaces and --plot need --out DIR");
+  if (options.at < -1) return usage_error("--at must not be negative");
   if ((options.at >= 0) != !options.force.empty())
     return usage_error("--at and --force belong together");
   if (!std::isfinite(options.scale)) return usage_error("--scale must be finite");

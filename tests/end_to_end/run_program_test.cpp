@@ -25,8 +25,7 @@ class RunProgram : public ::testing::Test {
  protected:
   // One model for all tests: a soft bar, 0.4 m, loaded at its free end.
   static void SetUpTestSuite() {
-    model_folder_ = ::testing::TempDir() + "tremolo-run-model";
-    std::filesystem::create_directories(model_folder_);
+    model_folder_ = testing::fresh_folder("run-model");
     testing::write_veg(model_folder_ + "/bar.veg", box_mesh({8, 2, 2}, {0.4, 0.05, 0.06}));
     const ProgramResult made = run_program(
         model_folder_, TREMOLO_BIN_DIR

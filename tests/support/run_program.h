@@ -1,6 +1,7 @@
 // Starts one of the project's programs and waits for it.
 #pragma once
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -22,13 +23,18 @@ inline std::string slurp(const std::string& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// A folder of this test's own, emptied.
+// A fresh folder of this process's own: tests run side by side.
+inline std::string fresh_folder(const std::string& name) {
+  std::string path = name + "-XXXXXX";
+  std::replace(path.begin(), path.end(), '/', '-');  // of parameterised tests
+  path = ::testing::TempDir() + "tremolo-" + path;
+  if (::mkdtemp(path.data()) == nullptr) std::abort();
+  return path;
+}
+
 inline std::string test_folder() {
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-  const std::string path =
-      ::testing::TempDir() + "tremolo-" + info->test_suite_name() + "-" + info->name();
-  if (std::system(("rm -rf '" + path + "' && mkdir -p '" + path + "'").c_str()) != 0) std::abort();
-  return path;
+  return fresh_folder(std::string(info->test_suite_name()) + "-" + info->name());
 }
 
 // `command` as a shell would read it.
