@@ -12,8 +12,10 @@
 namespace tremolo {
 namespace {
 
+// The columns as they enter a motion u = sum Psi_i p_i + 1/2 sum Phi_ij p_i p_j whose amplitudes
+// are p_i = a w2_1/w2_i, divided by a.
 Columns weighted_columns(const Columns& modes, const Eigen::VectorXd& w2,
-                         const Columns& derivatives) {
+                         const Columns& derivatives, double amplitude) {
   const Eigen::Index k = modes.cols();
   Columns columns(modes.rows(), k + derivatives.cols());
   for (Eigen::Index i = 0; i < k; ++i) columns.col(i) = modes.col(i) * (w2[0] / w2[i]);
@@ -21,7 +23,8 @@ Columns weighted_columns(const Columns& modes, const Eigen::VectorXd& w2,
   for (Eigen::Index j = 0; j < k; ++j)
     for (Eigen::Index i = 0; i <= j; ++i) {
       const auto pair = static_cast<Eigen::Index>(pair_index(i, j));
-      columns.col(k + pair) = derivatives.col(pair) * (w2[0] * w2[0] / (w2[i] * w2[j]));
+      columns.col(k + pair) =
+          derivatives.col(pair) * (0.5 * amplitude * w2[0] * w2[0] / (w2[i] * w2[j]));
     }
   return columns;
 }
@@ -64,9 +67,10 @@ Factored orthonormalise(Mat mass, const Columns& columns) {
 }  // namespace
 
 Basis make_basis(const Matrices& matrices, const Columns& modes, const Eigen::VectorXd& w2,
-                 const Columns& derivatives, int r) {
+                 const Columns& derivatives, double amplitude, int r) {
   const Mat mass = matrices.mass.get();
-  const Factored factored = orthonormalise(mass, weighted_columns(modes, w2, derivatives));
+  const Factored factored =
+      orthonormalise(mass, weighted_columns(modes, w2, derivatives, amplitude));
   const Eigen::JacobiSVD<Eigen::MatrixXd, Eigen::ColPivHouseholderQRPreconditioner> svd(
       factored.t, Eigen::ComputeThinU);
   const Eigen::VectorXd& sigma = svd.singularValues();

@@ -92,6 +92,7 @@ void run(const CommandLine& line) {
   for (const std::string& option : unused_petsc_options())
     log.note("warning: no solver asked for the PETSc option " + option + " (a typo?)");
   if (line.json) print_json(result, log);
+  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
 }
 
 int report(const Error& error) {

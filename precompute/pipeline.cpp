@@ -69,6 +69,14 @@ void require_accurate(const PrecomputeFindings& findings) {
                       findings.polynomial_error)});
 }
 
+// The first mode's coordinate when it moves some vertex by `reach` metres.
+double amplitude_of_first_mode(const Eigen::MatrixXd& psi, double reach) {
+  double largest = 0;
+  for (Eigen::Index row = 0; row < psi.rows(); row += 3)
+    largest = std::max(largest, psi.col(0).segment<3>(row).norm());
+  return reach / largest;
+}
+
 VertexBlock make_block(const TetMesh& mesh, const std::vector<VertexId>& ids,
                        const BasisRows& basis) {
   VertexBlock block;
@@ -145,6 +153,10 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
                                           : Columns(local.dofs(), 0);
   Modes modes =
       compute_modes(matrices, counts.linear, rigid, choose_shift(problem, options.material));
+  // A thin free body is far softer than a compact one: its derivatives want a smaller shift.
+  if (problem.free_body && -modes.shift > 0.1 * modes.squared_frequencies[0] &&
+      modes.squared_frequencies[0] > 0)
+    modes = compute_modes(matrices, counts.linear, rigid, -0.02 * modes.squared_frequencies[0]);
   Eigen::MatrixXd psi = expand_to_vertices(map, local, modes.vectors);
   require_no_mechanism(problem, modes, psi);
   fix_signs(modes.vectors, psi);
@@ -180,8 +192,12 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
                static_cast<int>(derivatives.vectors.cols()), derivatives.residual));
 
   log.begin("basis");
+  // Motion that Tremolo is made for: a tenth of the body's size.
+  constexpr double kReach = 0.1;
+  const double amplitude =
+      amplitude_of_first_mode(psi, kReach * bounding_box(problem.mesh.vertices).diagonal());
   Basis basis = make_basis(matrices, modes.vectors, modes.squared_frequencies, derivatives.vectors,
-                           counts.modes);
+                           amplitude, counts.modes);
   Eigen::MatrixXd expanded = expand_to_vertices(map, local, basis.vectors);
   fix_signs(basis.vectors, expanded);
   const BasisRows rows = expanded;

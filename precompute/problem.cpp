@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "common/hash.h"
 #include "common/packed_index.h"
@@ -71,6 +72,13 @@ DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) 
 
 Problem load_problem(const PrecomputeOptions& options) {
   unwrap(check_material(options.material));
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.mesh_path, options.output_path, ignored))
+    throw Failure(
+        {ErrorKind::kUsage, options.output_path + ": the output would overwrite the mesh"});
+  if (options.fix.size() > 1 &&
+      std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
+    throw Failure({ErrorKind::kUsage, "--fix none and another --fix contradict each other"});
   MeshFile file = unwrap(read_tet_mesh(options.mesh_path));
   Problem problem;
   problem.mesh = std::move(file.mesh);

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdio>
 #include <iostream>
 #include <numbers>
 
@@ -124,6 +125,8 @@ int inspect_command(const std::string& path, bool json) {
         << "\n";
   else
     print_text(path, *reader, *contents);
+  if (!std::cout.flush() || std::fflush(stdout) != 0)
+    return report_error(system_error("standard output cannot be written"));
   return 0;
 }
 

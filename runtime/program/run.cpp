@@ -91,6 +91,7 @@ int run_command(const std::vector<RunOptions>& bodies, bool json) {
     std::cout << (objects.size() == 1 ? objects.front() : Json{{"bodies", objects}})
                      .dump(2, ' ', false, Json::error_handler_t::replace)
               << "\n";
+  if (!std::cout.flush()) return report_error(system_error("standard output cannot be written"));
   return code;
 }
 

@@ -128,6 +128,12 @@ Result<std::vector<RunOptions>> read_scene(const std::string& path) {
                       "'" + std::string(name.str()) + "' stands outside a table: one table a body");
     RunOptions body;
     body.name = std::string(name.str());
+    // It becomes the name of a folder.
+    if (body.name.empty() || body.name.front() == '.' ||
+        body.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                    "._-") != std::string::npos)
+      return error_at(path, name.source(),
+                      "body '" + body.name + "': a name has letters, digits, '.', '_', '-' only");
     if (Status status = read_body(path, *table, body); !status) return status.error();
     bodies.push_back(std::move(body));
   }

@@ -56,6 +56,12 @@ Status add_load(const RunOptions& options, Body& body) {
   }
   Result<Eigen::Vector3d> force = parse_force(options.force);
   if (!force) return force.error();
+  Result<Eigen::VectorXd> reduced = reduce_force(body.model(), options.at, *force);
+  if (!reduced) return reduced.error();
+  if (reduced->isZero(0.0))
+    return content_error("--at " + std::to_string(options.at) +
+                         ": the vertex does not move (it is "
+                         "fixed or belongs to no tetrahedron), or the force is zero");
   return body.add_load(*signal, options.at, options.scale * *force);
 }
 

@@ -22,6 +22,8 @@ using testing::test_folder;
 using testing::write_veg;
 
 const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-precompute ";
+// Open MPI wants to be told, as root.
+const std::string kMayBeRoot = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ";
 const std::string kOld = "an older file that must survive";
 
 // A folder with block.veg and an existing out.tremolo.
@@ -89,6 +91,55 @@ TEST_F(PrecomputeProgram, TheSameMeshGivesTheSameBytes) {
   EXPECT_EQ(a, slurp(folder_ + "/b.tremolo"));
 }
 
+TEST_F(PrecomputeProgram, FrequenciesScaleWithDensitySizeAndStiffness) {
+  const auto frequencies = [&](const std::string& mesh, const std::string& options) {
+    const ProgramResult result =
+        run(mesh + " -o scaled.tremolo --linear-modes 5 --modes 12 --json " + options);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return nlohmann::json::parse(result.out)["frequencies_hz"].get<std::vector<double>>();
+  };
+  TetMesh large = block_;
+  for (Eigen::Vector3d& x : large.vertices) x *= 1000.0;
+  write_veg(folder_ + "/large.veg", large);
+  const auto f = frequencies("block.veg", "--fix 'x<0.001'");
+  const auto heavy = frequencies("block.veg", "--fix 'x<0.001' --density 1e9");
+  const auto stiff = frequencies("block.veg", "--fix 'x<0.001' --young 1e10");
+  const auto big = frequencies("large.veg", "--fix 'x<1'");
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    EXPECT_NEAR(heavy[i], f[i] / 1e3, 1e-8 * f[i] / 1e3);  // the eigenvectors' rounding
+    EXPECT_NEAR(stiff[i], f[i] * 1e2, 1e-8 * f[i] * 1e2);
+    EXPECT_NEAR(big[i], f[i] / 1e3, 1e-8 * f[i] / 1e3);
+  }
+}
+
+TEST_F(PrecomputeProgram, TheBasisKeepsTheLowestModes) {
+  ASSERT_EQ(run("block.veg -o many.tremolo --fix 'x<0.001' --linear-modes 8 --modes 16").code, 0);
+  ASSERT_EQ(run("block.veg -o one.tremolo --fix 'x<0.001' --linear-modes 1 --modes 1").code, 0);
+  const auto many = read_basis(folder_ + "/many.tremolo");
+  const auto one = read_basis(folder_ + "/one.tremolo");
+  ASSERT_TRUE(many && one);
+  // The single direction of the PCA leans a little towards the derivative of the mode.
+  EXPECT_NEAR(one->lambda[0], many->lambda[0], 0.02 * many->lambda[0]);
+}
+
+TEST_F(PrecomputeProgram, TheMeshIsNotOverwritten) {
+  const std::string before = slurp(folder_ + "/block.veg");
+  const ProgramResult result = run("block.veg -o ./block.veg --fix none");
+  EXPECT_EQ(result.code, 2) << result.err;
+  EXPECT_EQ(slurp(folder_ + "/block.veg"), before);
+}
+
+TEST_F(PrecomputeProgram, AThinFreePlateIsComputedToo) {
+  write_veg(folder_ + "/plate.veg", box_mesh({16, 16, 1}, {1.0, 1.0, 0.001}));
+  const ProgramResult result = run("plate.veg -o plate.tremolo --fix none --linear-modes 6 --json");
+  EXPECT_EQ(result.code, 0) << result.err;
+}
+
+TEST_F(PrecomputeProgram, AConfigFileWithAnUnknownKeyIsRefused) {
+  std::ofstream(folder_ + "/config.toml") << "yuong = 1e4\n";
+  expect_failure(run(std::string("block.veg --config config.toml ") + kGood), 2, "yuong");
+}
+
 TEST_F(PrecomputeProgram, LumpedMassIsAnOptionThroughout) {
   ASSERT_EQ(run("block.veg -o a.tremolo --fix 'x<0.001' --mass lumped --json").code, 0);
   const auto json = nlohmann::json::parse(slurp(folder_ + "/stdout.txt"));
@@ -108,7 +159,7 @@ TEST_F(PrecomputeProgram, SeveralRanksFindTheSameModel) {
   ASSERT_EQ(run(std::string("block.veg --json ") + kGood).code, 0);
   const auto one = nlohmann::json::parse(slurp(folder_ + "/stdout.txt"));
   const ProgramResult result = run_program(
-      folder_, "mpiexec --oversubscribe -n 2 " + kProgram + "block.veg --json " + kGood);
+      folder_, kMayBeRoot + "mpiexec --oversubscribe -n 2 " + kProgram + "block.veg --json " + kGood);
   ASSERT_EQ(result.code, 0) << result.err;
   const auto two = nlohmann::json::parse(result.out);
   EXPECT_EQ(two["factorisation"], "mumps");

@@ -249,7 +249,7 @@ Basis make_sample_basis(const Block& block, int r) {
   const Columns phi =
       modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 2)
           .vectors;
-  return make_basis(block.matrices, modes.vectors, modes.squared_frequencies, phi, r);
+  return make_basis(block.matrices, modes.vectors, modes.squared_frequencies, phi, 0.05, r);
 }
 
 TEST(Basis, IsOrthonormalInTheMassAndDiagonalInTheStiffness) {
