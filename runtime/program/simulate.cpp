@@ -1,10 +1,12 @@
 #include "runtime/program/simulate.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "formats/surface_writer.h"
 #include "runtime/program/plot.h"
@@ -22,24 +24,31 @@ Error usage_error(std::string message) {
   return {ErrorKind::kUsage, std::move(message)};
 }
 
+// The library calls a wrong argument wrong usage; on the command line that is an unknown flag or
+// name, and a number out of range is an invalid value.
+Error value_error(Error error) {
+  if (error.kind == ErrorKind::kUsage) error.kind = ErrorKind::kContent;
+  return error;
+}
+
 Status check(const RunOptions& options) {
   if (!(options.duration > 0) || !std::isfinite(options.duration))
-    return usage_error("--duration must be positive and finite (s)");
+    return content_error("--duration must be positive and finite (s)");
   if (!(options.step > 0) || options.duration / options.step > 1e12)
-    return usage_error("--step must be positive and not absurdly small (s)");
+    return content_error("--step must be positive and not absurdly small (s)");
   if (options.duration < 0.5 * options.step)
-    return usage_error("--duration is shorter than half a step: nothing would be done");
+    return content_error("--duration is shorter than half a step: nothing would be done");
   const std::string& format = options.surface_format;
   if (format != "ply" && format != "obj" && format != "inc")
     return usage_error("surface-format '" + format + "': must be ply, obj or inc");
-  if (options.every < 1) return usage_error("--every must be at least 1");
-  if (options.surfaces < 0) return usage_error("--surfaces must not be negative");
+  if (options.every < 1) return content_error("--every must be at least 1");
+  if (options.surfaces < 0) return content_error("--surfaces must not be negative");
   if ((options.surfaces > 0 || options.plot) && options.out.empty())
     return usage_error("--surfaces and --plot need --out DIR");
-  if (options.at < -1) return usage_error("--at must not be negative");
+  if (options.at < -1) return content_error("--at must not be negative");
   if ((options.at >= 0) != !options.force.empty())
     return usage_error("--at and --force belong together");
-  if (!std::isfinite(options.scale)) return usage_error("--scale must be finite");
+  if (!std::isfinite(options.scale)) return content_error("--scale must be finite");
   return Success{};
 }
 
@@ -57,7 +66,7 @@ Status add_load(const RunOptions& options, Body& body) {
   Result<Eigen::Vector3d> force = parse_force(options.force);
   if (!force) return force.error();
   Result<Eigen::VectorXd> reduced = reduce_force(body.model(), options.at, *force);
-  if (!reduced) return reduced.error();
+  if (!reduced) return value_error(reduced.error());
   if (reduced->isZero(0.0))
     return content_error("--at " + std::to_string(options.at) +
                          ": the vertex does not move (it is "
@@ -66,8 +75,12 @@ Status add_load(const RunOptions& options, Body& body) {
 }
 
 Result<Body> make_body(const RunOptions& options) {
+  const auto names = integrator_names();
+  if (std::find(names.begin(), names.end(), options.integrator) == names.end())
+    return usage_error(fmt::format("unknown integrator '{}'; there are {}", options.integrator,
+                                   fmt::join(names, ", ")));
   Result<Model::Pointer> model = Model::load(options.model, {options.modes});
-  if (!model) return model.error();
+  if (!model) return value_error(model.error());
   IntegratorOptions settings;
   settings.step = options.step;
   settings.alpha = options.alpha;
@@ -81,7 +94,7 @@ Result<Body> make_body(const RunOptions& options) {
   settings.split = *split;
   settings.split.safety = options.safety;
   Result<Body> body = Body::create(*model, options.integrator, settings);
-  if (!body) return body.error();
+  if (!body) return value_error(body.error());
   if (Status status = add_load(options, *body); !status) return status.error();
   return body;
 }
@@ -181,7 +194,7 @@ Result<RunReport> simulate(const RunOptions& options) {
   if (!created) return created.error();
   Body& body = *created;
   Result<Recorder> recorder = Recorder::create(body.model(), options.coordinates, options.probes);
-  if (!recorder) return recorder.error();
+  if (!recorder) return value_error(recorder.error());
   if (!options.out.empty()) {
     std::error_code error;
     fs::create_directories(options.out, error);

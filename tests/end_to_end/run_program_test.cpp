@@ -154,16 +154,18 @@ TEST_F(RunProgram, ASolverThatGivesUpIsReported) {
 
 TEST_F(RunProgram, WrongUsageAndBadFilesAreToldApart) {
   expect_failure(run("run " + model() + " --integrator leapfrog"), 2, "imexv");  // lists the names
-  expect_failure(run("run " + model() + " --step -1"), 2, "--step");
-  expect_failure(run("run " + model() + " --duration 0"), 2, "--duration");
+  expect_failure(run("run " + model() + " --step -1"), 3, "--step");
+  expect_failure(run("run " + model() + " --duration 0"), 3, "--duration");
   expect_failure(run("run " + model() + " --no-such-flag"), 2, "no-such-flag");
   expect_failure(run("run " + model() + " --load hammer"), 2, "impulse");
   expect_failure(run("run " + model() + " --at 80 --force 1,2"), 2, "X,Y,Z");
   expect_failure(run("run " + model() + " --at 80"), 2, "--force");
-  expect_failure(run("run " + model() + " --at 8000 --force 1,2,3"), 2, "8000");
-  expect_failure(run("run " + model() + " --modes 13"), 2, "13");
-  expect_failure(run("run " + model() + " --probe 8000"), 2, "8000");
-  expect_failure(run("run " + model() + " --alpha=-1"), 2, "");
+  expect_failure(run("run " + model() + " --at 8000 --force 1,2,3"), 3, "8000");
+  expect_failure(run("run " + model() + " --modes 13"), 3, "13");
+  expect_failure(run("run " + model() + " --probe 8000"), 3, "8000");
+  expect_failure(run("run " + model() + " --alpha=-1"), 3, "");
+  expect_failure(run("run " + model() + " --at 0 --force 0,0,1"), 3, "does not move");
+  EXPECT_EQ(run("inspect " + model() + " --json > /dev/full; exit $?;").code, 1);
   expect_failure(run("run nowhere.tremolo"), 1, "nowhere.tremolo");
   std::ofstream(folder_ + "/bad.tremolo") << slurp(model()).substr(0, 5000);
   expect_failure(run("run bad.tremolo"), 3, "truncated");
@@ -206,6 +208,7 @@ TEST_F(RunProgram, AWrongSceneNamesItsLine) {
   expect("step = 1\n", "outside a table");
   expect("[a]\nstep = 1\n", "names no model");
   expect("", "no body");
+  expect("[\"a/../../b\"]\nmodel = \"x\"\n", "letters");  // it would become a folder's name
   expect_failure(run("run nowhere.toml"), 1, "nowhere.toml");
 }
 
