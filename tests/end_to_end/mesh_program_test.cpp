@@ -11,15 +11,15 @@
 namespace tremolo {
 namespace {
 
+using testing::fresh_folder;
 using testing::ProgramResult;
 using testing::run_program;
 using testing::slurp;
-using testing::test_folder;
 
 const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-mesh ";
 
 TEST(MeshProgram, MakesTheBeamAnewTheSameEachTime) {
-  const std::string folder = test_folder();
+  const std::string folder = fresh_folder();
   const ProgramResult first = run_program(folder, kProgram + "beam -o a.msh --surface a.ply");
   ASSERT_EQ(first.code, 0) << first.err;
   EXPECT_NE(first.out.find("dihedral angles"), std::string::npos);
@@ -41,7 +41,7 @@ TEST(MeshProgram, MakesTheBeamAnewTheSameEachTime) {
 }
 
 TEST(MeshProgram, WrongUsageIsToldApartAndWritesNothing) {
-  const std::string folder = test_folder();
+  const std::string folder = fresh_folder();
   const ProgramResult unknown = run_program(folder, kProgram + "giraffe -o x.msh");
   EXPECT_EQ(unknown.code, 2) << unknown.err;
   EXPECT_NE(unknown.err.find("horse"), std::string::npos) << "the recipes are listed";

@@ -82,7 +82,7 @@ TEST_P(SampleModel, MeetsTheResidualsThatItsFileClaims) {
 TEST_P(SampleModel, VibratesForThirtySecondsInItsOwnScene) {
   const std::string scene =
       std::string(TREMOLO_SOURCE_DIR "/assets/scenes/") + GetParam().name + ".toml";
-  const std::string folder = testing::test_folder();
+  const std::string folder = testing::fresh_folder();
   const auto result = testing::run_program(
       folder, std::string(TREMOLO_BIN_DIR "/tremolo run ") + scene + " --json");
   ASSERT_EQ(result.code, 0) << result.err;

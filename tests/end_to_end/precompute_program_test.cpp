@@ -15,10 +15,10 @@ namespace tremolo {
 namespace {
 
 using testing::box_mesh;
+using testing::fresh_folder;
 using testing::ProgramResult;
 using testing::run_program;
 using testing::slurp;
-using testing::test_folder;
 using testing::write_veg;
 
 const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-precompute ";
@@ -30,7 +30,7 @@ const std::string kOld = "an older file that must survive";
 class PrecomputeProgram : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = test_folder();
+    folder_ = fresh_folder();
     write_veg(folder_ + "/block.veg", block_);
     std::ofstream(folder_ + "/out.tremolo") << kOld;
   }
@@ -158,8 +158,8 @@ TEST_F(PrecomputeProgram, PassesPetscOptionsOnAndWarnsOfThoseNobodyReads) {
 TEST_F(PrecomputeProgram, SeveralRanksFindTheSameModel) {
   ASSERT_EQ(run(std::string("block.veg --json ") + kGood).code, 0);
   const auto one = nlohmann::json::parse(slurp(folder_ + "/stdout.txt"));
-  const ProgramResult result = run_program(
-      folder_, kMayBeRoot + "mpiexec --oversubscribe -n 2 " + kProgram + "block.veg --json " + kGood);
+  const ProgramResult result = run_program(folder_, kMayBeRoot + "mpiexec --oversubscribe -n 2 " +
+                                                        kProgram + "block.veg --json " + kGood);
   ASSERT_EQ(result.code, 0) << result.err;
   const auto two = nlohmann::json::parse(result.out);
   EXPECT_EQ(two["factorisation"], "mumps");

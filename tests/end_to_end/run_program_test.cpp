@@ -14,10 +14,10 @@ namespace {
 
 using nlohmann::json;
 using testing::box_mesh;
+using testing::fresh_folder;
 using testing::ProgramResult;
 using testing::run_program;
 using testing::slurp;
-using testing::test_folder;
 
 const std::string kProgram = TREMOLO_BIN_DIR "/tremolo ";
 
@@ -25,7 +25,7 @@ class RunProgram : public ::testing::Test {
  protected:
   // One model for all tests: a soft bar, 0.4 m, loaded at its free end.
   static void SetUpTestSuite() {
-    model_folder_ = testing::fresh_folder("run-model");
+    model_folder_ = testing::fresh_folder();
     testing::write_veg(model_folder_ + "/bar.veg", box_mesh({8, 2, 2}, {0.4, 0.05, 0.06}));
     const ProgramResult made = run_program(
         model_folder_, TREMOLO_BIN_DIR
@@ -34,7 +34,7 @@ class RunProgram : public ::testing::Test {
     ASSERT_EQ(made.code, 0) << made.err;
   }
 
-  void SetUp() override { folder_ = test_folder(); }
+  void SetUp() override { folder_ = fresh_folder(); }
 
   ProgramResult run(const std::string& arguments) {
     return run_program(folder_, kProgram + arguments);

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tremolo {
 namespace {
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 class AtomicFileTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = testing::test_folder();
+    folder_ = testing::fresh_folder();
     std::ofstream(target()) << "old";
   }
 

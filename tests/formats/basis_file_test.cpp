@@ -10,6 +10,7 @@
 #include "common/hash.h"
 #include "formats/basis_reader.h"
 #include "formats/basis_writer.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_basis.h"
 
 namespace tremolo {
@@ -109,7 +110,7 @@ TEST(BasisFile, ReadsTheGoldenFileOfVersionOneZero) {
 }
 
 TEST(BasisFile, WhatIsWrittenIsRead) {
-  const std::string path = ::testing::TempDir() + "round-trip.tremolo";
+  const std::string path = testing::fresh_folder() + "/round-trip.tremolo";
   const auto written = write_basis(path, tiny_basis());
   ASSERT_TRUE(written) << written.error().message;
   const auto data = read_basis(path);
@@ -277,7 +278,7 @@ TEST(BasisFile, AnErrorNamesFileSectionAndOffset) {
 }
 
 TEST(BasisFile, MissingEmptyAndForeignFilesAreErrors) {
-  const std::string folder = ::testing::TempDir();
+  const std::string folder = testing::fresh_folder() + "/";
   EXPECT_EQ(read_basis(folder + "no-such-file").error().kind, ErrorKind::kSystem);
   EXPECT_EQ(read_basis(folder).error().kind, ErrorKind::kSystem);
   std::ofstream(folder + "empty").flush();
@@ -300,7 +301,7 @@ TEST(BasisFile, TheWriterRefusesDataOfUnequalShape) {
 }
 
 TEST(BasisFile, AnUnwritableTargetIsAnErrorAndLeavesNothing) {
-  const std::string folder = ::testing::TempDir() + "atomic-test";
+  const std::string folder = testing::fresh_folder() + "/atomic-test";
   std::filesystem::create_directories(folder);
   EXPECT_EQ(write_basis(folder + "/no/such/folder/x.tremolo", tiny_basis()).error().kind,
             ErrorKind::kSystem);

@@ -1,14 +1,13 @@
 // Starts one of the project's programs and waits for it.
 #pragma once
 
-#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <string>
 #include <sys/wait.h>
 
-#include <gtest/gtest.h>
+#include "tests/support/temporary_folder.h"
 
 namespace tremolo::testing {
 
@@ -21,20 +20,6 @@ struct ProgramResult {
 inline std::string slurp(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-// A fresh folder of this process's own: tests run side by side.
-inline std::string fresh_folder(const std::string& name) {
-  std::string path = name + "-XXXXXX";
-  std::replace(path.begin(), path.end(), '/', '-');  // of parameterised tests
-  path = ::testing::TempDir() + "tremolo-" + path;
-  if (::mkdtemp(path.data()) == nullptr) std::abort();
-  return path;
-}
-
-inline std::string test_folder() {
-  const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-  return fresh_folder(std::string(info->test_suite_name()) + "-" + info->name());
 }
 
 // `command` as a shell would read it.

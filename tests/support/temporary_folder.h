@@ -1,6 +1,7 @@
 // A folder of its own for a test, removed at its end.
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <stdlib.h>
@@ -19,6 +20,7 @@ class TemporaryFolder {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
+  std::string path() const { return path_.string(); }
   std::string file(const std::string& name) const { return (path_ / name).string(); }
   std::string write(const std::string& name, const std::string& bytes) const {
     // Some file systems flush a file that was truncated and written again; thousands of those are
@@ -31,5 +33,11 @@ class TemporaryFolder {
  private:
   std::filesystem::path path_;
 };
+
+// A fresh folder that lives as long as the process: tests run side by side.
+inline std::string fresh_folder() {
+  static std::deque<TemporaryFolder> folders;
+  return folders.emplace_back().path();
+}
 
 }  // namespace tremolo::testing
