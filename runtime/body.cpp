@@ -106,7 +106,8 @@ StepReport Body::step() {
   iterations_ += report.iterations;
   if (!report.converged) return report;
   ++steps_;
-  work_ += step_load_.average.dot(state_.q - q_before_);
+  work_ += step_load_.average.dot(state_.q - q_before_) + report.extra_work;
+  if (report.parts > 1) ++halved_steps_;
   dissipated_ += report.dissipated;
   age_applied_forces();
   return report;

@@ -53,11 +53,13 @@ class Body {
   // True if a load can still act on a step to come.
   bool load_to_come() const;
 
-  // Since the start, J: work of the loads, average . (q1 - q0) a step (exact for midpoint-type
-  // methods, second order for the others), and what damping took.
+  // Since the start, J: work of the loads, average . (q1 - q0) a step plus what the method adds to
+  // it (exact for midpoint-type and energy-preserving methods, second order for the others), and
+  // what damping took.
   double work() const { return work_; }
   double dissipated() const { return dissipated_; }
-  std::int64_t iterations() const { return iterations_; }  // of all steps
+  std::int64_t iterations() const { return iterations_; }      // of all steps
+  std::int64_t halved_steps() const { return halved_steps_; }  // steps that were taken in parts
 
   // Evaluates V. The high band is that of the integrator's split, or, for a method that does not
   // split, of the one that options.split would give.
@@ -93,6 +95,7 @@ class Body {
   Eigen::VectorXd q_before_;
   std::int64_t steps_ = 0;
   std::int64_t iterations_ = 0;
+  std::int64_t halved_steps_ = 0;
   double work_ = 0.0;
   double dissipated_ = 0.0;
   mutable PotentialWorkspace workspace_;

@@ -8,8 +8,8 @@
 
 namespace tremolo {
 
-// All in J. high_band: sum over the coordinates i >= low of 1/2 p_i^2 + 1/2 R_i(q)^2 / lambda_i, the
-// energy with which the high rows oscillate about the place to which the low ones push them.
+// All in J. high_band: sum over the coordinates i >= low of 1/2 p_i^2 + 1/2 R_i(q)^2 / lambda_i,
+// the energy with which the high rows oscillate about the place to which the low ones push them.
 // For a linear force it is the harmonic energy 1/2 p_i^2 + 1/2 lambda_i q_i^2. That one itself says
 // little in large motion: modal derivatives follow the low modes statically, q_h is large, and
 // the coupling terms of V cancel most of 1/2 lambda_h q_h^2.

@@ -96,6 +96,22 @@ void sample_loads(const std::vector<Load>& loads, double time, double step, Step
   }
 }
 
+void load_at(const StepLoad& load, double s, Eigen::VectorXd& out) {
+  // f0 (1 - s) + f1 s + c s (1 - s) has the average (f0 + f1)/2 + c/6.
+  const double bend = 6.0 * s * (1.0 - s);
+  out = (1.0 - s - 0.5 * bend) * load.start + (s - 0.5 * bend) * load.end + bend * load.average;
+}
+
+void restrict_load(const StepLoad& load, double a, double b, StepLoad& out) {
+  load_at(load, a, out.start);
+  load_at(load, b, out.end);
+  const double middle = 0.5 * (a + b);
+  const double bend = 6.0 * (middle - (a * a + a * b + b * b) / 3.0);  // of s (1 - s), averaged
+  out.average = (1.0 - middle - 0.5 * bend) * load.start + (middle - 0.5 * bend) * load.end +
+                bend * load.average;
+  out.active = load.active;
+}
+
 Result<Eigen::VectorXd> reduce_force(const Model& model, VertexId vertex,
                                      const Eigen::Vector3d& force) {
   if (!force.allFinite()) return Error{ErrorKind::kUsage, "the force is not finite"};

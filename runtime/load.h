@@ -65,6 +65,16 @@ StepLoad make_step_load(Eigen::Index modes);  // zero
 // Sets `out` to the sum of the loads over [time, time + step]. Nothing is allocated.
 void sample_loads(const std::vector<Load>& loads, double time, double step, StepLoad& out);
 
+// Inside a step a load is the quadratic in time that has its two end values and its average; for a
+// load that jumps inside the step that is a constant. Methods with stages inside the step and steps
+// that are taken in parts read it here; the parts' averages add up to the whole step's exactly.
+
+// The load at the fraction s of the step, 0 <= s <= 1.
+void load_at(const StepLoad& load, double s, Eigen::VectorXd& out);
+
+// The part [a, b] of the step as a step of its own, 0 <= a < b <= 1.
+void restrict_load(const StepLoad& load, double a, double b, StepLoad& out);
+
 // U_vertex^T F for a force F (N) on a vertex of the source mesh. Errors as Model::vertex, kUsage if
 // the force is not finite.
 Result<Eigen::VectorXd> reduce_force(const Model& model, VertexId vertex,

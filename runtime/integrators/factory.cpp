@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "runtime/integrators/halving.h"
 #include "runtime/integrators/imexv.h"
 #include "runtime/integrators/imexv_thesis.h"
 #include "runtime/integrators/integrator.h"
@@ -15,7 +16,6 @@ namespace tremolo {
 namespace {
 
 using Made = Result<std::unique_ptr<Integrator>>;
-using Maker = Made (*)(Model::Pointer, const IntegratorOptions&);
 
 // Those that cannot fail return a bare pointer.
 template <std::unique_ptr<Integrator> (*kMake)(Model::Pointer, const IntegratorOptions&)>
@@ -23,14 +23,16 @@ Made always(Model::Pointer model, const IntegratorOptions& options) {
   return kMake(std::move(model), options);
 }
 
+// halves: a step whose solve fails may be taken in parts.
 struct Entry {
   std::string_view name;
-  Maker make;
+  IntegratorMaker make;
+  bool halves = false;
 };
 
 constexpr std::array kEntries = {
-    Entry{"verlet", always<make_verlet>},     Entry{"midpoint", always<make_midpoint>},
-    Entry{"newmark", always<make_newmark>},   Entry{"imexv", make_imexv},
+    Entry{"verlet", always<make_verlet>},         Entry{"midpoint", always<make_midpoint>, true},
+    Entry{"newmark", always<make_newmark>, true}, Entry{"imexv", make_imexv, true},
     Entry{"imexv-thesis", make_imexv_thesis},
 };
 
@@ -60,6 +62,7 @@ Status check_options(const IntegratorOptions& options) {
     return refuse("the tolerance", options.tolerance, "positive and finite");
   if (options.max_iterations < 1)
     return refuse("the number of iterations", options.max_iterations, "at least 1");
+  if (options.halvings < 0) return refuse("the number of halvings", options.halvings, "at least 0");
   return Success{};
 }
 
@@ -75,6 +78,8 @@ Made make_integrator(std::string_view name, Model::Pointer model,
   for (const Entry& entry : kEntries) {
     if (entry.name != name) continue;
     if (Status status = check_options(options); !status) return status.error();
+    if (entry.halves && options.halvings > 0)
+      return make_halving(entry.make, std::move(model), options);
     return entry.make(std::move(model), options);
   }
   std::string message = "unknown integrator '" + std::string(name) + "'; known:";

@@ -27,18 +27,23 @@ struct State {
 // iterations: linear systems solved. residual: of the step's equation, Euclidean norm, units of q.
 // converged: false if the solve gave up or a number is not finite; the state is then as before the
 // step. dissipated: energy that damping took in this step, J (exact or second order: each method
-// says which).
+// says which). extra_work: what the load did beyond average . (q1 - q0), J; zero for most methods.
+// parts: into how many the step was cut because its solve had failed
+// (runtime/integrators/halving.h).
 struct StepReport {
   int iterations = 0;
   double residual = 0.0;
   bool converged = true;
   double dissipated = 0.0;
+  double extra_work = 0.0;
+  int parts = 1;
 };
 
 // step: h, s. alpha, beta: Rayleigh's, 1/s and s. newmark_*: Newmark's two numbers. tolerance: of
 // the solve, on the residual relative to max(h |p|, h^2 |R|, h^2 |f|); imexv-thesis takes it as
 // absolute, in units of q. Looser than about 1e-6 the energy of the implicit methods wanders with
-// the solver's error; below 1e-14 rounding keeps the solve from ever converging.
+// the solver's error; below 1e-14 rounding keeps the solve from ever converging. halvings: how
+// often a step whose solve failed may be cut in two; 0 gives up at once.
 struct IntegratorOptions {
   double step = 3e-3;
   double alpha = 0.0;
@@ -48,6 +53,7 @@ struct IntegratorOptions {
   SplitOptions split = {};
   double tolerance = 1e-9;
   int max_iterations = 20;
+  int halvings = 6;
 };
 
 class Integrator {
@@ -76,7 +82,8 @@ std::span<const std::string_view> integrator_names();
 
 // Errors (kUsage): an unknown name (the message lists the known ones), a step that is not positive
 // and finite, negative damping, a Newmark pair outside beta >= 0, gamma >= 0, a split out of range,
-// a tolerance that is not positive, max_iterations < 1.
+// a tolerance that is not positive, max_iterations < 1, a negative number of
+// halvings.
 Result<std::unique_ptr<Integrator>> make_integrator(std::string_view name, Model::Pointer model,
                                                     const IntegratorOptions& options);
 

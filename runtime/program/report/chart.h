@@ -1,0 +1,59 @@
+// Charts as SVG text, drawn by gnuplot.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+enum class CurveStyle { kLines, kLinesAndPoints, kPoints, kDashes };
+
+// x, y: of equal length; a pair with a value that is not finite leaves a gap. colour: "#rrggbb",
+// empty for the next of the palette.
+struct Curve {
+  std::string label;  // empty: not in the legend
+  std::vector<double> x;
+  std::vector<double> y;
+  CurveStyle style = CurveStyle::kLines;
+  std::string colour;
+};
+
+struct Chart {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  bool log_x = false;
+  bool log_y = false;
+  std::optional<std::pair<double, double>> x_range;
+  std::optional<std::pair<double, double>> y_range;
+  std::vector<Curve> curves;
+};
+
+// A grid of coloured cells: values[row][column] is an index into `classes`, -1 leaves a cell empty.
+struct CellChart {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  std::vector<std::string> columns;
+  std::vector<std::string> rows;
+  std::vector<std::vector<int>> values;
+  std::vector<std::vector<std::string>> marks;                // a short text in each cell; may be empty
+  std::vector<std::pair<std::string, std::string>> classes;  // label, colour
+};
+
+// All charts in one SVG, `columns` side by side, each width x height px. The text starts with <svg,
+// its ids are its own, so that many can stand in one HTML page. Errors: kSystem if gnuplot is
+// missing or fails.
+Result<std::string> draw_svg(const std::vector<Chart>& charts, int columns, int width = 480,
+                             int height = 300);
+Result<std::string> draw_svg(const CellChart& chart);
+
+// A long series without what a chart of `buckets` columns cannot show: of each bucket the first,
+// lowest, highest and last point, in order.
+void thin(std::vector<double>& x, std::vector<double>& y, std::size_t buckets);
+
+}  // namespace tremolo

@@ -1,0 +1,30 @@
+// Results that survive being stopped: one small file for each piece of work, so that a second start
+// skips what has been done.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+class Store {
+ public:
+  // directory: made if missing. Errors: kSystem.
+  static Result<Store> open(const std::string& directory);
+
+  // The result of the piece of work `name` (letters, digits, '-', '.'), made by `work` unless a file
+  // from an earlier start holds it under the same key. key: everything the result depends on (model
+  // checksum, options, version of the computation); a file with another key is made anew. A damaged
+  // file is made anew. Errors: those of `work`, kSystem for an unwritable file.
+  Result<nlohmann::json> get(const std::string& name, const nlohmann::json& key,
+                             const std::function<Result<nlohmann::json>()>& work);
+
+ private:
+  std::string directory_;
+};
+
+}  // namespace tremolo

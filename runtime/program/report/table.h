@@ -1,0 +1,26 @@
+// A table that becomes CSV and HTML alike.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+// Every row has as many cells as there are columns.
+struct Table {
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;
+};
+
+// digits: significant ones; not finite becomes an empty cell.
+std::string cell(double value, int digits = 4);
+
+// RFC 4180.
+std::string to_csv(const Table& table);
+
+// Writes to a temporary name and renames. Errors: kSystem.
+Status write_csv(const Table& table, const std::string& path);
+
+}  // namespace tremolo
