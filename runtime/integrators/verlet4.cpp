@@ -27,7 +27,7 @@ struct Kick {
   int drift;
 };
 constexpr std::array kKicks = {Kick{kB1, 0.0, 0}, Kick{kB2, kA1, 1},       Kick{kB3, kA1 + kA2, 2},
-                               Kick{kB4, 0.5, 2}, Kick{kB3, 0.5 - kA3, 1}, Kick{kB2, 1.0 - kA1, 0},
+                               Kick{kB4, 0.5, 2}, Kick{kB3, 0.5 + kA3, 1}, Kick{kB2, 1.0 - kA1, 0},
                                Kick{kB1, 1.0, -1}};
 
 // The exact flow of q' = p, p' = -D p over one drift.
