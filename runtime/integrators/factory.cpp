@@ -4,9 +4,11 @@
 #include <string>
 #include <utility>
 
+#include "runtime/integrators/energy_preserving.h"
 #include "runtime/integrators/explicit_euler.h"
 #include "runtime/integrators/halving.h"
 #include "runtime/integrators/imexv.h"
+#include "runtime/integrators/imexv_adaptive.h"
 #include "runtime/integrators/imexv_coupled.h"
 #include "runtime/integrators/imexv_linear.h"
 #include "runtime/integrators/imexv_thesis.h"
@@ -45,6 +47,10 @@ constexpr std::array kEntries = {
     Entry{"imexv-thesis", make_imexv_thesis},
     Entry{"imexv-linear", make_imexv_linear},
     Entry{"imexv-coupled", make_imexv_coupled, true},
+    Entry{"imexv-adaptive", make_imexv_adaptive, true},
+    Entry{"avf", always<make_avf>, true},
+    Entry{"ep2", always<make_ep2>, true},
+    Entry{"ep4", always<make_ep4>, true},
     Entry{"verlet4", always<make_verlet4>},
     Entry{"explicit-euler", always<make_explicit_euler>},
     Entry{"implicit-euler", always<make_implicit_euler>, true},
