@@ -90,9 +90,7 @@ tremolo_status tremolo_model_surface_ids(const tremolo_model* model, uint32_t* o
 typedef struct tremolo_body_options {
   uint32_t size;          /* bytes of this struct as the caller knows it */
   int32_t max_iterations; /* of a step's solve; 20 */
-  const char* integrator; /* "verlet", "midpoint", "newmark", "imexv", "imexv-thesis",
-                             "imexv-linear", "imexv-coupled", "verlet4", "explicit-euler",
-                             "implicit-euler", "rk2", "rk4"; "imexv" */
+  const char* integrator; /* "verlet", "midpoint", "newmark", "imexv", "imexv-thesis"; "imexv" */
   const char* split;      /* "default", "thesis" or a count such as "9"; "default" */
   double step;            /* h, s; 0.003 */
   double alpha;           /* Rayleigh damping alpha M + beta K(0), 1/s; 0 */
