@@ -12,9 +12,9 @@ namespace tremolo {
 
 class ForceCache {
  public:
-  explicit ForceCache(const Potential& potential, bool tangent = false)
+  explicit ForceCache(const Potential& potential, bool all = false)
       : potential_(potential),
-        want_(tangent ? kWantForce | kWantTangent : kWantForce),
+        want_(all ? kWantEnergy | kWantForce | kWantTangent : kWantForce),
         workspace_(potential.make_workspace()),
         evaluation_(potential.make_evaluation()),
         q_(Eigen::VectorXd::Constant(potential.size(), std::numeric_limits<double>::quiet_NaN())) {}
@@ -25,7 +25,11 @@ class ForceCache {
     return evaluation_.force;
   }
 
-  // K(q), likewise; for a cache made with `tangent`.
+  // V(q) and K(q), likewise; for a cache made with `all`.
+  double energy(const Eigen::VectorXd& q) {
+    evaluate(q);
+    return evaluation_.energy;
+  }
   const Eigen::MatrixXd& tangent(const Eigen::VectorXd& q) {
     evaluate(q);
     return evaluation_.tangent;

@@ -17,6 +17,7 @@ using Eigen::Index;
 
 constexpr double kShortestWait = 100.0;  // steps before a coordinate may come back
 constexpr double kLongestWait = 10000.0;
+constexpr double kExcess = 0.1;  // of the highest balance: by so much H may exceed it
 
 // The size of the largest leading block of `matrix`, up to `count`, with b I - block positive
 // definite. factor: r x r scratch.
@@ -41,9 +42,11 @@ class ImexvAdaptive final : public Integrator {
         damped_(options.alpha > 0.0 || options.beta > 0.0),
         low_decay_(decay(damping_rates(model_->lambda(), options.alpha, options.beta))),
         high_decay_(std::exp(-0.5 * options.step * options.alpha)),
+        most_low_(model_->modes()),
         forces_(model_->potential(), true),
         factor_(Eigen::MatrixXd::Zero(model_->modes(), model_->modes())),
-        start_{low_decay_, low_decay_} {
+        start_{low_decay_, low_decay_},
+        end_{low_decay_, low_decay_} {
     const double h = options.step;
     const double leave = 0.5 * (1.0 + options.split.safety);
     leave_bound_ = 4.0 * leave * leave / (h * h);
@@ -61,35 +64,58 @@ class ImexvAdaptive final : public Integrator {
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
     start_ = state;
+    if (!watching_ || end_.q != state.q || end_.p != state.p) begin_watch(state);
     const Index low_before = low_;
     const int patience_before = patience_;
     choose(state.q);
-    double dissipated = decay_momentum(state.p);
-    kick_low(state, load.start);
-    state.q.head(low_) += options_.step * state.p.head(low_);
-    StepReport report =
-        high_[static_cast<std::size_t>(low_)].advance(start_.q, state, load.average);
-    if (report.converged) {
-      kick_low(state, load.end);
-      dissipated += decay_momentum(state.p);
-      report.dissipated += dissipated;
-      report.converged = state.q.allFinite() && state.p.allFinite();
+    StepReport report = split_step(state, load);
+    while (report.converged && low_ > 0 && exceeds(state, load, gain_of(report, state, load))) {
+      const int iterations = report.iterations;
+      state = start_;
+      low_ /= 2;
+      most_low_ = low_;
+      begin_watch(state);
+      report = split_step(state, load);
+      report.iterations += iterations;
     }
     if (!report.converged) {
       state = start_;
       low_ = low_before;
       patience_ = patience_before;
+      return report;
     }
+    balance_ += gain_of(report, state, load);
+    highest_ = std::max(highest_, balance_);
+    end_ = state;
     return report;
   }
 
-  void reset() override { patience_ = 0; }
+  void reset() override {
+    patience_ = 0;
+    most_low_ = model_->modes();
+    watching_ = false;
+  }
   std::string_view name() const override { return "imexv-adaptive"; }
   std::optional<Split> split() const override { return Split{low_, model_->modes() - low_}; }
 
  private:
   Eigen::VectorXd decay(const Eigen::VectorXd& rates) const {
     return (-0.5 * options_.step * rates.array()).exp().matrix();
+  }
+
+  // A step of imexv with the present split.
+  StepReport split_step(State& state, const StepLoad& load) {
+    double dissipated = decay_momentum(state.p);
+    kick_low(state, load.start);
+    state.q.head(low_) += options_.step * state.p.head(low_);
+    StepReport report =
+        high_[static_cast<std::size_t>(low_)].advance(start_.q, state, load.average);
+    if (!report.converged) return report;
+    kick_low(state, load.end);
+    dissipated += decay_momentum(state.p);
+    report.dissipated += dissipated;
+    report.converged = state.q.allFinite() && state.p.allFinite();
+    return report;
   }
 
   void choose(const Eigen::VectorXd& q) {
@@ -100,12 +126,34 @@ class ImexvAdaptive final : public Integrator {
       patience_ = 0;
       return;
     }
-    if (low_ == model_->modes()) return;
+    if (low_ >= most_low_) return;
     const bool could = obedient(tangent, low_ + 1, return_bound_, factor_) == low_ + 1;
     patience_ = could ? patience_ + 1 : 0;
     if (patience_ < wait_) return;
     ++low_;
     patience_ = 0;
+  }
+
+  double energy(const State& state) {
+    return 0.5 * state.p.squaredNorm() + forces_.energy(state.q);
+  }
+
+  void begin_watch(const State& state) {
+    watching_ = true;
+    balance_ = highest_ = energy(state);
+  }
+
+  // What the step should have added to H.
+  double gain_of(const StepReport& report, const State& state, const StepLoad& load) const {
+    return load.average.dot(state.q - start_.q) - report.dissipated;
+  }
+
+  bool exceeds(const State& state, const StepLoad& load, double gain) {
+    const double h = options_.step;
+    // A kick gives its energy before the motion that it does its work on.
+    const double kick =
+        load.active ? h * h * std::max(load.start.squaredNorm(), load.end.squaredNorm()) : 0.0;
+    return energy(state) > balance_ + gain + kExcess * highest_ + kick;
   }
 
   // Half a step of damping; returns the energy taken.
@@ -132,10 +180,15 @@ class ImexvAdaptive final : public Integrator {
   double return_bound_ = 0.0;
   int wait_ = 0;      // steps
   int patience_ = 0;  // steps for which the next coordinate could have come back
+  Index most_low_;    // how many may come back
+  bool watching_ = false;
+  double balance_ = 0.0;  // H at the start of the watch, plus work, less dissipation
+  double highest_ = 0.0;
   ForceCache forces_;
   Eigen::MatrixXd factor_;
   std::vector<HighRows> high_;  // one for each split
   State start_;
+  State end_;  // of the last step
 };
 
 }  // namespace

@@ -13,6 +13,12 @@
 //   - the block with one coordinate more has obeyed the stricter b = (2 safety/h)^2 for as long as
 //     one period of the lowest mode (at least 100 steps): that coordinate becomes explicit again.
 //
+// The bound is necessary, not sufficient: V couples low and high rows, `imexv` is symplectic only
+// where it does not, and strong coupling can feed energy in while every block obeys. So the balance
+// is watched too: a step after which H exceeds what was there and was put in by a tenth is done
+// again with half of the low coordinates, the others implicit for good (until reset()), and the
+// watch begins anew from there. With none left the step is the midpoint rule.
+//
 // Each step is one of `imexv` with the split of the moment: its order, damping and dissipation. A
 // change of split moves the level on which the energy oscillates by a part of that oscillation,
 // which is why coordinates come back late.
