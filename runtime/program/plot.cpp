@@ -1,27 +1,18 @@
 #include "runtime/program/plot.h"
 
-#include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "runtime/program/commands.h"
+#include "runtime/program/report/gnuplot.h"
 
 namespace tremolo {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Within gnuplot's single quotes, where nothing but the quote itself is special.
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
-  return result + "'";
-}
 
 std::string curves(const std::vector<PlotSource>& sources, const char* column) {
   // Told apart without colour too: the first is drawn thick below the others.
@@ -31,15 +22,15 @@ std::string curves(const std::vector<PlotSource>& sources, const char* column) {
   std::string plot = "plot ";
   for (std::size_t i = 0; i < sources.size(); ++i)
     plot += fmt::format("{}{} using 't':'{}' with lines {} title {} noenhanced", i == 0 ? "" : ", ",
-                        quoted(sources[i].csv), column, kStyles[i % std::size(kStyles)],
-                        quoted(sources[i].label));
+                        gnuplot_quoted(sources[i].csv), column, kStyles[i % std::size(kStyles)],
+                        gnuplot_quoted(sources[i].label));
   return plot + "\n";
 }
 
 std::string script(const std::vector<PlotSource>& sources, const std::string& output, bool svg) {
   std::string text = svg ? "set terminal svg size 960,640 font 'sans,14' background 'white'\n"
                          : "set terminal pngcairo size 960,640 font 'sans,11'\n";
-  text += "set output " + quoted(output) + "\n";
+  text += "set output " + gnuplot_quoted(output) + "\n";
   text +=
       "set datafile separator ','\nset key autotitle columnhead\n"
       "set key outside top right horizontal\nset grid lc rgb '#dddddd'\nset border 3\nset tics "
@@ -59,20 +50,10 @@ Status plot_energies(const std::vector<PlotSource>& sources, const std::string& 
   if (ending != ".svg" && ending != ".png")
     return Error{ErrorKind::kUsage, output + ": a plot ends in .svg or .png"};
   const std::string partial = fmt::format("{}.partial-{}{}", output, ::getpid(), ending);
-  // Where gnuplot is missing the shell is gone before it has read: that must not kill us.
-  const auto before = std::signal(SIGPIPE, SIG_IGN);
-  std::FILE* pipe = ::popen("gnuplot", "w");
-  if (pipe == nullptr) return system_error("gnuplot cannot be started");
-  const std::string commands = script(sources, partial, ending == ".svg");
-  std::fwrite(commands.data(), 1, commands.size(), pipe);  // a failure shows in the status
-  const int status = ::pclose(pipe);
-  std::signal(SIGPIPE, before);
   std::error_code error;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-    return system_error("gnuplot is not installed (Debian: apt-get install gnuplot-nox)");
-  if (status != 0) {
+  if (Status drawn = run_gnuplot(script(sources, partial, ending == ".svg")); !drawn) {
     fs::remove(partial, error);
-    return system_error(output + ": gnuplot failed");
+    return Error{drawn.error().kind, output + ": " + drawn.error().message};
   }
   fs::rename(partial, output, error);
   if (error) return system_error(output + ": cannot write: " + error.message());

@@ -12,45 +12,49 @@ namespace tremolo {
 
 enum class CurveStyle { kLines, kLinesAndPoints, kPoints, kDashes };
 
-// x, y: of equal length; a pair with a value that is not finite leaves a gap. colour: "#rrggbb",
-// empty for the next of the palette.
+// x, y: of equal length; a pair with a value that is not finite leaves a gap, and on a logarithmic
+// axis so does one that is not positive. colour: "#rrggbb"; empty for the next of the palette, the
+// same for the same label in all charts of one drawing.
 struct Curve {
-  std::string label;  // empty: not in the legend
-  std::vector<double> x;
-  std::vector<double> y;
+  std::string label = {};  // empty: not in the legend
+  std::vector<double> x = {};
+  std::vector<double> y = {};
   CurveStyle style = CurveStyle::kLines;
-  std::string colour;
+  std::string colour = {};
 };
 
 struct Chart {
-  std::string title;
-  std::string x_label;
-  std::string y_label;
+  std::string title = {};
+  std::string x_label = {};
+  std::string y_label = {};
   bool log_x = false;
   bool log_y = false;
-  std::optional<std::pair<double, double>> x_range;
-  std::optional<std::pair<double, double>> y_range;
-  std::vector<Curve> curves;
+  std::optional<std::pair<double, double>> x_range = {};
+  std::optional<std::pair<double, double>> y_range = {};
+  std::vector<Curve> curves = {};
 };
 
-// A grid of coloured cells: values[row][column] is an index into `classes`, -1 leaves a cell empty.
+// A grid of coloured cells, row 0 at the top: values[row][column] is an index into `classes`, -1
+// leaves a cell empty. All rows are as long as `columns`.
 struct CellChart {
-  std::string title;
-  std::string x_label;
-  std::string y_label;
-  std::vector<std::string> columns;
-  std::vector<std::string> rows;
-  std::vector<std::vector<int>> values;
-  std::vector<std::vector<std::string>> marks;                // a short text in each cell; may be empty
-  std::vector<std::pair<std::string, std::string>> classes;  // label, colour
+  std::string title = {};
+  std::string x_label = {};
+  std::string y_label = {};
+  std::vector<std::string> columns = {};
+  std::vector<std::string> rows = {};
+  std::vector<std::vector<int>> values = {};
+  std::vector<std::vector<std::string>> marks = {};  // a short text in each cell, or none
+  std::vector<std::pair<std::string, std::string>> classes = {};  // label, colour
 };
 
-// All charts in one SVG, `columns` side by side, each width x height px. The text starts with <svg,
-// its ids are its own, so that many can stand in one HTML page. Errors: kSystem if gnuplot is
-// missing or fails.
+// All charts in one SVG, `columns` side by side, each width x height px, one legend below them all.
+// The text starts with <svg, its ids are its own, so that many can stand in one HTML page. Errors:
+// kSystem if gnuplot is missing or fails.
 Result<std::string> draw_svg(const std::vector<Chart>& charts, int columns, int width = 480,
                              int height = 300);
 Result<std::string> draw_svg(const CellChart& chart);
+// The same for several; the size follows from the largest, the legend from the first.
+Result<std::string> draw_svg(const std::vector<CellChart>& charts, int columns);
 
 // A long series without what a chart of `buckets` columns cannot show: of each bucket the first,
 // lowest, highest and last point, in order.

@@ -26,13 +26,13 @@ class Page {
  public:
   Page(std::string title, std::string subtitle);
 
-  void section(std::string_view title);                    // h2, in the table of contents
-  void heading(std::string_view title);                    // h3
-  void paragraph(std::string_view text);                   // `code` between backticks
+  void section(std::string_view title);   // h2, in the table of contents
+  void heading(std::string_view title);   // h3
+  void paragraph(std::string_view text);  // `code` between backticks
   void table(const Table& table, std::string_view caption = {});
   void figure(std::string_view svg, std::string_view caption);
-  void criteria(const std::vector<Criterion>& criteria);   // a table with "met" / "MISSED" / "shown"
-  Status write(const std::string& path) const;             // temporary name, then rename
+  void criteria(const std::vector<Criterion>& criteria);  // a table with "met" / "MISSED" / "shown"
+  Status write(const std::string& path) const;            // temporary name, then rename
 
  private:
   std::string title_;

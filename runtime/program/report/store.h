@@ -16,12 +16,14 @@ class Store {
   // directory: made if missing. Errors: kSystem.
   static Result<Store> open(const std::string& directory);
 
-  // The result of the piece of work `name` (letters, digits, '-', '.'), made by `work` unless a file
-  // from an earlier start holds it under the same key. key: everything the result depends on (model
-  // checksum, options, version of the computation); a file with another key is made anew. A damaged
-  // file is made anew. Errors: those of `work`, kSystem for an unwritable file.
+  // The result of the piece of work `name` (letters, digits, '-', '.'), made by `work` unless a
+  // file from an earlier start holds it under the same key. key: everything the result depends on
+  // (model checksum, options, version of the computation); a file with another key is made anew. A
+  // damaged file is made anew. Numbers that are not finite come back as null. Threads may ask at
+  // once for different names. Errors: those of `work`, kSystem for an unwritable file, kUsage for a
+  // name with other letters.
   Result<nlohmann::json> get(const std::string& name, const nlohmann::json& key,
-                             const std::function<Result<nlohmann::json>()>& work);
+                             const std::function<Result<nlohmann::json>()>& work) const;
 
  private:
   std::string directory_;

@@ -17,7 +17,7 @@ struct Table {
 // digits: significant ones; not finite becomes an empty cell.
 std::string cell(double value, int digits = 4);
 
-// RFC 4180.
+// RFC 4180, but that lines end in a line feed alone.
 std::string to_csv(const Table& table);
 
 // Writes to a temporary name and renames. Errors: kSystem.

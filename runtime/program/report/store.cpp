@@ -1,0 +1,74 @@
+#include "runtime/program/report/store.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "common/hash.h"
+#include "formats/atomic_file.h"
+
+namespace tremolo {
+namespace {
+
+using Json = nlohmann::json;
+
+// Invalid UTF-8 in a name must not end the program; numbers that are not finite become null.
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string checksum(const std::string& key, const std::string& result) {
+  const std::string both = key + "\n" + result;
+  return hash_text(hash_bytes(std::as_bytes(std::span(both))));
+}
+
+std::optional<Json> read_stored(const std::string& path, const std::string& key) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return std::nullopt;
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("key") || !json.contains("result")) return std::nullopt;
+  if (text_of(json["key"]) != key) return std::nullopt;
+  if (json.value("checksum", Json()) != checksum(key, text_of(json["result"]))) return std::nullopt;
+  return json["result"];
+}
+
+bool is_name(const std::string& name) {
+  return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+           c == '.';
+  });
+}
+
+}  // namespace
+
+Result<Store> Store::open(const std::string& directory) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (error) return system_error(directory + ": cannot create: " + error.message());
+  Store store;
+  store.directory_ = directory;
+  return store;
+}
+
+Result<Json> Store::get(const std::string& name, const Json& key,
+                        const std::function<Result<Json>()>& work) const {
+  if (!is_name(name)) return Error{ErrorKind::kUsage, "no name for a stored result: " + name};
+  const std::string path = (std::filesystem::path(directory_) / (name + ".json")).string();
+  const std::string key_text = text_of(key);
+  if (std::optional<Json> stored = read_stored(path, key_text)) return std::move(*stored);
+  Result<Json> made = work();
+  if (!made) return made;
+  const std::string result = text_of(*made);
+  const std::string text = "{\"checksum\":\"" + checksum(key_text, result) +
+                           "\",\n\"key\":" + key_text + ",\n\"result\":" + result + "}\n";
+  if (Status status = write_file(path, text); !status) return status.error();
+  // What a later start will read: the two must not differ.
+  return Json::parse(result);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,46 @@
+#include "runtime/program/report/table.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "formats/atomic_file.h"
+
+namespace tremolo {
+namespace {
+
+void append_line(const std::vector<std::string>& cells, std::string& out) {
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i > 0) out += ',';
+    if (cells[i].find_first_of(",\"\r\n") == std::string::npos) {
+      out += cells[i];
+      continue;
+    }
+    out += '"';
+    for (const char c : cells[i]) {
+      if (c == '"') out += '"';
+      out += c;
+    }
+    out += '"';
+  }
+  out += '\n';
+}
+
+}  // namespace
+
+std::string cell(double value, int digits) {
+  return std::isfinite(value) ? fmt::format("{:.{}g}", value, digits) : std::string();
+}
+
+std::string to_csv(const Table& table) {
+  std::string text;
+  append_line(table.columns, text);
+  for (const std::vector<std::string>& row : table.rows) append_line(row, text);
+  return text;
+}
+
+Status write_csv(const Table& table, const std::string& path) {
+  return write_file(path, to_csv(table));
+}
+
+}  // namespace tremolo
