@@ -78,8 +78,7 @@ Result<FputRun> run_fput(std::string_view method, double step, long every) {
     const double energy = fput_hamiltonian(synchronized);
     run.lowest = std::min(run.lowest, sum);
     run.highest = std::max(run.highest, sum);
-    run.energy_error =
-        std::max(run.energy_error, std::abs(energy - start_energy) / start_energy);
+    run.energy_error = std::max(run.energy_error, std::abs(energy - start_energy) / start_energy);
     if (every > 0 && k % every == 0) run.series.push_back(now);
     if (!(energy <= 10.0 * start_energy)) {
       run.failure = "energy bound left";

@@ -19,7 +19,7 @@
 
 namespace tremolo::known {
 
-inline constexpr double kFputOmega = 50.0;     // rad/s
+inline constexpr double kFputOmega = 50.0;      // rad/s
 inline constexpr double kFputDuration = 200.0;  // s
 
 // lambda of x0 is kNoStiffness.
@@ -51,7 +51,7 @@ struct FputRun {
   double energy_error = 0.0;
   double reached = 0.0;
   long cut_steps = 0;
-  std::string failure;  // empty, "solver gave up", "energy bound left"
+  std::string failure;               // empty, "solver gave up", "energy bound left"
   std::vector<FputEnergies> series;  // every `every` steps; empty for every = 0
 };
 

@@ -47,8 +47,7 @@ Eigen::Vector2d pendulum_position(const Pendulum& pendulum, const Eigen::VectorX
 }
 
 State pendulum_start(const Pendulum& pendulum) {
-  const double length =
-      stretched_length(pendulum, pendulum.gravity * std::cos(pendulum.angle));
+  const double length = stretched_length(pendulum, pendulum.gravity * std::cos(pendulum.angle));
   return {Eigen::Vector2d(length * std::sin(pendulum.angle),
                           hanging_length(pendulum) - length * std::cos(pendulum.angle)),
           Eigen::Vector2d::Zero()};

@@ -40,8 +40,7 @@ Result<std::optional<Eigen::Matrix2d>> linear_map(std::string_view method, doubl
     (*made)->reset();
     State state{Eigen::Vector2d(1.0, column == 0 ? kSmall : 0.0),
                 Eigen::Vector2d(0.0, column == 1 ? kSmall : 0.0)};
-    if (!(*made)->step(state, make_step_load(2)).converged)
-      return std::optional<Eigen::Matrix2d>();
+    if (!(*made)->step(state, make_step_load(2)).converged) return std::optional<Eigen::Matrix2d>();
     map.col(column) << state.q[1] / kSmall, state.p[1] / kSmall;
   }
   return std::optional<Eigen::Matrix2d>(map);

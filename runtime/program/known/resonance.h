@@ -10,8 +10,8 @@
 // every h omega = n pi: the step resonates with the fast oscillation. A method whose fast part is
 // taken by the midpoint rule turns by less than pi a step, whatever h is, and cannot.
 //
-// The others here are the integrators themselves. In a Model the quadratic part of V is one diagonal,
-// which the splitting methods put wholly on one side. So k comes from the quartic part:
+// The others here are the integrators themselves. In a Model the quadratic part of V is one
+// diagonal, which the splitting methods put wholly on one side. So k comes from the quartic part:
 //
 //     V = 1/2 omega^2 q^2 + 1/2 k s^2 q^2
 //

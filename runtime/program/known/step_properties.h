@@ -45,9 +45,9 @@ struct StepProperties {
   std::string method;
   std::optional<double> defect;
   std::optional<double> reversal;
-  std::optional<double> energy;       // |H1 - H0| / H0 of one step
-  std::vector<double> order_errors;   // scaled, relative, at h, h/2, h/4, h/8
-  std::optional<double> order;        // least-squares slope of their logarithms
+  std::optional<double> energy;      // |H1 - H0| / H0 of one step
+  std::vector<double> order_errors;  // scaled, relative, at h, h/2, h/4, h/8
+  std::optional<double> order;       // least-squares slope of their logarithms
 };
 
 // Defect, reversal and energy at a step of `step`, the order from `order_step` over 16 such steps,
