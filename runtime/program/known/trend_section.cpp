@@ -52,10 +52,16 @@ Result<EnergyTrend> stored_trend(const SectionContext& context, std::string_view
   return trend;
 }
 
-Curve means_curve(const EnergyTrend& trend) {
+// The window means over thousands of steps, less the mean of all if `centred`.
+Curve means_curve(const EnergyTrend& trend, bool centred) {
   Curve curve{.label = trend.method, .y = trend.window_means};
-  for (std::size_t k = 0; k < trend.window_means.size(); ++k)
-    curve.x.push_back((static_cast<double>(k) + 0.5) * static_cast<double>(trend.steps) / kWindows);
+  double mean = 0.0;
+  for (const double y : curve.y) mean += y / static_cast<double>(curve.y.size());
+  for (std::size_t k = 0; k < curve.y.size(); ++k) {
+    curve.x.push_back(1e-3 * (static_cast<double>(k) + 0.5) * static_cast<double>(trend.steps) /
+                      kWindows);
+    if (centred) curve.y[k] -= mean;
+  }
   return curve;
 }
 
@@ -76,11 +82,12 @@ Criteria add_trend_section(const SectionContext& context) {
   Table table{{"method", "tolerance", "drift over the run", "standard error", "drift / error",
                "max |H - H0| / H0", "failure"},
               {}};
-  Chart bounded{.title = "window means, methods with a modified energy",
-                .x_label = "step",
-                .y_label = "H/H0 - 1"};
-  Chart kept{
-      .title = "window means, methods that keep H", .x_label = "step", .y_label = "H/H0 - 1"};
+  Chart bounded{.title = "methods with a modified energy: mean of each window less that of all",
+                .x_label = "thousand steps",
+                .y_label = "H/H0"};
+  Chart kept{.title = "methods that keep H: mean of each window",
+             .x_label = "thousand steps",
+             .y_label = "H/H0 - 1"};
   std::vector<Criterion> criteria;
   for (const std::string_view method : kMethods) {
     if (!is_known(method)) continue;
@@ -93,7 +100,10 @@ Criteria add_trend_section(const SectionContext& context) {
                             cell(trend->slope / trend->standard_error, 2), cell(trend->largest, 2),
                             trend->failure});
       const bool last = !trend->implicit || tolerance == kTolerances[2];
-      if (last) (promise && promise->energy ? kept : bounded).curves.push_back(means_curve(*trend));
+      if (last) {
+        const bool keeps = promise && promise->energy;
+        (keeps ? kept : bounded).curves.push_back(means_curve(*trend, !keeps));
+      }
       if (promise && promise->energy && last)
         criteria.push_back(
             at_most(fmt::format("energy trend, {}: drift over {} steps at tolerance 1e-12", method,
