@@ -65,6 +65,7 @@ Result<FputRun> run_fput(std::string_view method, double step, long every) {
   const StepLoad none = make_step_load(6);
   const long count = std::lround(std::ceil(kFputDuration / step - 1e-9));
   const double start_energy = fput_hamiltonian(state);
+  constexpr double start_sum = 1.0;  // I of fput_start()
   FputRun run;
   run.method = method;
   run.step = step;
@@ -84,8 +85,9 @@ Result<FputRun> run_fput(std::string_view method, double step, long every) {
       run.failure = "energy bound left";
       return run;
     }
-    if (!run.second && now.i[1] > now.i[0]) run.second = run.reached;
-    if (!run.third && now.i[2] > now.i[0]) run.third = run.reached;
+    if (!run.lost && !(sum >= 0.5 * start_sum && sum <= 2.0 * start_sum)) run.lost = run.reached;
+    if (!run.second && !run.lost && now.i[1] > now.i[0]) run.second = run.reached;
+    if (!run.third && !run.lost && now.i[2] > now.i[0]) run.third = run.reached;
     if (k == count) return run;
     const StepReport report = integrator.step(state, none);
     if (report.parts > 1) ++run.cut_steps;

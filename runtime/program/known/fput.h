@@ -38,14 +38,16 @@ struct FputEnergies {
 };
 
 // What a run shows. second, third: the first time at a step's end when I2 > I1 and I3 > I1, s;
-// empty if never. lowest, highest: of I1 + I2 + I3. energy_error: max |H - H0| / H0. reached: s;
-// below kFputDuration if the solver gave up, or H exceeded ten times its start ("left").
-// cut_steps: steps that were taken in parts.
+// empty if never. lost: when I left [1/2, 2] of its start, s; what crosses later is no exchange but
+// the method's own gain or loss, and does not count. lowest, highest: of I1 + I2 + I3.
+// energy_error: max |H - H0| / H0. reached: s; below kFputDuration if the solver gave up, or H
+// exceeded ten times its start ("left"). cut_steps: steps that were taken in parts.
 struct FputRun {
   std::string method;
   double step = 0.0;
   std::optional<double> second;
   std::optional<double> third;
+  std::optional<double> lost;
   double lowest = 0.0;
   double highest = 0.0;
   double energy_error = 0.0;

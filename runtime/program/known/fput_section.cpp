@@ -49,6 +49,7 @@ Json to_json(const FputRun& run) {
   for (const FputEnergies& e : run.series) series.push_back({e.t, e.i[0], e.i[1], e.i[2]});
   return {{"second", known::to_json(run.second)},
           {"third", known::to_json(run.third)},
+          {"lost", known::to_json(run.lost)},
           {"lowest", run.lowest},
           {"highest", run.highest},
           {"energy_error", run.energy_error},
@@ -64,6 +65,7 @@ FputRun from_json(std::string_view method, double step, const Json& json) {
   run.step = step;
   run.second = to_optional(json["second"]);
   run.third = to_optional(json["third"]);
+  run.lost = to_optional(json["lost"]);
   run.lowest = to_number(json["lowest"]);
   run.highest = to_number(json["highest"]);
   run.energy_error = to_number(json["energy_error"]);
@@ -79,7 +81,7 @@ FputRun from_json(std::string_view method, double step, const Json& json) {
 Result<FputRun> stored_run(const SectionContext& context, std::string_view method, double step,
                            long every) {
   const Json key = {{"experiment", "fput"},
-                    {"version", 1},
+                    {"version", 2},
                     {"method", std::string(method)},
                     {"step", step},
                     {"every", every}};
@@ -95,7 +97,8 @@ Result<FputRun> stored_run(const SectionContext& context, std::string_view metho
 
 std::string time_text(const FputRun& run, const std::optional<double>& t) {
   if (t) return fmt::format("{:.1f}", *t);
-  return run.failure.empty() ? "never" : "fails";
+  if (!run.failure.empty()) return "fails";
+  return run.lost ? fmt::format("I lost at {:.1f}", *run.lost) : "never";
 }
 
 Chart exchange_chart(const std::vector<FputRun>& runs, double reference) {
@@ -165,8 +168,9 @@ Status add_run_tables(const SectionContext& context, const std::vector<FputRun>&
     times.rows.back().push_back(time_text(run, run.second) + " / " + time_text(run, run.third));
   }
   context.page.table(times,
-                     "First I2 > I1 / first I3 > I1, s, over h omega. \"fails\": the orbit "
-                     "left ten times its energy or the solver gave up.");
+                     "First I2 > I1 / first I3 > I1, s, over h omega. fails: the orbit left ten "
+                     "times its energy or the solver gave up. I lost: the sum of the three left "
+                     "[1/2, 2] of its start, so that a later crossing is no exchange.");
   return write_csv(all, context.directory + "/known-fput.csv");
 }
 

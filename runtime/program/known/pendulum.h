@@ -23,7 +23,7 @@ namespace tremolo::known {
 struct Pendulum {
   double length = 1.0;
   double gravity = 9.81;
-  double stiffness = 400.0;
+  double stiffness = 200.0;
   double angle = 1.0;
 };
 

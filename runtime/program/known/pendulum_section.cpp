@@ -10,9 +10,9 @@
 namespace tremolo::known {
 namespace {
 
-constexpr double kStep = 0.01;      // s
+constexpr double kStep = 0.005;     // s
 constexpr double kDuration = 20.0;  // s
-constexpr double kSwings = 3.0;     // periods in the first and the last window
+constexpr double kSwings = 2.0;     // periods in the first and the last window
 
 enum class Fate { kGrows, kShrinks, kStays };
 

@@ -76,12 +76,12 @@ double fitted_order(const std::vector<double>& errors) {
   return product / square;
 }
 
-constexpr int kOrderSteps = 16;
+constexpr int kOrderSteps = 32;
 
 Status measure_order(const Model::Pointer& model, const State& start, double sigma,
                      double order_step, StepProperties& properties) {
-  // 1024 steps for each coarsest one: the reference's own error is below 1e-11.
-  const State exact = reference_orbit(*model, start, kOrderSteps * order_step, kOrderSteps * 1024);
+  // 512 steps for each coarsest one: the reference's own error is below 1e-11.
+  const State exact = reference_orbit(*model, start, kOrderSteps * order_step, kOrderSteps * 512);
   const Eigen::VectorXd end = scaled(exact, sigma);
   for (int halving = 0; halving < 4; ++halving) {
     const double h = std::ldexp(order_step, -halving);

@@ -50,7 +50,7 @@ struct StepProperties {
   std::optional<double> order;       // least-squares slope of their logarithms
 };
 
-// Defect, reversal and energy at a step of `step`, the order from `order_step` over 16 such steps,
+// Defect, reversal and energy at a step of `step`, the order from `order_step` over 32 such steps,
 // on the spring chain at its strongly nonlinear state. The splitting methods hold the first two
 // coordinates explicit. Errors: as make_integrator.
 Result<StepProperties> measure_step(std::string_view method, double step, double order_step);
