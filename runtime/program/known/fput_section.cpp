@@ -101,6 +101,12 @@ std::string time_text(const FputRun& run, const std::optional<double>& t) {
   return run.lost ? fmt::format("I lost at {:.1f}", *run.lost) : "never";
 }
 
+std::string times_text(const FputRun& run) {
+  const std::string second = time_text(run, run.second);
+  const std::string third = time_text(run, run.third);
+  return !run.second && second == third ? second : second + " / " + third;
+}
+
 Chart exchange_chart(const std::vector<FputRun>& runs, double reference) {
   Chart chart{.title = "first time when I2 > I1", .x_label = "h omega", .y_label = "t (s)"};
   chart.log_x = true;
@@ -165,7 +171,7 @@ Status add_run_tables(const SectionContext& context, const std::vector<FputRun>&
     append(run);
     if (times.rows.empty() || times.rows.back()[0] != run.method)
       times.rows.push_back({run.method});
-    times.rows.back().push_back(time_text(run, run.second) + " / " + time_text(run, run.third));
+    times.rows.back().push_back(times_text(run));
   }
   context.page.table(times,
                      "First I2 > I1 / first I3 > I1, s, over h omega. fails: the orbit left ten "
