@@ -13,8 +13,6 @@
 namespace tremolo::known {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kProducts[] = {0.5, 1.0, 1.5, 2.0, std::numbers::pi, 5.0, 10.0};  // h omega
 constexpr double kReferenceStep = 2e-4;                                            // s
 constexpr double kPi = std::numbers::pi;
@@ -43,57 +41,6 @@ constexpr Independent kIndependent[] = {
     {"ep4", 2.0, 83.2, 107.3},
     {"ep4", kPi, 0.0, 0.0},
 };
-
-Json to_json(const FputRun& run) {
-  Json series = Json::array();
-  for (const FputEnergies& e : run.series) series.push_back({e.t, e.i[0], e.i[1], e.i[2]});
-  return {{"second", known::to_json(run.second)},
-          {"third", known::to_json(run.third)},
-          {"lost", known::to_json(run.lost)},
-          {"lowest", run.lowest},
-          {"highest", run.highest},
-          {"energy_error", run.energy_error},
-          {"reached", run.reached},
-          {"cut_steps", run.cut_steps},
-          {"failure", run.failure},
-          {"series", series}};
-}
-
-FputRun from_json(std::string_view method, double step, const Json& json) {
-  FputRun run;
-  run.method = method;
-  run.step = step;
-  run.second = to_optional(json["second"]);
-  run.third = to_optional(json["third"]);
-  run.lost = to_optional(json["lost"]);
-  run.lowest = to_number(json["lowest"]);
-  run.highest = to_number(json["highest"]);
-  run.energy_error = to_number(json["energy_error"]);
-  run.reached = to_number(json["reached"]);
-  run.cut_steps = json["cut_steps"].get<long>();
-  run.failure = json["failure"].get<std::string>();
-  for (const Json& row : json["series"])
-    run.series.push_back(
-        {to_number(row[0]), {to_number(row[1]), to_number(row[2]), to_number(row[3])}});
-  return run;
-}
-
-Result<FputRun> stored_run(const SectionContext& context, std::string_view method, double step,
-                           long every) {
-  const Json key = {{"experiment", "fput"},
-                    {"version", 2},
-                    {"method", std::string(method)},
-                    {"step", step},
-                    {"every", every}};
-  const Result<Json> json = context.store.get(
-      fmt::format("known-fput-{}-{:.6g}-{}", method, step, every), key, [&]() -> Result<Json> {
-        const Result<FputRun> run = run_fput(method, step, every);
-        if (!run) return run.error();
-        return to_json(*run);
-      });
-  if (!json) return json.error();
-  return from_json(method, step, *json);
-}
 
 std::string time_text(const FputRun& run, const std::optional<double>& t) {
   if (t) return fmt::format("{:.1f}", *t);
@@ -240,13 +187,13 @@ Criteria add_fput_section(const SectionContext& context) {
   std::vector<FputRun> references, runs;
   for (const std::string_view method : {"verlet", "verlet4"}) {
     if (!is_known(method)) continue;
-    Result<FputRun> run = stored_run(context, method, kReferenceStep, 500);
+    Result<FputRun> run = stored_fput_run(context, method, kReferenceStep, 500);
     if (!run) return run.error();
     references.push_back(std::move(*run));
   }
   for (const std::string_view method : integrator_names())
     for (const double product : kProducts) {
-      Result<FputRun> run = stored_run(context, method, product / kFputOmega, 0);
+      Result<FputRun> run = stored_fput_run(context, method, product / kFputOmega, 0);
       if (!run) return run.error();
       runs.push_back(std::move(*run));
     }
@@ -271,7 +218,7 @@ Criteria add_fput_section(const SectionContext& context) {
       {"ep4", 1.0}, {"ep4", 1.5}, {"midpoint", 1.5}, {"imexv-linear", kPi}, {"imexv-linear", 10.0}};
   for (const auto& [method, product] : shown) {
     if (!is_known(method)) continue;
-    const Result<FputRun> run = stored_run(context, method, product / kFputOmega, 4);
+    const Result<FputRun> run = stored_fput_run(context, method, product / kFputOmega, 4);
     if (!run) return run.error();
     panels.push_back(energies_chart(*run));
   }

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/program/known/fput.h"
 #include "runtime/program/known/known_answers.h"
 #include "runtime/program/report/table.h"
 
@@ -26,6 +27,10 @@ Criteria add_resonance_section(const SectionContext& context);
 Criteria add_pendulum_section(const SectionContext& context);
 Criteria add_step_section(const SectionContext& context);
 Criteria add_trend_section(const SectionContext& context);
+
+// run_fput, unless the store has it.
+Result<FputRun> stored_fput_run(const SectionContext& context, std::string_view method, double step,
+                                long every);
 
 // A table on the page and as `file` in the directory.
 Status add_table(const SectionContext& context, const Table& table, const std::string& file,
