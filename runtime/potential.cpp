@@ -175,7 +175,8 @@ void Potential::evaluate_trailing(const VectorXd& q, Index held, unsigned want,
 }
 
 void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1,
-                                  PotentialWorkspace& workspace, VectorXd& out) const {
+                                  PotentialWorkspace& workspace, VectorXd& out,
+                                  Eigen::MatrixXd* tangent) const {
   const std::size_t r = lambda_.size();
   const std::size_t pairs = pair_count(r);
   workspace.mean = 0.5 * (q0 + q1);
@@ -192,10 +193,33 @@ void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1,
                   workspace.cubic.data());
   out = lambda_.cwiseProduct(workspace.mean);
   add_pair_product(workspace.cubic, workspace.quartic, 3.0, 4.0, workspace.mean, 0, out);
+  if (tangent != nullptr) fill_tangent(lambda_, workspace, 0, *tangent);
   workspace.held_cubic.setZero();
   add_scaled_rows(cubic_rows_.data(), pairs, 0, pairs, 0, r, workspace.half.data(),
                   workspace.held_cubic.data());
   add_pair_product(workspace.held_cubic, workspace.quartic, 1.0, 0.0, workspace.half, 0, out);
+}
+
+void Potential::averaged_jacobian(const VectorXd& q0, const VectorXd& q1,
+                                  PotentialWorkspace& workspace, Eigen::MatrixXd& out) const {
+  const std::size_t r = lambda_.size();
+  const std::size_t pairs = pair_count(r);
+  workspace.mean = 0.5 * (q0 + q1);
+  workspace.half = 0.5 * (q1 - q0);
+  // Half of fill_tangent's Lambda + 6 C[m + d/3] + 12 Q[X], with
+  // X = m m^T + d d^T/3 + (m d^T + d m^T)/3 = (m + d/3)(m + d/3)^T + 2/9 d d^T.
+  workspace.mean += workspace.half / 3.0;
+  fill_pairs(workspace.mean, 0, workspace.pairs);
+  fill_pairs(workspace.half, 0, workspace.held_quartic);
+  workspace.pairs += (2.0 / 9.0) * workspace.held_quartic;
+  workspace.quartic.setZero();
+  workspace.cubic.setZero();
+  multiply_symmetric_block(quartic_pairs_.data(), 0, pairs, workspace.pairs.data(),
+                           workspace.quartic.data());
+  add_scaled_rows(cubic_rows_.data(), pairs, 0, pairs, 0, r, workspace.mean.data(),
+                  workspace.cubic.data());
+  fill_tangent(lambda_, workspace, 0, out);
+  out *= 0.5;
 }
 
 }  // namespace tremolo

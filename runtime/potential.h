@@ -75,9 +75,16 @@ class Potential {
 
   // The average of grad V on the segment from q0 to q1, exact since V is quartic:
   // with m = (q0+q1)/2, d = (q1-q0)/2:  Lambda m + 3 C[m,m] + C[d,d] + 4 Q[m m^T + d d^T] m.
-  // Hence out . (q1 - q0) = V(q1) - V(q0).
+  // Hence out . (q1 - q0) = V(q1) - V(q0). tangent, if given, receives from the same contraction
+  // Lambda + 6 C[m] + 12 Q[m m^T + d d^T] = K(m) + O(d^2), r x r, both triangles.
   void averaged_gradient(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1,
-                         PotentialWorkspace& workspace, Eigen::VectorXd& out) const;
+                         PotentialWorkspace& workspace, Eigen::VectorXd& out,
+                         Eigen::MatrixXd* tangent = nullptr) const;
+
+  // The derivative of averaged_gradient with respect to q1, exact, symmetric:
+  // 1/2 Lambda + 3 C[m] + C[d] + 6 Q[m m^T] + 2 Q[d d^T] + 2 Q[m d^T + d m^T].
+  void averaged_jacobian(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1,
+                         PotentialWorkspace& workspace, Eigen::MatrixXd& out) const;
 
  private:
   Eigen::VectorXd lambda_;

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "runtime/integrators/energy_preserving.h"
 #include "runtime/integrators/halving.h"
 #include "runtime/integrators/imexv.h"
 #include "runtime/integrators/imexv_thesis.h"
@@ -33,7 +34,8 @@ struct Entry {
 constexpr std::array kEntries = {
     Entry{"verlet", always<make_verlet>},         Entry{"midpoint", always<make_midpoint>, true},
     Entry{"newmark", always<make_newmark>, true}, Entry{"imexv", make_imexv, true},
-    Entry{"imexv-thesis", make_imexv_thesis},
+    Entry{"imexv-thesis", make_imexv_thesis},     Entry{"avf", always<make_avf>, true},
+    Entry{"ep2", always<make_ep2>, true},         Entry{"ep4", always<make_ep4>, true},
 };
 
 constexpr auto kNames = [] {

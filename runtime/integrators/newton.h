@@ -1,4 +1,11 @@
 // Newton's method for the equation of one implicit step, in storage that is made once.
+//
+// The residual g of every implicit method here is the gradient of a functional of the unknowns (so
+// the Jacobian is symmetric), and for a quartic V that functional is a quartic along any line. A
+// correction c that solves J c = g is used whole where it brings |g| down. Where it does not, the
+// slope -g(x - t c).c, a cubic in t known from its values and derivatives at both ends, is solved
+// for its first zero: an exact line search without another evaluation. An indefinite Jacobian is
+// shifted to the nearest convenient positive definite one, so that c always leads downhill.
 #pragma once
 
 #include <cmath>
@@ -6,7 +13,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
 
 #include "runtime/integrators/integrator.h"
 
@@ -21,13 +27,20 @@ struct NewtonWorkspace {
   Eigen::VectorXd residual;
   Eigen::MatrixXd jacobian;
   Eigen::VectorXd correction;
+  Eigen::VectorXd image;  // jacobian * correction
   Eigen::LLT<Eigen::MatrixXd> cholesky;
-  Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+  double shift = 0.0;  // what was added to the Jacobian's diagonal before it was factored
 };
 
-// correction = jacobian^-1 residual. Cholesky; LU where the Jacobian is indefinite, as happens
-// under strong compression at a large step.
+// Factors the Jacobian, shifted if it is not positive definite. False if it is not finite.
+bool factor_jacobian(NewtonWorkspace& workspace);
+
+// correction = (jacobian + shift)^-1 residual, by the last factor.
 void solve_correction(NewtonWorkspace& workspace);
+
+// The first zero in (0, 4 end], 4 end if there is none, of the cubic s with s(0) = slope0 < 0,
+// s'(0) = bend0, s(end) = slope1, s'(end) = bend1.
+double first_zero(double end, double slope0, double bend0, double slope1, double bend1);
 
 // Of the unknowns, relative: a few units in the last place.
 inline constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
@@ -40,15 +53,37 @@ inline constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon()
 template <class Evaluate>
 StepReport solve_newton(NewtonWorkspace& workspace, int max_iterations, Evaluate&& evaluate) {
   StepReport report;
+  double ratio = evaluate();
   for (;; ++report.iterations) {
-    const double ratio = evaluate();
     report.converged = ratio <= 1.0;  // false for NaN
     if (report.converged || !std::isfinite(ratio) || report.iterations == max_iterations) break;
+    if (!factor_jacobian(workspace)) break;
     solve_correction(workspace);
+    const Eigen::VectorXd& c = workspace.correction;
     const double rounding = kRounding * workspace.unknowns.norm();
-    report.converged = workspace.correction.norm() <= rounding;
+    report.converged = c.norm() <= rounding;
     if (report.converged) break;
-    workspace.unknowns -= workspace.correction;
+    const double slope = -workspace.residual.dot(c);
+    const double bend = -slope - workspace.shift * c.squaredNorm();
+    double length = 1.0;  // of the correction, as a fraction of c
+    workspace.unknowns -= c;
+    double next = evaluate();
+    // Far out the numbers may overflow: come back until they do not.
+    while (!std::isfinite(next) && length > 1e-6) {
+      workspace.unknowns += 0.9 * length * c;
+      length *= 0.1;
+      next = evaluate();
+    }
+    if (next > 1.0 && !(next < 0.9 * ratio)) {
+      workspace.image.noalias() = workspace.jacobian * c;
+      const double best =
+          first_zero(length, slope, bend, -workspace.residual.dot(c), c.dot(workspace.image));
+      if (best != length) {
+        workspace.unknowns += (length - best) * c;
+        next = evaluate();
+      }
+    }
+    ratio = next;
   }
   report.residual = workspace.residual.norm();
   return report;

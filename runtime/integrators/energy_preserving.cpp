@@ -1,0 +1,314 @@
+#include "runtime/integrators/energy_preserving.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "runtime/damping.h"
+#include "runtime/integrators/newton.h"
+#include "runtime/integrators/rational_filter.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kEp2Limit = 1.2;     // of h omega/2: x cot x stays above 0.46
+constexpr int kUpdates = 8;           // Broyden's, then the exact Jacobian
+constexpr double kSlow = 0.6;         // a residual that falls by less is slow
+constexpr double kFarthestFix = 0.1;  // of |p1|^2: no larger energy defect is taken back
+
+// ---- N at rest, for each coordinate ----
+
+VectorXd unit_filter(const VectorXd& lambda, double) {
+  return VectorXd::Ones(lambda.size());
+}
+
+VectorXd cotangent_filter(const VectorXd& lambda, double h) {
+  return lambda.unaryExpr([h](double l) {
+    const double x = std::min(0.5 * h * std::sqrt(l), kEp2Limit);
+    return x < 1e-4 ? 1.0 - x * x / 3.0 : x / std::tan(x);
+  });
+}
+
+VectorXd rational_rest_filter(const VectorXd& lambda, double h) {
+  return lambda.unaryExpr([h](double l) { return filter_value(kRobustShape, 0.25 * h * h * l); });
+}
+
+// ---- D' of the header ----
+
+double tuned_rate(double rate, double x, double n, double h, bool fourth) {
+  const double t = std::tanh(0.5 * rate * h);
+  const double area = n * n + x * x;
+  if (!fourth) return 2.0 * t / h * area;
+  const double a = t * h * h / 12.0;
+  const double b = 0.5 * h * (1.0 + x * x / 3.0);
+  const double c = t * area;
+  const double discriminant = b * b - 4.0 * a * c;
+  return discriminant > 0.0 ? 2.0 * c / (b + std::sqrt(discriminant)) : rate;
+}
+
+VectorXd tuned_rates(const VectorXd& rates, const VectorXd& lambda, const VectorXd& n, double h,
+                     bool fourth) {
+  VectorXd result(rates.size());
+  for (Index i = 0; i < rates.size(); ++i)
+    result[i] = tuned_rate(rates[i], 0.5 * h * std::sqrt(lambda[i]), n[i], h, fourth);
+  return result;
+}
+
+// ---- the two kinds of N within a step ----
+
+// N diagonal and fixed; the frozen Jacobian, damping included, by Cholesky.
+class DiagonalFilter {
+ public:
+  DiagonalFilter(VectorXd n, VectorXd damping)
+      : square_(n.cwiseAbs2()), n_(std::move(n)), damping_(std::move(damping)), factor_(n_.size()) {
+    factor_.compute(MatrixXd::Identity(n_.size(), n_.size()));
+  }
+
+  // z: (h^2/4) K; destroyed. False if the Jacobian is not positive definite.
+  bool compute(MatrixXd& z) {
+    z.diagonal() += square_ + damping_;
+    factor_.compute(z);
+    return factor_.info() == Eigen::Success;
+  }
+  void to_basis(VectorXd&) const {}
+  void from_basis(VectorXd&) const {}
+  void apply(VectorXd& x) const { x = n_.cwiseProduct(x); }
+  void solve(VectorXd& x) const { factor_.solveInPlace(x); }
+
+ private:
+  VectorXd square_;
+  VectorXd n_;
+  VectorXd damping_;  // (h/2) D'
+  Eigen::LLT<MatrixXd> factor_;
+};
+
+// N a function of Z; the frozen Jacobian N^2 + Z leaves damping to Broyden's updates.
+class MatrixFilter : public RationalFilter {
+ public:
+  explicit MatrixFilter(Index size) : RationalFilter(size, kRobustShape) {}
+  bool compute(MatrixXd& z) {
+    RationalFilter::compute(z);
+    return true;
+  }
+};
+
+// ---- the step ----
+
+template <class Filter>
+class EnergyPreserving final : public Integrator {
+ public:
+  EnergyPreserving(std::string_view name, Model::Pointer model, const IntegratorOptions& options,
+                   VectorXd rates, bool fourth, Filter filter)
+      : name_(name),
+        model_(std::move(model)),
+        options_(options),
+        fourth_(fourth),
+        damped_(rates.maxCoeff() > 0.0),
+        rates_(std::move(rates)),
+        weight_(VectorXd::Constant(rates_.size(), 2.0)),
+        filter_(std::move(filter)),
+        workspace_(model_->potential().make_workspace()),
+        zero_(VectorXd::Zero(rates_.size())),
+        matrix_(MatrixXd::Zero(rates_.size(), rates_.size())),
+        filter_matrix_(matrix_),
+        newton_(rates_.size()) {
+    if (fourth_) weight_ = (0.5 + options.step / 12.0 * rates_.array()).inverse().matrix();
+    for (VectorXd* v : {&q1_, &gradient_, &gain_, &change_, &push_, &image_, &residual_})
+      *v = zero_;
+    for (VectorXd& v : moves_) v = zero_;
+  }
+
+  StepReport step(State& state, const StepLoad& load) noexcept override {
+    const double h = options_.step;
+    q0_ = &state.q;
+    p0_ = &state.p;
+    load_ = &load;
+    // (a) without d: Dp = S (N d/h + push).
+    push_ = -state.p;
+    if (fourth_) push_ += (h / 12.0) * (load.end - load.start);
+    StepReport report = solve_frozen();
+    if (!report.converged && std::isfinite(report.residual)) report = solve_exactly(report);
+    report.converged = report.converged && q1_.allFinite() && change_.allFinite();
+    if (!report.converged) return report;
+    const VectorXd& d = newton_.unknowns;
+    report.dissipated = rates_.dot(d.cwiseAbs2()) / h;
+    if (fourth_) {
+      report.dissipated += h / 12.0 * rates_.dot(change_.cwiseAbs2());
+      report.extra_work = h / 12.0 * (load.end - load.start).dot(change_);
+    }
+    state.q = q1_;
+    state.p += change_;
+    take_back(2.0 / (h * h) * residual_.dot(d), state.p);
+    return report;
+  }
+
+  std::string_view name() const override { return name_; }
+
+ private:
+  // Scales p so that the kinetic energy falls by `defect`.
+  static void take_back(double defect, VectorXd& p) {
+    const double square = p.squaredNorm();
+    if (2.0 * std::abs(defect) < kFarthestFix * square) p *= std::sqrt(1.0 - 2.0 * defect / square);
+  }
+
+  // x <- N x.
+  void apply_filter(VectorXd& x) {
+    filter_.to_basis(x);
+    filter_.apply(x);
+    filter_.from_basis(x);
+  }
+
+  // With gradient_ known: change_ = Dp(d), residual_ = g(d). Returns |g| over what is allowed.
+  double evaluate_residual() {
+    const double h = options_.step;
+    const VectorXd& d = newton_.unknowns;
+    image_ = d / h;
+    apply_filter(image_);
+    change_ = weight_.cwiseProduct(image_ + push_);
+    image_ = change_;
+    apply_filter(image_);
+    residual_ = (0.5 * h) * image_ + (0.5 * h * h) * (gradient_ - load_->average);
+    if (damped_) residual_ += (0.5 * h) * rates_.cwiseProduct(d);
+    const double scale =
+        std::max({h * p0_->norm(), h * h * gradient_.norm(), h * h * load_->average.norm()});
+    return relative_size(residual_.norm(), options_.tolerance, scale);
+  }
+
+  void evaluate_gradient(MatrixXd* tangent) {
+    q1_ = *q0_ + newton_.unknowns;
+    model_->potential().averaged_gradient(*q0_, q1_, workspace_, gradient_, tangent);
+  }
+
+  // Frozen Jacobian with Broyden's updates (Kelley 1995, chapter 7, without their matrix).
+  StepReport solve_frozen() {
+    const double h = options_.step;
+    StepReport report;
+    VectorXd& d = newton_.unknowns;
+    d = h * *p0_;
+    evaluate_gradient(&matrix_);
+    matrix_ *= 0.25 * h * h;
+    const bool usable = matrix_.allFinite() && filter_.compute(matrix_);
+    double ratio = evaluate_residual();
+    for (int slow = 0;; ++report.iterations) {
+      report.residual = residual_.norm();
+      report.converged = ratio <= 1.0;
+      if (report.converged || !usable || !std::isfinite(ratio) || slow > 1 ||
+          report.iterations == std::min(kUpdates, options_.max_iterations))
+        break;
+      VectorXd& move = moves_[static_cast<std::size_t>(report.iterations)];
+      next_move(report.iterations, move);
+      report.converged = move.norm() <= kRounding * d.norm();
+      if (report.converged) break;
+      d += move;
+      evaluate_gradient(nullptr);
+      const double next = evaluate_residual();
+      if (!(next < kSlow * ratio)) ++slow;
+      ratio = next;
+    }
+    return report;
+  }
+
+  // move = -J^-1 g by the frozen Jacobian and all updates so far.
+  void next_move(int count, VectorXd& move) {
+    move = -residual_;
+    filter_.to_basis(move);
+    filter_.solve(move);
+    filter_.from_basis(move);
+    for (int j = 0; j + 1 < count; ++j) {
+      const VectorXd& s = moves_[static_cast<std::size_t>(j)];
+      move += (s.dot(move) / s.squaredNorm()) * moves_[static_cast<std::size_t>(j) + 1];
+    }
+    if (count == 0) return;
+    const VectorXd& last = moves_[static_cast<std::size_t>(count) - 1];
+    const double share = last.dot(move) / last.squaredNorm();
+    if (share < 0.9) move /= 1.0 - share;
+  }
+
+  // From the start again, with the exact Jacobian and the line search; N is what it was.
+  StepReport solve_exactly(const StepReport& before) {
+    const double h = options_.step;
+    for (Index j = 0; j < filter_matrix_.cols(); ++j) {
+      image_ = zero_;
+      image_[j] = 1.0;
+      apply_filter(image_);
+      filter_matrix_.col(j) = image_;
+    }
+    newton_.unknowns = h * *p0_;
+    StepReport report = solve_newton(newton_, options_.max_iterations, [&] {
+      evaluate_gradient(nullptr);
+      const double ratio = evaluate_residual();
+      newton_.residual = residual_;
+      model_->potential().averaged_jacobian(*q0_, q1_, workspace_, newton_.jacobian);
+      newton_.jacobian *= 0.5 * h * h;
+      matrix_ = weight_.asDiagonal() * filter_matrix_;
+      newton_.jacobian.noalias() += 0.5 * filter_matrix_ * matrix_;
+      newton_.jacobian.diagonal() += (0.5 * h) * rates_;
+      return ratio;
+    });
+    report.iterations += before.iterations;
+    return report;
+  }
+
+  std::string_view name_;
+  Model::Pointer model_;
+  IntegratorOptions options_;
+  bool fourth_;
+  bool damped_;
+  VectorXd rates_;   // D'
+  VectorXd weight_;  // S
+  Filter filter_;
+  PotentialWorkspace workspace_;
+  VectorXd zero_;
+  MatrixXd matrix_;
+  MatrixXd filter_matrix_;  // N in full, for solve_exactly
+  NewtonWorkspace newton_;  // unknowns: d
+  VectorXd q1_;
+  VectorXd gradient_;  // G
+  VectorXd gain_;
+  VectorXd change_;  // Dp
+  VectorXd push_;
+  VectorXd image_;
+  VectorXd residual_;
+  std::array<VectorXd, kUpdates> moves_;
+  const VectorXd* q0_ = nullptr;
+  const VectorXd* p0_ = nullptr;
+  const StepLoad* load_ = nullptr;
+};
+
+std::unique_ptr<Integrator> make_diagonal(std::string_view name, Model::Pointer model,
+                                          const IntegratorOptions& options, const VectorXd& n) {
+  const double h = options.step;
+  const VectorXd rates = tuned_rates(damping_rates(model->lambda(), options.alpha, options.beta),
+                                     model->lambda(), n, h, false);
+  DiagonalFilter filter(n, 0.5 * h * rates);
+  return std::make_unique<EnergyPreserving<DiagonalFilter>>(name, std::move(model), options, rates,
+                                                            false, std::move(filter));
+}
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_avf(Model::Pointer model, const IntegratorOptions& options) {
+  const VectorXd n = unit_filter(model->lambda(), options.step);
+  return make_diagonal("avf", std::move(model), options, n);
+}
+
+std::unique_ptr<Integrator> make_ep2(Model::Pointer model, const IntegratorOptions& options) {
+  const VectorXd n = cotangent_filter(model->lambda(), options.step);
+  return make_diagonal("ep2", std::move(model), options, n);
+}
+
+std::unique_ptr<Integrator> make_ep4(Model::Pointer model, const IntegratorOptions& options) {
+  const VectorXd n = rational_rest_filter(model->lambda(), options.step);
+  const VectorXd rates = tuned_rates(damping_rates(model->lambda(), options.alpha, options.beta),
+                                     model->lambda(), n, options.step, true);
+  const Index r = model->modes();
+  return std::make_unique<EnergyPreserving<MatrixFilter>>("ep4", std::move(model), options, rates,
+                                                          true, MatrixFilter(r));
+}
+
+}  // namespace tremolo

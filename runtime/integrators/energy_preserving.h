@@ -1,0 +1,57 @@
+// The energy-preserving family: avf, ep2, ep4.
+//
+// V is quartic, so the mean of grad V on the segment from q0 to q1 is known exactly
+// (Potential::averaged_gradient); call it G. With d = q1 - q0, v = d/h, Dp = p1 - p0, any symmetric
+// positive N that is fixed within the step and any diagonal S > 0, the step
+//
+//     (a)  S^-1 Dp = N d/h - p0 [+ (h/12) Df]        S^-1 = I/2 [+ (h/12) D]
+//     (b)  N Dp/h + G + D v = f
+//
+// has, since Dp . (a) - d . (b) leaves Dp . (p0 + Dp/2) + d . G = V(q1) + T(p1) - V(q0) - T(p0),
+//
+//     H1 - H0 = f . d [+ (h/12) Df . Dp]  -  h v . D v [- (h/12) Dp . D Dp]
+//
+// for every h: without load and damping the energy stays, with damping it falls. f is the load's
+// average over the step, Df its change from end to end; what stands in brackets is ep4's. All that
+// differs is N:
+//
+//     avf   N = I                                     (Quispel & McLaren 2008)
+//     ep2   N = diag(x_i cot x_i),  x_i = min(h omega_i/2, 1.2): small vibrations have their exact
+//           frequency up to h omega = 2.4
+//     ep4   N = N(Z), Z = h^2 K/4 with K taken at the predicted midpoint q0 + (h/2) p0
+//           (runtime/integrators/rational_filter.h): fourth order for the nonlinear problem, since
+//           N = I - h^2 K/12 + O(h^4), also with a smooth load and with damping by the brackets
+//
+// avf and ep2 are second order and time-reversible; ep4 is not reversible: q* is predicted from q0.
+//
+// Damping. D = alpha I + beta Lambda in (a) and (b) would damp small fast vibrations too little.
+// Here each D_i is replaced by the value with which a free linear mode loses exactly e^{-D_i h} of
+// the area of its phase plane in a step: with x = h omega_i/2, n = N(x^2), t = tanh(D_i h/2)
+//
+//     avf, ep2   D'_i = (2 t/h) (n^2 + x^2)
+//     ep4        t (h^2/12) D'^2 - (1 + x^2/3) (h/2) D' + t (n^2 + x^2) = 0    (D_i where no root)
+//
+// which is D_i (1 + O(h^2)) for the first two and D_i (1 + O(h^4)) for ep4: no order is lost.
+// `dissipated` is exact: the negative terms of the balance above.
+//
+// Solving. Without Dp, times h^2/2, for d:
+//
+//     g(d) = (h/2) N Dp(d) + (h^2/2) (G - f) + (h/2) D d = 0,      Jacobian about N^2 + (h^2/4) K
+//
+// One contraction at the predicted step d = h p0 gives G there, K + O(h^2) for N and for the frozen
+// Jacobian; each correction costs one contraction more and is sharpened by Broyden's updates. Where
+// that stalls the exact Jacobian and a line search take over (runtime/integrators/newton.h).
+//
+// What the solve leaves of g does work on d: H is off by exactly (2/h^2) g . d, which is known.
+// p1 is scaled to take that back, so the balance holds to rounding whatever the tolerance.
+#pragma once
+
+#include "runtime/integrators/integrator.h"
+
+namespace tremolo {
+
+std::unique_ptr<Integrator> make_avf(Model::Pointer model, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_ep2(Model::Pointer model, const IntegratorOptions& options);
+std::unique_ptr<Integrator> make_ep4(Model::Pointer model, const IntegratorOptions& options);
+
+}  // namespace tremolo

@@ -1,0 +1,65 @@
+// The matrix N of the fourth-order energy-preserving step
+// (runtime/integrators/energy_preserving.h), a rational function of a symmetric matrix Z, in Z's
+// tridiagonal basis Z = W T W^T.
+//
+//     N(z) = (1 + a1 z + a2 z^2) / (1 + b1 z + b2 z^2),
+//     b1 = a1 + 1/3,  b2 = a2 + b1/3 + 1/45:   N(z) = sqrt(z) cot(sqrt(z)) + O(z^3)
+//
+// Both N and 1/(N^2 + z), which the step's Newton matrix is, fall into simple fractions
+// n + sum_k c_k/(z - z_k): a vector costs one tridiagonal solve for each pole, in complex numbers
+// where the pole is complex (of a conjugate pair one, its real part twice).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "runtime/tridiagonal.h"
+
+namespace tremolo {
+
+// The two free numbers.
+struct FilterShape {
+  double a1 = 0.0;
+  double a2 = 0.0;
+};
+
+// N falls from 1 to 0.5581 at z -> infinity, lowest value 0.5127: never small, so that the solve
+// stays well posed far beyond h omega = 2.
+inline constexpr FilterShape kRobustShape{-0.00368349, 0.166819};
+
+double filter_value(const FilterShape& shape, double z);
+
+class RationalFilter {
+ public:
+  RationalFilter(Eigen::Index size, const FilterShape& shape);
+
+  // z: r x r, symmetric, both triangles; destroyed. Nothing is allocated, here and below.
+  void compute(Eigen::MatrixXd& z);
+
+  void to_basis(Eigen::VectorXd& x) const { tridiagonal_.to_basis(x); }      // x <- W^T x
+  void from_basis(Eigen::VectorXd& x) const { tridiagonal_.from_basis(x); }  // x <- W x
+
+  // In the basis: x <- N x and x <- (N^2 + T)^-1 x.
+  void apply(Eigen::VectorXd& x);
+  void solve(Eigen::VectorXd& x);
+
+ private:
+  struct Pole {
+    Complex place;
+    Complex residue;  // twice it where the conjugate pole is left out
+    ShiftedFactor factor;
+  };
+
+  void add_fraction(const Pole& pole, const Eigen::VectorXd& x);
+
+  Tridiagonal tridiagonal_;
+  double limit_;  // N at infinity
+  std::vector<Pole> apply_poles_;
+  std::vector<Pole> solve_poles_;
+  std::vector<Complex> scratch_;
+  Eigen::VectorXd sum_;
+};
+
+}  // namespace tremolo
