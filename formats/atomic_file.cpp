@@ -1,11 +1,13 @@
 #include "formats/atomic_file.h"
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <iterator>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
@@ -13,37 +15,58 @@
 namespace tremolo {
 namespace {
 
-// The temporary file under way, readable from a signal handler. A program writes one at a time.
-char partial_path[4096];
-volatile std::sig_atomic_t partial_exists = 0;
+// The temporary files under way, readable from a signal handler: one for each thread that writes.
+struct Slot {
+  std::atomic<int> state{0};  // kFree, kTaken, kNamed
+  char path[4096] = {};
+};
+constexpr int kFree = 0, kTaken = 1, kNamed = 2;
+Slot slots[16];
 
-void remember_partial(const std::string& path) {
-  if (path.size() >= sizeof(partial_path)) return;
-  std::memcpy(partial_path, path.c_str(), path.size() + 1);
-  partial_exists = 1;
+// Its index; -1 if there is none left or the path is too long: a signal then leaves the file
+// behind.
+int remember_partial(const std::string& path) {
+  if (path.size() >= sizeof(Slot::path)) return -1;
+  for (int i = 0; i < static_cast<int>(std::size(slots)); ++i) {
+    int expected = kFree;
+    if (!slots[i].state.compare_exchange_strong(expected, kTaken)) continue;
+    std::memcpy(slots[i].path, path.c_str(), path.size() + 1);
+    slots[i].state = kNamed;
+    return i;
+  }
+  return -1;
+}
+
+void forget_partial(int slot) {
+  if (slot >= 0) slots[slot].state = kFree;
 }
 
 extern "C" void tremolo_on_fatal_signal(int signal) {
-  if (partial_exists) ::unlink(partial_path);
+  for (const Slot& slot : slots)
+    if (slot.state == kNamed) ::unlink(slot.path);
   // SA_RESETHAND has restored the default action: the parent sees death by this signal.
   ::raise(signal);
 }
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::string path, std::string temporary, int descriptor)
-    : path_(std::move(path)), temporary_(std::move(temporary)), descriptor_(descriptor) {}
+AtomicFile::AtomicFile(std::string path, std::string temporary, int descriptor, int slot)
+    : path_(std::move(path)),
+      temporary_(std::move(temporary)),
+      descriptor_(descriptor),
+      slot_(slot) {}
 
 AtomicFile::AtomicFile(AtomicFile&& other) noexcept
     : path_(std::move(other.path_)),
       temporary_(std::move(other.temporary_)),
-      descriptor_(std::exchange(other.descriptor_, -1)) {}
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      slot_(std::exchange(other.slot_, -1)) {}
 
 AtomicFile::~AtomicFile() {
   if (descriptor_ < 0) return;
   ::close(descriptor_);
   ::unlink(temporary_.c_str());
-  partial_exists = 0;
+  forget_partial(slot_);
 }
 
 Error AtomicFile::failure(const char* what) const {
@@ -63,8 +86,8 @@ Result<AtomicFile> AtomicFile::create(const std::string& path) {
   const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0)
     return system_error(path + ": cannot create a file there: " + std::strerror(errno));
-  remember_partial(temporary);
-  return AtomicFile(final_path, temporary, descriptor);
+  const int slot = remember_partial(temporary);
+  return AtomicFile(final_path, temporary, descriptor, slot);
 }
 
 Status AtomicFile::write(std::span<const std::byte> bytes) {
@@ -89,10 +112,10 @@ Status AtomicFile::commit() {
   if (closed != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) {
     const Error error = failure("finish");
     ::unlink(temporary_.c_str());
-    partial_exists = 0;
+    forget_partial(std::exchange(slot_, -1));
     return error;
   }
-  partial_exists = 0;
+  forget_partial(std::exchange(slot_, -1));
   return Success{};
 }
 

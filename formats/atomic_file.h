@@ -30,19 +30,20 @@ class AtomicFile {
   Status commit();
 
  private:
-  AtomicFile(std::string path, std::string temporary, int descriptor);
+  AtomicFile(std::string path, std::string temporary, int descriptor, int slot);
   Error failure(const char* what) const;
 
   std::string path_;
   std::string temporary_;
   int descriptor_;
+  int slot_;  // where a signal handler finds the temporary file's name; -1: nowhere
 };
 
 // Writes `text` as the whole file.
 Status write_file(const std::string& path, std::string_view text);
 
-// Makes SIGINT, SIGTERM and SIGHUP remove the temporary file of an AtomicFile under way before
-// the process ends by that signal. For programs; a library must not call it.
+// Makes SIGINT, SIGTERM and SIGHUP remove the temporary files of all AtomicFiles under way (up to
+// 16) before the process ends by that signal. For programs; a library must not call it.
 void remove_partial_files_on_signals();
 
 }  // namespace tremolo

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "formats/surface_writer.h"
+#include "runtime/program/energy_bound.h"
 #include "runtime/program/plot.h"
 #include "runtime/program/recorder.h"
 
@@ -16,9 +17,6 @@ namespace tremolo {
 namespace {
 
 namespace fs = std::filesystem;
-
-// An orbit whose energy exceeds this many times all that was ever put in has left its bound.
-constexpr double kEnergyBound = 10.0;
 
 Error usage_error(std::string message) {
   return {ErrorKind::kUsage, std::move(message)};
@@ -126,11 +124,9 @@ class Watch {
     was_loaded_ = loaded;
     report.energy_final = energy.total();
     report.high_band_final = energy.high_band;
-    most_input_ = std::max(most_input_, report.energy_initial + body.work());
     if (!options_.out.empty() && body.steps() % options_.every == 0) recorder_.record(body, energy);
     if (Status status = write_due_surface(body, report); !status) return status.error();
-    return std::isfinite(energy.total()) &&
-           (most_input_ <= 0 || energy.total() <= kEnergyBound * most_input_);
+    return bound_.holds(body.steps(), energy.total(), body.work());
   }
 
   Status finish(RunReport& report) {
@@ -168,7 +164,7 @@ class Watch {
   std::int64_t total_steps_;
   int surfaces_written_ = 0;
   bool was_loaded_ = false;
-  double most_input_ = 0;
+  EnergyBound bound_;
 };
 
 RunReport start_report(const RunOptions& options, const Body& body) {
