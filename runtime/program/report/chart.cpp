@@ -34,7 +34,9 @@ class Looks {
     });
     if (known == known_.end()) {
       const std::size_t n = known_.size();
-      known_.push_back({curve.label, {kPalette[n % kPalette.size()], kPoints[n % kPoints.size()]}});
+      known_.push_back(
+          {curve.label,
+           {kPalette[n % kPalette.size()], kPoints[(n + n / kPalette.size()) % kPoints.size()]}});
       known = known_.end() - 1;
     }
     Look look = known->second;
