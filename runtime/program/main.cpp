@@ -72,7 +72,7 @@ void shorten(const CLI::App& bench, bench::Options& o) {
   if (!given("--models")) o.models = {"beam", "horse"};
   if (!given("--loads")) o.loads = {"square"};
   if (!given("--amplitudes")) o.amplitudes = {0.05, 0.15};
-  if (!given("--steps-ms")) o.steps_ms = {6, 3, 1.5, 0.75};
+  if (!given("--steps-ms")) o.steps_ms = {6, 3, 1.5, 0.75, 0.3};
   o.stability_scales = {1, 10};
   o.stability_steps_ms = {10, 3};
 }

@@ -39,10 +39,10 @@ Result<std::vector<Entry>> measure_errors(const Scene& scene, const Reference& r
                                           const std::string& integrator,
                                           const std::vector<double>& steps, const Store& store);
 
-// Microseconds a step of each integrator: the smallest of five windows of steps after the load has
-// ended (or after 0.3 s), each from the same state; the methods take turns, so that a noisy moment
-// hits all. Nothing else is done meanwhile. Not-a-number where a step did not converge. Errors as
-// measure_errors.
+// Microseconds a step of each integrator, of processor time: the smallest of five or more windows
+// of steps after the load has ended (or after 0.3 s), each from the same state; the methods take
+// turns, so that a noisy moment hits all. Nothing else is done meanwhile. Not-a-number where a step
+// did not converge. Errors as measure_errors.
 Result<std::vector<double>> measure_times(const Scene& scene,
                                           const std::vector<std::string>& integrators, double step,
                                           const Store& store);
