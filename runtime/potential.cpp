@@ -111,6 +111,21 @@ Result<Potential> Potential::create(VectorXd lambda, std::span<const double> cub
   return potential;
 }
 
+Potential Potential::leading(Index count) const {
+  const std::size_t pairs = pair_count(static_cast<std::size_t>(lambda_.size()));
+  const std::size_t kept = pair_count(static_cast<std::size_t>(count));
+  Potential part;
+  part.lambda_ = lambda_.head(count);
+  part.cubic_rows_.reserve(static_cast<std::size_t>(count) * kept);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+    const double* row = cubic_rows_.data() + k * pairs;
+    part.cubic_rows_.insert(part.cubic_rows_.end(), row, row + kept);
+  }
+  const double* quartic = quartic_pairs_.data();
+  part.quartic_pairs_.assign(quartic, quartic + pair_count(kept));
+  return part;
+}
+
 PotentialWorkspace Potential::make_workspace() const {
   const VectorXd pairs = VectorXd::Zero(static_cast<Index>(pair_count(lambda_.size())));
   const VectorXd coordinates = VectorXd::Zero(size());

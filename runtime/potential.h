@@ -53,6 +53,9 @@ class Potential {
   static Result<Potential> create(Eigen::VectorXd lambda, std::span<const double> cubic,
                                   std::span<const double> quartic);
 
+  // V(q_1..q_count, 0..0) as a function of the leading `count` coordinates, 0 <= count <= r.
+  Potential leading(Eigen::Index count) const;
+
   Eigen::Index size() const { return lambda_.size(); }  // r
   const Eigen::VectorXd& lambda() const { return lambda_; }
 

@@ -5,14 +5,21 @@
 #include <utility>
 
 #include "runtime/integrators/energy_preserving.h"
+#include "runtime/integrators/explicit_euler.h"
 #include "runtime/integrators/halving.h"
 #include "runtime/integrators/imexv.h"
 #include "runtime/integrators/imexv_adaptive.h"
+#include "runtime/integrators/imexv_coupled.h"
+#include "runtime/integrators/imexv_linear.h"
 #include "runtime/integrators/imexv_thesis.h"
+#include "runtime/integrators/implicit_euler.h"
 #include "runtime/integrators/integrator.h"
 #include "runtime/integrators/midpoint.h"
 #include "runtime/integrators/newmark.h"
+#include "runtime/integrators/rk2.h"
+#include "runtime/integrators/rk4.h"
 #include "runtime/integrators/verlet.h"
+#include "runtime/integrators/verlet4.h"
 
 namespace tremolo {
 namespace {
@@ -38,10 +45,17 @@ constexpr std::array kEntries = {
     Entry{"newmark", always<make_newmark>, true},
     Entry{"imexv", make_imexv, true},
     Entry{"imexv-thesis", make_imexv_thesis},
+    Entry{"imexv-linear", make_imexv_linear},
+    Entry{"imexv-coupled", make_imexv_coupled, true},
     Entry{"imexv-adaptive", make_imexv_adaptive, true},
     Entry{"avf", always<make_avf>, true},
     Entry{"ep2", always<make_ep2>, true},
     Entry{"ep4", always<make_ep4>, true},
+    Entry{"verlet4", always<make_verlet4>},
+    Entry{"explicit-euler", always<make_explicit_euler>},
+    Entry{"implicit-euler", always<make_implicit_euler>, true},
+    Entry{"rk2", always<make_rk2>},
+    Entry{"rk4", always<make_rk4>},
 };
 
 constexpr auto kNames = [] {

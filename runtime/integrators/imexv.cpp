@@ -9,14 +9,6 @@
 namespace tremolo {
 namespace {
 
-// e^{-(alpha + beta lambda_i) h/2} on low rows, e^{-alpha h/2} on high rows.
-Eigen::VectorXd half_step_decay(const Eigen::VectorXd& lambda, Split split,
-                                const IntegratorOptions& options) {
-  Eigen::VectorXd rates = damping_rates(lambda, options.alpha, options.beta);
-  rates.tail(split.high).setConstant(options.alpha);
-  return (-0.5 * options.step * rates.array()).exp().matrix();
-}
-
 class Imexv final : public Integrator {
  public:
   Imexv(Model::Pointer model, const IntegratorOptions& options, Split split)
@@ -24,7 +16,7 @@ class Imexv final : public Integrator {
         split_(split),
         step_(options.step),
         damped_(options.alpha > 0.0 || options.beta > 0.0),
-        decay_(half_step_decay(model_->lambda(), split, options)),
+        decay_(split_decay(model_->lambda(), split, options.alpha, options.beta, 0.5 * step_)),
         forces_(model_->potential()),
         high_(model_->potential(), split, damping_rates(model_->lambda(), 0.0, options.beta),
               options, HighDamping::kMeanVelocity, SolveNorm::kRelative),

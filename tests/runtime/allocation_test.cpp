@@ -55,7 +55,7 @@ Body shaken_body(std::string_view integrator, Eigen::Index r) {
   const testing::StrainModel strain =
       testing::random_strain_model(testing::spread_omega(r, 5.0, 900.0), 0.02, 61);
   IntegratorOptions options{
-      .step = integrator == "verlet" ? 1e-3 : 3e-3, .alpha = 0.3, .beta = 1e-6};
+      .step = testing::is_explicit(integrator) ? 2e-4 : 3e-3, .alpha = 0.3, .beta = 1e-6};
   Result<Body> body = Body::create(testing::make_model(strain), integrator, options);
   EXPECT_TRUE(body);
   EXPECT_TRUE(

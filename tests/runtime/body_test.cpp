@@ -136,7 +136,7 @@ double imbalance(std::string_view name, double step) {
   Body body = make_body(name, 0.3, {.step = step, .alpha = 1.0, .beta = 1e-5});
   EXPECT_TRUE(body.add_load({.kind = SignalKind::kSine, .frequency = 2.0}, 5, {3.0, 1.0, -2.0}));
   DriftMeter drift;
-  while (body.time() < 0.5 - 0.5 * step) {
+  for (long k = std::lround(0.5 / step); k > 0; --k) {
     advance(body, 1);
     drift.observe(body.energy().total(), body.work(), body.dissipated(), body.load_to_come());
   }
@@ -145,9 +145,11 @@ double imbalance(std::string_view name, double step) {
 
 TEST(Body, EnergyBalanceOfEveryMethodClosesWithTheStep) {
   for (const std::string_view name : integrator_names()) {
-    const double coarse = imbalance(name, 1e-3), fine = imbalance(name, 2.5e-4);
+    // At 900 rad/s explicit Euler grows by 4e5 h /s and rk2 by 8e10 h^3 /s; damping takes 4.5 /s.
+    const double step = name == "explicit-euler" ? 5e-6 : name == "rk2" ? 2.5e-4 : 1e-3;
+    const double coarse = imbalance(name, step), fine = imbalance(name, 0.25 * step);
     EXPECT_LE(coarse, 0.1) << name;
-    // First order at worst (imexv-thesis): a quarter of the step, less than half the error.
+    // First order at worst: a quarter of the step, less than half the error.
     EXPECT_LE(fine, 0.5 * coarse) << name;
   }
 }

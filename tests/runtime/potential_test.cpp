@@ -91,6 +91,30 @@ TEST_P(PotentialSize, TangentIsSymmetricToTheLastBit) {
   EXPECT_EQ(evaluation.tangent, evaluation.tangent.transpose());
 }
 
+TEST_P(PotentialSize, LeadingPotentialIsTheOneMadeOfTheLeadingCoordinates) {
+  const Eigen::Index r = GetParam();
+  const BasisData data = testing::sample_basis(strain_model(r));
+  const Potential full = make_potential(r);
+  for (Eigen::Index kept = 1; kept <= r; ++kept) {
+    const Result<Potential> made =
+        Potential::create(data.lambda.head(kept), data.cubic, data.quartic);
+    ASSERT_TRUE(made);
+    const Potential part = full.leading(kept);
+    ASSERT_EQ(part.size(), kept);
+    PotentialWorkspace workspace = part.make_workspace();
+    Evaluation a = part.make_evaluation(), b = part.make_evaluation();
+    const Eigen::VectorXd q = random_vector(kept, 0.4, 8);
+    constexpr unsigned kAll = kWantEnergy | kWantForce | kWantTangent;
+    part.evaluate(q, kAll, workspace, a);
+    made->evaluate(q, kAll, workspace, b);
+    // The same numbers in the same order.
+    EXPECT_EQ(a.energy, b.energy);
+    EXPECT_EQ(a.force, b.force);
+    EXPECT_EQ(a.tangent, b.tangent);
+  }
+  EXPECT_EQ(full.leading(0).size(), 0);
+}
+
 TEST_P(PotentialSize, LeadingCoordinatesEqualZeroPadding) {
   const Eigen::Index r = GetParam();
   const BasisData data = testing::sample_basis(strain_model(r));

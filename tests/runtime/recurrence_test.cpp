@@ -67,11 +67,13 @@ TEST(Recurrence, MidpointAndNewmarkTurnByTwiceTheArcTangent) {
   }
 }
 
-TEST(Recurrence, ImexvTurnsLowRowsLikeVerletAndHighRowsLikeMidpoint) {
+TEST(Recurrence, SplittingMethodsTurnLowRowsLikeVerletAndHighRowsLikeMidpoint) {
   const double low = 1.2, high = 7.0;
   const double low_angle = std::acos(1.0 - 0.5 * low * low);
-  expect_rotation("imexv", tight(), low / kStep, low_angle, std::sin(low_angle) / kStep);
-  expect_rotation("imexv", tight(), high / kStep, 2.0 * std::atan(0.5 * high), high / kStep);
+  for (const char* name : {"imexv", "imexv-linear", "imexv-coupled"}) {
+    expect_rotation(name, tight(), low / kStep, low_angle, std::sin(low_angle) / kStep);
+    expect_rotation(name, tight(), high / kStep, 2.0 * std::atan(0.5 * high), high / kStep);
+  }
 }
 
 // One coordinate of a damped, forced step, and what carries over to the next one.
@@ -113,6 +115,14 @@ Scalar imexv_high_step(Scalar s, Forcing f, double lambda, double alpha, double 
   s.p *= decay;
   s = midpoint_step(s, f, lambda, beta * lambda);
   s.p *= decay;
+  return s;
+}
+
+Scalar linear_high_step(Scalar s, Forcing f, double lambda, double alpha, double beta) {
+  const double decay = std::exp(-0.5 * kStep * alpha);
+  s.p = decay * s.p + 0.5 * kStep * f.start;
+  s = midpoint_step(s, {0.0, 0.0, 0.0}, lambda, beta * lambda);
+  s.p = decay * (s.p + 0.5 * kStep * f.end);
   return s;
 }
 
@@ -194,11 +204,19 @@ TEST(Recurrence, NewmarkDampedAndForcedForSeveralPairs) {
   }
 }
 
-TEST(Recurrence, ImexvDampedAndForced) {
+TEST(Recurrence, ImexvAndTheCoupledSplitDampedAndForced) {
+  for (const char* name : {"imexv", "imexv-coupled"})
+    expect_recurrence(
+        name, tight(kAlpha, kBeta), {0.5, 6.0},
+        [](Scalar s, Forcing f) { return verlet_step(s, f, lambda_of(0.5), rate_of(0.5)); },
+        [](Scalar s, Forcing f) { return imexv_high_step(s, f, lambda_of(6.0), kAlpha, kBeta); });
+}
+
+TEST(Recurrence, LinearSplitDampedAndForced) {
   expect_recurrence(
-      "imexv", tight(kAlpha, kBeta), {0.5, 6.0},
+      "imexv-linear", tight(kAlpha, kBeta), {0.5, 6.0},
       [](Scalar s, Forcing f) { return verlet_step(s, f, lambda_of(0.5), rate_of(0.5)); },
-      [](Scalar s, Forcing f) { return imexv_high_step(s, f, lambda_of(6.0), kAlpha, kBeta); });
+      [](Scalar s, Forcing f) { return linear_high_step(s, f, lambda_of(6.0), kAlpha, kBeta); });
 }
 
 TEST(Recurrence, ImexvThesisDampedAndForced) {
@@ -224,7 +242,8 @@ TEST(Recurrence, MassDampingDecaysEveryLinearModeExactly) {
   for (const double x : {0.1, 1.0, 1.9})
     EXPECT_NEAR(area_factor("verlet", x, alpha), std::exp(-alpha * kStep), kRounding) << x;
   for (const double x : {0.1, 1.0, 1.7, 1.9, 3.0, 30.0})
-    EXPECT_NEAR(area_factor("imexv", x, alpha), std::exp(-alpha * kStep), kRounding) << x;
+    for (const char* name : {"imexv", "imexv-linear", "imexv-coupled"})
+      EXPECT_NEAR(area_factor(name, x, alpha), std::exp(-alpha * kStep), kRounding) << name << x;
   // The midpoint rule takes alpha as part of D and underdamps fast modes.
   EXPECT_GT(area_factor("midpoint", 30.0, alpha), std::exp(-0.1 * alpha * kStep));
 }

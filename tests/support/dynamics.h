@@ -28,6 +28,19 @@ inline std::unique_ptr<Integrator> make(std::string_view name, const Model::Poin
   return std::move(*made);
 }
 
+// Methods without an implicit half: the step must resolve the highest frequency.
+inline bool is_explicit(std::string_view name) {
+  return name == "verlet" || name == "verlet4" || name == "explicit-euler" || name == "rk2" ||
+         name == "rk4";
+}
+
+// Of a smooth problem, damped and loaded or not; imexv-thesis has 1 where there is damping.
+inline int order_of(std::string_view name) {
+  if (name == "explicit-euler" || name == "implicit-euler") return 1;
+  if (name == "verlet4" || name == "rk4" || name == "ep4") return 4;
+  return 2;
+}
+
 // `count` steps from time 0; fails the test where a step does not converge.
 inline void run(Integrator& integrator, State& state, const std::vector<Load>& loads, double step,
                 int count) {

@@ -1,0 +1,19 @@
+// Explicit Euler: every rate is taken at the start of the step.
+//
+//     q1 = q0 + h p0
+//     p1 = p0 + h (fm - R(q0) - D p0)          fm: average of f over the step
+//
+// One force a step. First order. Neither symplectic nor reversible: on q'' + omega^2 q = 0 a step
+// multiplies the amplitude by sqrt(1 + (h omega)^2), whatever h is, so undamped motion always
+// grows. It is here as a contrast. The average hands on the exact impulse of any load. `dissipated`
+// is h p0.D p0: first order.
+#pragma once
+
+#include "runtime/integrators/integrator.h"
+
+namespace tremolo {
+
+std::unique_ptr<Integrator> make_explicit_euler(Model::Pointer model,
+                                                const IntegratorOptions& options);
+
+}  // namespace tremolo

@@ -1,0 +1,34 @@
+// The implicit-explicit method of a variational split whose implicit part holds every coupling.
+//
+// The potential is cut in two, V = V_slow + V_fast, with V_slow(q) = V(q_l, 0) the part that the
+// low rows l of the split (runtime/split.h) have alone, and V_fast = V - V_slow all that the high
+// rows h take part in. The discrete Lagrangian takes V_slow by the trapezoid rule and V_fast at the
+// midpoint; its step, with S = grad V_slow on the low rows and 0 on the high ones, d = q1 - q0,
+// qm = (q0 + q1)/2 and M = I, is
+//
+//     p_i <- e^{-(alpha + beta lambda_i) h/2} p_i  on low rows,  e^{-alpha h/2} p_i  on high rows
+//     p_l <- p_l + (h/2) (f_l(t+) - S_l(q0))
+//     solve for d:  d - h p + (h^2/2) [R(qm) - S(qm) + E d/h - g] = 0            on all rows
+//                   Jacobian  I + (h^2/4) (K(qm) - dS/dq(qm)) + (h/2) E          symmetric
+//     q   <- q + d,  p <- 2 d/h - p
+//     p_l <- p_l + (h/2) (f_l((t+h)-) - S_l(q1))
+//     the first line once more
+//
+// On the high rows E = beta Lambda and g is the load's average over the step; on the low rows both
+// are zero.
+//
+// Second order, also with load and damping; symplectic and time-reversible without damping, for any
+// coupling of low and high rows, at the price of as many unknowns as the midpoint rule. All low: it
+// is `verlet`; all high and alpha = 0: it is `midpoint`. Linearly stable iff h omega < 2 on the low
+// rows. `dissipated` is exact for the exponentials and d.D d/h for the high rows' beta.
+#pragma once
+
+#include "runtime/integrators/integrator.h"
+
+namespace tremolo {
+
+// Errors as choose_split.
+Result<std::unique_ptr<Integrator>> make_imexv_coupled(Model::Pointer model,
+                                                       const IntegratorOptions& options);
+
+}  // namespace tremolo

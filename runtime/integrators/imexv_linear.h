@@ -1,0 +1,34 @@
+// The implicit-explicit method of a variational split whose implicit part is linear (Stern &
+// Grinspun 2009, "Implicit-explicit variational integration of highly oscillatory problems").
+//
+// The potential is cut in two, V = V_slow + V_fast with V_fast = 1/2 q_h^T Lambda_h q_h on the high
+// rows h of the split (runtime/split.h). The discrete Lagrangian takes V_slow by the trapezoid rule
+// and V_fast at the midpoint; its step, with R_s = R - Lambda_h q_h the slow force and M = I, is
+//
+//     p_i <- e^{-(alpha + beta lambda_i) h/2} p_i  on low rows,  e^{-alpha h/2} p_i  on high rows
+//     p   <- p + (h/2) (f(t+) - R_s(q0))                                            on all rows
+//     q_l <- q_l + h p_l
+//     d_h  = (h p_h - (h^2/2) Lambda_h q_h) / (1 + (h^2/4) Lambda_h + (h beta/2) Lambda_h)
+//     q_h <- q_h + d_h,  p_h <- 2 d_h/h - p_h
+//     p   <- p + (h/2) (f((t+h)-) - R_s(q1))                                        on all rows
+//     the first line once more
+//
+// No equation is left to solve: one force a step. Second order, also with load and damping;
+// symplectic and time-reversible without damping, for any coupling of low and high rows. All low:
+// it is `verlet`.
+//
+// Linearly stable iff h omega < 2 on the low rows. But what V has beyond its quadratic part on the
+// high rows is kicked explicitly: where deformation stiffens the solid it is the first of the
+// implicit-explicit methods to fail. `dissipated` is exact for the exponentials and d.D d/h for the
+// high rows' beta.
+#pragma once
+
+#include "runtime/integrators/integrator.h"
+
+namespace tremolo {
+
+// Errors as choose_split.
+Result<std::unique_ptr<Integrator>> make_imexv_linear(Model::Pointer model,
+                                                      const IntegratorOptions& options);
+
+}  // namespace tremolo
