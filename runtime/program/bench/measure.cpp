@@ -137,6 +137,19 @@ std::string build_id() {
   return id;
 }
 
+Result<std::string> fingerprint(const Scene& scene, const std::string& integrator, double step) {
+  const RunSpec spec = scene.run(integrator, step);
+  Result<Body> body = Body::create(spec.model, integrator, spec.options);
+  if (!body) return body.error();
+  if (Status status = body->add_load(spec.load); !status) return status.error();
+  for (int k = 0; k < 100 && body->step().converged; ++k) {
+  }
+  Eigen::MatrixXd state(body->state().q.size(), 2);
+  state << body->state().q, body->state().p;
+  return hash_text(
+      hash_bytes(std::as_bytes(std::span(state.data(), static_cast<std::size_t>(state.size())))));
+}
+
 Result<std::vector<Entry>> measure_errors(const Scene& scene, const Reference& reference,
                                           const std::string& integrator,
                                           const std::vector<double>& steps, const Store& store) {
@@ -145,7 +158,11 @@ Result<std::vector<Entry>> measure_errors(const Scene& scene, const Reference& r
   key["steps"] = steps;
   key["horizon"] = reference.horizon;
   key["gap"] = reference.gap;
-  key["build"] = build_id();
+  for (const double step : {steps.front(), steps.back()}) {
+    Result<std::string> print = fingerprint(scene, integrator, step);
+    if (!print) return print.error();
+    key["fingerprint"].push_back(*print);
+  }
   Result<Json> json =
       store.get("error-" + scene.name() + "-" + integrator, key, [&]() -> Result<Json> {
         Json entries = Json::array();

@@ -30,8 +30,12 @@ struct Entry {
   double cost() const { return 1e-3 * microseconds / step; }  // ms of computing a simulated second
 };
 
-// A hash of the running program: what was measured with another build is measured anew.
+// A hash of the running program: what was timed with another build is timed anew.
 std::string build_id();
+
+// A hash of where 100 steps of `step` take the scene: what was measured with a method that went
+// elsewhere is measured anew. Errors: what making the integrator gives.
+Result<std::string> fingerprint(const Scene& scene, const std::string& integrator, double step);
 
 // One entry a step; `scene` and `microseconds` are left to the caller. Errors: kSystem, what making
 // the integrator gives.

@@ -61,10 +61,14 @@ Result<std::vector<StabilityCell>> measure_stability(const Options& options,
   const auto work = [&](std::size_t k) -> Status {
     const Subject& subject = subjects[k / methods];
     const std::string& integrator = options.integrators[k % methods];
+    const Scene probe{&subject, "square", 0.0, 1.0, options.stability_scales.back(), ""};
+    Result<std::string> print =
+        fingerprint(probe, integrator, 1e-3 * options.stability_steps_ms.back());
+    if (!print) return print.error();
     const Json key = {
         {"model", subject.sample.checksum},       {"integrator", integrator},
         {"scales", options.stability_scales},     {"steps", options.stability_steps_ms},
-        {"duration", options.stability_duration}, {"build", build_id()}};
+        {"duration", options.stability_duration}, {"fingerprint", *print}};
     Result<Json> json = store.get("stability-" + subject.sample.name + "-" + integrator, key,
                                   [&] { return run_grid(subject, integrator, options); });
     if (!json) return json.error();
