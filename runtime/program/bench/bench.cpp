@@ -53,7 +53,7 @@ Result<int> measure_and_report(const Options& options, std::vector<SampleModel> 
     cells = std::move(*measured);
   }
 
-  Page page("Run time against error",
+  Page page(options.only == "stability" ? "Where each method survives" : "Run time against error",
             fmt::format("tremolo bench, {} methods", options.integrators.size()));
   std::vector<Criterion> criteria;
   std::vector<std::string> sentences;
