@@ -16,10 +16,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kEp2Limit = 1.2;     // of h omega/2: x cot x stays above 0.46
-constexpr int kUpdates = 8;           // Broyden's, then the exact Jacobian
-constexpr double kSlow = 0.6;         // a residual that falls by less is slow
-constexpr double kFarthestFix = 0.1;  // of |p1|^2: no larger energy defect is taken back
+constexpr double kEp2Limit = 1.2;      // of h omega/2: x cot x stays above 0.46
+constexpr int kUpdates = 8;            // Broyden's, then the exact Jacobian
+constexpr double kSlow = 0.6;          // a residual that falls by less is slow
+constexpr double kFilterShare = 1e-3;  // of a residual: by how much less N is off
+constexpr int kFilterFollows = 3;      // corrections at most, lest N and d chase each other
+constexpr double kFarthestFix = 0.1;   // of |p1|^2: no larger energy defect is taken back
 
 // ---- N at rest, for each coordinate ----
 
@@ -211,8 +213,11 @@ class EnergyPreserving final : public Integrator {
     int updates = 0;  // since the filter was made
     for (int slow = 0;; ++report.iterations) {
       report.residual = residual_.norm();
-      // The predicted midpoint alone would tie N to the direction of time.
-      const bool settled = report.iterations > 0 || !Filter::kFollowsTheState;
+      // N at the predicted midpoint would know the direction of time; it follows the midpoint
+      // until what it is off by falls below the solve's tolerance.
+      const bool settled = !Filter::kFollowsTheState ||
+                           (report.iterations > 0 &&
+                            (kFilterShare * ratio < 1.0 || report.iterations == kFilterFollows));
       report.converged = ratio <= (settled ? 1.0 : 0.0);
       if (report.converged || !usable || !std::isfinite(ratio) || slow > 1 ||
           report.iterations == std::min(kUpdates, options_.max_iterations))
@@ -230,9 +235,10 @@ class EnergyPreserving final : public Integrator {
       } else {
         evaluate_gradient(&matrix_);
         usable = prepare_filter();
+        updates = 0;
       }
       const double next = evaluate_residual();
-      if (!(next < kSlow * ratio)) ++slow;
+      if (settled && !(next < kSlow * ratio)) ++slow;
       ratio = next;
     }
     return report;

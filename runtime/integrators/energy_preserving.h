@@ -23,7 +23,8 @@
 //           O(h^4), also with a smooth load and with damping by the brackets
 //
 // All are time-reversible; avf and ep2 exactly. ep4 takes K not at the solution's midpoint but at
-// that of its first correction, which misses it by the size of the second. With K at the predicted
+// that of an iterate near it: the first, and later ones until the difference is lost in the solve's
+// tolerance. With K at the predicted
 // midpoint q0 + (h/2) p0, which is of the same order but knows the direction of time, energy moves
 // into the fast modes, as fast as e-fold in 70 s on the horse at h omega up to 9.7.
 //

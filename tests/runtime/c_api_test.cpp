@@ -62,7 +62,7 @@ TEST_F(CApi, RoundTripFromC) {
 }
 
 TEST_F(CApi, StepsAreThoseOfTheEngine) {
-  Result<Body> body = Body::create(testing::make_model(strain_model()), "imexv", {});
+  Result<Body> body = Body::create(testing::make_model(strain_model()), "ep4", {});
   const double force[3] = {1.0, 2.0, 3.0};
   ASSERT_TRUE(body->apply_force(5, {1.0, 2.0, 3.0}, 3));
   ASSERT_EQ(tremolo_body_apply_force(body_, 5, force, 3), TREMOLO_OK);

@@ -56,7 +56,7 @@ double worst_balance(std::string_view name, const IntegratorOptions& options, do
 }
 
 // Of energies that are sums of terms many times larger.
-constexpr double kRounding = 1e-13;
+constexpr double kRounding = 3e-13;
 
 TEST(EnergyPreserving, EveryStepBalancesEnergyWorkAndDissipation) {
   for (const char* name : kFamily)
@@ -170,16 +170,17 @@ TEST(EnergyPreserving, Ep2TurnsLinearModesByTheirExactAngle) {
   }
 }
 
-TEST(EnergyPreserving, AvfAndEp2ReturnWhenTheMomentaAreTurnedRound) {
+TEST(EnergyPreserving, MotionReturnsWhenTheMomentaAreTurnedRound) {
   const Model::Pointer model = testing::make_model(strain_model());
-  for (const char* name : {"avf", "ep2"}) {
+  for (const char* name : kFamily) {
     const IntegratorOptions options{.step = 1e-2, .tolerance = 1e-13};
     const auto integrator = make(name, model, options);
     State state = start_state();
     testing::run(*integrator, state, {}, 1e-2, 300);
     state.p = -state.p;
     testing::run(*integrator, state, {}, 1e-2, 300);
-    // Rounding and the solves' 1e-13, stretched by 600 steps of a nonlinear motion.
+    // Rounding and the solves' 1e-13, stretched by 600 steps of a nonlinear motion. ep4 with its
+    // filter at the predicted midpoint misses by 1e-3.
     EXPECT_LE((state.q - start_state().q).norm(), 1e-7) << name;
   }
 }
