@@ -8,6 +8,7 @@
 
 #include "formats/atomic_file.h"
 #include "runtime/integrators/integrator.h"
+#include "runtime/program/bench/bench.h"
 #include "runtime/program/commands.h"
 
 namespace tremolo {
@@ -46,11 +47,43 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
       ->capture_default_str();
 }
 
+void add_bench_flags(CLI::App& bench, bench::Options& o, bool& quick) {
+  bench.add_option("--models", o.models, "a,b,...; default: all six")->delimiter(',');
+  bench.add_option("--models-dir", o.models_dir, "where NAME.tremolo are")->capture_default_str();
+  bench.add_option("--integrators", o.integrators, "a,b,...; default: all")->delimiter(',');
+  bench.add_option("--loads", o.loads, "square, impulse, sine")->delimiter(',');
+  bench
+      .add_option("--amplitudes", o.amplitudes,
+                  "largest displacement of the loaded vertex over the solid's size")
+      ->delimiter(',');
+  bench.add_option("--steps-ms", o.steps_ms, "steps, ms; each divides 6 ms")->delimiter(',');
+  bench.add_option("--duration", o.duration, "simulated time, s")->capture_default_str();
+  bench.add_flag("--quick", quick,
+                 "beam and horse, square load, two amplitudes, fewer steps: minutes, not hours");
+  bench.add_option("--only", o.only, "precision or stability");
+  bench.add_option("--out", o.out, "directory for the page and the CSVs")->capture_default_str();
+  bench.add_option("--threads", o.threads, "for all but the timing; 0: one a core");
+  bench.add_flag("--json", o.json, "print one JSON object on stdout");
+}
+
+// What --quick leaves out, unless a flag asks for it.
+void shorten(const CLI::App& bench, bench::Options& o) {
+  const auto given = [&](const char* flag) { return bench.count(flag) > 0; };
+  if (!given("--models")) o.models = {"beam", "horse"};
+  if (!given("--loads")) o.loads = {"square"};
+  if (!given("--amplitudes")) o.amplitudes = {0.05, 0.15};
+  if (!given("--steps-ms")) o.steps_ms = {6, 3, 1.5, 0.75, 0.3};
+  o.stability_scales = {1, 10};
+  o.stability_steps_ms = {10, 3};
+}
+
 struct Request {
   std::string file;
   bool json = false;
   std::vector<std::string> directories;
   std::string picture;
+  bench::Options bench;
+  bool quick = false;
 };
 
 // The same command line read onto given defaults: flags win over a scene's keys.
@@ -60,6 +93,7 @@ struct Parser {
   CLI::App* inspect = nullptr;
   CLI::App* run = nullptr;
   CLI::App* plot = nullptr;
+  CLI::App* bench = nullptr;
 
   Parser(Request& request, RunOptions& options) {
     app.name("tremolo");
@@ -75,6 +109,8 @@ struct Parser {
     plot = app.add_subcommand("plot", "energy over time of several runs in one picture");
     plot->add_option("runs", request.directories, "directories of tremolo run --out")->required();
     plot->add_option("-o,--output", request.picture, ".svg or .png")->required();
+    bench = app.add_subcommand("bench", "run time against error and stability of all methods");
+    add_bench_flags(*bench, request.bench, request.quick);
   }
 };
 
@@ -109,6 +145,10 @@ int run_program(int count, char** words) {
   }
   if (*parser.inspect) return inspect_command(request.file, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
+  if (*parser.bench) {
+    if (request.quick) shorten(*parser.bench, request.bench);
+    return bench::run(request.bench);
+  }
   if (std::filesystem::path(request.file).extension() == ".toml")
     return run_scene(count, words, request);
   return run_command(bodies_of(request, options), request.json);

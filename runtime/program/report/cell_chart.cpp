@@ -13,8 +13,9 @@ namespace {
 constexpr int kCellWidth = 58;   // px
 constexpr int kCellHeight = 26;  // px
 constexpr int kLetter = 8;       // px
-constexpr int kAbove = 34;       // px, the title
-constexpr int kBelow = 54;       // px, column names and label
+constexpr int kRight = 20;       // px
+constexpr int kAbove = 52;       // px, the title
+constexpr int kBelow = 60;       // px, column names and label
 
 std::size_t longest(const std::vector<std::string>& texts) {
   std::size_t length = 0;
@@ -79,12 +80,13 @@ std::string chart_script(const CellChart& chart, const std::string& place) {
 }  // namespace
 
 Result<std::string> draw_svg(const std::vector<CellChart>& charts, int columns) {
-  int width = 120, height = 80;
+  int width = 120, height = 80, left = 0;
   std::vector<LegendEntry> legend;
   for (const CellChart& chart : charts) {
     const int count = static_cast<int>(std::max<std::size_t>(chart.columns.size(), 1));
     const int letters = static_cast<int>(std::max(longest(chart.columns), std::size_t{1}));
-    width = std::max(width, left_of(chart) + count * std::max(kCellWidth, kLetter * letters) + 20);
+    left = std::max(left, left_of(chart));
+    width = std::max(width, left + count * std::max(kCellWidth, kLetter * letters) + kRight);
     height = std::max(height, kAbove + kBelow + kCellHeight * static_cast<int>(chart.rows.size()));
   }
   if (!charts.empty())
@@ -93,7 +95,8 @@ Result<std::string> draw_svg(const std::vector<CellChart>& charts, int columns) 
   const Sheet sheet(static_cast<int>(charts.size()), columns, width, height, std::move(legend));
   std::string plots;
   for (std::size_t i = 0; i < charts.size(); ++i)
-    plots += chart_script(charts[i], sheet.panel(static_cast<int>(i)));
+    plots +=
+        chart_script(charts[i], sheet.panel(static_cast<int>(i), left, kRight, kAbove, kBelow));
   return sheet.draw(plots);
 }
 

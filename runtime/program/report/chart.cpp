@@ -34,7 +34,9 @@ class Looks {
     });
     if (known == known_.end()) {
       const std::size_t n = known_.size();
-      known_.push_back({curve.label, {kPalette[n % kPalette.size()], kPoints[n % kPoints.size()]}});
+      known_.push_back(
+          {curve.label,
+           {kPalette[n % kPalette.size()], kPoints[(n + n / kPalette.size()) % kPoints.size()]}});
       known = known_.end() - 1;
     }
     Look look = known->second;
@@ -85,6 +87,13 @@ Ranges data_ranges(const Chart& chart) {
   return ranges;
 }
 
+// 1, 2 or 5 times a power of ten: four to nine of them fit into `width`.
+double round_step(double width) {
+  const double decade = std::pow(10.0, std::floor(std::log10(width)));
+  const double lead = width / decade;
+  return decade * (lead < 2.0 ? 0.2 : lead < 4.0 ? 0.5 : lead < 8.0 ? 1.0 : 2.0);
+}
+
 // gnuplot labels whole decades only, which leaves short ranges without a number.
 std::string log_tics(char axis, Range range) {
   const double decades = std::log10(range.high / range.low);
@@ -93,16 +102,30 @@ std::string log_tics(char axis, Range range) {
     return fmt::format("set format {} '{}'\n", axis, plain ? "%g" : "10^{%L}");
   }
   std::string list;
+  const auto add = [&](double value, bool label) {
+    list += fmt::format("{}'{}' {:.17g} {}", list.empty() ? "" : ",",
+                        label ? fmt::format("{:.6g}", value) : "", value, label ? 0 : 1);
+  };
+  if (decades < 0.5) {
+    const double step = round_step(range.high - range.low);
+    for (double k = std::ceil(range.low / step); k * step <= range.high; ++k) add(k * step, true);
+    return fmt::format("set {}tics ({})\n", axis, list);
+  }
   for (int decade = static_cast<int>(std::floor(std::log10(range.low)));
        decade <= static_cast<int>(std::ceil(std::log10(range.high))); ++decade)
-    for (int digit = 1; digit < 10; ++digit) {
-      const bool label =
-          digit == 1 || digit == 2 || digit == 5 || (decades < 0.5 && digit % 2 == 0);
-      list += fmt::format("{}'{}' {:.17g} {}", list.empty() ? "" : ",",
-                          label ? fmt::format("{:.6g}", digit * std::pow(10.0, decade)) : "",
-                          digit * std::pow(10.0, decade), label ? 0 : 1);
-    }
+    for (int digit = 1; digit < 10; ++digit)
+      add(digit * std::pow(10.0, decade), digit == 1 || digit == 2 || digit == 5);
   return fmt::format("set {}tics ({})\n", axis, list);
+}
+
+// As many as have room on a small chart.
+std::string linear_tics(char axis, Range range) {
+  const double step = round_step(range.high - range.low);
+  const double largest = std::max(std::abs(range.low), std::abs(range.high));
+  const char* format = step < 1e-5 * largest ? "%.10g"
+                       : step >= 1e4         ? "%.0s%c"  // 200k
+                                             : "%.6g";
+  return fmt::format("set {0}tics {1:.17g}\nset format {0} '{2}'\n", axis, step, format);
 }
 
 std::string axis_script(char axis, const std::string& label, bool logarithmic, Range range,
@@ -124,6 +147,8 @@ std::string axis_script(char axis, const std::string& label, bool logarithmic, R
       range = {range.low / room, range.high * room};
     }
     text += fmt::format("set logscale {}\n", axis) + log_tics(axis, range);
+  } else {
+    text += linear_tics(axis, range);
   }
   if (logarithmic || fixed)
     text += fmt::format("set {}range [{:.17g}:{:.17g}]\n", axis, range.low, range.high);

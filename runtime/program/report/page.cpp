@@ -34,6 +34,7 @@ caption{text-align:left;color:var(--soft);padding:0 0 .5rem;font-size:.9rem}
 th,td{padding:.35rem .75rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top}
 th{font-weight:600;border-bottom:2px solid var(--line);vertical-align:bottom}
 .n{text-align:right;white-space:nowrap}
+.s{white-space:nowrap}
 tbody tr:nth-child(even){background:var(--band)}
 .met{color:var(--good);font-weight:600}
 .missed{color:var(--bad);font-weight:700}
@@ -88,18 +89,20 @@ bool looks_like_number(const std::string& text) {
   return digit != text.npos && text[digit] >= '0' && text[digit] <= '9';
 }
 
-// A column is set to the right if all it holds are numbers.
-std::vector<bool> number_columns(const Table& table) {
-  std::vector<bool> number(table.columns.size(), !table.rows.empty());
+// A class for each column: numbers to the right, short text in one line.
+std::vector<std::string_view> column_classes(const Table& table) {
+  std::vector<std::string_view> classes;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    bool any = false;
+    bool any = false, number = true, brief = true;
     for (const std::vector<std::string>& row : table.rows) {
-      any = any || !row[c].empty();
-      if (!row[c].empty() && !looks_like_number(row[c])) number[c] = false;
+      if (row[c].empty()) continue;
+      any = true;
+      number = number && looks_like_number(row[c]);
+      brief = brief && row[c].size() <= 24;
     }
-    if (!any) number[c] = false;
+    classes.push_back(any && number ? " class=\"n\"" : brief ? " class=\"s\"" : "");
   }
-  return number;
+  return classes;
 }
 
 }  // namespace
@@ -121,13 +124,11 @@ void Page::paragraph(std::string_view text) {
 }
 
 void Page::table(const Table& table, std::string_view caption) {
-  const std::vector<bool> number = number_columns(table);
+  const std::vector<std::string_view> classes = column_classes(table);
   const auto row = [&](const std::vector<std::string>& cells, std::string_view tag) {
     body_ += "<tr>";
     for (std::size_t c = 0; c < cells.size(); ++c)
-      body_ +=
-          fmt::format("<{0}{1}>{2}</{0}>", tag,
-                      c < number.size() && number[c] ? " class=\"n\"" : "", marked_up(cells[c]));
+      body_ += fmt::format("<{0}{1}>{2}</{0}>", tag, classes[c], marked_up(cells[c]));
     body_ += "</tr>\n";
   };
   body_ += "<div class=\"scroll\" tabindex=\"0\"><table>";

@@ -107,6 +107,16 @@ std::string Sheet::panel(int index) const {
                      column * width_ / w, 1.0 - (row + 1) * height_ / h);
 }
 
+std::string Sheet::panel(int index, int left, int right, int above, int below) const {
+  const double x = index % columns_ * width_, y = index / columns_ * height_;
+  const double w = total_width_, h = total_height_;
+  return panel(index) + fmt::format(
+                            "set lmargin at screen {:.6f}\nset rmargin at screen {:.6f}\n"
+                            "set tmargin at screen {:.6f}\nset bmargin at screen {:.6f}\n",
+                            (x + left) / w, (x + width_ - right) / w, 1.0 - (y + above) / h,
+                            1.0 - (y + height_ - below) / h);
+}
+
 std::string Sheet::legend_script() const {
   if (legend_.empty()) return {};
   std::string text = fmt::format(

@@ -24,6 +24,9 @@ class Sheet {
   // gnuplot's commands that place what is plotted next into panel `index`; to be called in order.
   std::string panel(int index) const;
 
+  // The same with what is plotted `left` px from the panel's left side, and so on.
+  std::string panel(int index, int left, int right, int above, int below) const;
+
   // The SVG that `plots`, a script of panels, gives. Errors as draw_svg.
   Result<std::string> draw(const std::string& plots) const;
 

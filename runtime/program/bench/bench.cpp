@@ -1,0 +1,97 @@
+#include "runtime/program/bench/bench.h"
+
+#include <filesystem>
+#include <iostream>
+
+#include <fmt/format.h>
+
+#include "runtime/program/bench/precision_report.h"
+#include "runtime/program/bench/stability.h"
+#include "runtime/program/commands.h"
+#include "runtime/program/report/page.h"
+
+namespace tremolo::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Options& options, const std::vector<Criterion>& criteria,
+             const std::vector<std::string>& sentences) {
+  Json json;
+  json["page"] = (std::filesystem::path(options.out) / "index.html").string();
+  json["recommendations"] = sentences;
+  json["criteria"] = Json::array();
+  for (const Criterion& c : criteria)
+    json["criteria"].push_back({{"what", c.what},
+                                {"bound", c.bound},
+                                {"measured", c.measured},
+                                {"met", c.met},
+                                {"decides", c.decides}});
+  return json;
+}
+
+// The criteria come first on the page, so all is measured before anything is written.
+Result<int> measure_and_report(const Options& options, std::vector<SampleModel> models) {
+  Result<Store> store = Store::open((std::filesystem::path(options.out) / "work").string());
+  if (!store) return store.error();
+  std::optional<Precision> precision;
+  std::vector<StabilityCell> cells;
+  if (options.only != "stability") {
+    Result<Precision> measured = measure_precision(options, models, *store);
+    if (!measured) return measured.error();
+    precision = std::move(*measured);
+  }
+  if (options.only != "precision") {
+    std::vector<Subject> subjects;
+    for (SampleModel& model : models) {
+      Result<Subject> subject = make_subject(std::move(model));
+      if (!subject) return subject.error();
+      subjects.push_back(std::move(*subject));
+    }
+    Result<std::vector<StabilityCell>> measured = measure_stability(options, subjects, *store);
+    if (!measured) return measured.error();
+    cells = std::move(*measured);
+  }
+
+  Page page(options.only == "stability" ? "Where each method survives" : "Run time against error",
+            fmt::format("tremolo bench, {} methods", options.integrators.size()));
+  std::vector<Criterion> criteria;
+  std::vector<std::string> sentences;
+  if (precision) {
+    criteria = precision_criteria(*precision);
+    sentences = recommendations(*precision);
+    if (!criteria.empty()) {
+      page.section("What was promised");
+      page.criteria(criteria);
+    }
+    if (Status s = report_precision(*precision, options.out, page); !s) return s.error();
+  }
+  if (!cells.empty())
+    if (Status s = report_stability(cells, options, options.out, page); !s) return s.error();
+  const std::string path = (std::filesystem::path(options.out) / "index.html").string();
+  if (Status s = page.write(path); !s) return s.error();
+  for (const std::string& sentence : sentences) fmt::print(stderr, "{}\n", sentence);
+  for (const Criterion& c : criteria)
+    fmt::print(stderr, "{}: {} {}: {}\n",
+               !c.decides ? "shown"
+               : c.met    ? "met"
+                          : "MISSED",
+               c.what, c.bound, c.measured);
+  fmt::print(stderr, "wrote {}\n", path);
+  if (options.json) std::cout << to_json(options, criteria, sentences).dump(2) << "\n";
+  if (!std::cout.flush()) return system_error("standard output cannot be written");
+  return exit_code(criteria);
+}
+
+}  // namespace
+
+int run(Options options) {
+  if (Status status = settle(options); !status) return report_error(status.error());
+  Result<std::vector<SampleModel>> models =
+      reproduce::load_sample_models(options.models_dir, options.models);
+  if (!models) return report_error(models.error());
+  Result<int> code = measure_and_report(options, std::move(*models));
+  return code ? *code : report_error(code.error());
+}
+
+}  // namespace tremolo::bench

@@ -1,0 +1,113 @@
+#include "runtime/program/bench/sampled_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "runtime/body.h"
+#include "runtime/energy.h"
+#include "runtime/program/energy_bound.h"
+
+namespace tremolo::bench {
+namespace {
+
+// H and the high band of a body, with a band that does not depend on the step.
+class Meter {
+ public:
+  Meter(const Body& body, Eigen::Index band)
+      : body_(body),
+        potential_(body.model().potential()),
+        band_(band),
+        workspace_(potential_.make_workspace()),
+        evaluation_(potential_.make_evaluation()),
+        momentum_(body.state().p) {}
+
+  Energy read() {
+    body_.integrator().synchronized_momentum(body_.state(), momentum_);
+    potential_.evaluate(body_.state().q, kWantEnergy | kWantForce, workspace_, evaluation_);
+    return {kinetic_energy(momentum_), evaluation_.energy,
+            band_energy(potential_.lambda(), evaluation_.force, momentum_, band_)};
+  }
+
+ private:
+  const Body& body_;
+  const Potential& potential_;
+  Eigen::Index band_;
+  PotentialWorkspace workspace_;
+  Evaluation evaluation_;
+  Eigen::VectorXd momentum_;
+};
+
+struct Progress {
+  DriftMeter drift;
+  EnergyBound bound;
+  double band_sum = 0.0;
+  Eigen::Index band_count = 0;
+};
+
+// False: the orbit has left its bound.
+bool observe(const Body& body, const Energy& energy, Progress& progress, SampledRun& run) {
+  run.energy_end = energy.total();
+  if (!progress.bound.holds(body.steps(), energy.total(), body.work())) {
+    run.exit_code = static_cast<int>(ErrorKind::kBound);
+    run.reason =
+        fmt::format("at t = {:.6g} s the energy is more than {:g} times all that was put in",
+                    body.time(), kEnergyBound);
+    return false;
+  }
+  progress.drift.observe(energy.total(), body.work(), body.dissipated(), body.load_to_come());
+  if (body.load_to_come() || run.energy_reference == 0.0) run.energy_reference = energy.total();
+  return true;
+}
+
+// False: the solver gave up.
+bool advance(Body& body, Eigen::Index count, const RunSpec& spec, SampledRun& run) {
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const StepReport step = body.step();
+    if (!step.converged) {
+      run.exit_code = static_cast<int>(ErrorKind::kSolver);
+      run.reason = fmt::format("the step from t = {:.6g} s did not converge", body.time());
+      return false;
+    }
+    if (spec.watched.cols() > 0)
+      run.largest = std::max(run.largest, (spec.watched * body.state().q).norm());
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<SampledRun> run_sampled(const RunSpec& spec) {
+  Result<Body> created = Body::create(spec.model, spec.integrator, spec.options);
+  if (!created) return created.error();
+  Body& body = *created;
+  if (Status status = body.add_load(spec.load); !status) return status.error();
+  const Eigen::Index samples = std::llround(spec.duration / spec.sample);
+  const Eigen::Index steps = std::llround(spec.sample / spec.options.step);
+  SampledRun run;
+  if (spec.keep_orbit) run.q.resize(spec.model->modes(), samples);
+  Progress progress;
+  Meter meter(body, spec.band);
+  Eigen::Index k = 0;
+  for (bool inside = observe(body, meter.read(), progress, run); inside && k < samples; ++k) {
+    if (!advance(body, steps, spec, run)) break;
+    const Energy energy = meter.read();
+    if (!observe(body, energy, progress, run)) break;
+    if (spec.keep_orbit) run.q.col(k) = body.state().q;
+    if (2 * (k + 1) <= samples) continue;
+    progress.band_sum += energy.high_band;
+    ++progress.band_count;
+  }
+  if (spec.keep_orbit) run.q.conservativeResize(Eigen::NoChange, k);
+  run.reached = body.time();
+  run.drift = progress.drift.worst();
+  run.high_band = k == samples ? progress.band_sum / static_cast<double>(progress.band_count)
+                               : std::numeric_limits<double>::quiet_NaN();
+  run.iterations_per_step = static_cast<double>(body.iterations()) /
+                            static_cast<double>(std::max<std::int64_t>(body.steps(), 1));
+  return run;
+}
+
+}  // namespace tremolo::bench
