@@ -9,6 +9,7 @@
 #include "formats/atomic_file.h"
 #include "runtime/integrators/integrator.h"
 #include "runtime/program/commands.h"
+#include "runtime/program/reproduce/reproduce.h"
 
 namespace tremolo {
 namespace {
@@ -46,7 +47,20 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
       ->capture_default_str();
 }
 
+void add_reproduce_flags(CLI::App& reproduce, ReproduceOptions& o) {
+  reproduce.add_option("--models", o.models, "of the six, comma-separated (default: all)")
+      ->delimiter(',');
+  reproduce.add_option("--models-dir", o.models_directory, "where their basis files are")
+      ->capture_default_str();
+  reproduce.add_option("--out", o.out, "directory for index.html and CSVs")->capture_default_str();
+  reproduce.add_flag("--long", o.long_form, "experiment 3 over 10 000 s instead of 200 s");
+  reproduce.add_option("--threads", o.threads, "for the curves (default: all cores)")
+      ->check(CLI::Range(1, 1024));
+  reproduce.add_flag("--json", o.json, "print the criteria as one JSON object on stdout");
+}
+
 struct Request {
+  ReproduceOptions reproduce;
   std::string file;
   bool json = false;
   std::vector<std::string> directories;
@@ -60,6 +74,7 @@ struct Parser {
   CLI::App* inspect = nullptr;
   CLI::App* run = nullptr;
   CLI::App* plot = nullptr;
+  CLI::App* reproduce = nullptr;
 
   Parser(Request& request, RunOptions& options) {
     app.name("tremolo");
@@ -75,6 +90,9 @@ struct Parser {
     plot = app.add_subcommand("plot", "energy over time of several runs in one picture");
     plot->add_option("runs", request.directories, "directories of tremolo run --out")->required();
     plot->add_option("-o,--output", request.picture, ".svg or .png")->required();
+    reproduce =
+        app.add_subcommand("reproduce", "the thesis's tables and figures, ours beside them");
+    add_reproduce_flags(*reproduce, request.reproduce);
   }
 };
 
@@ -109,6 +127,7 @@ int run_program(int count, char** words) {
   }
   if (*parser.inspect) return inspect_command(request.file, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
+  if (*parser.reproduce) return reproduce_command(request.reproduce);
   if (std::filesystem::path(request.file).extension() == ".toml")
     return run_scene(count, words, request);
   return run_command(bodies_of(request, options), request.json);

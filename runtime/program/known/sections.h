@@ -1,0 +1,41 @@
+// The five sections of known_answers.h, each in its own file, and what they share.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/program/known/known_answers.h"
+#include "runtime/program/report/table.h"
+
+namespace tremolo::known {
+
+struct SectionContext {
+  Page& page;
+  const Store& store;
+  std::string directory;
+  bool long_form = false;
+};
+
+using Criteria = Result<std::vector<Criterion>>;
+
+Criteria add_fput_section(const SectionContext& context);
+Criteria add_resonance_section(const SectionContext& context);
+Criteria add_pendulum_section(const SectionContext& context);
+Criteria add_step_section(const SectionContext& context);
+Criteria add_trend_section(const SectionContext& context);
+
+// A table on the page and as `file` in the directory.
+Status add_table(const SectionContext& context, const Table& table, const std::string& file,
+                 std::string_view caption);
+
+nlohmann::json to_json(const std::optional<double>& value);      // null if empty
+std::optional<double> to_optional(const nlohmann::json& value);  // empty if null
+double to_number(const nlohmann::json& value);                   // not-a-number if null
+
+// A criterion that compares one number with a bound from above.
+Criterion at_most(std::string what, double measured, double bound, const std::string& who = {});
+
+}  // namespace tremolo::known
