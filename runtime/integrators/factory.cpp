@@ -7,6 +7,7 @@
 #include "runtime/integrators/energy_preserving.h"
 #include "runtime/integrators/halving.h"
 #include "runtime/integrators/imexv.h"
+#include "runtime/integrators/imexv_adaptive.h"
 #include "runtime/integrators/imexv_thesis.h"
 #include "runtime/integrators/integrator.h"
 #include "runtime/integrators/midpoint.h"
@@ -32,10 +33,15 @@ struct Entry {
 };
 
 constexpr std::array kEntries = {
-    Entry{"verlet", always<make_verlet>},         Entry{"midpoint", always<make_midpoint>, true},
-    Entry{"newmark", always<make_newmark>, true}, Entry{"imexv", make_imexv, true},
-    Entry{"imexv-thesis", make_imexv_thesis},     Entry{"avf", always<make_avf>, true},
-    Entry{"ep2", always<make_ep2>, true},         Entry{"ep4", always<make_ep4>, true},
+    Entry{"verlet", always<make_verlet>},
+    Entry{"midpoint", always<make_midpoint>, true},
+    Entry{"newmark", always<make_newmark>, true},
+    Entry{"imexv", make_imexv, true},
+    Entry{"imexv-thesis", make_imexv_thesis},
+    Entry{"imexv-adaptive", make_imexv_adaptive, true},
+    Entry{"avf", always<make_avf>, true},
+    Entry{"ep2", always<make_ep2>, true},
+    Entry{"ep4", always<make_ep4>, true},
 };
 
 constexpr auto kNames = [] {

@@ -1,5 +1,5 @@
-// R(q) at the end of one step is R(q) at the start of the next: keep it, unless q was changed
-// meanwhile from outside.
+// R(q) at the end of one step is R(q) at the start of the next, and so is K(q): keep them, unless q
+// was changed meanwhile from outside.
 #pragma once
 
 #include <limits>
@@ -12,23 +12,34 @@ namespace tremolo {
 
 class ForceCache {
  public:
-  explicit ForceCache(const Potential& potential)
+  explicit ForceCache(const Potential& potential, bool tangent = false)
       : potential_(potential),
+        want_(tangent ? kWantForce | kWantTangent : kWantForce),
         workspace_(potential.make_workspace()),
         evaluation_(potential.make_evaluation()),
         q_(Eigen::VectorXd::Constant(potential.size(), std::numeric_limits<double>::quiet_NaN())) {}
 
   // R(q), valid until the next call. Evaluates only if q is not the one of the last call.
   const Eigen::VectorXd& force(const Eigen::VectorXd& q) {
-    if (q_ != q) {  // NaN, as at the start, is never equal
-      potential_.evaluate(q, kWantForce, workspace_, evaluation_);
-      q_ = q;
-    }
+    evaluate(q);
     return evaluation_.force;
   }
 
+  // K(q), likewise; for a cache made with `tangent`.
+  const Eigen::MatrixXd& tangent(const Eigen::VectorXd& q) {
+    evaluate(q);
+    return evaluation_.tangent;
+  }
+
  private:
+  void evaluate(const Eigen::VectorXd& q) {
+    if (q_ == q) return;  // NaN, as at the start, is never equal
+    potential_.evaluate(q, want_, workspace_, evaluation_);
+    q_ = q;
+  }
+
   const Potential& potential_;
+  unsigned want_;
   PotentialWorkspace workspace_;
   Evaluation evaluation_;
   Eigen::VectorXd q_;

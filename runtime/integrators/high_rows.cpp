@@ -1,11 +1,13 @@
 #include "runtime/integrators/high_rows.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tremolo {
 
 HighRows::HighRows(const Potential& potential, Split split, const Eigen::VectorXd& rates,
-                   const IntegratorOptions& options, HighDamping damping, SolveNorm norm)
+                   const IntegratorOptions& options, HighDamping damping, SolveNorm norm,
+                   std::shared_ptr<HighScratch> scratch)
     : potential_(potential),
       split_(split),
       rates_(rates.tail(split.high)),
@@ -14,9 +16,7 @@ HighRows::HighRows(const Potential& potential, Split split, const Eigen::VectorX
       max_iterations_(options.max_iterations),
       damping_(damping),
       norm_(norm),
-      workspace_(potential.make_workspace()),
-      evaluation_(potential.make_evaluation()),
-      middle_(Eigen::VectorXd::Zero(potential.size())),
+      scratch_(scratch ? std::move(scratch) : std::make_shared<HighScratch>(potential)),
       newton_(split.high) {}
 
 StepReport HighRows::advance(const Eigen::VectorXd& q0, State& state, const Eigen::VectorXd& load) {
@@ -25,8 +25,8 @@ StepReport HighRows::advance(const Eigen::VectorXd& q0, State& state, const Eige
   Eigen::VectorXd& d = newton_.unknowns;
   auto p = state.p.tail(split_.high);
   d = h * p;
-  middle_.head(split_.low) = 0.5 * (q0.head(split_.low) + state.q.head(split_.low));
-  potential_.begin_trailing(middle_, split_.low, workspace_);
+  scratch_->middle.head(split_.low) = 0.5 * (q0.head(split_.low) + state.q.head(split_.low));
+  potential_.begin_trailing(scratch_->middle, split_.low, scratch_->workspace);
   StepReport report =
       solve_newton(newton_, max_iterations_, [&] { return evaluate(q0, state, load); });
   if (!report.converged) return report;
@@ -46,12 +46,12 @@ double HighRows::evaluate(const Eigen::VectorXd& q0, const State& state,
   const Eigen::Index high = split_.high;
   const Eigen::VectorXd& d = newton_.unknowns;
   const auto p = state.p.tail(high);
-  middle_.tail(high) = q0.tail(high) + 0.5 * d;
-  potential_.evaluate_trailing(middle_, split_.low, kWantForce | kWantTangent, workspace_,
-                               evaluation_);
-  const auto force = evaluation_.force.tail(high);
+  scratch_->middle.tail(high) = q0.tail(high) + 0.5 * d;
+  potential_.evaluate_trailing(scratch_->middle, split_.low, kWantForce | kWantTangent,
+                               scratch_->workspace, scratch_->evaluation);
+  const auto force = scratch_->evaluation.force.tail(high);
   newton_.residual = d - h * p + (0.5 * h * h) * (force - load.tail(high));
-  newton_.jacobian = (0.25 * h * h) * evaluation_.tangent.bottomRightCorner(high, high);
+  newton_.jacobian = (0.25 * h * h) * scratch_->evaluation.tangent.bottomRightCorner(high, high);
   if (damping_ == HighDamping::kMeanVelocity) {
     newton_.residual.array() += (0.5 * h) * rates_.array() * d.array();
     newton_.jacobian.diagonal().array() += 1.0 + (0.5 * h) * rates_.array();

@@ -2,6 +2,8 @@
 // low rows go from q0_l to q1_l by themselves.
 #pragma once
 
+#include <memory>
+
 #include <Eigen/Core>
 
 #include "runtime/integrators/newton.h"
@@ -21,11 +23,25 @@ enum class SolveNorm {
   kAbsolute,  // max |residual_i| <= tolerance
 };
 
+// Scratch of one or more HighRows that take turns. Its contents mean nothing between calls.
+struct HighScratch {
+  explicit HighScratch(const Potential& potential)
+      : workspace(potential.make_workspace()),
+        evaluation(potential.make_evaluation()),
+        middle(Eigen::VectorXd::Zero(potential.size())) {}
+
+  PotentialWorkspace workspace;
+  Evaluation evaluation;
+  Eigen::VectorXd middle;  // qm, r
+};
+
 class HighRows {
  public:
-  // rates: diagonal of D on all rows, 1/s, r; the low rows' are not used.
+  // rates: diagonal of D on all rows, 1/s, r; the low rows' are not used. scratch: one's own if
+  // none is given.
   HighRows(const Potential& potential, Split split, const Eigen::VectorXd& rates,
-           const IntegratorOptions& options, HighDamping damping, SolveNorm norm);
+           const IntegratorOptions& options, HighDamping damping, SolveNorm norm,
+           std::shared_ptr<HighScratch> scratch = nullptr);
 
   // q0: before the step, r. state: low rows of q already at the step's end, high rows of q and p
   // before it. load: average over the step, r. Solves
@@ -45,9 +61,7 @@ class HighRows {
   int max_iterations_;
   HighDamping damping_;
   SolveNorm norm_;
-  PotentialWorkspace workspace_;
-  Evaluation evaluation_;
-  Eigen::VectorXd middle_;  // qm, r
+  std::shared_ptr<HighScratch> scratch_;
   NewtonWorkspace newton_;  // d_h
 };
 

@@ -25,7 +25,7 @@ struct FilterShape {
   double a2 = 0.0;
 };
 
-// N falls from 1 to 0.5581 at z -> infinity, lowest value 0.5127: never small, so that the solve
+// N falls from 1 to 0.5581 at z -> infinity, lowest value 0.5082: never small, so that the solve
 // stays well posed far beyond h omega = 2.
 inline constexpr FilterShape kRobustShape{-0.00368349, 0.166819};
 

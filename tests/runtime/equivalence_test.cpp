@@ -110,6 +110,7 @@ TEST(Failure, SolveThatGivesUpRestoresTheStateAndSaysSo) {
   const Model::Pointer model = testing::make_model(strain_model());
   IntegratorOptions options = options_of(2e-2, 2);
   options.max_iterations = 1;  // far too few for this state
+  options.halvings = 0;
   const State before{testing::random_vector(5, 0.6, 5), testing::random_vector(5, 60.0, 6)};
   for (const char* name : {"midpoint", "newmark", "imexv", "imexv-thesis"}) {
     State state = before;
@@ -184,15 +185,46 @@ TEST(Newton, StiffCoordinatesConvergeToTheirRounding) {
   }
 }
 
-TEST(Newton, IndefiniteJacobianIsSolvedAllTheSame) {
+TEST(Newton, IndefiniteJacobianIsShiftedUntilTheCorrectionLeadsDownhill) {
   NewtonWorkspace workspace(4);
   const Eigen::MatrixXd random = testing::random_vector(16, 1.0, 1).reshaped(4, 4);
-  workspace.jacobian = random + random.transpose() - 0.5 * Eigen::MatrixXd::Identity(4, 4);
-  ASSERT_LT(workspace.jacobian.eigenvalues().real().minCoeff(), 0.0);
+  const Eigen::MatrixXd matrix =
+      random + random.transpose() - 0.5 * Eigen::MatrixXd::Identity(4, 4);
+  workspace.jacobian = matrix;
+  ASSERT_LT(matrix.eigenvalues().real().minCoeff(), 0.0);
   workspace.residual = testing::random_vector(4, 1.0, 2);
+  ASSERT_TRUE(factor_jacobian(workspace));
+  EXPECT_GT(workspace.shift, 0.0);
   solve_correction(workspace);
-  // A well-conditioned 4 x 4 system: rounding.
-  EXPECT_LE((workspace.jacobian * workspace.correction - workspace.residual).norm(), 1e-13);
+  EXPECT_GT(workspace.correction.dot(workspace.residual), 0.0);
+  const Eigen::MatrixXd shifted = matrix + workspace.shift * Eigen::MatrixXd::Identity(4, 4);
+  EXPECT_LE((shifted * workspace.correction - workspace.residual).norm(), 1e-12);  // rounding
+}
+
+TEST(Newton, LineSearchFindsTheFirstZeroOfACubic) {
+  // s(t) = (t - 0.3)(t - 2)(t + 1), negative at 0 upside down: -s.
+  const auto s = [](double t) { return -(t - 0.3) * (t - 2.0) * (t + 1.0) - 0.0; };
+  const auto slope = [&](double t) { return (s(t + 1e-6) - s(t - 1e-6)) / 2e-6; };
+  ASSERT_LT(s(0.0), 0.0);
+  for (const double end : {0.1, 1.0})
+    EXPECT_NEAR(first_zero(end, s(0.0), slope(0.0), s(end), slope(end)), 0.3, 1e-6) << end;
+  EXPECT_EQ(first_zero(1.0, -1.0, 0.0, -1.0, 0.0), 4.0) << "no zero: as far as one may go";
+}
+
+TEST(Newton, QuarticWellIsSolvedFromFarAway) {
+  // g(x) = x^3 - 1 - 5 x, the gradient of a double well: Newton alone jumps about from x = 1.3,
+  // where the curvature nearly vanishes.
+  for (const double start : {1.3, 1.2909, -40.0, 1e5}) {
+    NewtonWorkspace workspace(1);
+    workspace.unknowns[0] = start;
+    const StepReport report = solve_newton(workspace, 40, [&] {
+      const double x = workspace.unknowns[0];
+      workspace.residual[0] = x * x * x - 5.0 * x - 1.0;
+      workspace.jacobian(0, 0) = 3.0 * x * x - 5.0;
+      return std::abs(workspace.residual[0]) / 1e-10;
+    });
+    EXPECT_TRUE(report.converged) << start;
+  }
 }
 
 TEST(Factory, UnknownNameIsAUsageErrorThatListsTheKnownOnes) {

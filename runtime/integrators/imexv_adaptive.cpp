@@ -1,0 +1,151 @@
+#include "runtime/integrators/imexv_adaptive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "runtime/damping.h"
+#include "runtime/integrators/force_cache.h"
+#include "runtime/integrators/high_rows.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kShortestWait = 100.0;  // steps before a coordinate may come back
+constexpr double kLongestWait = 10000.0;
+
+// The size of the largest leading block of `matrix`, up to `count`, with b I - block positive
+// definite. factor: r x r scratch.
+Index obedient(const Eigen::MatrixXd& matrix, Index count, double b, Eigen::MatrixXd& factor) {
+  for (Index j = 0; j < count; ++j) {
+    for (Index i = 0; i < j; ++i)
+      factor(i, j) =
+          (-matrix(i, j) - factor.col(i).head(i).dot(factor.col(j).head(i))) / factor(i, i);
+    const double pivot = b - matrix(j, j) - factor.col(j).head(j).squaredNorm();
+    if (!(pivot > 0.0)) return j;
+    factor(j, j) = std::sqrt(pivot);
+  }
+  return count;
+}
+
+class ImexvAdaptive final : public Integrator {
+ public:
+  ImexvAdaptive(Model::Pointer model, const IntegratorOptions& options, Split split)
+      : model_(std::move(model)),
+        options_(options),
+        low_(split.low),
+        damped_(options.alpha > 0.0 || options.beta > 0.0),
+        low_decay_(decay(damping_rates(model_->lambda(), options.alpha, options.beta))),
+        high_decay_(std::exp(-0.5 * options.step * options.alpha)),
+        forces_(model_->potential(), true),
+        factor_(Eigen::MatrixXd::Zero(model_->modes(), model_->modes())),
+        start_{low_decay_, low_decay_} {
+    const double h = options.step;
+    const double leave = 0.5 * (1.0 + options.split.safety);
+    leave_bound_ = 4.0 * leave * leave / (h * h);
+    return_bound_ = 4.0 * options.split.safety * options.split.safety / (h * h);
+    const double period = 2.0 * std::numbers::pi / std::sqrt(model_->lambda()[0]);
+    wait_ = static_cast<int>(std::clamp(std::ceil(period / h), kShortestWait, kLongestWait));
+    const auto scratch = std::make_shared<HighScratch>(model_->potential());
+    const Index r = model_->modes();
+    const Eigen::VectorXd rates = damping_rates(model_->lambda(), 0.0, options.beta);
+    high_.reserve(static_cast<std::size_t>(r) + 1);
+    for (Index low = 0; low <= r; ++low)
+      high_.emplace_back(model_->potential(), Split{low, r - low}, rates, options,
+                         HighDamping::kMeanVelocity, SolveNorm::kRelative, scratch);
+  }
+
+  StepReport step(State& state, const StepLoad& load) noexcept override {
+    start_ = state;
+    const Index low_before = low_;
+    const int patience_before = patience_;
+    choose(state.q);
+    double dissipated = decay_momentum(state.p);
+    kick_low(state, load.start);
+    state.q.head(low_) += options_.step * state.p.head(low_);
+    StepReport report =
+        high_[static_cast<std::size_t>(low_)].advance(start_.q, state, load.average);
+    if (report.converged) {
+      kick_low(state, load.end);
+      dissipated += decay_momentum(state.p);
+      report.dissipated += dissipated;
+      report.converged = state.q.allFinite() && state.p.allFinite();
+    }
+    if (!report.converged) {
+      state = start_;
+      low_ = low_before;
+      patience_ = patience_before;
+    }
+    return report;
+  }
+
+  void reset() override { patience_ = 0; }
+  std::string_view name() const override { return "imexv-adaptive"; }
+  std::optional<Split> split() const override { return Split{low_, model_->modes() - low_}; }
+
+ private:
+  Eigen::VectorXd decay(const Eigen::VectorXd& rates) const {
+    return (-0.5 * options_.step * rates.array()).exp().matrix();
+  }
+
+  void choose(const Eigen::VectorXd& q) {
+    const Eigen::MatrixXd& tangent = forces_.tangent(q);
+    const Index allowed = obedient(tangent, low_, leave_bound_, factor_);
+    if (allowed < low_) {
+      low_ = allowed;
+      patience_ = 0;
+      return;
+    }
+    if (low_ == model_->modes()) return;
+    const bool could = obedient(tangent, low_ + 1, return_bound_, factor_) == low_ + 1;
+    patience_ = could ? patience_ + 1 : 0;
+    if (patience_ < wait_) return;
+    ++low_;
+    patience_ = 0;
+  }
+
+  // Half a step of damping; returns the energy taken.
+  double decay_momentum(Eigen::VectorXd& p) const {
+    if (!damped_) return 0.0;
+    const double before = p.squaredNorm();
+    p.head(low_).array() *= low_decay_.head(low_).array();
+    p.tail(p.size() - low_) *= high_decay_;
+    return 0.5 * (before - p.squaredNorm());
+  }
+
+  void kick_low(State& state, const Eigen::VectorXd& load) {
+    const Eigen::VectorXd& force = forces_.force(state.q);
+    state.p.head(low_) += 0.5 * options_.step * (load - force).head(low_);
+  }
+
+  Model::Pointer model_;
+  IntegratorOptions options_;
+  Index low_;
+  bool damped_;
+  Eigen::VectorXd low_decay_;  // over half a step, for a coordinate while it is low
+  double high_decay_;          // while it is high
+  double leave_bound_ = 0.0;   // of lambda_max(K_ll), (rad/s)^2
+  double return_bound_ = 0.0;
+  int wait_ = 0;      // steps
+  int patience_ = 0;  // steps for which the next coordinate could have come back
+  ForceCache forces_;
+  Eigen::MatrixXd factor_;
+  std::vector<HighRows> high_;  // one for each split
+  State start_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Integrator>> make_imexv_adaptive(Model::Pointer model,
+                                                        const IntegratorOptions& options) {
+  const Result<Split> split = choose_split(model->lambda(), options.step, options.split);
+  if (!split) return split.error();
+  return std::unique_ptr<Integrator>(
+      std::make_unique<ImexvAdaptive>(std::move(model), options, *split));
+}
+
+}  // namespace tremolo

@@ -1,0 +1,209 @@
+// avf, ep2 and ep4: the energy balance of each step, order, frequency and decay of linear modes.
+#include <cmath>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "runtime/integrators/rational_filter.h"
+#include "tests/support/dynamics.h"
+
+namespace tremolo {
+namespace {
+
+using testing::make;
+
+constexpr const char* kFamily[] = {"avf", "ep2", "ep4"};
+
+testing::StrainModel strain_model() {
+  return testing::random_strain_model(testing::spread_omega(4, 3.0, 40.0), 0.8, 21);
+}
+
+// At |q| = 0.3 the quartic part is as large as the quadratic.
+State start_state() {
+  return {Eigen::Vector4d(0.25, -0.15, 0.1, 0.05), Eigen::Vector4d(-0.6, 1.0, 0.7, -1.1)};
+}
+
+const Eigen::Vector4d kForce(8.0, -20.0, 30.0, 50.0);
+
+double energy_of(const testing::StrainModel& strain, const State& state) {
+  return 0.5 * state.p.squaredNorm() + testing::strain_energy(strain, state.q);
+}
+
+// The largest |H1 - H0 - work + dissipated| of any step, over the largest H.
+double worst_balance(std::string_view name, const IntegratorOptions& options, double size,
+                     bool loaded, int steps) {
+  const testing::StrainModel strain = strain_model();
+  const auto integrator = make(name, testing::make_model(strain), options);
+  State state{size * start_state().q, size * start_state().p};
+  std::vector<Load> loads;
+  if (loaded)
+    loads = {{{.kind = SignalKind::kSine, .frequency = 1.3}, kForce},
+             {{.kind = SignalKind::kSquare, .start = 0.1, .duration = 0.11}, -kForce}};
+  StepLoad load = make_step_load(4);
+  double worst = 0.0, highest = 0.0;
+  for (int k = 0; k < steps; ++k) {
+    sample_loads(loads, k * options.step, options.step, load);
+    const State before = state;
+    const StepReport report = integrator->step(state, load);
+    EXPECT_TRUE(report.converged) << name << " at step " << k;
+    const double change = energy_of(strain, state) - energy_of(strain, before);
+    const double work = load.average.dot(state.q - before.q) + report.extra_work;
+    worst = std::max(worst, std::abs(change - work + report.dissipated));
+    highest = std::max(highest, energy_of(strain, state));
+    EXPECT_GE(report.dissipated, 0.0) << name;
+  }
+  return worst / highest;
+}
+
+// Of energies that are sums of terms many times larger.
+constexpr double kRounding = 1e-13;
+
+TEST(EnergyPreserving, EveryStepBalancesEnergyWorkAndDissipation) {
+  for (const char* name : kFamily)
+    for (const double step : {1e-3, 1e-2, 5e-2})
+      for (const bool damped : {false, true}) {
+        IntegratorOptions options{.step = step};
+        if (damped) {
+          options.alpha = 0.9;
+          options.beta = 3e-3;
+        }
+        EXPECT_LE(worst_balance(name, options, 1.0, true, 400), kRounding) << name << ", " << step;
+        EXPECT_LE(worst_balance(name, options, 1.0, false, 400), kRounding) << name << ", " << step;
+      }
+}
+
+TEST(EnergyPreserving, BalanceHoldsWhateverTheTolerance) {
+  for (const char* name : kFamily)
+    for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-12}) {
+      IntegratorOptions options{.step = 1e-2, .alpha = 0.3};
+      options.tolerance = tolerance;
+      EXPECT_LE(worst_balance(name, options, 1.0, true, 400), kRounding)
+          << name << ", " << tolerance;
+    }
+}
+
+TEST(EnergyPreserving, BalanceHoldsInViolentMotionAtLargeSteps) {
+  for (const char* name : kFamily)
+    for (const double size : {3.0, 10.0, 30.0}) {
+      // Strong cancellation in V: rounding relative to H is larger here.
+      EXPECT_LE(worst_balance(name, {.step = 5e-2}, size, false, 200), 1e-12)
+          << name << ", " << size;
+    }
+}
+
+TEST(EnergyPreserving, StepsThatAreTakenInPartsKeepTheBalance) {
+  // Two iterations are too few for the whole step.
+  for (const char* name : kFamily) {
+    IntegratorOptions options{.step = 3e-2, .alpha = 0.2};
+    options.max_iterations = 3;
+    options.halvings = 8;
+    EXPECT_LE(worst_balance(name, options, 1.5, true, 200), 1e-13) << name;
+  }
+}
+
+// The reference is good to about 1e-12 (step 2.5e-5 s).
+double error_of(std::string_view name, IntegratorOptions options, int steps, bool loaded) {
+  constexpr double kDuration = 0.4;
+  const auto force = [&](double t) {
+    return Eigen::VectorXd(loaded ? std::sin(2.0 * M_PI * 1.3 * t) * kForce
+                                  : Eigen::Vector4d(Eigen::Vector4d::Zero()));
+  };
+  const State exact = testing::reference_orbit(strain_model(), start_state(), options.alpha,
+                                               options.beta, force, kDuration, 16000);
+  options.step = kDuration / steps;
+  options.tolerance = 1e-13;
+  const auto integrator = make(name, testing::make_model(strain_model()), options);
+  State state = start_state();
+  std::vector<Load> loads;
+  if (loaded) loads = {{{.kind = SignalKind::kSine, .frequency = 1.3}, kForce}};
+  testing::run(*integrator, state, loads, options.step, steps);
+  return (state.q - exact.q).norm() + (state.p - exact.p).norm() / 40.0;
+}
+
+TEST(EnergyPreserving, Ep4IsOfFourthOrderAlsoWithLoadAndDamping) {
+  for (const bool loaded : {false, true})
+    for (const bool damped : {false, true}) {
+      IntegratorOptions options;
+      if (damped) {
+        options.alpha = 0.9;
+        options.beta = 3e-3;
+      }
+      const double order =
+          std::log2(error_of("ep4", options, 100, loaded) / error_of("ep4", options, 200, loaded));
+      EXPECT_NEAR(order, 4.0, 0.15) << (loaded ? "loaded " : "") << (damped ? "damped" : "");
+    }
+}
+
+// One step of a free linear mode as a 2 x 2 matrix on (omega q, p).
+Eigen::Matrix2d linear_map(std::string_view name, double omega, const IntegratorOptions& options) {
+  const auto strain = testing::random_strain_model(Eigen::VectorXd::Constant(1, omega), 0.0, 1);
+  const auto integrator = make(name, testing::make_model(strain), options);
+  Eigen::Matrix2d map;
+  for (int column = 0; column < 2; ++column) {
+    State state{Eigen::VectorXd::Constant(1, column == 0 ? 1.0 / omega : 0.0),
+                Eigen::VectorXd::Constant(1, column == 1 ? 1.0 : 0.0)};
+    testing::run(*integrator, state, {}, options.step, 1);
+    map.col(column) << omega * state.q[0], state.p[0];
+  }
+  return map;
+}
+
+TEST(EnergyPreserving, LinearModesDecayByTheirOwnRateWhateverTheStep) {
+  for (const char* name : kFamily)
+    for (const double omega : {1.0, 300.0, 1000.0, 9000.0}) {
+      IntegratorOptions options{.step = 3e-3, .alpha = 0.7};
+      options.beta = 1e-5;
+      options.tolerance = 1e-13;
+      const double rate = options.alpha + options.beta * omega * omega;
+      const double area = linear_map(name, omega, options).determinant();
+      // ep4 has no such rate where damping is far above critical.
+      if (std::string_view(name) == "ep4" && rate * options.step > 0.5) continue;
+      EXPECT_NEAR(area, std::exp(-rate * options.step), 1e-11) << name << ", " << omega;
+    }
+}
+
+TEST(EnergyPreserving, Ep2TurnsLinearModesByTheirExactAngle) {
+  for (const double omega : {10.0, 300.0, 790.0}) {  // h omega up to 2.37
+    const IntegratorOptions options{.step = 3e-3, .tolerance = 1e-13};
+    const double angle = std::acos(0.5 * linear_map("ep2", omega, options).trace());
+    EXPECT_NEAR(angle, omega * options.step, 1e-10) << omega;
+  }
+}
+
+TEST(EnergyPreserving, AvfAndEp2ReturnWhenTheMomentaAreTurnedRound) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  for (const char* name : {"avf", "ep2"}) {
+    const IntegratorOptions options{.step = 1e-2, .tolerance = 1e-13};
+    const auto integrator = make(name, model, options);
+    State state = start_state();
+    testing::run(*integrator, state, {}, 1e-2, 300);
+    state.p = -state.p;
+    testing::run(*integrator, state, {}, 1e-2, 300);
+    // Rounding and the solves' 1e-13, stretched by 600 steps of a nonlinear motion.
+    EXPECT_LE((state.q - start_state().q).norm(), 1e-7) << name;
+  }
+}
+
+TEST(EnergyPreserving, AveragedJacobianIsTheDerivativeOfTheAveragedGradient) {
+  const Model::Pointer model = testing::make_model(strain_model());
+  const Potential& potential = model->potential();
+  PotentialWorkspace workspace = potential.make_workspace();
+  const Eigen::VectorXd q0 = testing::random_vector(4, 0.4, 3);
+  const Eigen::VectorXd q1 = testing::random_vector(4, 0.4, 4);
+  Eigen::MatrixXd jacobian(4, 4);
+  potential.averaged_jacobian(q0, q1, workspace, jacobian);
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const auto difference = [&](double s) {
+      Eigen::VectorXd up(4), down(4);
+      potential.averaged_gradient(q0, q1 + s * Eigen::VectorXd::Unit(4, i), workspace, up);
+      potential.averaged_gradient(q0, q1 - s * Eigen::VectorXd::Unit(4, i), workspace, down);
+      return Eigen::VectorXd((up - down) / (2.0 * s));
+    };
+    // Cubic in q1: the extrapolated difference has no truncation error.
+    const Eigen::VectorXd column = (4.0 * difference(0.1) - difference(0.2)) / 3.0;
+    EXPECT_LE((column - jacobian.col(i)).norm(), 1e-12 * jacobian.norm()) << i;
+  }
+}
+
+}  // namespace
+}  // namespace tremolo
