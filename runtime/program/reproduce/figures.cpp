@@ -167,7 +167,7 @@ Status add_step_figures(Page& page, const Workshop& shop, const std::string& dir
     const std::string number = duration > 1.0 ? "18" : "19";
     std::vector<RunName> runs;
     for (const std::string method : {"imexv", "newmark", "ep4"})
-      if (std::ranges::find(methods(), method) != methods().end())
+      if (has_method(method))
         for (const double step : {10e-3, 5e-3, 1e-3})
           runs.push_back({"beam", method, SignalKind::kSquare, 0.0, 1.0, step, duration});
     Result<Orbits> orbits = watch_all(shop, runs);

@@ -2,11 +2,9 @@
 #include <chrono>
 #include <filesystem>
 #include <optional>
-#include <span>
 
-#include "common/hash.h"
 #include "formats/atomic_file.h"
-#include "formats/whole_file.h"
+#include "runtime/program/reproduce/file_bytes.h"
 #include "runtime/program/reproduce/long_run.h"
 
 namespace tremolo::reproduce {
@@ -43,12 +41,8 @@ Eigen::VectorXd vector(const Json& json) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-std::string checksum(const std::string& text) {
-  return hash_text(hash_bytes(std::as_bytes(std::span(text))));
-}
-
 std::optional<LongRun> read_checkpoint(const std::string& path, const Json& key) {
-  const Result<std::string> text = read_whole_file(path);
+  const Result<std::string> text = file_bytes(path);
   if (!text) return std::nullopt;
   const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object() || json.value("key", Json()) != key || !json.contains("run"))

@@ -4,19 +4,17 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
-#include <span>
 #include <thread>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/hash.h"
-#include "formats/whole_file.h"
 #include "runtime/program/commands.h"
 #include "runtime/program/known/known_answers.h"
 #include "runtime/program/report/page.h"
 #include "runtime/program/reproduce/experiment3.h"
 #include "runtime/program/reproduce/figures.h"
+#include "runtime/program/reproduce/file_bytes.h"
 #include "runtime/program/reproduce/loads.h"
 #include "runtime/program/reproduce/runs.h"
 #include "runtime/program/reproduce/tables.h"
@@ -37,11 +35,6 @@ void note(const std::string& text) {
   fmt::print(stderr, "tremolo: {}\n", text);
 }
 
-bool has_method(const std::string& name) {
-  const std::vector<std::string> known = methods();
-  return std::ranges::find(known, name) != known.end();
-}
-
 Result<Workshop> open_workshop(const ReproduceOptions& options) {
   Result<std::vector<SampleModel>> models =
       load_sample_models(options.models_directory, options.models);
@@ -49,15 +42,13 @@ Result<Workshop> open_workshop(const ReproduceOptions& options) {
   const std::string directory = (fs::path(options.out) / "store").string();
   Result<Store> store = Store::open(directory);
   if (!store) return store.error();
-  Result<std::string> program = read_whole_file("/proc/self/exe");
+  Result<std::string> program = file_bytes("/proc/self/exe");
   if (!program) return program.error();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-  return Workshop{std::move(*store),
-                  directory,
-                  hash_text(hash_bytes(std::as_bytes(std::span(*program)))),
-                  options.threads < 1 ? cores : static_cast<unsigned>(options.threads),
-                  std::move(*models),
-                  options.long_form};
+  return Workshop{
+      std::move(*store),  directory,
+      checksum(*program), options.threads < 1 ? cores : static_cast<unsigned>(options.threads),
+      std::move(*models), options.long_form};
 }
 
 std::vector<RunName> all_runs(const Workshop& shop) {

@@ -88,6 +88,11 @@ std::vector<std::string> methods() {
   return known;
 }
 
+bool has_method(const std::string& name) {
+  const std::vector<std::string> known = methods();
+  return std::ranges::find(known, name) != known.end();
+}
+
 std::vector<RunName> the_runs(const std::vector<SampleModel>& models, const std::string& integrator,
                               double another) {
   std::vector<RunName> runs;

@@ -49,6 +49,7 @@ using Timings = std::map<std::string, Timing>;  // the same
 
 // Of imexv-thesis, imexv, newmark, imexv-adaptive, ep4 those that make_integrator knows.
 std::vector<std::string> methods();
+bool has_method(const std::string& name);
 
 // The 36 runs of one method, or of those models that are there.
 std::vector<RunName> the_runs(const std::vector<SampleModel>& models, const std::string& integrator,
