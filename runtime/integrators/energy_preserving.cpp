@@ -113,14 +113,13 @@ class EnergyPreserving final : public Integrator {
         weight_(VectorXd::Constant(rates_.size(), 2.0)),
         filter_(std::move(filter)),
         workspace_(model_->potential().make_workspace()),
-        zero_(VectorXd::Zero(rates_.size())),
         matrix_(MatrixXd::Zero(rates_.size(), rates_.size())),
         filter_matrix_(matrix_),
         newton_(rates_.size()) {
     if (fourth_) weight_ = (0.5 + options.step / 12.0 * rates_.array()).inverse().matrix();
-    for (VectorXd* v : {&q1_, &gradient_, &gain_, &change_, &push_, &image_, &residual_})
-      *v = zero_;
-    for (VectorXd& v : moves_) v = zero_;
+    for (VectorXd* v : {&d_, &q1_, &gradient_, &place_, &change_, &push_, &image_, &residual_})
+      v->setZero(rates_.size());
+    for (VectorXd& v : moves_) v.setZero(rates_.size());
   }
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
@@ -128,22 +127,18 @@ class EnergyPreserving final : public Integrator {
     q0_ = &state.q;
     p0_ = &state.p;
     load_ = &load;
-    // (a) without d: Dp = S (N d/h + push).
-    push_ = -state.p;
-    if (fourth_) push_ += (h / 12.0) * (load.end - load.start);
     StepReport report = solve_frozen();
     if (!report.converged && std::isfinite(report.residual)) report = solve_exactly(report);
     report.converged = report.converged && q1_.allFinite() && change_.allFinite();
     if (!report.converged) return report;
-    const VectorXd& d = newton_.unknowns;
-    report.dissipated = rates_.dot(d.cwiseAbs2()) / h;
-    if (fourth_) {
-      report.dissipated += h / 12.0 * rates_.dot(change_.cwiseAbs2());
-      report.extra_work = h / 12.0 * (load.end - load.start).dot(change_);
-    }
+    const double defect = 2.0 / (h * h) * residual_.dot(place_);
+    filter_.from_basis(change_);
+    if (damped_) report.dissipated = rates_.dot(d_.cwiseAbs2()) / h;
+    if (fourth_ && damped_) report.dissipated += h / 12.0 * rates_.dot(change_.cwiseAbs2());
+    if (fourth_ && load.active) report.extra_work = h / 12.0 * (load.end - load.start).dot(change_);
     state.q = q1_;
     state.p += change_;
-    take_back(2.0 / (h * h) * residual_.dot(d), state.p);
+    take_back(defect, state.p);
     return report;
   }
 
@@ -156,43 +151,54 @@ class EnergyPreserving final : public Integrator {
     if (2.0 * std::abs(defect) < kFarthestFix * square) p *= std::sqrt(1.0 - 2.0 * defect / square);
   }
 
-  // x <- N x.
-  void apply_filter(VectorXd& x) {
-    filter_.to_basis(x);
-    filter_.apply(x);
-    filter_.from_basis(x);
-  }
-
-  // With gradient_ known: change_ = Dp(d), residual_ = g(d). Returns |g| over what is allowed.
+  // From d and gradient_: change_ = Dp, residual_ = g, both in the basis. Returns |g| over what is
+  // allowed.
   double evaluate_residual() {
     const double h = options_.step;
-    const VectorXd& d = newton_.unknowns;
-    image_ = d / h;
-    apply_filter(image_);
-    change_ = weight_.cwiseProduct(image_ + push_);
-    image_ = change_;
-    apply_filter(image_);
-    residual_ = (0.5 * h) * image_ + (0.5 * h * h) * (gradient_ - load_->average);
-    if (damped_) residual_ += (0.5 * h) * rates_.cwiseProduct(d);
+    change_ = place_ / h;
+    filter_.apply(change_);
+    change_ += push_;
+    if (damped_) {
+      filter_.from_basis(change_);
+      change_.array() *= weight_.array();
+      filter_.to_basis(change_);
+    } else {
+      change_ *= 2.0;
+    }
+    residual_ = change_;
+    filter_.apply(residual_);
+    image_ = h * (gradient_ - load_->average);
+    if (damped_) image_ += rates_.cwiseProduct(d_);
+    filter_.to_basis(image_);
+    residual_ = (0.5 * h) * (residual_ + image_);
     const double scale =
         std::max({h * p0_->norm(), h * h * gradient_.norm(), h * h * load_->average.norm()});
     return relative_size(residual_.norm(), options_.tolerance, scale);
   }
 
   void evaluate_gradient(MatrixXd* tangent) {
-    q1_ = *q0_ + newton_.unknowns;
+    q1_ = *q0_ + d_;
     model_->potential().averaged_gradient(*q0_, q1_, workspace_, gradient_, tangent);
   }
 
-  // Frozen Jacobian with Broyden's updates (Kelley 1995, chapter 7, without their matrix).
+  // Frozen Jacobian with Broyden's updates (Kelley 1995, chapter 7, without their matrix), in the
+  // filter's basis.
   StepReport solve_frozen() {
     const double h = options_.step;
     StepReport report;
-    VectorXd& d = newton_.unknowns;
-    d = h * *p0_;
+    d_ = h * *p0_;
     evaluate_gradient(&matrix_);
     matrix_ *= 0.25 * h * h;
     const bool usable = matrix_.allFinite() && filter_.compute(matrix_);
+    place_ = d_;
+    filter_.to_basis(place_);
+    // (a) without d: Dp = S (N d/h + push).
+    push_ = place_ / -h;
+    if (fourth_ && load_->active) {
+      image_ = (h / 12.0) * (load_->end - load_->start);
+      filter_.to_basis(image_);
+      push_ += image_;
+    }
     double ratio = evaluate_residual();
     for (int slow = 0;; ++report.iterations) {
       report.residual = residual_.norm();
@@ -202,9 +208,11 @@ class EnergyPreserving final : public Integrator {
         break;
       VectorXd& move = moves_[static_cast<std::size_t>(report.iterations)];
       next_move(report.iterations, move);
-      report.converged = move.norm() <= kRounding * d.norm();
+      report.converged = move.norm() <= kRounding * place_.norm();
       if (report.converged) break;
-      d += move;
+      place_ += move;
+      d_ = place_;
+      filter_.from_basis(d_);
       evaluate_gradient(nullptr);
       const double next = evaluate_residual();
       if (!(next < kSlow * ratio)) ++slow;
@@ -216,9 +224,7 @@ class EnergyPreserving final : public Integrator {
   // move = -J^-1 g by the frozen Jacobian and all updates so far.
   void next_move(int count, VectorXd& move) {
     move = -residual_;
-    filter_.to_basis(move);
     filter_.solve(move);
-    filter_.from_basis(move);
     for (int j = 0; j + 1 < count; ++j) {
       const VectorXd& s = moves_[static_cast<std::size_t>(j)];
       move += (s.dot(move) / s.squaredNorm()) * moves_[static_cast<std::size_t>(j) + 1];
@@ -233,16 +239,22 @@ class EnergyPreserving final : public Integrator {
   StepReport solve_exactly(const StepReport& before) {
     const double h = options_.step;
     for (Index j = 0; j < filter_matrix_.cols(); ++j) {
-      image_ = zero_;
+      image_.setZero();
       image_[j] = 1.0;
-      apply_filter(image_);
+      filter_.to_basis(image_);
+      filter_.apply(image_);
+      filter_.from_basis(image_);
       filter_matrix_.col(j) = image_;
     }
     newton_.unknowns = h * *p0_;
     StepReport report = solve_newton(newton_, options_.max_iterations, [&] {
+      d_ = newton_.unknowns;
+      place_ = d_;
+      filter_.to_basis(place_);
       evaluate_gradient(nullptr);
       const double ratio = evaluate_residual();
       newton_.residual = residual_;
+      filter_.from_basis(newton_.residual);
       model_->potential().averaged_jacobian(*q0_, q1_, workspace_, newton_.jacobian);
       newton_.jacobian *= 0.5 * h * h;
       matrix_ = weight_.asDiagonal() * filter_matrix_;
@@ -263,17 +275,18 @@ class EnergyPreserving final : public Integrator {
   VectorXd weight_;  // S
   Filter filter_;
   PotentialWorkspace workspace_;
-  VectorXd zero_;
   MatrixXd matrix_;
   MatrixXd filter_matrix_;  // N in full, for solve_exactly
-  NewtonWorkspace newton_;  // unknowns: d
+  NewtonWorkspace newton_;
+  VectorXd d_;
   VectorXd q1_;
   VectorXd gradient_;  // G
-  VectorXd gain_;
-  VectorXd change_;  // Dp
-  VectorXd push_;
+  // In the filter's basis:
+  VectorXd place_;     // d
+  VectorXd change_;    // Dp
+  VectorXd push_;      // what (a) has beside N d/h
+  VectorXd residual_;  // g
   VectorXd image_;
-  VectorXd residual_;
   std::array<VectorXd, kUpdates> moves_;
   const VectorXd* q0_ = nullptr;
   const VectorXd* p0_ = nullptr;
