@@ -13,6 +13,7 @@
 #include "runtime/program/report/table.h"
 #include "runtime/program/reproduce/long_run.h"
 #include "runtime/program/reproduce/thesis.h"
+#include "runtime/split.h"
 
 namespace tremolo::reproduce {
 namespace {
@@ -55,6 +56,8 @@ LongRunSpec spec_of(const SampleModel& horse, const Member& member, double durat
   spec.sample_every = member.part * kSampleEvery;
   spec.window = kWindow;
   spec.tolerance = kLongTolerance;
+  // The same band at every step.
+  spec.low = static_cast<int>(choose_split(horse.model->lambda(), thesis::kStep, {})->low);
   return spec;
 }
 
@@ -63,11 +66,11 @@ Result<LongRun> one_run(const Workshop& shop, const SampleModel& horse, const Me
   const LongRunSpec spec = spec_of(horse, member, duration);
   const std::string name =
       fmt::format("long-{}-h{:g}ms-{:g}s", member.integrator, 1e3 * spec.step, duration);
-  const Json key{{"program", shop.program},    {"model", horse.checksum},
-                 {"version", kVersion},        {"name", name},
-                 {"steps", spec.steps},        {"sample_every", spec.sample_every},
-                 {"window", spec.window},      {"segment", spec.segment},
-                 {"tolerance", spec.tolerance}};
+  const Json key{{"program", shop.program}, {"model", horse.checksum},
+                 {"version", kVersion},     {"name", name},
+                 {"steps", spec.steps},     {"sample_every", spec.sample_every},
+                 {"window", spec.window},   {"segment", spec.segment},
+                 {"low", spec.low},         {"tolerance", spec.tolerance}};
   const std::string checkpoint =
       (std::filesystem::path(shop.directory) / (name + ".checkpoint")).string();
   Result<Json> json = shop.store.get(name, key, [&]() -> Result<Json> {

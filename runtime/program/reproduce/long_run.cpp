@@ -15,6 +15,7 @@ Result<Body> make_body(const LongRunSpec& spec) {
   IntegratorOptions options;
   options.step = spec.step;
   options.tolerance = spec.tolerance;
+  options.split = {.rule = SplitRule::kCount, .count = spec.low};
   return Body::create(spec.model, spec.integrator, options);
 }
 
@@ -53,6 +54,7 @@ Result<LongRun> start_long_run(const LongRunSpec& spec) {
   run.total.length = run.high_band.length = spec.window;
   run.total.count = run.high_band.count = spec.steps / spec.sample_every;
   while (run.exit_code == 0 && body->load_to_come()) made_step(*body, run);
+  if (run.exit_code == 0) made_step(*body, run);
   run.reference = body->energy().total();
   run.q = body->state().q;
   run.p = body->state().p;

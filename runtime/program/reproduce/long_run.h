@@ -19,8 +19,8 @@
 namespace tremolo::reproduce {
 
 // step: s. steps: of the whole run. H and the high band are evaluated every `sample_every` steps;
-// `window` samples are a window. segment: steps, a multiple of sample_every. tolerance: of the
-// solve.
+// `window` samples are a window. segment: steps, a multiple of sample_every. low: where the high
+// band begins, and the split of methods that split. tolerance: of the solve.
 struct LongRunSpec {
   Model::Pointer model;
   std::string integrator;
@@ -29,6 +29,7 @@ struct LongRunSpec {
   std::int64_t sample_every = 10;
   std::int64_t window = 1167;
   std::int64_t segment = 100000;
+  int low = 0;
   double tolerance = 1e-9;
 };
 
@@ -51,7 +52,8 @@ nlohmann::json to_json(const LongRun& run);
 // Errors: kContent if it is not what to_json made.
 Result<LongRun> long_run_from_json(const nlohmann::json& json);
 
-// The steps with the model's default load as an impulse. Errors: as Body::create, add_default_load.
+// The steps with the model's default load as an impulse, and one more: the two-stage method hands
+// on half of a step's load with the next step. Errors: as Body::create, add_default_load.
 Result<LongRun> start_long_run(const LongRunSpec& spec);
 
 bool is_over(const LongRunSpec& spec, const LongRun& run);
