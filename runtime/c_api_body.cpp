@@ -59,12 +59,18 @@ tremolo_status positions(const tremolo_body* body, Real* out, std::size_t length
 
 }  // namespace
 
+const char* tremolo_integrator_name(size_t index) {
+  const auto names = tremolo::integrator_names();
+  // The table holds string literals, which end in a zero.
+  return index < names.size() ? names[index].data() : nullptr;
+}
+
 void tremolo_body_options_init(tremolo_body_options* options) {
   if (options == nullptr) return;
   const tremolo::IntegratorOptions defaults;
   *options = {.size = sizeof(tremolo_body_options),
               .max_iterations = defaults.max_iterations,
-              .integrator = "imexv",
+              .integrator = "ep4",
               .split = "default",
               .step = defaults.step,
               .alpha = defaults.alpha,
@@ -84,7 +90,7 @@ tremolo_status tremolo_body_create(const tremolo_model* model, const tremolo_bod
     if (!full) return full.error();
     const tremolo::Result<tremolo::IntegratorOptions> integrator = to_integrator_options(*full);
     if (!integrator) return integrator.error();
-    const char* name = full->integrator == nullptr ? "imexv" : full->integrator;
+    const char* name = full->integrator == nullptr ? "ep4" : full->integrator;
     tremolo::Result<tremolo::Body> made = tremolo::Body::create(model->pointer, name, *integrator);
     if (!made) return made.error();
     *body = new tremolo_body{std::move(*made)};

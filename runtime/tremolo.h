@@ -83,6 +83,12 @@ tremolo_status tremolo_model_triangle_corners(const tremolo_model* model, uint32
 /* Ids of the surface's vertices in the source mesh, ascending. length must be s. */
 tremolo_status tremolo_model_surface_ids(const tremolo_model* model, uint32_t* out, size_t length);
 
+/* ---- integrators ---- */
+
+/* The names that tremolo_body_options.integrator may have, static strings; NULL from the index on
+ * at which there are no more. docs/choosing-an-integrator.md tells which to take. */
+const char* tremolo_integrator_name(size_t index);
+
 /* ---- body ---- */
 
 /* Fill with tremolo_body_options_init and change what you want. `size` lets a program that was
@@ -90,7 +96,7 @@ tremolo_status tremolo_model_surface_ids(const tremolo_model* model, uint32_t* o
 typedef struct tremolo_body_options {
   uint32_t size;          /* bytes of this struct as the caller knows it */
   int32_t max_iterations; /* of a step's solve; 20 */
-  const char* integrator; /* "verlet", "midpoint", "newmark", "imexv", "imexv-thesis"; "imexv" */
+  const char* integrator; /* a name of tremolo_integrator_name(); "ep4" */
   const char* split;      /* "default", "thesis" or a count such as "9"; "default" */
   double step;            /* h, s; 0.003 */
   double alpha;           /* Rayleigh damping alpha M + beta K(0), 1/s; 0 */
@@ -98,7 +104,7 @@ typedef struct tremolo_body_options {
   double newmark_beta;    /* 0.25 */
   double newmark_gamma;   /* 0.5 */
   double safety;          /* of the default split, in (0, 1]; 0.9 */
-  double tolerance;       /* of a step's solve, relative; 1e-9 */
+  double tolerance;       /* of a step's solve, relative; 1e-6 */
 } tremolo_body_options;
 
 void tremolo_body_options_init(tremolo_body_options* options);

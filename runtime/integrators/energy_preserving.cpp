@@ -64,6 +64,8 @@ VectorXd tuned_rates(const VectorXd& rates, const VectorXd& lambda, const Vector
 // N diagonal and fixed; the frozen Jacobian, damping included, by Cholesky.
 class DiagonalFilter {
  public:
+  static constexpr bool kFollowsTheState = false;
+
   DiagonalFilter(VectorXd n, VectorXd damping)
       : square_(n.cwiseAbs2()), n_(std::move(n)), damping_(std::move(damping)), factor_(n_.size()) {
     factor_.compute(MatrixXd::Identity(n_.size(), n_.size()));
@@ -90,6 +92,8 @@ class DiagonalFilter {
 // N a function of Z; the frozen Jacobian N^2 + Z leaves damping to Broyden's updates.
 class MatrixFilter : public RationalFilter {
  public:
+  static constexpr bool kFollowsTheState = true;
+
   explicit MatrixFilter(Index size) : RationalFilter(size, kRobustShape) {}
   bool compute(MatrixXd& z) {
     RationalFilter::compute(z);
@@ -181,39 +185,52 @@ class EnergyPreserving final : public Integrator {
     model_->potential().averaged_gradient(*q0_, q1_, workspace_, gradient_, tangent);
   }
 
-  // Frozen Jacobian with Broyden's updates (Kelley 1995, chapter 7, without their matrix), in the
-  // filter's basis.
-  StepReport solve_frozen() {
+  // N and the frozen Jacobian from the tangent of the last contraction, and what of (a) depends on
+  // them. False if they cannot be had.
+  bool prepare_filter() {
     const double h = options_.step;
-    StepReport report;
-    d_ = h * *p0_;
-    evaluate_gradient(&matrix_);
     matrix_ *= 0.25 * h * h;
     const bool usable = matrix_.allFinite() && filter_.compute(matrix_);
     place_ = d_;
     filter_.to_basis(place_);
-    // (a) without d: Dp = S (N d/h + push).
-    push_ = place_ / -h;
-    if (fourth_ && load_->active) {
-      image_ = (h / 12.0) * (load_->end - load_->start);
-      filter_.to_basis(image_);
-      push_ += image_;
-    }
+    push_ = -*p0_;
+    if (fourth_ && load_->active) push_ += (h / 12.0) * (load_->end - load_->start);
+    filter_.to_basis(push_);
+    return usable;
+  }
+
+  // The predicted step, one correction, then (for an N that depends on the state) N at the midpoint
+  // that this gave; more corrections with the Jacobian frozen and Broyden's updates (Kelley 1995,
+  // chapter 7, without their matrix), in the filter's basis.
+  StepReport solve_frozen() {
+    StepReport report;
+    d_ = options_.step * *p0_;
+    evaluate_gradient(&matrix_);
+    bool usable = prepare_filter();
     double ratio = evaluate_residual();
+    int updates = 0;  // since the filter was made
     for (int slow = 0;; ++report.iterations) {
       report.residual = residual_.norm();
-      report.converged = ratio <= 1.0;
+      // The predicted midpoint alone would tie N to the direction of time.
+      const bool settled = report.iterations > 0 || !Filter::kFollowsTheState;
+      report.converged = ratio <= (settled ? 1.0 : 0.0);
       if (report.converged || !usable || !std::isfinite(ratio) || slow > 1 ||
           report.iterations == std::min(kUpdates, options_.max_iterations))
         break;
-      VectorXd& move = moves_[static_cast<std::size_t>(report.iterations)];
-      next_move(report.iterations, move);
-      report.converged = move.norm() <= kRounding * place_.norm();
+      VectorXd& move = moves_[static_cast<std::size_t>(updates)];
+      next_move(updates, move);
+      report.converged = settled && move.norm() <= kRounding * place_.norm();
       if (report.converged) break;
       place_ += move;
       d_ = place_;
       filter_.from_basis(d_);
-      evaluate_gradient(nullptr);
+      if (settled) {
+        evaluate_gradient(nullptr);
+        ++updates;
+      } else {
+        evaluate_gradient(&matrix_);
+        usable = prepare_filter();
+      }
       const double next = evaluate_residual();
       if (!(next < kSlow * ratio)) ++slow;
       ratio = next;

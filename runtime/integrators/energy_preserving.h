@@ -18,11 +18,14 @@
 //     avf   N = I                                     (Quispel & McLaren 2008)
 //     ep2   N = diag(x_i cot x_i),  x_i = min(h omega_i/2, 1.2): small vibrations have their exact
 //           frequency up to h omega = 2.4
-//     ep4   N = N(Z), Z = h^2 K/4 with K taken at the predicted midpoint q0 + (h/2) p0
-//           (runtime/integrators/rational_filter.h): fourth order for the nonlinear problem, since
-//           N = I - h^2 K/12 + O(h^4), also with a smooth load and with damping by the brackets
+//     ep4   N = N(Z), Z = h^2 K/4 with K taken at the midpoint (runtime/integrators/
+//           rational_filter.h): fourth order for the nonlinear problem, since N = I - h^2 K/12 +
+//           O(h^4), also with a smooth load and with damping by the brackets
 //
-// avf and ep2 are second order and time-reversible; ep4 is not reversible: q* is predicted from q0.
+// All are time-reversible; avf and ep2 exactly. ep4 takes K not at the solution's midpoint but at
+// that of its first correction, which misses it by the size of the second. With K at the predicted
+// midpoint q0 + (h/2) p0, which is of the same order but knows the direction of time, energy moves
+// into the fast modes, as fast as e-fold in 70 s on the horse at h omega up to 9.7.
 //
 // Damping. D = alpha I + beta Lambda in (a) and (b) would damp small fast vibrations too little.
 // Here each D_i is replaced by the value with which a free linear mode loses exactly e^{-D_i h} of
@@ -38,9 +41,10 @@
 //
 //     g(d) = (h/2) N Dp(d) + (h^2/2) (G - f) + (h/2) D d = 0,      Jacobian about N^2 + (h^2/4) K
 //
-// One contraction at the predicted step d = h p0 gives G there, K + O(h^2) for N and for the frozen
-// Jacobian; each correction costs one contraction more and is sharpened by Broyden's updates. Where
-// that stalls the exact Jacobian and a line search take over (runtime/integrators/newton.h).
+// One contraction at the predicted step d = h p0 gives G there and K + O(h^2) for N and for the
+// frozen Jacobian; each correction costs one contraction more and is sharpened by Broyden's
+// updates. Where that stalls the exact Jacobian and a line search take over
+// (runtime/integrators/newton.h).
 //
 // What the solve leaves of g does work on d: H is off by exactly (2/h^2) g . d, which is known.
 // p1 is scaled to take that back, so the balance holds to rounding whatever the tolerance.

@@ -41,9 +41,9 @@ struct StepReport {
 
 // step: h, s. alpha, beta: Rayleigh's, 1/s and s. newmark_*: Newmark's two numbers. tolerance: of
 // the solve, on the residual relative to max(h |p|, h^2 |R|, h^2 |f|); imexv-thesis takes it as
-// absolute, in units of q. Looser than about 1e-6 the energy of the implicit methods wanders with
-// the solver's error; below 1e-14 rounding keeps the solve from ever converging. halvings: how
-// often a step whose solve failed may be cut in two; 0 gives up at once.
+// absolute, in units of q. Looser than 1e-6 the solver's error shows in the orbit and, but for the
+// energy-preserving methods, in the energy; below 1e-14 rounding keeps the solve from ever
+// converging. halvings: how often a step whose solve failed may be cut in two; 0 gives up at once.
 struct IntegratorOptions {
   double step = 3e-3;
   double alpha = 0.0;
@@ -51,7 +51,7 @@ struct IntegratorOptions {
   double newmark_beta = 0.25;
   double newmark_gamma = 0.5;
   SplitOptions split = {};
-  double tolerance = 1e-9;
+  double tolerance = 1e-6;
   int max_iterations = 20;
   int halvings = 6;
 };

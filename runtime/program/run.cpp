@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -40,6 +41,12 @@ Json to_json(const RunReport& report, const RunOptions& options) {
   json["dissipated"] = number(report.dissipated);
   json["low_modes"] = report.split ? Json(report.split->low) : Json(nullptr);
   json["high_modes"] = report.split ? Json(report.split->high) : Json(nullptr);
+  Json moves = Json::array();
+  for (const SplitMove& move : report.moves)
+    moves.push_back(
+        {{"time", move.time}, {"low_before", move.low_before}, {"low_after", move.low_after}});
+  json["split_moves"] = moves;
+  json["halved_steps"] = report.halved_steps;
   if (!options.probes.empty()) json["largest_probe_displacement"] = number(report.largest_probe);
   json["exit_code"] = report.exit_code;
   json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
@@ -53,6 +60,15 @@ void print_text(const RunReport& report) {
   if (report.split)
     fmt::print(stderr, "  {} coordinates explicit, {} implicit\n", report.split->low,
                report.split->high);
+  constexpr std::size_t kShown = 8;
+  for (std::size_t i = 0; i < std::min(report.moves.size(), kShown); ++i)
+    fmt::print(stderr, "  t = {:.6g} s: {} -> {} coordinates explicit\n", report.moves[i].time,
+               report.moves[i].low_before, report.moves[i].low_after);
+  if (report.moves.size() > kShown)
+    fmt::print(stderr, "  ... and {} moves more (--json lists them)\n",
+               report.moves.size() - kShown);
+  if (report.halved_steps > 0)
+    fmt::print(stderr, "  {} steps were taken in parts\n", report.halved_steps);
   fmt::print(stderr, "  {:.2f} us a step ({:.0f} times faster than real time), {:.2f} iterations\n",
              report.microseconds_per_step, report.step * 1e6 / report.microseconds_per_step,
              report.iterations_per_step);

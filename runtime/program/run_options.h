@@ -14,7 +14,7 @@ namespace tremolo {
 struct RunOptions {
   std::string name;   // the scene's table; the file's stem without a scene
   std::string model;  // path of the basis file
-  std::string integrator = "imexv";
+  std::string integrator = "ep4";
   double step = 3e-3;
   double duration = 30.0;
   int modes = 0;                // leading coordinates to keep; 0: all
@@ -26,7 +26,7 @@ struct RunOptions {
   double newmark_beta = 0.25, newmark_gamma = 0.5;
   std::string split = "default";
   double safety = 0.9;
-  double tolerance = 1e-9;
+  double tolerance = 1e-6;
   int max_iterations = 20;
   std::vector<int> probes;       // vertices whose displacement is recorded
   std::vector<int> coordinates;  // coordinates whose q is recorded

@@ -205,6 +205,8 @@ Result<RunReport> simulate(const RunOptions& options) {
   Result<bool> inside = watch.observe(body, report);
   std::chrono::steady_clock::duration spent{};
   while (inside && *inside && body.steps() < steps) {
+    const std::optional<Split> split = body.integrator().split();
+    const double begun = body.time();
     const auto before = std::chrono::steady_clock::now();
     const StepReport step = body.step();
     spent += std::chrono::steady_clock::now() - before;
@@ -215,6 +217,8 @@ Result<RunReport> simulate(const RunOptions& options) {
                             body.time(), step.residual, step.iterations));
       break;
     }
+    if (split && split->low != body.integrator().split()->low)
+      report.moves.push_back({begun, split->low, body.integrator().split()->low});
     inside = watch.observe(body, report);
     if (inside && !*inside)
       break_off(
@@ -232,6 +236,8 @@ Result<RunReport> simulate(const RunOptions& options) {
   const double made = static_cast<double>(std::max<std::int64_t>(body.steps(), 1));
   report.iterations_per_step = static_cast<double>(body.iterations()) / made;
   report.microseconds_per_step = std::chrono::duration<double, std::micro>(spent).count() / made;
+  report.split = body.integrator().split();
+  report.halved_steps = body.halved_steps();
   report.work = body.work();
   report.dissipated = body.dissipated();
   if (Status status = watch.finish(report); !status) return status.error();

@@ -9,6 +9,13 @@
 
 namespace tremolo {
 
+// A change of a splitting method's split, before the step that began at `time`.
+struct SplitMove {
+  double time = 0;  // s
+  Eigen::Index low_before = 0;
+  Eigen::Index low_after = 0;
+};
+
 // How a run ended and what it measured. Energies in J; not-a-number means "not known".
 struct RunReport {
   std::string name;
@@ -26,8 +33,10 @@ struct RunReport {
   double high_band_final = 0;
   double work = 0;
   double dissipated = 0;
-  double largest_probe = 0;  // largest displacement of the first probe, m
-  std::optional<Split> split;
+  double largest_probe = 0;        // largest displacement of the first probe, m
+  std::optional<Split> split;      // at the end
+  std::vector<SplitMove> moves;    // all changes of it
+  std::int64_t halved_steps = 0;   // steps whose solve failed and that were taken in parts
   std::vector<std::string> files;  // written, under options.out
   int exit_code = 0;               // 0, 4 or 5
   std::string reason;              // why it is not 0
