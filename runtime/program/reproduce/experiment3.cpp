@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -171,14 +172,16 @@ Result<std::string> draw_figure17(const std::vector<Member>& list, const std::ve
           for (const double value : *values) top = std::max(top, value);
         const Series series =
             window_series(end ? windows.last : windows.first, end ? duration - window : 0.0);
-        chart.curves.push_back({list[i].label, series.t, series.y, CurveStyle::kLines,
-                                list[i].label == "ep4" ? "#888888" : "#0060a8"});
+        chart.curves.push_back({list[i].label, series.t, series.y,
+                                list[i].label == "ep4" ? CurveStyle::kDashes : CurveStyle::kLines,
+                                list[i].label == "ep4" ? "#333333" : "#0060a8"});
         for (std::size_t k = 0; k < series.t.size(); ++k)
           csv.rows.push_back(
               {chart.title, list[i].label, cell(series.t[k], 9), cell(series.y[k], 7)});
       }
       std::ranges::reverse(chart.curves);  // ep4 over it, thinly
       chart.y_range = {{0.0, 1.08 * top}};
+      chart.x_range = end ? std::pair{duration - window, duration} : std::pair{0.0, window};
       charts.push_back(std::move(chart));
     }
   return draw_svg(charts, 2);

@@ -197,9 +197,17 @@ Status build_page(Page& page, const Workshop& shop, const std::string& directory
   page.section("Figures 13-16 and 22-35: energy over time");
   page.paragraph(
       "As the thesis arranges them: IMEXv left, Newmark right, below them the same with damping; "
-      "ep4 is drawn over both in grey. The thesis prints pictures only, so there are no values to "
+      "ep4 is drawn over both, dashed. The thesis prints pictures only, so there are no values to "
       "put beside ours. A curve that leaves its frame is a run that breaks off.");
   if (Status status = add_energy_figures(page, shop, *orbits, directory); !status) return status;
+  page.heading("The same runs in numbers");
+  if (Status status = add_table(
+          page, energies_table(shop, *orbits),
+          "Mean energy after the load has ended, of the whole run if it lasts, and the largest "
+          "error of the energy balance (energy_drift_max in docs/architecture.md); * broke off.",
+          directory, "energies");
+      !status)
+    return status;
 
   note(shop.long_form ? "experiment 3, 10 000 s" : "experiment 3, short form");
   Result<std::vector<Criterion>> third = add_experiment3(page, shop, directory);

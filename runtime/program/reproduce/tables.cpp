@@ -156,6 +156,25 @@ Table all_timings_table(const Workshop& shop, const Timings& timings, const Orbi
   return table;
 }
 
+Table energies_table(const Workshop& shop, const Orbits& orbits) {
+  Table table{{"damping", "load", "model"}, {}};
+  for (const std::string& method : methods()) table.columns.push_back(method + ", mean J");
+  for (const std::string& method : methods()) table.columns.push_back(method + ", balance");
+  for (const RunName& run : the_runs(shop.models, "")) {
+    std::vector<std::string> row{damping_name(run.alpha), std::string(thesis::load_name(run.load)),
+                                 run.model};
+    std::vector<std::string> balance;
+    for (const std::string& method : methods()) {
+      const Orbit& orbit = orbits.at(RunName{run.model, method, run.load, run.alpha}.text());
+      row.push_back(orbit.finished() ? cell(orbit.mean_energy) : "*");
+      balance.push_back(cell(orbit.energy_drift, 2) + (orbit.finished() ? "" : "*"));
+    }
+    row.insert(row.end(), balance.begin(), balance.end());
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
 Criterion speedups(const Workshop& shop, const Orbits& orbits, const Timings& timings) {
   std::vector<double> ours, theirs;
   int above = 0;

@@ -38,6 +38,10 @@ Table timing_table(const Workshop& shop, SignalKind load, double alpha, const Or
 // Seconds of every method, for the same runs.
 Table all_timings_table(const Workshop& shop, const Timings& timings, const Orbits& orbits);
 
+// Mean energy (after the load has ended; of the whole run if it lasts) and the largest error of the
+// energy balance, of every method.
+Table energies_table(const Workshop& shop, const Orbits& orbits);
+
 // The speed-ups Newmark / imexv as a criterion that decides nothing.
 Criterion speedups(const Workshop& shop, const Orbits& orbits, const Timings& timings);
 
