@@ -192,16 +192,16 @@ Result<std::string> draw_windows(const std::vector<Member>& list, const std::vec
   std::vector<Chart> charts;
   const double window = static_cast<double>(kWindow * kSampleEvery) * thesis::kStep;
   for (const bool high : {false, true}) {
-    Chart chart{high ? "high-band energy" : "total energy", "t (s)",
+    Chart chart{high ? "high-band energy" : "total energy", "t (1000 s)",
                 "mean over 35 s / mean over the first 35 s"};
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::vector<double>& means = high ? runs[i].high_band.means : runs[i].total.means;
       Curve curve{list[i].label, {}, {}};
       for (std::size_t k = 0; k < means.size(); ++k) {
-        curve.x.push_back((static_cast<double>(k) + 0.5) * window);
+        const double middle = (static_cast<double>(k) + 0.5) * window;
+        curve.x.push_back(1e-3 * middle);
         curve.y.push_back(means[k] / means[0]);
-        csv.rows.push_back(
-            {chart.title, list[i].label, cell(curve.x.back(), 7), cell(means[k], 10)});
+        csv.rows.push_back({chart.title, list[i].label, cell(middle, 7), cell(means[k], 10)});
       }
       chart.curves.push_back(std::move(curve));
     }
