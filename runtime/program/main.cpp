@@ -10,6 +10,7 @@
 #include "runtime/integrators/integrator.h"
 #include "runtime/program/bench/bench.h"
 #include "runtime/program/commands.h"
+#include "runtime/program/reproduce/reproduce.h"
 
 namespace tremolo {
 namespace {
@@ -77,7 +78,20 @@ void shorten(const CLI::App& bench, bench::Options& o) {
   o.stability_steps_ms = {10, 3};
 }
 
+void add_reproduce_flags(CLI::App& reproduce, ReproduceOptions& o) {
+  reproduce.add_option("--models", o.models, "of the six, comma-separated (default: all)")
+      ->delimiter(',');
+  reproduce.add_option("--models-dir", o.models_directory, "where their basis files are")
+      ->capture_default_str();
+  reproduce.add_option("--out", o.out, "directory for index.html and CSVs")->capture_default_str();
+  reproduce.add_flag("--long", o.long_form, "experiment 3 over 10 000 s instead of 200 s");
+  reproduce.add_option("--threads", o.threads, "for the curves (default: all cores)")
+      ->check(CLI::Range(1, 1024));
+  reproduce.add_flag("--json", o.json, "print the criteria as one JSON object on stdout");
+}
+
 struct Request {
+  ReproduceOptions reproduce;
   std::string file;
   bool json = false;
   std::vector<std::string> directories;
@@ -94,6 +108,7 @@ struct Parser {
   CLI::App* run = nullptr;
   CLI::App* plot = nullptr;
   CLI::App* bench = nullptr;
+  CLI::App* reproduce = nullptr;
 
   Parser(Request& request, RunOptions& options) {
     app.name("tremolo");
@@ -111,6 +126,9 @@ struct Parser {
     plot->add_option("-o,--output", request.picture, ".svg or .png")->required();
     bench = app.add_subcommand("bench", "run time against error and stability of all methods");
     add_bench_flags(*bench, request.bench, request.quick);
+    reproduce =
+        app.add_subcommand("reproduce", "the thesis's tables and figures, ours beside them");
+    add_reproduce_flags(*reproduce, request.reproduce);
   }
 };
 
@@ -149,6 +167,7 @@ int run_program(int count, char** words) {
     if (request.quick) shorten(*parser.bench, request.bench);
     return bench::run(request.bench);
   }
+  if (*parser.reproduce) return reproduce_command(request.reproduce);
   if (std::filesystem::path(request.file).extension() == ".toml")
     return run_scene(count, words, request);
   return run_command(bodies_of(request, options), request.json);

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/hash.h"
-#include "formats/whole_file.h"
+#include "runtime/program/reproduce/file_bytes.h"
 #include "runtime/program/reproduce/thesis.h"
 
 namespace tremolo::reproduce {
@@ -32,14 +30,13 @@ Result<SampleModel> load_one(const std::string& directory, std::string_view name
     return system_error(path +
                         ": there is no such file; ./demo makes the six sample models in "
                         "build/models (--models-dir names another folder)");
-  Result<std::string> bytes = read_whole_file(path);
+  Result<std::string> bytes = file_bytes(path);
   if (!bytes) return bytes.error();
   Result<Model::Pointer> model = Model::load(path);
   if (!model) return model.error();
   if ((*model)->default_load().vertices.empty())
     return content_error(path + ": the model has no default load");
-  return SampleModel{std::string(name), hash_text(hash_bytes(std::as_bytes(std::span(*bytes)))),
-                     std::move(*model)};
+  return SampleModel{std::string(name), checksum(*bytes), std::move(*model)};
 }
 
 }  // namespace

@@ -1,0 +1,24 @@
+// `tremolo reproduce`: the thesis's tables, figures and experiments on the six sample models, its
+// numbers beside ours, as one HTML page and CSVs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tremolo {
+
+// models: names, empty for all six. threads: for the curves; timings use one. Below 1: all cores.
+struct ReproduceOptions {
+  std::vector<std::string> models;
+  std::string models_directory = "build/models";
+  std::string out = "build/reproduce";
+  bool long_form = false;
+  int threads = 0;
+  bool json = false;
+};
+
+// Goes on where an earlier start was stopped. Returns an exit code: 6 if a stated criterion is
+// missed; errors are printed on stderr.
+int reproduce_command(const ReproduceOptions& options);
+
+}  // namespace tremolo
