@@ -4,33 +4,10 @@
 #include <cmath>
 
 #include "runtime/clones.h"
+#include "runtime/contraction.h"
 
 namespace tremolo {
 namespace {
-
-// y = A v for the trailing block [first, r) of a column-major r x r matrix.
-TREMOLO_CLONES
-void multiply_block(const double* __restrict a, std::size_t r, std::size_t first,
-                    const double* __restrict v, double* __restrict y) {
-  for (std::size_t i = first; i < r; ++i) y[i] = 0.0;
-  std::size_t j = first;
-  for (; j + 4 <= r; j += 4) {
-    const double* c0 = a + j * r;
-    const double* c1 = c0 + r;
-    const double* c2 = c1 + r;
-    const double* c3 = c2 + r;
-    const double v0 = v[j], v1 = v[j + 1], v2 = v[j + 2], v3 = v[j + 3];
-#pragma omp simd
-    for (std::size_t i = first; i < r; ++i)
-      y[i] += (c0[i] * v0 + c1[i] * v1) + (c2[i] * v2 + c3[i] * v3);
-  }
-  for (; j < r; ++j) {
-    const double* c = a + j * r;
-    const double vj = v[j];
-#pragma omp simd
-    for (std::size_t i = first; i < r; ++i) y[i] += c[i] * vj;
-  }
-}
 
 // A -= v w^T + w v^T on the trailing block.
 TREMOLO_CLONES
@@ -73,8 +50,11 @@ void Tridiagonal::compute(Eigen::MatrixXd& a) {
     u.tail(count) = a.col(k).tail(count) / scale;
     u[first] = (head - target) / scale;
     off_[k] = target;
-    multiply_block(a.data(), static_cast<std::size_t>(r), static_cast<std::size_t>(first), u.data(),
-                   image_.data());
+    // image = A u: the rows of the symmetric block are its columns.
+    image_.tail(count).setZero();
+    add_scaled_rows(a.data(), static_cast<std::size_t>(r), static_cast<std::size_t>(first),
+                    static_cast<std::size_t>(r), static_cast<std::size_t>(first),
+                    static_cast<std::size_t>(r), u.data(), image_.data());
     const double half = 0.5 * image_.tail(count).dot(u.tail(count));
     image_.tail(count) -= half * u.tail(count);
     subtract_pair(a.data(), static_cast<std::size_t>(r), static_cast<std::size_t>(first), u.data(),

@@ -47,6 +47,9 @@ Json to_json(const RunReport& report, const RunOptions& options) {
         {{"time", move.time}, {"low_before", move.low_before}, {"low_after", move.low_after}});
   json["split_moves"] = moves;
   json["halved_steps"] = report.halved_steps;
+  json["stretch_min"] = number(report.stretch.smallest);
+  json["stretch_max"] = number(report.stretch.largest);
+  json["squeezed_at"] = report.squeezed_at < 0 ? Json(nullptr) : Json(report.squeezed_at);
   if (!options.probes.empty()) json["largest_probe_displacement"] = number(report.largest_probe);
   json["exit_code"] = report.exit_code;
   json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
@@ -74,6 +77,13 @@ void print_text(const RunReport& report) {
              report.iterations_per_step);
   fmt::print(stderr, "  energy {:.6g} J at the end, largest drift {:.2e}\n", report.energy_final,
              report.energy_drift_max);
+  if (report.squeezed_at >= 0)
+    fmt::print(
+        stderr,
+        "  warning: at t = {:.4g} s the surface is squeezed below {:.2f} of its length (at the "
+        "worst to {:.2f}): StVK softens there and may turn inside out; use a smaller load or "
+        "a stiffer material\n",
+        report.squeezed_at, kSofteningStretch, report.stretch.smallest);
   for (const std::string& file : report.files) fmt::print(stderr, "  wrote {}\n", file);
 }
 

@@ -18,6 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::int64_t kStretchEvery = 10;  // steps; the shape moves by the slow modes
+
 Error usage_error(std::string message) {
   return {ErrorKind::kUsage, std::move(message)};
 }
@@ -200,6 +202,7 @@ Result<RunReport> simulate(const RunOptions& options) {
   RunReport report = start_report(options, body);
   const auto steps = static_cast<std::int64_t>(std::llround(options.duration / options.step));
   Watch watch(options, std::move(*recorder), steps);
+  SurfaceStretch stretch(body.model());
   Eigen::Matrix<double, 3, Eigen::Dynamic> probe;
   if (!options.probes.empty()) probe = body.model().vertex(options.probes.front())->rows;
   Result<bool> inside = watch.observe(body, report);
@@ -226,6 +229,13 @@ Result<RunReport> simulate(const RunOptions& options) {
           fmt::format("at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that "
                       "the load put in",
                       body.time(), report.energy_final, kEnergyBound));
+    if (body.steps() % kStretchEvery == 0) {
+      const StretchRange now = stretch.measure(body);
+      report.stretch.smallest = std::min(report.stretch.smallest, now.smallest);
+      report.stretch.largest = std::max(report.stretch.largest, now.largest);
+      if (report.squeezed_at < 0 && now.smallest < kSofteningStretch)
+        report.squeezed_at = body.time();
+    }
     if (probe.cols() > 0)
       report.largest_probe = std::max(report.largest_probe, (probe * body.state().q).norm());
   }

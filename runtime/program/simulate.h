@@ -6,6 +6,7 @@
 
 #include "runtime/body.h"
 #include "runtime/program/run_options.h"
+#include "runtime/program/stretch.h"
 
 namespace tremolo {
 
@@ -37,6 +38,8 @@ struct RunReport {
   std::optional<Split> split;      // at the end
   std::vector<SplitMove> moves;    // all changes of it
   std::int64_t halved_steps = 0;   // steps whose solve failed and that were taken in parts
+  StretchRange stretch;            // of the surface, widest of the moments looked at
+  double squeezed_at = -1;         // s; first of them with a stretch below kSofteningStretch
   std::vector<std::string> files;  // written, under options.out
   int exit_code = 0;               // 0, 4 or 5
   std::string reason;              // why it is not 0

@@ -1,0 +1,34 @@
+// How far a body's surface is stretched and squeezed: tells when an amplitude is more than the
+// material can bear.
+#pragma once
+
+#include <vector>
+
+#include "runtime/body.h"
+
+namespace tremolo {
+
+// St. Venant-Kirchhoff's stress along a squeezed fibre is E/2 (s^3 - s), s the stretch: it softens
+// below s = 1/sqrt(3), and nothing keeps an element from turning inside out.
+inline constexpr double kSofteningStretch = 0.57735;
+
+// Smallest and largest principal stretch over a surface's triangles, dimensionless, 1 at rest.
+struct StretchRange {
+  double smallest = 1.0;
+  double largest = 1.0;
+};
+
+class SurfaceStretch {
+ public:
+  explicit SurfaceStretch(const Model& model);
+
+  // Of the body's present shape; body is one of the model. {1, 1} without triangles.
+  StretchRange measure(const Body& body);
+
+ private:
+  std::vector<Triangle> triangles_;
+  std::vector<Eigen::Matrix2d> rest_inverse_;  // of the edges in the triangle's plane, 1/m
+  std::vector<double> positions_;
+};
+
+}  // namespace tremolo
