@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Prints one HTML page, complete in itself, about two runs of the same scene.
+# Prints one HTML page, complete in itself, about three runs of the same scene.
 # usage: assets/render/page.sh DIR > page.html
-# Reads DIR/imexv/surface-*.png, DIR/energy.svg, DIR/imexv/report.json, DIR/newmark/report.json.
+# Reads DIR/imexv/surface-*.png, DIR/energy.svg and DIR/{imexv,newmark,ep4}/report.json.
 set -euo pipefail
 
 [ $# -eq 1 ] || { echo "usage: $0 DIR" >&2; exit 2; }
 dir=$1
-for file in energy.svg imexv/report.json newmark/report.json; do
+for file in energy.svg imexv/report.json newmark/report.json ep4/report.json; do
   [ -f "$dir/$file" ] || { echo "$0: $dir/$file: no such file" >&2; exit 1; }
 done
 
@@ -26,8 +26,8 @@ short() {
 }
 
 row() {
-  printf '<tr><th>%s</th><td>%s</td><td>%s</td></tr>\n' "$2" "$(short "$(value imexv "$1")")" \
-    "$(short "$(value newmark "$1")")"
+  printf '<tr><th>%s</th><td>%s</td><td>%s</td><td>%s</td></tr>\n' "$2" \
+    "$(short "$(value imexv "$1")")" "$(short "$(value newmark "$1")")" "$(short "$(value ep4 "$1")")"
 }
 
 body=$(value imexv body)
@@ -68,7 +68,8 @@ echo '<h2>Energy</h2>'
 sed -e '/^<?xml/d' -e '/^<!DOCTYPE/d' "$dir/energy.svg"
 echo '<h2>Figures</h2>'
 echo '<table>'
-printf '<tr><th></th><td>%s</td><td>%s</td></tr>\n' "$(value imexv integrator)" "$(value newmark integrator)"
+printf '<tr><th></th><td>%s</td><td>%s</td><td>%s</td></tr>\n' "$(value imexv integrator)" \
+  "$(value newmark integrator)" "$(value ep4 integrator)"
 row steps "steps"
 row reached "reached, s"
 row microseconds_per_step "time a step, &micro;s"
