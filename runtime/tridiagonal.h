@@ -16,7 +16,8 @@ class Tridiagonal {
  public:
   explicit Tridiagonal(Eigen::Index size);
 
-  // a: r x r, symmetric, both triangles filled; destroyed.
+  // a: r x r, symmetric, both triangles filled; destroyed. Columns whose entries beyond the first
+  // subdiagonal are all below 1e-140 count as tridiagonal already.
   void compute(Eigen::MatrixXd& a);
 
   void to_basis(Eigen::VectorXd& x) const;    // x <- W^T x

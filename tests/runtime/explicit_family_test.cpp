@@ -217,6 +217,14 @@ TEST(Verlet4, MassDampingTakesItsShareOfEachLinearModeExactly) {
   }
 }
 
+TEST(Verlet4, DampingThatVanishesIsNoDamping) {
+  State free{Eigen::VectorXd::Ones(1), Eigen::VectorXd::Ones(1)}, damped = free;
+  testing::run(*make("verlet4", oscillator(0.5), options_of(0.0)), free, {}, kStep, 3);
+  testing::run(*make("verlet4", oscillator(0.5), options_of(1e-322)), damped, {}, kStep, 3);
+  EXPECT_EQ(free.q, damped.q);
+  EXPECT_EQ(free.p, damped.p);
+}
+
 // |H1 - H0 - work + dissipated| over 0.4 s of a strongly nonlinear, damped and loaded motion.
 double imbalance(std::string_view name, int steps) {
   const auto strain = testing::random_strain_model(testing::spread_omega(4, 3.0, 40.0), 0.8, 21);
