@@ -58,7 +58,8 @@ inline Complex inverse(Complex a) {
   return {a.re / square, -a.im / square};
 }
 
-// LDL^T of T - pole, without pivoting: the pole has an imaginary part or lies below T's spectrum.
+// LDL^T of T - pole, without pivoting: the pole should have an imaginary part or lie below T's
+// spectrum. A real pole among T's eigenvalues may cost accuracy; on one, the result is not finite.
 class ShiftedFactor {
  public:
   explicit ShiftedFactor(Eigen::Index size)

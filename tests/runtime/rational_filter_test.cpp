@@ -112,6 +112,14 @@ TEST(RationalFilter, NeverComesNearZero) {
   for (double z = 0.0; z < 1e4; z += 0.01) lowest = std::min(lowest, filter_value(kRobustShape, z));
   EXPECT_NEAR(lowest, 0.5082, 1e-4);
   EXPECT_NEAR(filter_value(kRobustShape, 1e12), 0.5581, 1e-4);
+  // Nor where the tangent is indefinite.
+  double least = 1.0, most = 1.0;
+  for (double z = 0.0; z > -1e4; z -= 0.01) {
+    least = std::min(least, filter_value(kRobustShape, z));
+    most = std::max(most, filter_value(kRobustShape, z));
+  }
+  EXPECT_GE(least, 0.5581);
+  EXPECT_NEAR(most, 1.2078, 1e-4);
 }
 
 }  // namespace
