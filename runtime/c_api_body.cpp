@@ -3,6 +3,7 @@
 #include <cstring>
 #include <span>
 
+#include "common/number_text.h"
 #include "runtime/c_api.h"
 
 namespace {
@@ -122,9 +123,9 @@ tremolo_status tremolo_body_step(tremolo_body* body, int64_t count, int64_t* don
     for (int64_t step = 0; step < count; ++step) {
       const tremolo::StepReport report = body->body.step();
       if (!report.converged)
-        return Error{ErrorKind::kSolver, "the step at " + std::to_string(body->body.time()) +
+        return Error{ErrorKind::kSolver, "the step at " + tremolo::number_text(body->body.time()) +
                                              " s did not converge: residual " +
-                                             std::to_string(report.residual) + " after " +
+                                             tremolo::number_text(report.residual) + " after " +
                                              std::to_string(report.iterations) + " iterations"};
       if (done != nullptr) *done = step + 1;
     }

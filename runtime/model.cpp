@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/number_text.h"
 #include "formats/basis_layout.h"
 #include "formats/basis_reader.h"
 #include "runtime/interior_rows.h"
@@ -21,7 +22,7 @@ Result<Eigen::Index> kept_modes(Eigen::Index available, int asked) {
 Status check_lambda(const Eigen::VectorXd& lambda) {
   for (Eigen::Index i = 0; i < lambda.size(); ++i)
     if (!(lambda[i] > 0.0) || !std::isfinite(lambda[i]) || (i > 0 && lambda[i] < lambda[i - 1]))
-      return content_error("lambda " + std::to_string(i) + " is " + std::to_string(lambda[i]) +
+      return content_error("lambda " + std::to_string(i) + " is " + number_text(lambda[i]) +
                            ", must be positive, finite and not below the one before it");
   return Success{};
 }

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <string>
 
+#include "common/number_text.h"
+
 namespace tremolo {
 namespace {
 
@@ -30,7 +32,7 @@ Result<Split> choose_split(const Eigen::VectorXd& lambda, double step,
     return Split{options.count, r - options.count};
   }
   if (!(options.safety > 0.0 && options.safety <= 1.0))
-    return usage_error("the split's safety is " + std::to_string(options.safety) +
+    return usage_error("the split's safety is " + number_text(options.safety) +
                        ", must be above 0 and at most 1");
   const double bound = explicit_bound(step, options);
   Eigen::Index low = 0;

@@ -9,6 +9,10 @@
 namespace tremolo {
 namespace {
 
+// Of a column below the diagonal: what is smaller is left out. Its squares would underflow, and
+// reflections that are made of them would not be orthogonal.
+constexpr double kNothing = 1e-140;
+
 // A -= v w^T + w v^T on the trailing block.
 TREMOLO_CLONES
 void subtract_pair(double* __restrict a, std::size_t r, std::size_t first,
@@ -40,7 +44,7 @@ void Tridiagonal::compute(Eigen::MatrixXd& a) {
     const double length = a.col(k).tail(count).norm();
     const double rest = count > 1 ? a.col(k).tail(count - 1).cwiseAbs().maxCoeff() : 0.0;
     const double scale = std::sqrt(length * (length + std::abs(head)));
-    if (rest == 0.0 || scale == 0.0) {
+    if (rest < kNothing) {
       u.tail(count).setZero();
       off_[k] = head;
       continue;

@@ -16,7 +16,8 @@ class Tridiagonal {
  public:
   explicit Tridiagonal(Eigen::Index size);
 
-  // a: r x r, symmetric, both triangles filled; destroyed.
+  // a: r x r, symmetric, both triangles filled; destroyed. Columns whose entries beyond the first
+  // subdiagonal are all below 1e-140 count as tridiagonal already.
   void compute(Eigen::MatrixXd& a);
 
   void to_basis(Eigen::VectorXd& x) const;    // x <- W^T x
@@ -57,7 +58,8 @@ inline Complex inverse(Complex a) {
   return {a.re / square, -a.im / square};
 }
 
-// LDL^T of T - pole, without pivoting: the pole has an imaginary part or lies below T's spectrum.
+// LDL^T of T - pole, without pivoting: the pole should have an imaginary part or lie below T's
+// spectrum. A real pole among T's eigenvalues may cost accuracy; on one, the result is not finite.
 class ShiftedFactor {
  public:
   explicit ShiftedFactor(Eigen::Index size)

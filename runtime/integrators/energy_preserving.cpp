@@ -21,7 +21,7 @@ constexpr int kUpdates = 8;            // Broyden's, then the exact Jacobian
 constexpr double kSlow = 0.6;          // a residual that falls by less is slow
 constexpr double kFilterShare = 1e-3;  // of a residual: by how much less N is off
 constexpr int kFilterFollows = 3;      // corrections at most, lest N and d chase each other
-constexpr double kFarthestFix = 0.1;   // of |p1|^2: no larger energy defect is taken back
+constexpr double kFarthestFix = 0.1;   // of T(p1): no larger energy defect is taken back
 
 // ---- N at rest, for each coordinate ----
 

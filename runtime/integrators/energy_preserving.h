@@ -7,7 +7,8 @@
 //     (a)  S^-1 Dp = N d/h - p0 [+ (h/12) Df]        S^-1 = I/2 [+ (h/12) D]
 //     (b)  N Dp/h + G + D v = f
 //
-// has, since Dp . (a) - d . (b) leaves Dp . (p0 + Dp/2) + d . G = V(q1) + T(p1) - V(q0) - T(p0),
+// has, since in Dp . (a) + d . (b) the terms with N cancel and what is left on the left-hand side
+// is Dp . (p0 + Dp/2) + d . G = T(p1) - T(p0) + V(q1) - V(q0),
 //
 //     H1 - H0 = f . d [+ (h/12) Df . Dp]  -  h v . D v [- (h/12) Dp . D Dp]
 //
@@ -29,8 +30,8 @@
 // into the fast modes, as fast as e-fold in 70 s on the horse at h omega up to 9.7.
 //
 // Damping. D = alpha I + beta Lambda in (a) and (b) would damp small fast vibrations too little.
-// Here each D_i is replaced by the value with which a free linear mode loses exactly e^{-D_i h} of
-// the area of its phase plane in a step: with x = h omega_i/2, n = N(x^2), t = tanh(D_i h/2)
+// Here each D_i is replaced by the value with which a step of a free linear mode shrinks areas of
+// its phase plane by exactly e^{-D_i h}: with x = h omega_i/2, n = N(x^2), t = tanh(D_i h/2)
 //
 //     avf, ep2   D'_i = (2 t/h) (n^2 + x^2)
 //     ep4        t (h^2/12) D'^2 - (1 + x^2/3) (h/2) D' + t (n^2 + x^2) = 0    (D_i where no root)
@@ -48,7 +49,8 @@
 // (runtime/integrators/newton.h).
 //
 // What the solve leaves of g does work on d: H is off by exactly (2/h^2) g . d, which is known.
-// p1 is scaled to take that back, so the balance holds to rounding whatever the tolerance.
+// p1 is scaled to take that back, so the balance holds to rounding whatever the tolerance, but for
+// a step that ends with so little momentum that this would change the kinetic energy by a tenth.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "common/number_text.h"
 #include "runtime/integrators/energy_preserving.h"
 #include "runtime/integrators/explicit_euler.h"
 #include "runtime/integrators/halving.h"
@@ -65,7 +66,7 @@ constexpr auto kNames = [] {
 }();
 
 Status refuse(const std::string& what, double value, const char* range) {
-  return Error{ErrorKind::kUsage, what + " is " + std::to_string(value) + ", must be " + range};
+  return Error{ErrorKind::kUsage, what + " is " + number_text(value) + ", must be " + range};
 }
 
 Status check_options(const IntegratorOptions& options) {

@@ -74,6 +74,7 @@ class Halving final : public Integrator {
     level.middle = state.q;
     StepReport sum = failure;
     sum.converged = true;
+    sum.dissipated = 0.0;  // what the failed whole took was given back
     sum.parts = 0;
     double work = 0.0;
     for (const double begin : {0.0, 0.5}) {

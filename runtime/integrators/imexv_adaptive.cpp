@@ -65,8 +65,9 @@ class ImexvAdaptive final : public Integrator {
   StepReport step(State& state, const StepLoad& load) noexcept override {
     start_ = state;
     if (!watching_ || end_.q != state.q || end_.p != state.p) begin_watch(state);
-    const Index low_before = low_;
+    const Index low_before = low_, most_low_before = most_low_;
     const int patience_before = patience_;
+    const double balance_before = balance_, highest_before = highest_;
     choose(state.q);
     StepReport report = split_step(state, load);
     while (report.converged && low_ > 0 && exceeds(state, load, gain_of(report, state, load))) {
@@ -81,7 +82,10 @@ class ImexvAdaptive final : public Integrator {
     if (!report.converged) {
       state = start_;
       low_ = low_before;
+      most_low_ = most_low_before;
       patience_ = patience_before;
+      balance_ = balance_before;
+      highest_ = highest_before;
       return report;
     }
     balance_ += gain_of(report, state, load);

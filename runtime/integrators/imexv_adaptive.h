@@ -8,10 +8,10 @@
 // R(q), which every step evaluates there anyway.
 //
 //   - before each step: b = (2 leave/h)^2, leave = (1 + safety)/2. The coordinates from the pivot
-//   that
-//     fails on become implicit at once.
+//     that fails on become implicit at once.
 //   - the block with one coordinate more has obeyed the stricter b = (2 safety/h)^2 for as long as
-//     one period of the lowest mode (at least 100 steps): that coordinate becomes explicit again.
+//     one period of the lowest mode (100 steps at least, 10 000 at most): that coordinate becomes
+//     explicit again.
 //
 // The bound is necessary, not sufficient: V couples low and high rows, `imexv` is symplectic only
 // where it does not, and strong coupling can feed energy in while every block obeys. So the balance

@@ -42,7 +42,7 @@ struct StepReport {
 // step: h, s. alpha, beta: Rayleigh's, 1/s and s. newmark_*: Newmark's two numbers. tolerance: of
 // the solve, on the residual relative to max(h |p|, h^2 |R|, h^2 |f|); imexv-thesis takes it as
 // absolute, in units of q. Looser than 1e-6 the solver's error shows in the orbit and, but for the
-// energy-preserving methods, in the energy; below 1e-14 rounding keeps the solve from ever
+// energy-preserving methods, in the energy; below 1e-14 rounding may keep the solve from
 // converging. halvings: how often a step whose solve failed may be cut in two; 0 gives up at once.
 struct IntegratorOptions {
   double step = 3e-3;

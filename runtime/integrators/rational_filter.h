@@ -25,8 +25,10 @@ struct FilterShape {
   double a2 = 0.0;
 };
 
-// N falls from 1 to 0.5581 at z -> infinity, lowest value 0.5082: never small, so that the solve
-// stays well posed far beyond h omega = 2.
+// For z >= 0 N falls from 1 to 0.5581 at infinity, lowest value 0.5082: never small, so that the
+// solve stays well posed far beyond h omega = 2. For z < 0 it lies between 0.558 and 1.208. N^2 + z
+// is positive above its one real zero, z = -1.403: below it solve() is that of an indefinite
+// matrix.
 inline constexpr FilterShape kRobustShape{-0.00368349, 0.166819};
 
 double filter_value(const FilterShape& shape, double z);

@@ -38,7 +38,8 @@ struct Drift {
 
 Drift make_drift(const Eigen::VectorXd& rates, double time) {
   return {rates.unaryExpr([time](double rate) {
-            return rate == 0.0 ? time : -std::expm1(-rate * time) / rate;
+            const double x = rate * time;  // zero also where a tiny rate underflows
+            return x == 0.0 ? time : time * (-std::expm1(-x) / x);
           }),
           (-time * rates.array()).exp().matrix()};
 }

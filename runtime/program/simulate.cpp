@@ -34,8 +34,10 @@ Error value_error(Error error) {
 Status check(const RunOptions& options) {
   if (!(options.duration > 0) || !std::isfinite(options.duration))
     return content_error("--duration must be positive and finite (s)");
-  if (!(options.step > 0) || options.duration / options.step > 1e12)
-    return content_error("--step must be positive and not absurdly small (s)");
+  if (!(options.step > 0) || !std::isfinite(options.step))
+    return content_error("--step must be positive and finite (s)");
+  if (options.duration / options.step > 1e12)
+    return content_error("--duration and --step ask for more than 1e12 steps");
   if (options.duration < 0.5 * options.step)
     return content_error("--duration is shorter than half a step: nothing would be done");
   const std::string& format = options.surface_format;
@@ -179,6 +181,22 @@ RunReport start_report(const RunOptions& options, const Body& body) {
   return report;
 }
 
+std::string why_not_converged(double time, const StepReport& step) {
+  if (!std::isfinite(step.residual))
+    return fmt::format("the step from t = {:.6g} s did not converge: its numbers overflow", time);
+  return fmt::format(
+      "the step from t = {:.6g} s did not converge: residual {:.3g} after {} iterations", time,
+      step.residual, step.iterations);
+}
+
+std::string why_out_of_bound(double time, double energy) {
+  if (!std::isfinite(energy))
+    return fmt::format("at t = {:.6g} s the energy is no longer a finite number", time);
+  return fmt::format(
+      "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that the load put in",
+      time, energy, kEnergyBound);
+}
+
 void break_off(RunReport& report, ErrorKind kind, std::string reason) {
   report.exit_code = static_cast<int>(kind);
   report.reason = std::move(reason);
@@ -214,21 +232,14 @@ Result<RunReport> simulate(const RunOptions& options) {
     const StepReport step = body.step();
     spent += std::chrono::steady_clock::now() - before;
     if (!step.converged) {
-      break_off(report, ErrorKind::kSolver,
-                fmt::format("the step from t = {:.6g} s did not converge: residual {:.3g} after {} "
-                            "iterations",
-                            body.time(), step.residual, step.iterations));
+      break_off(report, ErrorKind::kSolver, why_not_converged(body.time(), step));
       break;
     }
     if (split && split->low != body.integrator().split()->low)
       report.moves.push_back({begun, split->low, body.integrator().split()->low});
     inside = watch.observe(body, report);
     if (inside && !*inside)
-      break_off(
-          report, ErrorKind::kBound,
-          fmt::format("at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that "
-                      "the load put in",
-                      body.time(), report.energy_final, kEnergyBound));
+      break_off(report, ErrorKind::kBound, why_out_of_bound(body.time(), report.energy_final));
     if (body.steps() % kStretchEvery == 0) {
       const StretchRange now = stretch.measure(body);
       report.stretch.smallest = std::min(report.stretch.smallest, now.smallest);

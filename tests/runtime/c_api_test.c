@@ -57,6 +57,11 @@ int tremolo_c_round_trip(const char* path) {
   REQUIRE(kinetic > 0.0 && potential > 0.0 && high_band >= 0.0);
   REQUIRE(strlen(tremolo_version()) >= 5);
 
+  REQUIRE(strcmp(tremolo_integrator_name(0), "verlet") == 0);
+  for (i = 0; tremolo_integrator_name(i) != NULL; ++i)
+    REQUIRE(strlen(tremolo_integrator_name(i)) > 0);
+  REQUIRE(i > 0 && tremolo_integrator_name(i + 1) == NULL);
+
 done:
   free(corners);
   free(rest);

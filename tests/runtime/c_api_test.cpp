@@ -173,6 +173,30 @@ TEST_F(CApi, LoadingTellsWhatIsWrongWithTheFile) {
   EXPECT_EQ(model, nullptr);
 }
 
+TEST_F(CApi, EveryNameOfAnIntegratorMakesABodyThatSteps) {
+  std::size_t count = 0;
+  for (const char* name = nullptr; (name = tremolo_integrator_name(count)) != nullptr; ++count) {
+    EXPECT_EQ(integrator_names()[count], name);
+    options_.integrator = name;
+    options_.step = 2e-4;  // explicit methods need h omega < 2
+    tremolo_body* body = nullptr;
+    ASSERT_EQ(tremolo_body_create(model_, &options_, &body), TREMOLO_OK)
+        << name << ": " << tremolo_last_error();
+    const double force[3] = {0.1, 0.2, 0.3};
+    EXPECT_EQ(tremolo_body_apply_force(body, 5, force, 2), TREMOLO_OK) << name;
+    std::int64_t done = 0;
+    EXPECT_EQ(tremolo_body_step(body, 10, &done), TREMOLO_OK) << name;
+    EXPECT_EQ(done, 10) << name;
+    double q[4] = {};
+    EXPECT_EQ(tremolo_body_state(body, q, nullptr, 4), TREMOLO_OK) << name;
+    EXPECT_GT(std::abs(q[0]), 0.0) << name << " did not move";
+    tremolo_body_destroy(body);
+  }
+  EXPECT_EQ(count, integrator_names().size());
+  EXPECT_EQ(tremolo_integrator_name(count + 1), nullptr);
+  EXPECT_EQ(tremolo_integrator_name(static_cast<std::size_t>(-1)), nullptr);
+}
+
 TEST_F(CApi, OptionsAreChecked) {
   options_.integrator = "leapfrog";
   EXPECT_EQ(create(), TREMOLO_USAGE);

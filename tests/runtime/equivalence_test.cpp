@@ -181,6 +181,49 @@ TEST(Rest, MotionThatHasAllButDiedOutStillConverges) {
     }
 }
 
+TEST(Rest, DampedMotionPassesThroughTheSmallestNumbersToRest) {
+  // Squares vanish below 1e-162, and with them norms, before the numbers themselves do.
+  const Model::Pointer model = testing::make_model(strain_model());
+  for (const std::string_view name : integrator_names())
+    for (int exponent = 145; exponent < 325; ++exponent) {
+      IntegratorOptions options = options_of(2e-3, 3);
+      options.alpha = 30.0;
+      options.beta = 1e-4;
+      const double size = std::pow(10.0, -exponent);
+      State state{testing::random_vector(5, size, 1), testing::random_vector(5, 100.0 * size, 2)};
+      testing::run(*make(name, model, options), state, {}, 2e-3, 20);
+      EXPECT_LE(state.q.cwiseAbs().maxCoeff(), 100.0 * size) << name << ", 1e-" << exponent;
+    }
+}
+
+TEST(Step, SmallMotionKeepsItsEnergyAtAnyStep) {
+  // h omega from 1e-8 to 1e6, one and two coordinates.
+  for (const Eigen::Index r : {1, 2})
+    for (double x = 1e-8; x < 2e6; x *= 10.0) {
+      constexpr double kStep = 3e-3;
+      const testing::StrainModel strain = testing::random_strain_model(
+          testing::spread_omega(r, 0.1 * x / kStep, x / kStep), 0.1, 9);
+      const Model::Pointer model = testing::make_model(strain);
+      for (const char* name : {"midpoint", "newmark", "imexv", "imexv-adaptive", "imexv-linear",
+                               "imexv-coupled", "avf", "ep2", "ep4", "implicit-euler"})
+        for (const double alpha : {0.0, 5.0}) {
+          // Newmark's solve starts from the old acceleration, (h omega)^2/2 amplitudes too far out.
+          if (std::string_view(name) == "newmark" && x > 2e4) continue;
+          const auto integrator = make(name, model, {.step = kStep, .alpha = alpha});
+          // Small motion: a row gets as far as its period or the step lets it.
+          const double size = 1e-4 * std::min(1.0, 1.0 / x);
+          State state{size * Eigen::VectorXd::Ones(r), size * x / kStep * Eigen::VectorXd::Ones(r)};
+          const auto energy = [&] {
+            return 0.5 * state.p.squaredNorm() + testing::strain_energy(strain, state.q);
+          };
+          const double before = energy();
+          testing::run(*integrator, state, {}, kStep, 20);
+          // The explicit rows oscillate about a level up to 1/(1 - 0.9^2) times as high.
+          EXPECT_LE(energy(), 6.0 * before) << name << ", " << x << ", " << r << ", " << alpha;
+        }
+    }
+}
+
 TEST(Newton, StiffCoordinatesConvergeToTheirRounding) {
   // h omega = 3e4: the residual cannot be rounded to better than 1e9 * 2e-16 of the step, which is
   // above the default tolerance.

@@ -153,6 +153,30 @@ TEST(Verlet4, IsStableToThreePointOneSix) {
   EXPECT_NEAR(stability_limit("verlet4"), 3.16346507, 1e-6);
 }
 
+TEST(Stability, OfSplittingMethodsIsThatOfVerletOnLowRowsAndUnlimitedOnHighRows) {
+  for (const char* name : {"imexv", "imexv-adaptive", "imexv-linear", "imexv-coupled"}) {
+    IntegratorOptions options = options_of();
+    options.split = {.rule = SplitRule::kCount, .count = 1};
+    const auto half_trace = [&](double y) {
+      const auto integrator = make(name, oscillator(y), options);
+      State from_q{Eigen::VectorXd::Ones(1), Eigen::VectorXd::Zero(1)};
+      State from_p{Eigen::VectorXd::Zero(1), Eigen::VectorXd::Ones(1)};
+      testing::run(*integrator, from_q, {}, kStep, 1);
+      testing::run(*integrator, from_p, {}, kStep, 1);
+      return std::abs(0.5 * (from_q.q[0] + from_p.p[0]));
+    };
+    EXPECT_LT(half_trace(1.99), 1.0) << name;
+    if (std::string_view(name) != "imexv-adaptive") {
+      EXPECT_GT(half_trace(2.01), 1.0) << name;
+    }
+    options.split.count = 0;
+    for (const double y : {2.01, 10.0, 100.0}) EXPECT_LT(half_trace(y), 1.0) << name << ", " << y;
+  }
+  for (const char* name : {"midpoint", "newmark", "avf", "ep2", "ep4"})
+    for (const double y : {0.1, 2.01, 10.0, 100.0})
+      EXPECT_LT(std::abs(0.5 * map_of(name, y).trace()), 1.0) << name << ", " << y;
+}
+
 TEST(Verlet4, KeepsTheAreaOfThePhasePlane) {
   for (const double y : {0.1, 1.0, 3.0})
     EXPECT_NEAR(map_of("verlet4", y).determinant(), 1.0, kRounding * 5.0) << y;
@@ -215,6 +239,14 @@ TEST(Verlet4, MassDampingTakesItsShareOfEachLinearModeExactly) {
     const double area = from_q.q[0] * from_p.p[0] - from_p.q[0] * from_q.p[0];
     EXPECT_NEAR(area, std::exp(-alpha * kStep), kRounding * 5.0) << x;
   }
+}
+
+TEST(Verlet4, DampingThatVanishesIsNoDamping) {
+  State free{Eigen::VectorXd::Ones(1), Eigen::VectorXd::Ones(1)}, damped = free;
+  testing::run(*make("verlet4", oscillator(0.5), options_of(0.0)), free, {}, kStep, 3);
+  testing::run(*make("verlet4", oscillator(0.5), options_of(1e-322)), damped, {}, kStep, 3);
+  EXPECT_EQ(free.q, damped.q);
+  EXPECT_EQ(free.p, damped.p);
 }
 
 // |H1 - H0 - work + dissipated| over 0.4 s of a strongly nonlinear, damped and loaded motion.

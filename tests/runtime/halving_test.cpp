@@ -67,6 +67,8 @@ TEST(Halving, StepInPartsIsThatOfTheSmallerSteps) {
       options.split = {.rule = SplitRule::kCount, .count = 2};
       options.tolerance = tolerance;
       options.max_iterations = 1;
+      options.alpha = 0.9;
+      options.beta = 3e-3;
       State state = violent_state();
       const StepLoad load = some_load();
       const StepReport report = make(name, model, options)->step(state, load);
@@ -77,16 +79,20 @@ TEST(Halving, StepInPartsIsThatOfTheSmallerSteps) {
       const auto half = make(name, model, options);
       State small = violent_state();
       StepLoad part = make_step_load(4);
-      double work = 0.0;
+      double work = 0.0, dissipated = 0.0;
       for (const double begin : {0.0, 0.5}) {
         const Eigen::VectorXd before = small.q;
         restrict_load(load, begin, begin + 0.5, part);
-        ASSERT_TRUE(half->step(small, part).converged);
+        const StepReport one = half->step(small, part);
+        ASSERT_TRUE(one.converged);
         work += part.average.dot(small.q - before);
+        dissipated += one.dissipated;
       }
       EXPECT_EQ(state.q, small.q) << name;
       EXPECT_EQ(state.p, small.p) << name;
-      // The report's work is that of the parts: rounding.
+      // The report's work and dissipation are those of the parts, nothing of the failed whole:
+      // rounding.
+      EXPECT_NEAR(report.dissipated, dissipated, 1e-12) << name;
       EXPECT_NEAR(load.average.dot(state.q - violent_state().q) + report.extra_work, work, 1e-12)
           << name;
     }

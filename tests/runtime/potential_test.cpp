@@ -196,6 +196,25 @@ TEST_P(PotentialSize, AveragedGradientAlongTheSegmentIsTheEnergyDifference) {
               1e-13 * (start.energy + end.energy));  // rounding
 }
 
+TEST_P(PotentialSize, TangentOfTheAveragedGradientIsTheMeanOfTheTangentsAtTheEnds) {
+  // K is quadratic: (K(m + d) + K(m - d))/2 = K(m) + 12 Q[d d^T].
+  const Potential potential = make_potential(GetParam());
+  PotentialWorkspace workspace = potential.make_workspace();
+  Evaluation start = potential.make_evaluation(), end = potential.make_evaluation();
+  const Eigen::VectorXd q0 = random_vector(GetParam(), 0.5, 16);
+  const Eigen::VectorXd q1 = random_vector(GetParam(), 0.5, 17);
+  potential.evaluate(q0, kWantTangent, workspace, start);
+  potential.evaluate(q1, kWantTangent, workspace, end);
+  Eigen::VectorXd with = Eigen::VectorXd::Zero(GetParam()), without = with;
+  Eigen::MatrixXd tangent = Eigen::MatrixXd::Zero(GetParam(), GetParam());
+  potential.averaged_gradient(q0, q1, workspace, without);
+  potential.averaged_gradient(q0, q1, workspace, with, &tangent);
+  EXPECT_EQ(with, without);
+  EXPECT_EQ(tangent, tangent.transpose());
+  const Eigen::MatrixXd mean = 0.5 * (start.tangent + end.tangent);
+  EXPECT_LE((tangent - mean).norm(), 1e-13 * mean.norm());  // rounding
+}
+
 TEST(Potential, FillsOnlyWhatIsWanted) {
   const Potential potential = make_potential(3);
   PotentialWorkspace workspace = potential.make_workspace();

@@ -60,6 +60,19 @@ TEST(Tridiagonal, DiagonalMatrixIsLeftAlone) {
   EXPECT_TRUE(tridiagonal.off().isZero(0.0));
 }
 
+TEST(Tridiagonal, BasisStaysOrthogonalWhereSquaresUnderflow) {
+  for (int exponent = 100; exponent < 325; ++exponent) {
+    MatrixXd a = std::pow(10.0, -exponent) * random_matrix(6, 0.1, 10.0, 3);
+    a.diagonal() = testing::random_vector(6, 1.0, 2);
+    Tridiagonal tridiagonal(6);
+    tridiagonal.compute(a);
+    VectorXd x = testing::random_vector(6, 1.0, 4);
+    tridiagonal.to_basis(x);
+    tridiagonal.from_basis(x);
+    EXPECT_LE((x - testing::random_vector(6, 1.0, 4)).norm(), 1e-14) << "1e-" << exponent;
+  }
+}
+
 TEST(RationalFilter, AppliesAndSolvesLikeTheDenseMatrices) {
   for (const Eigen::Index r : {1, 2, 15, 30})
     // h omega/2 up to 0.3, 4 and 300.
@@ -99,6 +112,14 @@ TEST(RationalFilter, NeverComesNearZero) {
   for (double z = 0.0; z < 1e4; z += 0.01) lowest = std::min(lowest, filter_value(kRobustShape, z));
   EXPECT_NEAR(lowest, 0.5082, 1e-4);
   EXPECT_NEAR(filter_value(kRobustShape, 1e12), 0.5581, 1e-4);
+  // Nor where the tangent is indefinite.
+  double least = 1.0, most = 1.0;
+  for (double z = 0.0; z > -1e4; z -= 0.01) {
+    least = std::min(least, filter_value(kRobustShape, z));
+    most = std::max(most, filter_value(kRobustShape, z));
+  }
+  EXPECT_GE(least, 0.5581);
+  EXPECT_NEAR(most, 1.2078, 1e-4);
 }
 
 }  // namespace

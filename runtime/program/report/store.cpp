@@ -40,7 +40,7 @@ std::optional<Json> read_stored(const std::string& path, const std::string& key)
 bool is_name(const std::string& name) {
   return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-           c == '.';
+           c == '+' || c == '.';
   });
 }
 

@@ -16,8 +16,8 @@ class Store {
   // directory: made if missing. Errors: kSystem.
   static Result<Store> open(const std::string& directory);
 
-  // The result of the piece of work `name` (letters, digits, '-', '.'), made by `work` unless a
-  // file from an earlier start holds it under the same key. key: everything the result depends on
+  // The result of the piece of work `name` (letters, digits, '-', '+', '.'), made by `work` unless
+  // a file from an earlier start holds it under the same key. key: everything the result depends on
   // (model checksum, options, version of the computation); a file with another key is made anew. A
   // damaged file is made anew. Numbers that are not finite come back as null. Threads may ask at
   // once for different names. Errors: those of `work`, kSystem for an unwritable file, kUsage for a
