@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "runtime/body.h"
+#include "runtime/program/checksum.h"
 #include "runtime/program/energy_bound.h"
-#include "runtime/program/reproduce/file_bytes.h"
 #include "runtime/program/reproduce/loads.h"
 #include "runtime/program/reproduce/long_run.h"
 #include "runtime/program/reproduce/orbit.h"
@@ -15,6 +15,7 @@
 #include "runtime/program/reproduce/sample_models.h"
 #include "runtime/program/reproduce/thesis.h"
 #include "runtime/program/reproduce/windows.h"
+#include "runtime/program/statistics.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/sample_basis.h"
 #include "tests/support/temporary_folder.h"

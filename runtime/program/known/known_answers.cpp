@@ -1,7 +1,6 @@
 #include "runtime/program/known/known_answers.h"
 
 #include <filesystem>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -22,10 +21,6 @@ nlohmann::json to_json(const std::optional<double>& value) {
 
 std::optional<double> to_optional(const nlohmann::json& value) {
   return value.is_number() ? std::optional<double>(value.get<double>()) : std::nullopt;
-}
-
-double to_number(const nlohmann::json& value) {
-  return to_optional(value).value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 Criterion at_most(std::string what, double measured, double bound, const std::string& who) {
