@@ -107,6 +107,7 @@ TEST(Windows, ALineHasItsSlopeAndNoErrorOfIt) {
   EXPECT_DOUBLE_EQ(fit.scatter, std::sqrt(15.0));
   EXPECT_DOUBLE_EQ(fit.slope, 0.3);
   EXPECT_NEAR(fit.slope_error, 0.0, 1e-15);  // rounding of residuals of order 1
+  EXPECT_DOUBLE_EQ(fit.explained, 1.0);
 }
 
 TEST(Windows, ScatterAroundALineIsTheSlopesError) {
@@ -114,6 +115,7 @@ TEST(Windows, ScatterAroundALineIsTheSlopesError) {
   const Fit fit = fit_line({1.0, -1.0, -1.0, 1.0}, 1.0);
   EXPECT_DOUBLE_EQ(fit.slope, 0.0);
   EXPECT_DOUBLE_EQ(fit.slope_error, std::sqrt(4.0 / 2.0 / 5.0));
+  EXPECT_DOUBLE_EQ(fit.explained, 0.0);
 }
 
 TEST(Windows, TooFewValuesAreNoFit) {

@@ -96,7 +96,6 @@ Status build_page(Page& page, const Workshop& shop, const std::string& directory
   page.section("Experiment 4: the step");
   if (Status status = add_step_figures(page, shop, directory); !status) return status;
 
-  note("experiments with a known answer");
   // A folder for each build: these experiments do not know the program's checksum.
   const Result<Store> store = Store::open((fs::path(shop.directory) / shop.program).string());
   if (!store) return store.error();
