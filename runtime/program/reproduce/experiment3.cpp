@@ -112,32 +112,28 @@ std::vector<Criterion> criteria_of(const LabelledRun& ep4, const LabelledRun& co
            whole && std::abs(change(ep4.run.high_band)) <= allowed}};
 }
 
-// Why a run's high band goes where it goes, as far as its numbers tell.
+// Why ep4's high band goes where it goes, as far as the numbers tell.
 std::string high_band_text(const std::vector<LabelledRun>& runs) {
   const LabelledRun &ep4 = *find(runs, "ep4"), &half = *find(runs, kHalfStep),
                     &loose = *find(runs, kDefaultTolerance);
-  const double own = change(ep4.run.high_band), halved = change(half.run.high_band),
-               loosened = change(loose.run.high_band);
-  const Fit fit = high_band_trend(ep4);
+  const double own = change(ep4.run.high_band), loosened = change(loose.run.high_band);
+  const double line = high_band_trend(ep4).explained, loose_line = high_band_trend(loose).explained;
   std::string text = fmt::format(
       "ep4 changes its high band by {} at tolerance {:g}, by {} at half the step and by {} at the "
-      "default tolerance, {:g}. ",
-      percent(own), ep4.spec.tolerance, percent(halved), percent(loosened), loose.spec.tolerance);
-  text += fit.explained >= kStraight
-              ? fmt::format(
-                    "Of the scatter of its windows {:.0f} % is on a straight line: this is "
-                    "a trend, no exchange between the bands. ",
-                    100.0 * fit.explained)
-              : fmt::format(
-                    "Only {:.0f} % of the scatter of its windows is on a straight line: "
-                    "most of it is exchange between the bands. ",
-                    100.0 * fit.explained);
-  const double ratio = std::abs(loosened / own);
-  text += ratio > 2.0 ? "A looser tolerance makes it larger: it comes from the solve."
-          : ratio < 0.5
-              ? "A looser tolerance does not make it larger: it is not the solve's error that "
-                "moves it."
-              : "The tolerance hardly changes it: it is not the solve's error that moves it.";
+      "default tolerance, {:g}. Of the scatter of the windows {:.0f} % is on a straight line at "
+      "the "
+      "small tolerance and {:.0f} % at the default. ",
+      percent(own), ep4.spec.tolerance, percent(change(half.run.high_band)), percent(loosened),
+      loose.spec.tolerance, 100.0 * line, 100.0 * loose_line);
+  const bool grows = std::abs(loosened) > 2.0 * std::abs(own);
+  if (loose_line >= kStraight && grows)
+    text +=
+        "So at the default tolerance it is the solve's error that moves the high band, each step "
+        "the same way; at the small tolerance ";
+  else
+    text += "At the small tolerance ";
+  text += line >= kStraight ? "a trend is left that is not the tolerance's."
+                            : "what is left is no trend but exchange between the bands.";
   return text;
 }
 
