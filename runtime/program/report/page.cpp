@@ -37,7 +37,7 @@ th{font-weight:600;border-bottom:2px solid var(--line);vertical-align:bottom}
 .n{text-align:right;white-space:nowrap}
 .s{white-space:nowrap}
 tbody tr:nth-child(even){background:var(--band)}
-tbody .g td{border-top:1px solid var(--soft)}
+tbody .g td{border-top:2px solid var(--line)}
 .met{color:var(--good);font-weight:600}
 .missed{color:var(--bad);font-weight:700}
 .shown{color:var(--soft)}

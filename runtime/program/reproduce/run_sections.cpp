@@ -177,7 +177,7 @@ Status add_reached(Page& page, const Workshop& shop, const Orbits& orbits,
   survivors = {thesis_survivors(shop)};
   for (const std::string& method : methods())
     survivors.push_back(count_survivors(shop, orbits, method));
-  page.table(survivors_table(survivors), "* counts as not reached.");
+  page.table(survivors_table(survivors), "How many of the runs reach the end.");
   if (Status status =
           add_table(page, reached_table(shop, orbits),
                     "Table 3. Seconds reached of 30; * broke off.", directory, "table-3", 2);
