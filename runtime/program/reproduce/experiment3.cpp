@@ -22,8 +22,8 @@ constexpr double kLongTime = 10000.0;      // s
 constexpr double kShortTime = 200.0;       // s
 constexpr std::int64_t kSampleEvery = 10;  // steps of 3 ms: H costs an evaluation
 constexpr std::int64_t kWindow = 1167;     // samples, 35.01 s
-// The drift over millions of steps is a random walk of the solve's errors: its tolerance must lie
-// below the criterion's 1e-9 by more than the root of the number of steps.
+// So small that what is measured is the method's and not its solver's: at the default tolerance
+// ep4's high band loses a part in ten over 10 000 s (a row of its own shows it).
 constexpr double kLongTolerance = 1e-12;
 constexpr double kDriftBound = 1e-9;
 constexpr double kHighBandBound = 0.005;
@@ -93,8 +93,9 @@ Status make_run(const Workshop& shop, const SampleModel& horse, double duration,
   return Success{};
 }
 
-std::vector<Criterion> criteria_of(const LabelledRun& ep4, const LabelledRun& control,
-                                   bool long_form) {
+std::vector<Criterion> criteria_of(const std::vector<LabelledRun>& runs, bool long_form) {
+  const LabelledRun &ep4 = *find(runs, "ep4"), &control = *find(runs, kHalfStep),
+                    &loose = *find(runs, kDefaultTolerance);
   const Fit windows = high_band_trend(ep4);
   const double scatter = windows.scatter / mean(ep4.run.high_band.first);
   const double allowed = std::max(kHighBandBound, 2.0 * scatter);
@@ -102,14 +103,17 @@ std::vector<Criterion> criteria_of(const LabelledRun& ep4, const LabelledRun& co
   const std::string where = fmt::format("experiment 3, ep4, {:.3g} million steps{}",
                                         1e-6 * static_cast<double>(ep4.spec.steps),
                                         long_form ? "" : " (`--long` makes the promised 3.33)");
-  return {{where + ": relative energy drift", fmt::format("<= {:g}", kDriftBound),
-           fmt::format("{:.2e}", ep4.run.drift), whole && ep4.run.drift <= kDriftBound},
+  return {{where + fmt::format(", tolerance {:g}: relative energy drift", ep4.spec.tolerance),
+           fmt::format("<= {:g}", kDriftBound), fmt::format("{:.2e}", ep4.run.drift),
+           whole && ep4.run.drift <= kDriftBound},
           {where + ": mean high-band energy of the last 35 s against the first",
            fmt::format("within 0.5 % or twice the scatter of windows ({:.3g} %); thesis: -28 %",
                        200.0 * scatter),
            fmt::format("{} (at half the step {})", percent(change(ep4.run.high_band)),
                        percent(change(control.run.high_band))),
-           whole && std::abs(change(ep4.run.high_band)) <= allowed}};
+           whole && std::abs(change(ep4.run.high_band)) <= allowed},
+          {where + fmt::format(": the same at the default tolerance, {:g}", loose.spec.tolerance),
+           "shown; thesis: -28 %", percent(change(loose.run.high_band)), false, false}};
 }
 
 // Why ep4's high band goes where it goes, as far as the numbers tell.
@@ -140,11 +144,12 @@ std::string high_band_text(const std::vector<LabelledRun>& runs) {
 std::string drift_text(const std::vector<LabelledRun>& runs) {
   const LabelledRun &ep4 = *find(runs, "ep4"), &loose = *find(runs, kDefaultTolerance);
   return fmt::format(
-      "ep4's drift of H is its solver's: {:.2g} at tolerance {:g}, {:.2g} at the default {:g}, "
-      "which {} the bound of {:g}. That of imexv and of newmark is the swing of their energy "
-      "about the one they nearly keep, and no trend unless the slope exceeds its error.",
+      "ep4's drift of H is {:.2g} at tolerance {:g} and {:.2g} at the default, {:g}: {}. That of "
+      "imexv and newmark is the swing of H about what they nearly keep, and a trend only where the "
+      "slope exceeds its error.",
       ep4.run.drift, ep4.spec.tolerance, loose.run.drift, loose.spec.tolerance,
-      loose.run.drift <= kDriftBound ? "is also within" : "alone would miss", kDriftBound);
+      loose.run.drift > 10.0 * ep4.run.drift ? "it is the solver's"
+                                             : "it is not the tolerance that sets it");
 }
 
 std::string thesis_text(const std::vector<LabelledRun>& runs) {
@@ -152,8 +157,8 @@ std::string thesis_text(const std::vector<LabelledRun>& runs) {
   return fmt::format(
       "The thesis's change of its IMEXv, {} in total and {} in the high band, is not found with "
       "the same method here ({} and {}). It names neither its force nor what it counts as "
-      "high-frequency energy, and prints one first and one last window without their scatter; "
-      "ours is that of `runtime/energy.h`, in which the static part of the high coordinates does "
+      "high-frequency energy; ours is that of `runtime/energy.h`, in which the static part of the "
+      "high coordinates does "
       "not count. It says three million steps; 10 000 s of 3 ms are 3 333 333.",
       percent(thesis::kTotalChange), percent(thesis::kHighBandChange),
       percent(change(theirs.run.total)), percent(change(theirs.run.high_band)));
@@ -205,7 +210,7 @@ Result<std::vector<Criterion>> add_experiment3(Page& page, const Workshop& shop,
         !status)
       return status.error();
   if (!has_method("ep4")) return std::vector<Criterion>{};
-  return criteria_of(*find(runs, "ep4"), *find(runs, kHalfStep), shop.long_form);
+  return criteria_of(runs, shop.long_form);
 }
 
 }  // namespace tremolo::reproduce
