@@ -9,6 +9,7 @@
 #include "runtime/program/bench/precision_report.h"
 #include "runtime/program/bench/stability.h"
 #include "runtime/program/report/table.h"
+#include "runtime/program/statistics.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/temporary_folder.h"
 

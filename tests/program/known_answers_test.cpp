@@ -15,6 +15,7 @@
 #include "runtime/program/known/resonance.h"
 #include "runtime/program/known/spring_chain.h"
 #include "runtime/program/known/step_properties.h"
+#include "runtime/program/statistics.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo::known {
@@ -217,13 +218,13 @@ TEST(StepProperties, EveryMethodIsListedWithItsPromises) {
 TEST(EnergyTrend, FitFindsALineAndItsStandardError) {
   std::vector<double> values;
   for (int k = 0; k < 50; ++k) values.push_back(2.0 + 0.25 * k);
-  EXPECT_NEAR(fit_line(values).slope, 0.25, 1e-14);
-  EXPECT_NEAR(fit_line(values).standard_error, 0.0, 1e-14);
+  EXPECT_NEAR(fit_line(values, 1.0).slope, 0.25, 1e-14);
+  EXPECT_NEAR(fit_line(values, 1.0).slope_error, 0.0, 1e-14);
   // +-1 about the line: residual variance n/(n-2), spread of the index n (n^2 - 1)/12.
   for (int k = 0; k < 50; ++k) values[static_cast<std::size_t>(k)] += k % 2 == 0 ? 1.0 : -1.0;
   const double expected = std::sqrt(50.0 / 48.0 / (50.0 * (2500.0 - 1.0) / 12.0));
   // The alternation itself is slightly sloped, by 3/n^2 of its size.
-  EXPECT_NEAR(fit_line(values).standard_error, expected, 2e-3 * expected);
+  EXPECT_NEAR(fit_line(values, 1.0).slope_error, expected, 2e-3 * expected);
 }
 
 TEST(EnergyTrend, ALossIsSeenAndOneThatIsNotThereIsNot) {

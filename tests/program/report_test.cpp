@@ -88,6 +88,42 @@ TEST(Page, OnlyADecidingCriterionThatIsMissedFails) {
   EXPECT_EQ(exit_code(std::vector<Criterion>{{"", "", "", false, true}}), 6);
 }
 
+TEST(Page, WhatIsKnownLastCanBeReadFirst) {
+  testing::TemporaryFolder folder;
+  Page page("title", "subtitle");
+  page.section("one");
+  page.paragraph("first body");
+  page.section("two");
+  page.paragraph("last body");
+  page.last_section_first();
+  ASSERT_TRUE(page.write(folder.file("index.html")));
+  const std::string html = read(folder.file("index.html"));
+  EXPECT_LT(html.find("last body"), html.find("first body"));
+  // The contents lead to the headings of the same name.
+  EXPECT_NE(html.find("<a href=\"#section-1\">two</a>"), html.npos);
+  EXPECT_NE(html.find("<h2 id=\"section-1\">two</h2>"), html.npos);
+  EXPECT_NE(html.find("<h2 id=\"section-2\">one</h2>"), html.npos);
+}
+
+TEST(Criteria, TheVerdictCountsOnlyWhatDecides) {
+  const Criterion met{"a", "", "", true}, missed{"b", "", "", false},
+      shown{"c", "", "", false, false}, elsewhere{"d", "", "", false, false, true};
+  EXPECT_EQ(verdict(missed), "MISSED");
+  EXPECT_EQ(verdict(elsewhere), "elsewhere");
+  EXPECT_EQ(verdict(std::vector{met, missed, shown, elsewhere}),
+            "1 of 2 criteria are met; missed: b. Shown without a bound: 1. Measured by another "
+            "command: 1.");
+  EXPECT_EQ(exit_code({met, shown, elsewhere}), 0);
+}
+
+TEST(TableText, RepeatsAreLeftOutOnlyBehindRepeats) {
+  const Table table{{"a", "b", "c"}, {{"1", "x", "p"}, {"1", "x", "p"}, {"2", "x", "p"}}};
+  const Table shorter = without_repeats(table, 2);
+  EXPECT_EQ(shorter.rows[0], table.rows[0]);
+  EXPECT_EQ(shorter.rows[1], (std::vector<std::string>{"", "", "p"}));
+  EXPECT_EQ(shorter.rows[2], table.rows[2]);  // x stands under another 'a'
+}
+
 struct StoreTest : ::testing::Test {
   testing::TemporaryFolder folder;
   Store store = *Store::open(folder.file("deep/down"));

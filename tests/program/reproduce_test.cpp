@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "runtime/body.h"
+#include "runtime/program/checksum.h"
 #include "runtime/program/energy_bound.h"
-#include "runtime/program/reproduce/file_bytes.h"
 #include "runtime/program/reproduce/loads.h"
 #include "runtime/program/reproduce/long_run.h"
 #include "runtime/program/reproduce/orbit.h"
@@ -15,6 +15,7 @@
 #include "runtime/program/reproduce/sample_models.h"
 #include "runtime/program/reproduce/thesis.h"
 #include "runtime/program/reproduce/windows.h"
+#include "runtime/program/statistics.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/sample_basis.h"
 #include "tests/support/temporary_folder.h"
@@ -106,6 +107,7 @@ TEST(Windows, ALineHasItsSlopeAndNoErrorOfIt) {
   EXPECT_DOUBLE_EQ(fit.scatter, std::sqrt(15.0));
   EXPECT_DOUBLE_EQ(fit.slope, 0.3);
   EXPECT_NEAR(fit.slope_error, 0.0, 1e-15);  // rounding of residuals of order 1
+  EXPECT_DOUBLE_EQ(fit.explained, 1.0);
 }
 
 TEST(Windows, ScatterAroundALineIsTheSlopesError) {
@@ -113,6 +115,7 @@ TEST(Windows, ScatterAroundALineIsTheSlopesError) {
   const Fit fit = fit_line({1.0, -1.0, -1.0, 1.0}, 1.0);
   EXPECT_DOUBLE_EQ(fit.slope, 0.0);
   EXPECT_DOUBLE_EQ(fit.slope_error, std::sqrt(4.0 / 2.0 / 5.0));
+  EXPECT_DOUBLE_EQ(fit.explained, 0.0);
 }
 
 TEST(Windows, TooFewValuesAreNoFit) {

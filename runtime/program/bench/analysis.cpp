@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "runtime/program/bench/precision.h"
+#include "runtime/program/statistics.h"
 
 namespace tremolo::bench {
 
@@ -48,14 +49,6 @@ std::vector<double> cost_ratios(const Precision& precision, const std::string& m
       ratios.push_back(0.0);
   }
   return ratios;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const double high = values[values.size() / 2], low = values[(values.size() - 1) / 2];
-  const double middle = std::sqrt(low * high);
-  return low == high || !(middle > 0.0 && std::isfinite(middle)) ? low : middle;
 }
 
 std::vector<Standing> standings(const Precision& precision, double target) {

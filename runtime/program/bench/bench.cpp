@@ -20,13 +20,7 @@ Json to_json(const Options& options, const std::vector<Criterion>& criteria,
   Json json;
   json["page"] = (std::filesystem::path(options.out) / "index.html").string();
   json["recommendations"] = sentences;
-  json["criteria"] = Json::array();
-  for (const Criterion& c : criteria)
-    json["criteria"].push_back({{"what", c.what},
-                                {"bound", c.bound},
-                                {"measured", c.measured},
-                                {"met", c.met},
-                                {"decides", c.decides}});
+  json["criteria"] = tremolo::to_json(criteria);
   return json;
 }
 
@@ -62,6 +56,7 @@ Result<int> measure_and_report(const Options& options, std::vector<SampleModel> 
     sentences = recommendations(*precision);
     if (!criteria.empty()) {
       page.section("What was promised");
+      page.paragraph(verdict(criteria));
       page.criteria(criteria);
     }
     if (Status s = report_precision(*precision, options.out, page); !s) return s.error();
@@ -71,12 +66,7 @@ Result<int> measure_and_report(const Options& options, std::vector<SampleModel> 
   const std::string path = (std::filesystem::path(options.out) / "index.html").string();
   if (Status s = page.write(path); !s) return s.error();
   for (const std::string& sentence : sentences) fmt::print(stderr, "{}\n", sentence);
-  for (const Criterion& c : criteria)
-    fmt::print(stderr, "{}: {} {}: {}\n",
-               !c.decides ? "shown"
-               : c.met    ? "met"
-                          : "MISSED",
-               c.what, c.bound, c.measured);
+  print(criteria);
   fmt::print(stderr, "wrote {}\n", path);
   if (options.json) std::cout << to_json(options, criteria, sentences).dump(2) << "\n";
   if (!std::cout.flush()) return system_error("standard output cannot be written");

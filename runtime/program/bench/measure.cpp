@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "common/hash.h"
-#include "formats/whole_file.h"
 #include "runtime/body.h"
+#include "runtime/program/checksum.h"
 
 namespace tremolo::bench {
 namespace {
@@ -20,10 +20,6 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kRepeats = 5;      // windows of each method at least
 constexpr int kPatience = 25;    // at most, while
 constexpr double kClose = 1.05;  // a method's two fastest windows differ by more than this
-
-double number(const Json& json, double otherwise = kNan) {
-  return json.is_number() ? json.get<double>() : otherwise;
-}
 
 Entry make_entry(const Scene& scene, const Reference& reference, const SampledRun& run,
                  const std::string& integrator, double step) {
@@ -53,13 +49,13 @@ Json to_json(const Entry& entry) {
 Entry entry_from_json(const Json& json, const std::string& integrator) {
   Entry entry;
   entry.integrator = integrator;
-  entry.step = number(json.at("step"));
-  entry.error = number(json.at("error"), std::numeric_limits<double>::infinity());
+  entry.step = to_number(json.at("step"));
+  entry.error = to_number(json.at("error"), std::numeric_limits<double>::infinity());
   entry.below_reference = json.at("below");
-  entry.drift = number(json.at("drift"));
-  entry.band_ratio = number(json.at("band"));
-  entry.iterations = number(json.at("iterations"));
-  entry.reached = number(json.at("reached"));
+  entry.drift = to_number(json.at("drift"));
+  entry.band_ratio = to_number(json.at("band"));
+  entry.iterations = to_number(json.at("iterations"));
+  entry.reached = to_number(json.at("reached"));
   entry.exit_code = json.at("exit_code");
   entry.reason = json.at("reason");
   entry.microseconds = kNan;
@@ -131,8 +127,8 @@ Result<Json> take_turns(const Scene& scene, const std::vector<std::string>& inte
 
 std::string build_id() {
   static const std::string id = [] {
-    const Result<std::string> program = read_whole_file("/proc/self/exe");
-    return program ? hash_text(hash_bytes(std::as_bytes(std::span(*program)))) : std::string("?");
+    const Result<std::string> program = program_checksum();
+    return program ? *program : std::string("?");
   }();
   return id;
 }
@@ -192,7 +188,7 @@ Result<std::vector<double>> measure_times(const Scene& scene,
                                 [&] { return take_turns(scene, integrators, step); });
   if (!json) return json.error();
   std::vector<double> times;
-  for (const Json& time : *json) times.push_back(number(time));
+  for (const Json& time : *json) times.push_back(to_number(time));
   return times;
 }
 

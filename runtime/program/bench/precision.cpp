@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "runtime/program/bench/progress.h"
+#include "runtime/program/progress.h"
 
 namespace tremolo::bench {
 namespace {

@@ -48,10 +48,6 @@ std::optional<Cost> cost_of_error(std::span<const Entry> curve, double target, d
 std::vector<double> cost_ratios(const Precision& precision, const std::string& method,
                                 const std::string& other, double target);
 
-// Not-a-number for none. Of an even number the geometric mean of the middle two,
-// or the lower of them where that mean is not positive and finite.
-double median(std::vector<double> values);
-
 // A method's standing at one target. slowdown: median, over the scenes it reaches, of its cost over
 // that of the best. wins: scenes where it is the best.
 struct Standing {

@@ -10,6 +10,7 @@
 
 #include "runtime/program/bench/precision_tables.h"
 #include "runtime/program/report/chart.h"
+#include "runtime/program/statistics.h"
 
 namespace tremolo::bench {
 namespace {

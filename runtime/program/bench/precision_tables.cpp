@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "runtime/program/bench/precision_report.h"
+#include "runtime/program/statistics.h"
 
 namespace tremolo::bench {
 namespace {

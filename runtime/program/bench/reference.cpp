@@ -22,8 +22,7 @@ Json to_json(const SampledRun& run) {
 SampledRun run_from_json(const Json& json) {
   SampledRun run;
   run.q = orbit_from_text(json.at("q").get<std::string>(), json.at("modes"));
-  run.high_band = json.at("high_band").is_number() ? json.at("high_band").get<double>()
-                                                   : std::numeric_limits<double>::quiet_NaN();
+  run.high_band = to_number(json.at("high_band"));
   run.exit_code = json.at("exit_code");
   run.reason = json.at("reason");
   return run;

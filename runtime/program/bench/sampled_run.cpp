@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
-
 #include "runtime/body.h"
 #include "runtime/energy.h"
 #include "runtime/program/energy_bound.h"
@@ -51,10 +49,7 @@ struct Progress {
 bool observe(const Body& body, const Energy& energy, Progress& progress, SampledRun& run) {
   run.energy_end = energy.total();
   if (!progress.bound.holds(body.steps(), energy.total(), body.work())) {
-    run.exit_code = static_cast<int>(ErrorKind::kBound);
-    run.reason =
-        fmt::format("at t = {:.6g} s the energy is more than {:g} times all that was put in",
-                    body.time(), kEnergyBound);
+    run.bound_left();
     return false;
   }
   progress.drift.observe(energy.total(), body.work(), body.dissipated(), body.load_to_come());
@@ -67,8 +62,7 @@ bool advance(Body& body, Eigen::Index count, const RunSpec& spec, SampledRun& ru
   for (Eigen::Index k = 0; k < count; ++k) {
     const StepReport step = body.step();
     if (!step.converged) {
-      run.exit_code = static_cast<int>(ErrorKind::kSolver);
-      run.reason = fmt::format("the step from t = {:.6g} s did not converge", body.time());
+      run.solver_gave_up(step);
       return false;
     }
     if (spec.watched.cols() > 0)

@@ -10,6 +10,7 @@
 #include "runtime/integrators/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
+#include "runtime/program/ending.h"
 
 namespace tremolo::bench {
 
@@ -32,8 +33,7 @@ struct RunSpec {
 // samples of the second half of the run, J, not-a-number if that was not reached. drift:
 // energy_drift_max of docs/architecture.md, of the samples. energy_reference: when the load had
 // ended; energy_end: of the last sample. largest: of the watched vertex, over all steps, m.
-// exit_code: 0; 4 if the solver gave up; 5 if the energy bound was left (as `tremolo run`).
-struct SampledRun {
+struct SampledRun : Ending {
   Eigen::MatrixXd q;
   double high_band = 0.0;
   double drift = 0.0;
@@ -42,8 +42,6 @@ struct SampledRun {
   double largest = 0.0;
   double iterations_per_step = 0.0;
   double reached = 0.0;  // s
-  int exit_code = 0;
-  std::string reason;
 };
 
 // Errors: what making the integrator gives. A run that broke off is a result.

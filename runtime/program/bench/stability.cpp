@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "runtime/program/bench/measure.h"
-#include "runtime/program/bench/progress.h"
+#include "runtime/program/progress.h"
 
 namespace tremolo::bench {
 namespace {

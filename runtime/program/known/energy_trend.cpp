@@ -5,30 +5,9 @@
 
 #include "runtime/program/known/quartic_model.h"
 #include "runtime/program/known/spring_chain.h"
+#include "runtime/program/statistics.h"
 
 namespace tremolo::known {
-
-LineFit fit_line(const std::vector<double>& values) {
-  const double n = static_cast<double>(values.size());
-  double mean = 0.0;
-  for (const double value : values) mean += value / n;
-  const double middle = 0.5 * (n - 1.0);
-  double product = 0.0;
-  double square = 0.0;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const double x = static_cast<double>(k) - middle;
-    product += x * (values[k] - mean);
-    square += x * x;
-  }
-  LineFit fit{.slope = product / square};
-  double residual = 0.0;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const double x = static_cast<double>(k) - middle;
-    residual += std::pow(values[k] - mean - fit.slope * x, 2);
-  }
-  fit.standard_error = std::sqrt(residual / (n - 2.0) / square);
-  return fit;
-}
 
 Result<EnergyTrend> measure_trend(std::string_view method, double tolerance, double step,
                                   long steps, int windows) {
@@ -72,10 +51,10 @@ Result<EnergyTrend> measure_trend(std::string_view method, double tolerance, dou
     if (trend.failure.empty()) trend.window_means.push_back(sum / static_cast<double>(length));
   }
   if (trend.failure.empty() && trend.window_means.size() > 2) {
-    const LineFit fit = fit_line(trend.window_means);
+    const Fit fit = fit_line(trend.window_means, 1.0);
     const double whole = static_cast<double>(windows);
     trend.slope = fit.slope * whole;
-    trend.standard_error = fit.standard_error * whole;
+    trend.standard_error = fit.slope_error * whole;
   }
   return trend;
 }

@@ -26,14 +26,6 @@ struct EnergyTrend {
   std::vector<double> window_means;  // (H - H0) / H0
 };
 
-struct LineFit {
-  double slope = 0.0;  // per unit of the index
-  double standard_error = 0.0;
-};
-
-// Least squares through (k, values[k]); at least three values.
-LineFit fit_line(const std::vector<double>& values);
-
 // `steps` of `step` seconds on the spring chain from half its strongly nonlinear state, in
 // `windows` windows. Errors: as make_integrator.
 Result<EnergyTrend> measure_trend(std::string_view method, double tolerance, double step,

@@ -1,7 +1,8 @@
 #include "runtime/program/known/known_answers.h"
 
+#include <array>
+#include <cstdio>
 #include <filesystem>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -24,10 +25,6 @@ std::optional<double> to_optional(const nlohmann::json& value) {
   return value.is_number() ? std::optional<double>(value.get<double>()) : std::nullopt;
 }
 
-double to_number(const nlohmann::json& value) {
-  return to_optional(value).value_or(std::numeric_limits<double>::quiet_NaN());
-}
-
 Criterion at_most(std::string what, double measured, double bound, const std::string& who) {
   Criterion criterion;
   criterion.what = std::move(what);
@@ -42,11 +39,20 @@ Criterion at_most(std::string what, double measured, double bound, const std::st
 Result<std::vector<Criterion>> add_known_answers(Page& page, const Store& store,
                                                  const std::string& out_directory, bool long_form) {
   const known::SectionContext context{page, store, out_directory, long_form};
+  struct Part {
+    const char* name;
+    known::Criteria (*add)(const known::SectionContext&);
+  };
+  constexpr std::array<Part, 5> kParts{{{"chain", known::add_fput_section},
+                                        {"resonance", known::add_resonance_section},
+                                        {"pendulum", known::add_pendulum_section},
+                                        {"one step", known::add_step_section},
+                                        {"trend", known::add_trend_section}}};
   std::vector<Criterion> all;
-  for (const auto add :
-       {known::add_fput_section, known::add_resonance_section, known::add_pendulum_section,
-        known::add_step_section, known::add_trend_section}) {
-    const known::Criteria criteria = add(context);
+  for (std::size_t i = 0; i < kParts.size(); ++i) {
+    fmt::print(stderr, "tremolo: known answers, {}: {} of {}\n", kParts[i].name, i + 1,
+               kParts.size());
+    const known::Criteria criteria = kParts[i].add(context);
     if (!criteria) return criteria.error();
     page.criteria(*criteria);
     all.insert(all.end(), criteria->begin(), criteria->end());

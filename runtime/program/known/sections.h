@@ -38,7 +38,6 @@ Status add_table(const SectionContext& context, const Table& table, const std::s
 
 nlohmann::json to_json(const std::optional<double>& value);      // null if empty
 std::optional<double> to_optional(const nlohmann::json& value);  // empty if null
-double to_number(const nlohmann::json& value);                   // not-a-number if null
 
 // A criterion that compares one number with a bound from above.
 Criterion at_most(std::string what, double measured, double bound, const std::string& who = {});

@@ -8,6 +8,7 @@
 #include "runtime/program/known/sections.h"
 #include "runtime/program/known/step_properties.h"
 #include "runtime/program/report/chart.h"
+#include "runtime/program/statistics.h"
 
 namespace tremolo::known {
 namespace {
@@ -55,12 +56,11 @@ Result<EnergyTrend> stored_trend(const SectionContext& context, std::string_view
 // The window means over thousands of steps, less the mean of all if `centred`.
 Curve means_curve(const EnergyTrend& trend, bool centred) {
   Curve curve{.label = trend.method, .y = trend.window_means};
-  double mean = 0.0;
-  for (const double y : curve.y) mean += y / static_cast<double>(curve.y.size());
+  const double middle = mean(curve.y);
   for (std::size_t k = 0; k < curve.y.size(); ++k) {
     curve.x.push_back(1e-3 * (static_cast<double>(k) + 0.5) * static_cast<double>(trend.steps) /
                       kWindows);
-    if (centred) curve.y[k] -= mean;
+    if (centred) curve.y[k] -= middle;
   }
   return curve;
 }

@@ -1,6 +1,7 @@
 #include "runtime/program/report/page.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -36,6 +37,7 @@ th{font-weight:600;border-bottom:2px solid var(--line);vertical-align:bottom}
 .n{text-align:right;white-space:nowrap}
 .s{white-space:nowrap}
 tbody tr:nth-child(even){background:var(--band)}
+tbody .g td{border-top:2px solid var(--line)}
 .met{color:var(--good);font-weight:600}
 .missed{color:var(--bad);font-weight:700}
 .shown{color:var(--soft)}
@@ -89,6 +91,11 @@ bool looks_like_number(const std::string& text) {
   return digit != text.npos && text[digit] >= '0' && text[digit] <= '9';
 }
 
+std::size_t leading_empty(const std::vector<std::string>& cells) {
+  const auto full = std::ranges::find_if(cells, [](const std::string& c) { return !c.empty(); });
+  return static_cast<std::size_t>(full - cells.begin());
+}
+
 // A class for each column: numbers to the right, short text in one line.
 std::vector<std::string_view> column_classes(const Table& table) {
   std::vector<std::string_view> classes;
@@ -110,54 +117,65 @@ std::vector<std::string_view> column_classes(const Table& table) {
 Page::Page(std::string title, std::string subtitle)
     : title_(std::move(title)), subtitle_(std::move(subtitle)) {}
 
+std::string& Page::body() {
+  return sections_.empty() ? preface_ : sections_.back().body;
+}
+
 void Page::section(std::string_view title) {
-  sections_.emplace_back(title);
-  body_ += fmt::format("<h2 id=\"section-{}\">{}</h2>\n", sections_.size(), escaped(title));
+  sections_.push_back({std::string(title), {}});
 }
 
 void Page::heading(std::string_view title) {
-  body_ += "<h3>" + escaped(title) + "</h3>\n";
+  body() += "<h3>" + escaped(title) + "</h3>\n";
 }
 
 void Page::paragraph(std::string_view text) {
-  body_ += "<p>" + marked_up(text) + "</p>\n";
+  body() += "<p>" + marked_up(text) + "</p>\n";
 }
 
 void Page::table(const Table& table, std::string_view caption) {
   const std::vector<std::string_view> classes = column_classes(table);
+  std::size_t indent = 0;
+  for (const std::vector<std::string>& cells : table.rows)
+    indent = std::max(indent, leading_empty(cells));
   const auto row = [&](const std::vector<std::string>& cells, std::string_view tag) {
-    body_ += "<tr>";
+    body() += leading_empty(cells) < indent ? "<tr class=\"g\">" : "<tr>";
     for (std::size_t c = 0; c < cells.size(); ++c)
-      body_ += fmt::format("<{0}{1}>{2}</{0}>", tag, classes[c], marked_up(cells[c]));
-    body_ += "</tr>\n";
+      body() += fmt::format("<{0}{1}>{2}</{0}>", tag, classes[c], marked_up(cells[c]));
+    body() += "</tr>\n";
   };
-  body_ += "<div class=\"scroll\" tabindex=\"0\"><table>";
-  if (!caption.empty()) body_ += "<caption>" + marked_up(caption) + "</caption>";
-  body_ += "<thead>";
+  body() += "<div class=\"scroll\" tabindex=\"0\"><table>";
+  if (!caption.empty()) body() += "<caption>" + marked_up(caption) + "</caption>";
+  body() += "<thead>";
   row(table.columns, "th");
-  body_ += "</thead><tbody>\n";
+  body() += "</thead><tbody>\n";
   for (const std::vector<std::string>& cells : table.rows) row(cells, "td");
-  body_ += "</tbody></table></div>\n";
+  body() += "</tbody></table></div>\n";
 }
 
 void Page::figure(std::string_view svg, std::string_view caption) {
-  body_ +=
+  body() +=
       fmt::format("<figure><div class=\"drawing\">{}</div><figcaption>{}</figcaption></figure>\n",
                   svg, marked_up(caption));
 }
 
 void Page::criteria(const std::vector<Criterion>& criteria) {
-  body_ +=
+  body() +=
       "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th>criterion</th><th>bound</th>"
       "<th>measured</th><th></th></tr></thead><tbody>\n";
   for (const Criterion& c : criteria) {
-    const std::string_view verdict = !c.decides ? "shown" : c.met ? "met" : "MISSED";
-    const std::string_view style = !c.decides ? "shown" : c.met ? "met" : "missed";
-    body_ +=
+    const std::string_view word = verdict(c);
+    const std::string_view style = word == "MISSED" ? "missed" : word == "met" ? "met" : "shown";
+    body() +=
         fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"{}\">{}</td></tr>\n",
-                    marked_up(c.what), marked_up(c.bound), marked_up(c.measured), style, verdict);
+                    marked_up(c.what), marked_up(c.bound), marked_up(c.measured), style, word);
   }
-  body_ += "</tbody></table></div>\n";
+  body() += "</tbody></table></div>\n";
+}
+
+void Page::last_section_first() {
+  if (!sections_.empty())
+    std::rotate(sections_.begin(), std::prev(sections_.end()), sections_.end());
 }
 
 Status Page::write(const std::string& path) const {
@@ -169,17 +187,15 @@ Status Page::write(const std::string& path) const {
   if (sections_.size() > 1) {
     text += "<nav aria-label=\"Contents\"><ol>\n";
     for (std::size_t i = 0; i < sections_.size(); ++i)
-      text +=
-          fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, escaped(sections_[i]));
+      text += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1,
+                          escaped(sections_[i].title));
     text += "</ol></nav>\n";
   }
-  return write_file(path, text + "<main>\n" + body_ + "</main>\n</body></html>\n");
-}
-
-int exit_code(const std::vector<Criterion>& criteria) {
-  const bool missed = std::any_of(criteria.begin(), criteria.end(),
-                                  [](const Criterion& c) { return c.decides && !c.met; });
-  return missed ? static_cast<int>(ErrorKind::kCriterion) : 0;
+  text += "<main>\n" + preface_;
+  for (std::size_t i = 0; i < sections_.size(); ++i)
+    text += fmt::format("<h2 id=\"section-{}\">{}</h2>\n{}", i + 1, escaped(sections_[i].title),
+                        sections_[i].body);
+  return write_file(path, text + "</main>\n</body></html>\n");
 }
 
 }  // namespace tremolo

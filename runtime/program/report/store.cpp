@@ -5,11 +5,10 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <span>
 #include <utility>
 
-#include "common/hash.h"
 #include "formats/atomic_file.h"
+#include "runtime/program/checksum.h"
 
 namespace tremolo {
 namespace {
@@ -21,11 +20,6 @@ std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string checksum(const std::string& key, const std::string& result) {
-  const std::string both = key + "\n" + result;
-  return hash_text(hash_bytes(std::as_bytes(std::span(both))));
-}
-
 std::optional<Json> read_stored(const std::string& path, const std::string& key) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return std::nullopt;
@@ -33,7 +27,8 @@ std::optional<Json> read_stored(const std::string& path, const std::string& key)
   const Json json = Json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("key") || !json.contains("result")) return std::nullopt;
   if (text_of(json["key"]) != key) return std::nullopt;
-  if (json.value("checksum", Json()) != checksum(key, text_of(json["result"]))) return std::nullopt;
+  if (json.value("checksum", Json()) != checksum(key + "\n" + text_of(json["result"])))
+    return std::nullopt;
   return json["result"];
 }
 
@@ -45,6 +40,10 @@ bool is_name(const std::string& name) {
 }
 
 }  // namespace
+
+double to_number(const Json& value, double otherwise) {
+  return value.is_number() ? value.get<double>() : otherwise;
+}
 
 Result<Store> Store::open(const std::string& directory) {
   std::error_code error;
@@ -64,7 +63,7 @@ Result<Json> Store::get(const std::string& name, const Json& key,
   Result<Json> made = work();
   if (!made) return made;
   const std::string result = text_of(*made);
-  const std::string text = "{\"checksum\":\"" + checksum(key_text, result) +
+  const std::string text = "{\"checksum\":\"" + checksum(key_text + "\n" + result) +
                            "\",\n\"key\":" + key_text + ",\n\"result\":" + result + "}\n";
   if (Status status = write_file(path, text); !status) return status.error();
   // What a later start will read: the two must not differ.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -10,6 +11,10 @@
 #include "common/result.h"
 
 namespace tremolo {
+
+// A number that was stored; `otherwise` for null, which is how one that is not finite comes back.
+double to_number(const nlohmann::json& value,
+                 double otherwise = std::numeric_limits<double>::quiet_NaN());
 
 class Store {
  public:

@@ -4,11 +4,10 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <stdlib.h>
 #include <string_view>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -23,29 +22,23 @@ constexpr int kSample = 30;  // px, the line before a legend's label
 constexpr int kLine = 22;    // px, from one line of the legend to the next
 constexpr int kMargin = 10;  // px
 
-// A file that is gone when this is.
+// A file in memory, which another program opens by its path and no signal can leave behind.
 class ScratchFile {
  public:
-  ScratchFile() {
-    std::error_code error;
-    std::filesystem::path folder = std::filesystem::temp_directory_path(error);
-    if (error) folder = "/tmp";
-    path_ = (folder / "tremolo-chart-XXXXXX").string();
-    descriptor_ = ::mkstemp(path_.data());
-  }
+  ScratchFile()
+      : descriptor_(::memfd_create("tremolo-chart", MFD_CLOEXEC)),
+        path_(fmt::format("/proc/{}/fd/{}", ::getpid(), descriptor_)) {}
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
   ~ScratchFile() {
-    if (descriptor_ < 0) return;
-    ::close(descriptor_);
-    ::unlink(path_.c_str());
+    if (descriptor_ >= 0) ::close(descriptor_);
   }
   bool good() const { return descriptor_ >= 0; }
   const std::string& path() const { return path_; }
 
  private:
-  std::string path_;
   int descriptor_;
+  std::string path_;
 };
 
 // gnuplot gives the same ids to the same things in every picture.
@@ -147,7 +140,8 @@ std::string Sheet::legend_script() const {
 Result<std::string> Sheet::draw(const std::string& plots) const {
   const ScratchFile scratch;
   if (!scratch.good())
-    return system_error(scratch.path() + ": cannot create: " + std::strerror(errno));
+    return system_error(std::string("a picture's scratch file: cannot create: ") +
+                        std::strerror(errno));
   const std::string script = fmt::format(
       "set terminal svg size {},{} fixed enhanced font 'sans,13' background 'white'\n"
       "set output {}\nset multiplot\n{}{}unset multiplot\nunset output\n",

@@ -28,6 +28,13 @@ void append_line(const std::vector<std::string>& cells, std::string& out) {
 
 }  // namespace
 
+Table without_repeats(Table table, std::size_t columns) {
+  for (std::size_t r = table.rows.size(); r-- > 1;)  // upwards, so that the row above is whole
+    for (std::size_t c = 0; c < columns && table.rows[r][c] == table.rows[r - 1][c]; ++c)
+      table.rows[r][c].clear();
+  return table;
+}
+
 std::string cell(double value, int digits) {
   return std::isfinite(value) ? fmt::format("{:.{}g}", value, digits) : std::string();
 }

@@ -14,6 +14,10 @@ struct Table {
   std::vector<std::vector<std::string>> rows;
 };
 
+// The same for reading: in the first `columns` columns a cell is empty where it and all to its left
+// repeat the row above.
+Table without_repeats(Table table, std::size_t columns);
+
 // digits: significant ones; not finite becomes an empty cell.
 std::string cell(double value, int digits = 4);
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "runtime/body.h"
 #include "runtime/program/energy_bound.h"
 
@@ -23,8 +21,7 @@ bool made_step(Body& body, LongRun& run) {
   const StepReport report = body.step();
   run.iterations += report.iterations;
   if (!report.converged) {
-    run.exit_code = static_cast<int>(ErrorKind::kSolver);
-    run.reason = fmt::format("a step did not converge in {} iterations", report.iterations);
+    run.solver_gave_up(report);
     return false;
   }
   ++run.done;
@@ -34,8 +31,7 @@ bool made_step(Body& body, LongRun& run) {
 void sample(const Body& body, LongRun& run) {
   const Energy energy = body.energy();
   if (!(energy.total() <= kEnergyBound * run.reference)) {  // also for what is not a number
-    run.exit_code = static_cast<int>(ErrorKind::kBound);
-    run.reason = fmt::format("energy above {:g} times all that was put in", kEnergyBound);
+    run.bound_left();
     return;
   }
   run.drift = std::max(run.drift, std::abs(energy.total() - run.reference) / run.reference);
@@ -53,8 +49,8 @@ Result<LongRun> start_long_run(const LongRunSpec& spec) {
   LongRun run;
   run.total.length = run.high_band.length = spec.window;
   run.total.count = run.high_band.count = spec.steps / spec.sample_every;
-  while (run.exit_code == 0 && body->load_to_come()) made_step(*body, run);
-  if (run.exit_code == 0) made_step(*body, run);
+  while (run.finished() && body->load_to_come()) made_step(*body, run);
+  if (run.finished()) made_step(*body, run);
   run.reference = body->energy().total();
   run.q = body->state().q;
   run.p = body->state().p;
@@ -62,7 +58,7 @@ Result<LongRun> start_long_run(const LongRunSpec& spec) {
 }
 
 bool is_over(const LongRunSpec& spec, const LongRun& run) {
-  return run.exit_code != 0 || run.done >= spec.steps;
+  return !run.finished() || run.done >= spec.steps;
 }
 
 Status advance(const LongRunSpec& spec, LongRun& run) {
@@ -70,7 +66,7 @@ Status advance(const LongRunSpec& spec, LongRun& run) {
   if (!body) return body.error();
   if (Status status = body->set_state(run.q, run.p); !status) return status;
   const std::int64_t end = std::min(spec.steps, (run.done / spec.segment + 1) * spec.segment);
-  while (run.exit_code == 0 && run.done < end)
+  while (run.finished() && run.done < end)
     if (made_step(*body, run) && run.done % spec.sample_every == 0) sample(*body, run);
   run.q = body->state().q;
   run.p = body->state().p;

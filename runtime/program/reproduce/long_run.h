@@ -14,6 +14,7 @@
 
 #include "common/result.h"
 #include "runtime/model.h"
+#include "runtime/program/ending.h"
 #include "runtime/program/reproduce/windows.h"
 
 namespace tremolo::reproduce {
@@ -34,8 +35,8 @@ struct LongRunSpec {
 };
 
 // done: steps. reference: H when the load had ended, J. drift: max |H - reference| / reference over
-// the samples. total, high_band: J. exit_code, reason: as in Orbit.
-struct LongRun {
+// the samples. total, high_band: J.
+struct LongRun : Ending {
   std::int64_t done = 0;
   Eigen::VectorXd q;
   Eigen::VectorXd p;
@@ -44,8 +45,6 @@ struct LongRun {
   std::int64_t iterations = 0;
   Windows total;
   Windows high_band;
-  int exit_code = 0;
-  std::string reason;
 };
 
 nlohmann::json to_json(const LongRun& run);

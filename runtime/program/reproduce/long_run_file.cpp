@@ -4,7 +4,8 @@
 #include <optional>
 
 #include "formats/atomic_file.h"
-#include "runtime/program/reproduce/file_bytes.h"
+#include "formats/whole_file.h"
+#include "runtime/program/checksum.h"
 #include "runtime/program/reproduce/long_run.h"
 
 namespace tremolo::reproduce {
@@ -42,7 +43,7 @@ Eigen::VectorXd vector(const Json& json) {
 }
 
 std::optional<LongRun> read_checkpoint(const std::string& path, const Json& key) {
-  const Result<std::string> text = file_bytes(path);
+  const Result<std::string> text = read_whole_file(path);
   if (!text) return std::nullopt;
   const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object() || json.value("key", Json()) != key || !json.contains("run"))

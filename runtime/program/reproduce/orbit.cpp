@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
-
-#include <fmt/format.h>
 
 #include "runtime/body.h"
 #include "runtime/program/energy_bound.h"
 #include "runtime/program/report/chart.h"
+#include "runtime/program/report/store.h"
 
 namespace tremolo::reproduce {
 namespace {
@@ -67,8 +65,7 @@ Result<Orbit> watch_orbit(const OrbitSpec& spec) {
   for (;;) {
     const Energy energy = body.energy();
     if (!bound.holds(body.steps(), energy.total(), body.work())) {
-      orbit.exit_code = static_cast<int>(ErrorKind::kBound);
-      orbit.reason = fmt::format("energy above {:g} times all that was put in", kEnergyBound);
+      orbit.bound_left();
       break;
     }
     drift.observe(energy.total(), body.work(), body.dissipated(), body.load_to_come());
@@ -79,8 +76,7 @@ Result<Orbit> watch_orbit(const OrbitSpec& spec) {
     if (body.steps() == steps) break;
     const StepReport step = body.step();
     if (!step.converged) {
-      orbit.exit_code = static_cast<int>(ErrorKind::kSolver);
-      orbit.reason = fmt::format("a step did not converge in {} iterations", step.iterations);
+      orbit.solver_gave_up(step);
       break;
     }
   }
@@ -120,20 +116,15 @@ nlohmann::json to_json(const Orbit& orbit) {
 }
 
 Orbit orbit_from_json(const nlohmann::json& json) {
-  // What was not finite is null in a file.
-  const auto number = [&](const char* name) {
-    const nlohmann::json& value = json.at(name);
-    return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
-  };
   Orbit orbit;
   orbit.steps = json.at("steps");
-  orbit.reached = number("reached");
-  orbit.iterations_per_step = number("iterations_per_step");
+  orbit.reached = to_number(json.at("reached"));
+  orbit.iterations_per_step = to_number(json.at("iterations_per_step"));
   orbit.cut_steps = json.at("cut_steps");
-  orbit.energy_drift = number("energy_drift");
-  orbit.highest_energy = number("highest_energy");
-  orbit.mean_energy = number("mean_energy");
-  orbit.mean_high_band = number("mean_high_band");
+  orbit.energy_drift = to_number(json.at("energy_drift"));
+  orbit.highest_energy = to_number(json.at("highest_energy"));
+  orbit.mean_energy = to_number(json.at("mean_energy"));
+  orbit.mean_high_band = to_number(json.at("mean_high_band"));
   orbit.exit_code = json.at("exit_code");
   orbit.reason = json.at("reason");
   orbit.total.t = json.at("t").get<std::vector<double>>();

@@ -11,6 +11,7 @@
 #include "common/result.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
+#include "runtime/program/ending.h"
 
 namespace tremolo::reproduce {
 
@@ -35,11 +36,10 @@ struct Series {
   std::vector<double> y;
 };
 
-// exit_code: 0; 4 if the solver gave up; 5 if the energy bound was left (as `tremolo run`).
 // reached: s. cut_steps: steps that were taken in parts. energy_drift: as energy_drift_max in
 // docs/architecture.md. mean_energy, mean_high_band: of all steps after the load has ended, of all
 // if it lasts, J. total: H, J.
-struct Orbit {
+struct Orbit : Ending {
   std::int64_t steps = 0;
   double reached = 0.0;
   double iterations_per_step = 0.0;
@@ -48,11 +48,7 @@ struct Orbit {
   double highest_energy = 0.0;
   double mean_energy = 0.0;
   double mean_high_band = 0.0;
-  int exit_code = 0;
-  std::string reason;
   Series total;
-
-  bool finished() const { return exit_code == 0; }
 };
 
 // H is evaluated after every step. Errors: what Body::create and add_default_load give. A run that

@@ -1,13 +1,11 @@
 #include "runtime/program/reproduce/runs.h"
 
 #include <algorithm>
-#include <mutex>
-#include <optional>
 
 #include <fmt/format.h>
 
-#include "common/parallel.h"
 #include "runtime/integrators/integrator.h"
+#include "runtime/program/progress.h"
 #include "runtime/program/reproduce/loads.h"
 #include "runtime/program/reproduce/thesis.h"
 
@@ -93,6 +91,13 @@ bool has_method(const std::string& name) {
   return std::ranges::find(known, name) != known.end();
 }
 
+std::vector<std::string> strong_methods() {
+  std::vector<std::string> known;
+  for (const char* name : {"imexv", "imexv-adaptive", "ep4"})
+    if (has_method(name)) known.emplace_back(name);
+  return known;
+}
+
 std::vector<RunName> the_runs(const std::vector<SampleModel>& models, const std::string& integrator,
                               double another) {
   std::vector<RunName> runs;
@@ -103,21 +108,26 @@ std::vector<RunName> the_runs(const std::vector<SampleModel>& models, const std:
   return runs;
 }
 
-Result<Orbits> watch_all(const Workshop& shop, const std::vector<RunName>& runs) {
-  std::vector<std::optional<Result<Orbit>>> made(runs.size());
-  parallel_for(runs.size(), shop.threads,
-               [&](std::size_t i) { made[i] = one_orbit(shop, runs[i]); });
+Result<Orbits> watch_all(const Workshop& shop, const std::vector<RunName>& runs,
+                         const std::string& what) {
+  std::vector<Orbit> made(runs.size());
+  Status status = for_all(what.c_str(), runs.size(), shop.threads, [&](std::size_t i) -> Status {
+    Result<Orbit> orbit = one_orbit(shop, runs[i]);
+    if (!orbit) return orbit.error();
+    made[i] = std::move(*orbit);
+    return Success{};
+  });
+  if (!status) return status.error();
   Orbits orbits;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (!*made[i]) return made[i]->error();
-    orbits.emplace(runs[i].text(), std::move(**made[i]));
-  }
+  for (std::size_t i = 0; i < runs.size(); ++i) orbits.emplace(runs[i].text(), std::move(made[i]));
   return orbits;
 }
 
 Result<Timings> time_all(const Workshop& shop, const Orbits& orbits) {
+  const std::vector<RunName> runs = the_runs(shop.models, "all");
   Timings timings;
-  for (const RunName& run : the_runs(shop.models, "all")) {
+  Status status = for_all("timings", runs.size(), 1, [&](std::size_t k) -> Status {
+    const RunName& run = runs[k];
     std::vector<RunName> names;
     std::vector<std::int64_t> steps;
     for (const std::string& method : methods()) {
@@ -134,7 +144,9 @@ Result<Timings> time_all(const Workshop& shop, const Orbits& orbits) {
     if (!seconds) return seconds.error();
     for (std::size_t i = 0; i < names.size(); ++i)
       timings[names[i].text()] = {seconds->at(i).get<double>(), steps[i]};
-  }
+    return Success{};
+  });
+  if (!status) return status.error();
   return timings;
 }
 

@@ -1,6 +1,7 @@
 // All runs of one start of `tremolo reproduce`, from the store or made anew.
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 #include <string_view>
@@ -51,12 +52,17 @@ using Timings = std::map<std::string, Timing>;  // the same
 std::vector<std::string> methods();
 bool has_method(const std::string& name);
 
+// The loads of the 36 runs times these, for those of imexv, imexv-adaptive, ep4 that are known.
+inline constexpr std::array<double, 2> kStrongLoads = {3.0, 10.0};
+std::vector<std::string> strong_methods();
+
 // The 36 runs of one method, or of those models that are there.
 std::vector<RunName> the_runs(const std::vector<SampleModel>& models, const std::string& integrator,
                               double another = 1.0);
 
-// On several threads. Errors: the first one's.
-Result<Orbits> watch_all(const Workshop& shop, const std::vector<RunName>& runs);
+// On several threads; tells on stderr how many of `what` are done. Errors: the first one's.
+Result<Orbits> watch_all(const Workshop& shop, const std::vector<RunName>& runs,
+                         const std::string& what);
 
 // On this thread alone; the methods of one model, load and damping by turns. A run is timed for the
 // steps that its orbit made.

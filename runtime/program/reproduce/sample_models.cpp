@@ -6,7 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "runtime/program/reproduce/file_bytes.h"
+#include "formats/whole_file.h"
+#include "runtime/program/checksum.h"
 #include "runtime/program/reproduce/thesis.h"
 
 namespace tremolo::reproduce {
@@ -30,7 +31,7 @@ Result<SampleModel> load_one(const std::string& directory, std::string_view name
     return system_error(path +
                         ": there is no such file; ./demo makes the six sample models in "
                         "build/models (--models-dir names another folder)");
-  Result<std::string> bytes = file_bytes(path);
+  Result<std::string> bytes = read_whole_file(path);
   if (!bytes) return bytes.error();
   Result<Model::Pointer> model = Model::load(path);
   if (!model) return model.error();

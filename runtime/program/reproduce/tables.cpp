@@ -1,38 +1,64 @@
 #include "runtime/program/reproduce/tables.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
-#include "runtime/program/reproduce/loads.h"
 #include "runtime/program/reproduce/thesis.h"
+#include "runtime/program/statistics.h"
 #include "runtime/split.h"
 
 namespace tremolo::reproduce {
 namespace {
 
-std::string damping_name(double alpha) {
-  return alpha == 0.0 ? "none" : fmt::format("alpha = {:g}", alpha);
+constexpr const char* kDamping = "damping alpha, 1/s";
+
+std::string damping_cell(double alpha) {
+  return fmt::format("{:g}", alpha);
 }
 
-std::string factor_text(std::string_view model, SignalKind load) {
-  const double factor = load_factor(model, load);
-  return factor == 1.0 ? std::string("1") : fmt::format("{:g}", factor);
+std::string reached_cell(double reached, bool finished) {
+  return finished ? cell(reached) : fmt::format("{:.2f}*", reached);
 }
 
-std::string reached_text(const Orbit& orbit) {
-  return orbit.finished() ? cell(orbit.reached) : fmt::format("{:.2f}*", orbit.reached);
+// A row of seconds reached, a cell a model.
+void add_reached_row(Table& table, std::vector<std::string> row, const Workshop& shop,
+                     const Orbits& orbits, RunName run) {
+  for (const SampleModel& model : shop.models) {
+    run.model = model.name;
+    const Orbit& orbit = orbits.at(run.text());
+    row.push_back(reached_cell(orbit.reached, orbit.finished()));
+  }
+  table.rows.push_back(std::move(row));
 }
 
 std::string marked(double value, bool finished, int digits = 2) {
   return fmt::format("{:.{}f}{}", value, digits, finished ? "" : "*");
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::ranges::sort(values);
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+// The 36 runs, two columns a method: first all of the first kind, then all of the second.
+// cells(name of the run, orbit) gives one of each.
+template <class Cells>
+Table methods_table(const Workshop& shop, const Orbits& orbits, const std::string& first,
+                    const std::string& second, const Cells& cells) {
+  Table table{{kDamping, "load", "model"}, {}};
+  for (const std::string& kind : {first, second})
+    for (const std::string& method : methods()) table.columns.push_back(method + ", " + kind);
+  for (RunName run : the_runs(shop.models, "")) {
+    std::vector<std::string> row{damping_cell(run.alpha), std::string(thesis::load_name(run.load)),
+                                 run.model};
+    std::vector<std::string> rest;
+    for (const std::string& method : methods()) {
+      run.integrator = method;
+      std::array<std::string, 2> both = cells(run.text(), orbits.at(run.text()));
+      row.push_back(std::move(both[0]));
+      rest.push_back(std::move(both[1]));
+    }
+    row.insert(row.end(), rest.begin(), rest.end());
+    table.rows.push_back(std::move(row));
+  }
+  return table;
 }
 
 }  // namespace
@@ -45,6 +71,23 @@ Survivors count_survivors(const Workshop& shop, const Orbits& orbits, const std:
     if (orbits.at(run.text()).finished()) ++survivors.reached;
   }
   return survivors;
+}
+
+Survivors thesis_survivors(const Workshop& shop) {
+  Survivors survivors{"thesis"};
+  for (const RunName& run : the_runs(shop.models, "")) {
+    ++survivors.of;
+    if (thesis::run(run.model, run.load, run.alpha)->reached >= thesis::kDuration)
+      ++survivors.reached;
+  }
+  return survivors;
+}
+
+Table survivors_table(const std::vector<Survivors>& list) {
+  Table table{{"method", "runs that reach 30 s", "of"}, {}};
+  for (const Survivors& one : list)
+    table.rows.push_back({one.method, std::to_string(one.reached), std::to_string(one.of)});
+  return table;
 }
 
 Table modes_table(const std::vector<SampleModel>& models) {
@@ -65,46 +108,51 @@ Table modes_table(const std::vector<SampleModel>& models) {
 }
 
 Table reached_table(const Workshop& shop, const Orbits& orbits) {
-  Table table{{"damping", "load", "method"}, {}};
+  Table table{{kDamping, "load", "method"}, {}};
   for (const SampleModel& model : shop.models) table.columns.push_back(model.name);
   for (const double alpha : thesis::kAlphas)
     for (const SignalKind load : thesis::kLoads) {
       const std::string load_text(thesis::load_name(load));
-      std::vector<std::string> factors{damping_name(alpha), load_text, "factor on our load"};
-      std::vector<std::string> theirs{damping_name(alpha), load_text, "thesis, IMEXv"};
+      std::vector<std::string> theirs{damping_cell(alpha), load_text, "thesis, IMEXv"};
       for (const SampleModel& model : shop.models) {
-        factors.push_back(factor_text(model.name, load));
         const double reached = thesis::run(model.name, load, alpha)->reached;
-        theirs.push_back(reached < thesis::kDuration ? fmt::format("{:.2f}*", reached)
-                                                     : cell(reached));
+        theirs.push_back(reached_cell(reached, reached >= thesis::kDuration));
       }
-      table.rows.push_back(std::move(factors));
       table.rows.push_back(std::move(theirs));
-      for (const std::string& method : methods()) {
-        std::vector<std::string> row{damping_name(alpha), load_text, method};
-        for (const SampleModel& model : shop.models)
-          row.push_back(reached_text(orbits.at(RunName{model.name, method, load, alpha}.text())));
-        table.rows.push_back(std::move(row));
-      }
+      for (const std::string& method : methods())
+        add_reached_row(table, {damping_cell(alpha), load_text, method}, shop, orbits,
+                        {"", method, load, alpha});
     }
   return table;
 }
 
-Table strong_loads_table(const Workshop& shop, const Orbits& orbits) {
-  Table table{{"loads", "model", "load", "damping", "method", "reached, s", "iterations a step",
-               "steps cut", "drift", "why not"},
+Table strong_reached_table(const Workshop& shop, const Orbits& orbits) {
+  Table table{{"loads times", kDamping, "load", "method"}, {}};
+  for (const SampleModel& model : shop.models) table.columns.push_back(model.name);
+  for (const double another : kStrongLoads)
+    for (const double alpha : thesis::kAlphas)
+      for (const SignalKind load : thesis::kLoads)
+        for (const std::string& method : strong_methods())
+          add_reached_row(table,
+                          {fmt::format("{:g}", another), damping_cell(alpha),
+                           std::string(thesis::load_name(load)), method},
+                          shop, orbits, {"", method, load, alpha, another});
+  return table;
+}
+
+Table strong_runs_table(const Workshop& shop, const Orbits& orbits) {
+  Table table{{"loads times", "model", "load", kDamping, "method", "reached, s",
+               "iterations a step", "steps in parts", "drift", "why not"},
               {}};
-  for (const double another : {3.0, 10.0})
-    for (const char* method : {"ep4", "imexv"})
-      for (RunName run : the_runs(shop.models, method, another)) {
-        const auto found = orbits.find(run.text());
-        if (found == orbits.end()) continue;
-        const Orbit& orbit = found->second;
-        table.rows.push_back({fmt::format("x{:g}", another), run.model,
-                              std::string(thesis::load_name(run.load)), damping_name(run.alpha),
-                              method, reached_text(orbit), cell(orbit.iterations_per_step, 3),
-                              fmt::format("{}", orbit.cut_steps), cell(orbit.energy_drift, 2),
-                              orbit.reason});
+  for (const double another : kStrongLoads)
+    for (const std::string& method : strong_methods())
+      for (const RunName& run : the_runs(shop.models, method, another)) {
+        const Orbit& orbit = orbits.at(run.text());
+        table.rows.push_back(
+            {fmt::format("{:g}", another), run.model, std::string(thesis::load_name(run.load)),
+             damping_cell(run.alpha), method, reached_cell(orbit.reached, orbit.finished()),
+             cell(orbit.iterations_per_step, 3), fmt::format("{}", orbit.cut_steps),
+             cell(orbit.energy_drift, 2), orbit.reason});
       }
   return table;
 }
@@ -137,42 +185,20 @@ Table timing_table(const Workshop& shop, SignalKind load, double alpha, const Or
 }
 
 Table all_timings_table(const Workshop& shop, const Timings& timings, const Orbits& orbits) {
-  Table table{{"damping", "load", "model"}, {}};
-  for (const std::string& method : methods()) table.columns.push_back(method + ", us a step");
-  for (const std::string& method : methods()) table.columns.push_back(method + ", it.");
-  for (const RunName& run : the_runs(shop.models, "")) {
-    std::vector<std::string> row{damping_name(run.alpha), std::string(thesis::load_name(run.load)),
-                                 run.model};
-    std::vector<std::string> iterations;
-    for (const std::string& method : methods()) {
-      const std::string name = RunName{run.model, method, run.load, run.alpha}.text();
-      const Orbit& orbit = orbits.at(name);
-      row.push_back(marked(1e6 * timings.at(name).per_step(), orbit.finished()));
-      iterations.push_back(marked(orbit.iterations_per_step, orbit.finished()));
-    }
-    row.insert(row.end(), iterations.begin(), iterations.end());
-    table.rows.push_back(std::move(row));
-  }
-  return table;
+  return methods_table(
+      shop, orbits, "us a step", "it.",
+      [&](const std::string& name, const Orbit& orbit) -> std::array<std::string, 2> {
+        return {marked(1e6 * timings.at(name).per_step(), orbit.finished()),
+                marked(orbit.iterations_per_step, orbit.finished())};
+      });
 }
 
 Table energies_table(const Workshop& shop, const Orbits& orbits) {
-  Table table{{"damping", "load", "model"}, {}};
-  for (const std::string& method : methods()) table.columns.push_back(method + ", mean J");
-  for (const std::string& method : methods()) table.columns.push_back(method + ", balance");
-  for (const RunName& run : the_runs(shop.models, "")) {
-    std::vector<std::string> row{damping_name(run.alpha), std::string(thesis::load_name(run.load)),
-                                 run.model};
-    std::vector<std::string> balance;
-    for (const std::string& method : methods()) {
-      const Orbit& orbit = orbits.at(RunName{run.model, method, run.load, run.alpha}.text());
-      row.push_back(orbit.finished() ? cell(orbit.mean_energy) : "*");
-      balance.push_back(cell(orbit.energy_drift, 2) + (orbit.finished() ? "" : "*"));
-    }
-    row.insert(row.end(), balance.begin(), balance.end());
-    table.rows.push_back(std::move(row));
-  }
-  return table;
+  return methods_table(shop, orbits, "mean J", "balance",
+                       [](const std::string&, const Orbit& orbit) -> std::array<std::string, 2> {
+                         return {orbit.finished() ? cell(orbit.mean_energy) : "*",
+                                 cell(orbit.energy_drift, 2) + (orbit.finished() ? "" : "*")};
+                       });
 }
 
 Criterion speedups(const Workshop& shop, const Orbits& orbits, const Timings& timings) {
@@ -187,7 +213,7 @@ Criterion speedups(const Workshop& shop, const Orbits& orbits, const Timings& ti
     if (ours.back() > 1.0) ++above;
   }
   if (ours.empty())
-    return {"speed-up of IMEXv over Newmark", "none", "no run to compare", true, false};
+    return {"speed-up of imexv over newmark", "shown", "no run to compare", true, false};
   const auto [low, high] = std::ranges::minmax(ours);
   const auto [their_low, their_high] = std::ranges::minmax(theirs);
   return {

@@ -1,9 +1,5 @@
 #include "runtime/program/reproduce/windows.h"
 
-#include <cmath>
-#include <limits>
-#include <numeric>
-
 namespace tremolo::reproduce {
 
 void Windows::take(double value) {
@@ -13,37 +9,6 @@ void Windows::take(double value) {
   if (++taken % length != 0) return;
   means.push_back(sum / static_cast<double>(length));
   sum = 0.0;
-}
-
-double mean(const std::vector<double>& values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-Fit fit_line(const std::vector<double>& values, double spacing) {
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  const double n = static_cast<double>(values.size());
-  Fit fit{mean(values), kUnknown, kUnknown, kUnknown};
-  if (values.size() < 2) return fit;
-  double xx = 0.0, xy = 0.0, yy = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double x = (static_cast<double>(i) - 0.5 * (n - 1.0)) * spacing;
-    const double y = values[i] - fit.mean;
-    xx += x * x;
-    xy += x * y;
-    yy += y * y;
-  }
-  fit.scatter = std::sqrt(yy / (n - 1.0));
-  fit.slope = xy / xx;
-  if (values.size() < 3) return fit;
-  double left = 0.0;  // summed apart: yy - slope xy would cancel where the line fits
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double x = (static_cast<double>(i) - 0.5 * (n - 1.0)) * spacing;
-    const double off = values[i] - fit.mean - fit.slope * x;
-    left += off * off;
-  }
-  fit.slope_error = std::sqrt(left / (n - 2.0) / xx);
-  return fit;
 }
 
 }  // namespace tremolo::reproduce

@@ -1,4 +1,4 @@
-// Means of a long series over windows of equal length, and what they say about a drift.
+// Means of a long series over windows of equal length.
 #pragma once
 
 #include <cstdint>
@@ -21,18 +21,5 @@ struct Windows {
 
   void take(double value);
 };
-
-double mean(const std::vector<double>& values);
-
-// mean; scatter: the standard deviation of the values (n - 1). slope: of the least-squares line
-// over positions 0, spacing, 2 spacing ...; slope_error: its standard error. Not a number where
-// there are too few values (2 for a scatter and a slope, 3 for its error).
-struct Fit {
-  double mean = 0.0;
-  double scatter = 0.0;
-  double slope = 0.0;
-  double slope_error = 0.0;
-};
-Fit fit_line(const std::vector<double>& values, double spacing);
 
 }  // namespace tremolo::reproduce

@@ -1,8 +1,10 @@
 // Pieces of work on all threads, told on stderr.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <cstdio>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -12,13 +14,15 @@
 #include "common/parallel.h"
 #include "common/result.h"
 
-namespace tremolo::bench {
+namespace tremolo {
 
+// wanted: 0 for all cores.
 inline unsigned thread_count(unsigned wanted) {
   return wanted > 0 ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
-// work(i) gives a Status. The first error, by index, is the whole's; a line every ten seconds.
+// work(i) gives a Status. The first error, by index, is the whole's. A line every ten seconds and
+// at the end: "what: finished of count".
 template <class Work>
 Status for_all(const char* what, std::size_t count, unsigned threads, const Work& work) {
   std::vector<Status> done(count, Success{});
@@ -32,11 +36,11 @@ Status for_all(const char* what, std::size_t count, unsigned threads, const Work
     const auto now = std::chrono::steady_clock::now();
     if (finished < count && now - told < std::chrono::seconds(10)) return;
     told = now;
-    fmt::print(stderr, "{}: {} of {}\n", what, finished, count);
+    fmt::print(stderr, "tremolo: {}: {} of {}\n", what, finished, count);
   });
   for (const Status& status : done)
     if (!status) return status.error();
   return Success{};
 }
 
-}  // namespace tremolo::bench
+}  // namespace tremolo

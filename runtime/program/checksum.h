@@ -1,0 +1,17 @@
+// Checksums as the program writes and compares them: XXH3-64, 16 hexadecimal digits.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+std::string checksum(std::string_view bytes);
+
+// Of the running program's own file, so that what another build has stored or timed is not taken
+// for this one's. Errors: kSystem where the file cannot be read.
+Result<std::string> program_checksum();
+
+}  // namespace tremolo

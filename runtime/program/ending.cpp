@@ -1,0 +1,20 @@
+#include "runtime/program/ending.h"
+
+#include <fmt/format.h>
+
+#include "common/result.h"
+#include "runtime/program/energy_bound.h"
+
+namespace tremolo {
+
+void Ending::solver_gave_up(const StepReport& step) {
+  exit_code = static_cast<int>(ErrorKind::kSolver);
+  reason = fmt::format("a step did not converge in {} iterations", step.iterations);
+}
+
+void Ending::bound_left() {
+  exit_code = static_cast<int>(ErrorKind::kBound);
+  reason = fmt::format("energy above {:g} times all that was put in", kEnergyBound);
+}
+
+}  // namespace tremolo
