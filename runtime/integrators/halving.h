@@ -16,7 +16,8 @@ using IntegratorMaker = Result<std::unique_ptr<Integrator>> (*)(Model::Pointer,
                                                                 const IntegratorOptions&);
 
 // What `make` makes, with up to options.halvings halvings of a step that fails. A method that
-// splits keeps the split of the whole step in its parts. Errors as `make`.
+// splits keeps the split of the whole step in its parts; `imexv-adaptive` starts its first parts
+// with that and then chooses for each length of step by itself. Errors as `make`.
 Result<std::unique_ptr<Integrator>> make_halving(IntegratorMaker make, Model::Pointer model,
                                                  const IntegratorOptions& options);
 
