@@ -75,8 +75,9 @@ void print_text(const RunReport& report) {
   fmt::print(stderr, "  {:.2f} us a step ({:.0f} times faster than real time), {:.2f} iterations\n",
              report.microseconds_per_step, report.step * 1e6 / report.microseconds_per_step,
              report.iterations_per_step);
-  fmt::print(stderr, "  energy {:.6g} J at the end, largest drift {:.2e}\n", report.energy_final,
-             report.energy_drift_max);
+  if (std::isfinite(report.energy_drift_max))
+    fmt::print(stderr, "  energy {:.6g} J at the end, largest drift {:.2e}\n", report.energy_final,
+               report.energy_drift_max);
   if (report.squeezed_at >= 0)
     fmt::print(
         stderr,

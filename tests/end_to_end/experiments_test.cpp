@@ -1,0 +1,67 @@
+// `tremolo bench` and `tremolo reproduce` as a user starts them, on the sample models.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "runtime/integrators/integrator.h"
+#include "tests/support/run_program.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class Experiments : public ::testing::Test {
+ protected:
+  testing::ProgramResult tremolo(const std::string& words) {
+    return testing::run_program(folder_.path(), TREMOLO_BIN_DIR "/tremolo " + words);
+  }
+  std::string at(const std::string& name) { return folder_.path() + "/" + name; }
+
+  testing::TemporaryFolder folder_;
+};
+
+// A fraction of a second of one scene: everything that the whole bench does, once.
+const std::string kSmallBench =
+    "bench --models beam --models-dir '" TREMOLO_MODEL_DIR
+    "' --loads square --amplitudes 0.05 --integrators ep4,newmark,verlet --steps-ms 6,3,1.5 "
+    "--duration 0.36 --only precision --threads 2 --json --out small";
+
+TEST_F(Experiments, BenchWritesItsPageAndRemembersWhatItHasDone) {
+  const auto first = tremolo(kSmallBench);
+  ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;  // 6: a bound was missed
+  const Json json = Json::parse(first.out);
+  EXPECT_FALSE(json.at("criteria").empty());
+  for (const char* file : {"index.html", "bench.csv", "cost.csv", "scenes.csv"})
+    EXPECT_TRUE(fs::exists(at("small/") + file)) << file;
+  const std::string rows = testing::slurp(at("small/bench.csv"));
+  EXPECT_NE(rows.find("beam,square,0.05"), std::string::npos) << rows;
+  const auto second = tremolo(kSmallBench);
+  EXPECT_EQ(second.code, first.code);
+  EXPECT_EQ(testing::slurp(at("small/bench.csv")), rows) << "a second start measured anew";
+}
+
+TEST_F(Experiments, BenchRefusesWhatItDoesNotKnow) {
+  const std::string models = " --models-dir '" TREMOLO_MODEL_DIR "'";
+  const auto unknown = tremolo("bench --integrators leapfrog" + models);
+  EXPECT_EQ(unknown.code, 2);
+  for (const std::string_view name : integrator_names())
+    EXPECT_NE(unknown.err.find(name), std::string::npos) << name << " is not listed";
+  EXPECT_EQ(tremolo("bench --models giraffe" + models).code, 2);
+  EXPECT_EQ(tremolo("bench --steps-ms 0" + models).code, 3);
+  EXPECT_EQ(tremolo("bench --amplitudes nan" + models).code, 3);
+  EXPECT_EQ(tremolo("bench --models beam --models-dir nowhere").code, 1);
+  EXPECT_FALSE(fs::exists(at("build")));
+}
+
+TEST_F(Experiments, ReproduceRefusesWhatItDoesNotKnow) {
+  EXPECT_EQ(tremolo("reproduce --models giraffe").code, 2);
+  const auto missing = tremolo("reproduce --models-dir nowhere");
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_NE(missing.err.find("demo"), std::string::npos) << missing.err;
+}
+
+}  // namespace
+}  // namespace tremolo
