@@ -1,7 +1,6 @@
 /* The C header as a plug-in would use it. */
 #include <stdio.h>
 #include <stdlib.h>
-
 #include <tremolo/tremolo.h>
 
 int main(int count, char** words) {
