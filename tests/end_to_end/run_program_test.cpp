@@ -192,7 +192,7 @@ TEST_F(RunProgram, ASceneGivesTheDefaultsAndFlagsWin) {
   const json report = json::parse(result.out);
   ASSERT_EQ(report["bodies"].size(), 2);
   EXPECT_EQ(report["bodies"][0]["integrator"], "newmark");
-  EXPECT_EQ(report["bodies"][1]["integrator"], "imexv");
+  EXPECT_EQ(report["bodies"][1]["integrator"], "ep4");
   EXPECT_EQ(report["bodies"][1]["duration"], 0.15);
   EXPECT_TRUE(std::filesystem::exists(folder_ + "/both/second/run.csv"));
 }
