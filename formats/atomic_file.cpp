@@ -44,7 +44,9 @@ void forget_partial(int slot) {
 extern "C" void tremolo_on_fatal_signal(int signal) {
   for (const Slot& slot : slots)
     if (slot.state == kNamed) ::unlink(slot.path);
-  // SA_RESETHAND has restored the default action: the parent sees death by this signal.
+  // The parent shall see death by this signal. Not by SA_RESETHAND: METIS puts the handler back
+  // without its flags.
+  ::signal(signal, SIG_DFL);
   ::raise(signal);
 }
 
@@ -129,7 +131,6 @@ Status write_file(const std::string& path, std::string_view text) {
 void remove_partial_files_on_signals() {
   struct sigaction action = {};
   action.sa_handler = tremolo_on_fatal_signal;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
   for (int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
 }
 

@@ -6,6 +6,7 @@
 #include <metis.h>
 
 #include "precompute/failure.h"
+#include "precompute/term_signal.h"
 
 namespace tremolo {
 namespace {
@@ -35,6 +36,7 @@ std::vector<int> partition(Graph& graph, int count, int ranks) {
                                 " free vertices: use fewer ranks"));
   idx_t options[METIS_NOPTIONS];
   set_options(options);
+  const TermHeldBack held;
   idx_t nodes = count, constraints = 1, parts = ranks, cut = 0;
   require_metis(METIS_PartGraphKway(&nodes, &constraints, graph.start.data(),
                                     graph.neighbours.data(), nullptr, nullptr, nullptr, &parts,
@@ -69,6 +71,7 @@ std::vector<int> nested_dissection(const Graph& graph, const std::vector<int>& m
   std::vector<idx_t> order(members.size()), inverse(members.size());
   idx_t options[METIS_NOPTIONS];
   set_options(options);
+  const TermHeldBack held;
   require_metis(METIS_NodeND(&count, inner.start.data(), inner.neighbours.data(), nullptr, options,
                              order.data(), inverse.data()),
                 "order the mesh");

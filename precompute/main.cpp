@@ -14,6 +14,7 @@
 #include "precompute/options.h"
 #include "precompute/petsc.h"
 #include "precompute/pipeline.h"
+#include "precompute/term_signal.h"
 
 namespace tremolo {
 namespace {
@@ -119,6 +120,7 @@ int run_program(int count, char** words) {
   const auto& line = std::get<CommandLine>(parsed);
   try {
     const PetscSession session(words[0], line.petsc_options);
+    take_term_signal();
     try {
       run(line);
       return 0;
@@ -135,6 +137,14 @@ int run_program(int count, char** words) {
     return report(caught());
   }
 }
+
+void hold_term_at_start(int, char**, char**) {
+  block_term_signal();
+}
+
+// The threads of OpenBLAS are made while it is loaded: only .preinit_array comes before that.
+[[gnu::section(".preinit_array"),
+  gnu::used]] void (*const hold_before_libraries)(int, char**, char**) = hold_term_at_start;
 
 }  // namespace
 }  // namespace tremolo

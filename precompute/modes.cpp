@@ -21,8 +21,17 @@ std::vector<PetscVector> as_vectors(const Columns& columns) {
   return vectors;
 }
 
-// Shift-invert on a Cholesky factor: CHOLMOD on one rank, MUMPS on several. The nodes are already
-// in METIS's nested dissection, so CHOLMOD is given the natural order as its first choice.
+// The nodes are already in METIS's nested dissection: CHOLMOD shall take that order and try no
+// other, METIS's on the graph of the dofs above all.
+void keep_natural_order(PC factor) {
+  constexpr const char* kMethods = "-st_mat_cholmod_nmethods";
+  require(PCFactorSetMatOrderingType(factor, MATORDERINGNATURAL));
+  PetscBool given = PETSC_FALSE;
+  require(PetscOptionsHasName(nullptr, nullptr, kMethods, &given));
+  if (!given) require(PetscOptionsSetValue(nullptr, kMethods, "1"));
+}
+
+// Shift-invert on a Cholesky factor: CHOLMOD on one rank, MUMPS on several.
 void choose_factorisation(EPS solver) {
   ST transform = nullptr;
   KSP linear = nullptr;
@@ -37,7 +46,7 @@ void choose_factorisation(EPS solver) {
   require(PCSetType(factor, PCCHOLESKY));
   if (mpi_ranks() == 1) {
     require(PCFactorSetMatSolverType(factor, MATSOLVERCHOLMOD));
-    require(PCFactorSetMatOrderingType(factor, MATORDERINGNATURAL));
+    keep_natural_order(factor);
   } else {
     require(PCFactorSetMatSolverType(factor, MATSOLVERMUMPS));
   }

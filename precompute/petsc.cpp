@@ -32,12 +32,14 @@ PetscSession::PetscSession(const char* program, const std::vector<std::string>& 
   char** arguments = pointers.data();
   // A user's ~/.petscrc or environment must not change what the same command gives.
   PetscOptionsSetValue(nullptr, "-skip_petscrc", nullptr);
+  // Signals stay with who installed a handler: an unfinished file is removed on SIGTERM.
+  PetscOptionsSetValue(nullptr, "-no_signal_handler", nullptr);
   ::unsetenv("PETSC_OPTIONS");
   if (SlepcInitialize(&count, &arguments, nullptr, nullptr) != 0)
     throw Failure(system_error("PETSc or MPI could not be started"));
-  PetscPopSignalHandler();
   PetscPushErrorHandler(keep_message, nullptr);
   PetscOptionsClearValue(nullptr, "-skip_petscrc");
+  PetscOptionsClearValue(nullptr, "-no_signal_handler");
 }
 
 PetscSession::~PetscSession() {

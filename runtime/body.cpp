@@ -136,11 +136,11 @@ bool Body::load_to_come() const {
   });
 }
 
-Energy Body::energy() const {
+Energy Body::energy(Eigen::Index low) const {
   integrator_->synchronized_momentum(state_, momentum_);
   model_->potential().evaluate(state_.q, kWantEnergy | kWantForce, workspace_, evaluation_);
   return {kinetic_energy(momentum_), evaluation_.energy,
-          band_energy(model_->lambda(), evaluation_.force, momentum_, low_)};
+          band_energy(model_->lambda(), evaluation_.force, momentum_, low)};
 }
 
 Result<Eigen::Vector3d> Body::displacement(VertexId vertex) const {

@@ -63,7 +63,9 @@ class Body {
 
   // Evaluates V. The high band is that of the integrator's split, or, for a method that does not
   // split, of the one that options.split would give.
-  Energy energy() const;
+  Energy energy() const { return energy(low_); }
+  // The same with the high band from coordinate `low` on, 0 <= low <= r.
+  Energy energy(Eigen::Index low) const;
 
   // U_vertex q, m. Errors as Model::vertex.
   Result<Eigen::Vector3d> displacement(VertexId vertex) const;

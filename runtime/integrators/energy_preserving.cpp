@@ -25,10 +25,6 @@ constexpr double kFarthestFix = 0.1;   // of T(p1): no larger energy defect is t
 
 // ---- N at rest, for each coordinate ----
 
-VectorXd unit_filter(const VectorXd& lambda, double) {
-  return VectorXd::Ones(lambda.size());
-}
-
 VectorXd cotangent_filter(const VectorXd& lambda, double h) {
   return lambda.unaryExpr([h](double l) {
     const double x = std::min(0.5 * h * std::sqrt(l), kEp2Limit);
@@ -330,7 +326,7 @@ std::unique_ptr<Integrator> make_diagonal(std::string_view name, Model::Pointer 
 }  // namespace
 
 std::unique_ptr<Integrator> make_avf(Model::Pointer model, const IntegratorOptions& options) {
-  const VectorXd n = unit_filter(model->lambda(), options.step);
+  const VectorXd n = VectorXd::Ones(model->modes());
   return make_diagonal("avf", std::move(model), options, n);
 }
 

@@ -11,33 +11,6 @@
 namespace tremolo::bench {
 namespace {
 
-// H and the high band of a body, with a band that does not depend on the step.
-class Meter {
- public:
-  Meter(const Body& body, Eigen::Index band)
-      : body_(body),
-        potential_(body.model().potential()),
-        band_(band),
-        workspace_(potential_.make_workspace()),
-        evaluation_(potential_.make_evaluation()),
-        momentum_(body.state().p) {}
-
-  Energy read() {
-    body_.integrator().synchronized_momentum(body_.state(), momentum_);
-    potential_.evaluate(body_.state().q, kWantEnergy | kWantForce, workspace_, evaluation_);
-    return {kinetic_energy(momentum_), evaluation_.energy,
-            band_energy(potential_.lambda(), evaluation_.force, momentum_, band_)};
-  }
-
- private:
-  const Body& body_;
-  const Potential& potential_;
-  Eigen::Index band_;
-  PotentialWorkspace workspace_;
-  Evaluation evaluation_;
-  Eigen::VectorXd momentum_;
-};
-
 struct Progress {
   DriftMeter drift;
   EnergyBound bound;
@@ -83,11 +56,11 @@ Result<SampledRun> run_sampled(const RunSpec& spec) {
   SampledRun run;
   if (spec.keep_orbit) run.q.resize(spec.model->modes(), samples);
   Progress progress;
-  Meter meter(body, spec.band);
   Eigen::Index k = 0;
-  for (bool inside = observe(body, meter.read(), progress, run); inside && k < samples; ++k) {
+  for (bool inside = observe(body, body.energy(spec.band), progress, run); inside && k < samples;
+       ++k) {
     if (!advance(body, steps, spec, run)) break;
-    const Energy energy = meter.read();
+    const Energy energy = body.energy(spec.band);
     if (!observe(body, energy, progress, run)) break;
     if (spec.keep_orbit) run.q.col(k) = body.state().q;
     if (2 * (k + 1) <= samples) continue;

@@ -140,17 +140,9 @@ RunSpec Scene::run(const std::string& integrator, double step) const {
   return spec;
 }
 
-std::string first_known(std::initializer_list<std::string_view> wanted) {
-  const auto known = integrator_names();
-  const auto found = std::find_if(wanted.begin(), wanted.end(), [&](std::string_view name) {
-    return std::find(known.begin(), known.end(), name) != known.end();
-  });
-  return std::string(found == wanted.end() ? known.front() : *found);
-}
-
 Status find_scale(Scene& scene, const Store& store) {
-  const std::string method = first_known({"ep4", "newmark"});
-  const double step = method == "ep4" ? 1.5e-3 : 0.75e-3;
+  const std::string method = "ep4";
+  const double step = 1.5e-3;
   Json key = scene.key();
   key["amplitude"] = scene.amplitude;
   key["method"] = method;

@@ -43,9 +43,6 @@ struct Scene {
   RunSpec run(const std::string& integrator, double step) const;
 };
 
-// The name in integrator_names() of the first of `wanted` that is there.
-std::string first_known(std::initializer_list<std::string_view> wanted);
-
 // Sets scale or trouble. The largest displacement is within 1 % of the amplitude; the scale has
 // four digits. Errors: kSystem for the store.
 Status find_scale(Scene& scene, const Store& store);

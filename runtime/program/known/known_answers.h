@@ -11,11 +11,10 @@
 
 namespace tremolo {
 
-// Adds five sections to the page and writes known-*.csv into out_directory, which exists. Methods
-// are those of integrator_names(); one that is missing there is left out. long_form: the energy is
-// followed for a million steps instead of a hundred thousand. Returns what was promised and
-// measured; the page shows the same list section by section. Errors: kSystem if a file cannot be
-// written or gnuplot is missing; those of the store.
+// Adds five sections to the page and writes known-*.csv into out_directory, which exists.
+// long_form: the energy is followed for a million steps instead of a hundred thousand. Returns what
+// was promised and measured; the page shows the same list section by section. Errors: kSystem if a
+// file cannot be written or gnuplot is missing; those of the store.
 Result<std::vector<Criterion>> add_known_answers(Page& page, const Store& store,
                                                  const std::string& out_directory, bool long_form);
 

@@ -65,8 +65,4 @@ double total_energy(const Model& model, const Integrator& integrator, const Stat
   return 0.5 * momentum.squaredNorm() + potential_energy(model, state.q);
 }
 
-bool is_known(std::string_view name) {
-  return std::ranges::count(integrator_names(), name) > 0;
-}
-
 }  // namespace tremolo::known

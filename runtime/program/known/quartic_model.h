@@ -38,7 +38,4 @@ Eigen::VectorXd potential_force(const Model& model, const Eigen::VectorXd& q);
 // H = |p|^2/2 + V(q), p at the time of q.
 double total_energy(const Model& model, const Integrator& integrator, const State& state);
 
-// Whether make_integrator knows the name.
-bool is_known(std::string_view name);
-
 }  // namespace tremolo::known

@@ -90,7 +90,6 @@ Criteria add_trend_section(const SectionContext& context) {
              .y_label = "H/H0 - 1"};
   std::vector<Criterion> criteria;
   for (const std::string_view method : kMethods) {
-    if (!is_known(method)) continue;
     const std::optional<Promise> promise = promise_of(method);
     for (const double tolerance : kTolerances) {
       const Result<EnergyTrend> trend = stored_trend(context, method, tolerance);

@@ -50,10 +50,9 @@ LabelledRun member(const SampleModel& horse, double duration, const std::string&
 
 // The longest first.
 std::vector<LabelledRun> members(const SampleModel& horse, double duration) {
-  std::vector<LabelledRun> list;
-  if (has_method("ep4"))
-    list = {member(horse, duration, kHalfStep, "ep4", 2), member(horse, duration, "ep4", "ep4"),
-            member(horse, duration, kDefaultTolerance, "ep4", 1, kTolerance)};
+  std::vector<LabelledRun> list = {
+      member(horse, duration, kHalfStep, "ep4", 2), member(horse, duration, "ep4", "ep4"),
+      member(horse, duration, kDefaultTolerance, "ep4", 1, kTolerance)};
   for (const char* method : {"imexv", "imexv-thesis", "newmark"})
     list.push_back(member(horse, duration, method, method));
   return list;
@@ -188,9 +187,9 @@ Result<std::vector<Criterion>> add_experiment3(Page& page, const Workshop& shop,
       shop.long_form ? "" : " This is the short form; `--long` makes the 10 000 s of the thesis."));
   const Table total = total_energy_table(runs), high = high_band_table(runs);
   page.table(total, "Total energy: last 35 s against the first, and all windows. * broke off.");
-  if (has_method("ep4")) page.paragraph(drift_text(runs));
+  page.paragraph(drift_text(runs));
   page.table(high, "High band: last 35 s against the first, and all windows.");
-  if (has_method("ep4")) page.paragraph(high_band_text(runs));
+  page.paragraph(high_band_text(runs));
   page.paragraph(thesis_text(runs));
   Table series{{"panel", "method", "t", "energy"}, {}}, windows{{"of", "method", "t", "mean"}, {}};
   Result<std::string> figure = draw_figure17(runs, series);
@@ -209,7 +208,6 @@ Result<std::vector<Criterion>> add_experiment3(Page& page, const Workshop& shop,
     if (Status status = write_csv(*table, (std::filesystem::path(directory) / name).string());
         !status)
       return status.error();
-  if (!has_method("ep4")) return std::vector<Criterion>{};
   return criteria_of(runs, shop.long_form);
 }
 

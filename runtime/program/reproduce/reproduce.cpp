@@ -51,9 +51,9 @@ std::vector<RunName> all_runs(const Workshop& shop) {
     const std::vector<RunName> some = the_runs(shop.models, method, another);
     runs.insert(runs.end(), some.begin(), some.end());
   };
-  for (const std::string& method : methods()) add(method, 1.0);
+  for (const std::string method : kMethods) add(method, 1.0);
   for (const double another : kStrongLoads)
-    for (const std::string& method : strong_methods()) add(method, another);
+    for (const std::string method : kStrongMethods) add(method, another);
   return runs;
 }
 

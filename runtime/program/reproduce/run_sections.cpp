@@ -82,20 +82,19 @@ Status add_strong_loads(Page& page, const Workshop& shop, const Orbits& orbits,
   page.heading("Loads times 3 and 10");
   std::vector<std::string> counts;
   for (const double another : kStrongLoads)
-    for (const std::string& method : strong_methods()) {
+    for (const std::string method : kStrongMethods) {
       const Survivors one = count_survivors(shop, orbits, method, another);
       counts.push_back(fmt::format("x{:g} {} {} of {}", another, method, one.reached, one.of));
     }
   page.paragraph(
       fmt::format("The same runs pushed harder still. Runs that reach 30 s: {}. {} The thesis has "
                   "no such runs.",
-                  fmt::join(counts, ", "), has_method("ep4") ? strong_text(shop, orbits) : ""));
+                  fmt::join(counts, ", "), strong_text(shop, orbits)));
   page.table(without_repeats(strong_reached_table(shop, orbits), 3),
              "Seconds reached of 30; * broke off. What else was measured, and why a run ended, is "
              "in `strong-loads.csv`.");
-  if (has_method("ep4"))
-    for (const double another : kStrongLoads)
-      criteria.push_back(strong_criterion(shop, orbits, another));
+  for (const double another : kStrongLoads)
+    criteria.push_back(strong_criterion(shop, orbits, another));
   return write_csv(strong_runs_table(shop, orbits),
                    (std::filesystem::path(directory) / "strong-loads.csv").string());
 }
@@ -175,7 +174,7 @@ Status add_reached(Page& page, const Workshop& shop, const Orbits& orbits,
       "or the energy exceeded ten times all that was put in.",
       load_factor("tower", SignalKind::kSine), load_factor("beam", SignalKind::kSine)));
   survivors = {thesis_survivors(shop)};
-  for (const std::string& method : methods())
+  for (const std::string method : kMethods)
     survivors.push_back(count_survivors(shop, orbits, method));
   page.table(survivors_table(survivors), "How many of the runs reach the end.");
   if (Status status =

@@ -78,26 +78,6 @@ std::string RunName::text() const {
   return name;
 }
 
-std::vector<std::string> methods() {
-  std::vector<std::string> known;
-  for (const char* name : {"imexv-thesis", "imexv", "newmark", "imexv-adaptive", "ep4"})
-    if (std::ranges::find(integrator_names(), name) != integrator_names().end())
-      known.emplace_back(name);
-  return known;
-}
-
-bool has_method(const std::string& name) {
-  const std::vector<std::string> known = methods();
-  return std::ranges::find(known, name) != known.end();
-}
-
-std::vector<std::string> strong_methods() {
-  std::vector<std::string> known;
-  for (const char* name : {"imexv", "imexv-adaptive", "ep4"})
-    if (has_method(name)) known.emplace_back(name);
-  return known;
-}
-
 std::vector<RunName> the_runs(const std::vector<SampleModel>& models, const std::string& integrator,
                               double another) {
   std::vector<RunName> runs;
@@ -130,7 +110,7 @@ Result<Timings> time_all(const Workshop& shop, const Orbits& orbits) {
     const RunName& run = runs[k];
     std::vector<RunName> names;
     std::vector<std::int64_t> steps;
-    for (const std::string& method : methods()) {
+    for (const std::string method : kMethods) {
       names.push_back(run);
       names.back().integrator = method;
       steps.push_back(orbits.at(names.back().text()).steps);
@@ -138,7 +118,7 @@ Result<Timings> time_all(const Workshop& shop, const Orbits& orbits) {
     Json key = key_of(shop, run);
     key["version"] = kTimingVersion;
     key["steps"] = steps;
-    key["methods"] = methods();
+    key["methods"] = kMethods;
     Result<Json> seconds = shop.store.get("timing-" + run.text(), key,
                                           [&] { return time_by_turns(shop, names, steps); });
     if (!seconds) return seconds.error();

@@ -48,13 +48,13 @@ struct Timing {
 using Orbits = std::map<std::string, Orbit>;    // by RunName::text()
 using Timings = std::map<std::string, Timing>;  // the same
 
-// Of imexv-thesis, imexv, newmark, imexv-adaptive, ep4 those that make_integrator knows.
-std::vector<std::string> methods();
-bool has_method(const std::string& name);
+// Who makes the 36 runs.
+inline constexpr std::array kMethods = {"imexv-thesis", "imexv", "newmark", "imexv-adaptive",
+                                        "ep4"};
 
-// The loads of the 36 runs times these, for those of imexv, imexv-adaptive, ep4 that are known.
+// The loads of the 36 runs times these, and who makes them then.
 inline constexpr std::array<double, 2> kStrongLoads = {3.0, 10.0};
-std::vector<std::string> strong_methods();
+inline constexpr std::array kStrongMethods = {"imexv", "imexv-adaptive", "ep4"};
 
 // The 36 runs of one method, or of those models that are there.
 std::vector<RunName> the_runs(const std::vector<SampleModel>& models, const std::string& integrator,

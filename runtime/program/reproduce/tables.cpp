@@ -44,12 +44,12 @@ Table methods_table(const Workshop& shop, const Orbits& orbits, const std::strin
                     const std::string& second, const Cells& cells) {
   Table table{{kDamping, "load", "model"}, {}};
   for (const std::string& kind : {first, second})
-    for (const std::string& method : methods()) table.columns.push_back(method + ", " + kind);
+    for (const std::string method : kMethods) table.columns.push_back(method + ", " + kind);
   for (RunName run : the_runs(shop.models, "")) {
     std::vector<std::string> row{damping_cell(run.alpha), std::string(thesis::load_name(run.load)),
                                  run.model};
     std::vector<std::string> rest;
-    for (const std::string& method : methods()) {
+    for (const std::string method : kMethods) {
       run.integrator = method;
       std::array<std::string, 2> both = cells(run.text(), orbits.at(run.text()));
       row.push_back(std::move(both[0]));
@@ -119,7 +119,7 @@ Table reached_table(const Workshop& shop, const Orbits& orbits) {
         theirs.push_back(reached_cell(reached, reached >= thesis::kDuration));
       }
       table.rows.push_back(std::move(theirs));
-      for (const std::string& method : methods())
+      for (const std::string method : kMethods)
         add_reached_row(table, {damping_cell(alpha), load_text, method}, shop, orbits,
                         {"", method, load, alpha});
     }
@@ -132,7 +132,7 @@ Table strong_reached_table(const Workshop& shop, const Orbits& orbits) {
   for (const double another : kStrongLoads)
     for (const double alpha : thesis::kAlphas)
       for (const SignalKind load : thesis::kLoads)
-        for (const std::string& method : strong_methods())
+        for (const std::string method : kStrongMethods)
           add_reached_row(table,
                           {fmt::format("{:g}", another), damping_cell(alpha),
                            std::string(thesis::load_name(load)), method},
@@ -145,7 +145,7 @@ Table strong_runs_table(const Workshop& shop, const Orbits& orbits) {
                "iterations a step", "steps in parts", "drift", "why not"},
               {}};
   for (const double another : kStrongLoads)
-    for (const std::string& method : strong_methods())
+    for (const std::string method : kStrongMethods)
       for (const RunName& run : the_runs(shop.models, method, another)) {
         const Orbit& orbit = orbits.at(run.text());
         table.rows.push_back(
