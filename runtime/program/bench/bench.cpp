@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "runtime/program/bench/precision_report.h"
+#include "runtime/program/bench/speed_report.h"
 #include "runtime/program/bench/stability.h"
 #include "runtime/program/commands.h"
 #include "runtime/program/report/page.h"
@@ -16,11 +17,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json to_json(const Options& options, const std::vector<Criterion>& criteria,
-             const std::vector<std::string>& sentences) {
+             const std::vector<std::string>& sentences, const std::optional<Speed>& speed) {
   Json json;
   json["page"] = (std::filesystem::path(options.out) / "index.html").string();
   json["recommendations"] = sentences;
   json["criteria"] = tremolo::to_json(criteria);
+  if (speed) json["speed"] = to_json(*speed);
   return json;
 }
 
@@ -30,12 +32,21 @@ Result<int> measure_and_report(const Options& options, std::vector<SampleModel> 
   if (!store) return store.error();
   std::optional<Precision> precision;
   std::vector<StabilityCell> cells;
-  if (options.only != "stability") {
+  const auto wanted = [&](const char* part) {
+    return options.only.empty() || options.only == part;
+  };
+  std::optional<Speed> speed;
+  if (wanted("speed")) {
+    Result<Speed> measured = measure_speed(options);
+    if (!measured) return measured.error();
+    speed = std::move(*measured);
+  }
+  if (wanted("precision")) {
     Result<Precision> measured = measure_precision(options, models, *store);
     if (!measured) return measured.error();
     precision = std::move(*measured);
   }
-  if (options.only != "precision") {
+  if (wanted("stability")) {
     std::vector<Subject> subjects;
     for (SampleModel& model : models) {
       Result<Subject> subject = make_subject(std::move(model));
@@ -47,20 +58,29 @@ Result<int> measure_and_report(const Options& options, std::vector<SampleModel> 
     cells = std::move(*measured);
   }
 
-  Page page(options.only == "stability" ? "Where each method survives" : "Run time against error",
+  Page page(options.only == "stability" ? "Where each method survives"
+            : options.only == "speed"   ? "Speed"
+                                        : "Run time against error",
             fmt::format("tremolo bench, {} methods", options.integrators.size()));
   std::vector<Criterion> criteria;
   std::vector<std::string> sentences;
   if (precision) {
     criteria = precision_criteria(*precision);
     sentences = recommendations(*precision);
-    if (!criteria.empty()) {
-      page.section("What was promised");
-      page.paragraph(verdict(criteria));
-      page.criteria(criteria);
-    }
-    if (Status s = report_precision(*precision, options.out, page); !s) return s.error();
   }
+  if (speed) {
+    const std::vector<Criterion> more = speed_criteria(*speed);
+    criteria.insert(criteria.end(), more.begin(), more.end());
+  }
+  if (!criteria.empty()) {
+    page.section("What was promised");
+    page.paragraph(verdict(criteria));
+    page.criteria(criteria);
+  }
+  if (precision)
+    if (Status s = report_precision(*precision, options.out, page); !s) return s.error();
+  if (speed)
+    if (Status s = report_speed(*speed, options.out, page); !s) return s.error();
   if (!cells.empty())
     if (Status s = report_stability(cells, options, options.out, page); !s) return s.error();
   const std::string path = (std::filesystem::path(options.out) / "index.html").string();
@@ -68,7 +88,7 @@ Result<int> measure_and_report(const Options& options, std::vector<SampleModel> 
   for (const std::string& sentence : sentences) fmt::print(stderr, "{}\n", sentence);
   print(criteria);
   fmt::print(stderr, "wrote {}\n", path);
-  if (options.json) std::cout << to_json(options, criteria, sentences).dump(2) << "\n";
+  if (options.json) std::cout << to_json(options, criteria, sentences, speed).dump(2) << "\n";
   if (!std::cout.flush()) return system_error("standard output cannot be written");
   return exit_code(criteria);
 }

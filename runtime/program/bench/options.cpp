@@ -58,9 +58,10 @@ Status settle(Options& options) {
   constexpr std::string_view kLoads[] = {"square", "impulse", "sine"};
   if (Status s = check_names("load", options.loads, std::span(kLoads)); !s) return s;
   if (options.loads.empty()) return Error{ErrorKind::kUsage, "--loads names nothing"};
-  if (!options.only.empty() && options.only != "precision" && options.only != "stability")
+  if (!options.only.empty() && options.only != "precision" && options.only != "stability" &&
+      options.only != "speed")
     return Error{ErrorKind::kUsage,
-                 "--only '" + options.only + "': there are precision and stability"};
+                 "--only '" + options.only + "': there are precision, stability and speed"};
   if (Status s = check_values("--amplitudes", options.amplitudes); !s) return s;
   if (Status s = check_values("--steps-ms", options.steps_ms); !s) return s;
   for (const double step : options.steps_ms) {
