@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "runtime/clones.h"
-#include "runtime/contraction.h"
 
 namespace tremolo {
 namespace {
@@ -22,6 +21,30 @@ void subtract_pair(double* __restrict a, std::size_t r, std::size_t first,
     const double vj = v[j], wj = w[j];
 #pragma omp simd
     for (std::size_t i = first; i < r; ++i) c[i] -= v[i] * wj + w[i] * vj;
+  }
+}
+
+// image = A u on the trailing block: the rows of the symmetric block are its columns.
+TREMOLO_CLONES
+void multiply_block(const double* __restrict a, std::size_t r, std::size_t first,
+                    const double* __restrict u, double* __restrict image) {
+  for (std::size_t i = first; i < r; ++i) image[i] = 0.0;
+  std::size_t j = first;
+  for (; j + 4 <= r; j += 4) {
+    const double* c0 = a + j * r;
+    const double* c1 = c0 + r;
+    const double* c2 = c1 + r;
+    const double* c3 = c2 + r;
+    const double u0 = u[j], u1 = u[j + 1], u2 = u[j + 2], u3 = u[j + 3];
+#pragma omp simd
+    for (std::size_t i = first; i < r; ++i)
+      image[i] += (c0[i] * u0 + c1[i] * u1) + (c2[i] * u2 + c3[i] * u3);
+  }
+  for (; j < r; ++j) {
+    const double* c = a + j * r;
+    const double uj = u[j];
+#pragma omp simd
+    for (std::size_t i = first; i < r; ++i) image[i] += c[i] * uj;
   }
 }
 
@@ -54,11 +77,8 @@ void Tridiagonal::compute(Eigen::MatrixXd& a) {
     u.tail(count) = a.col(k).tail(count) / scale;
     u[first] = (head - target) / scale;
     off_[k] = target;
-    // image = A u: the rows of the symmetric block are its columns.
-    image_.tail(count).setZero();
-    add_scaled_rows(a.data(), static_cast<std::size_t>(r), static_cast<std::size_t>(first),
-                    static_cast<std::size_t>(r), static_cast<std::size_t>(first),
-                    static_cast<std::size_t>(r), u.data(), image_.data());
+    multiply_block(a.data(), static_cast<std::size_t>(r), static_cast<std::size_t>(first), u.data(),
+                   image_.data());
     const double half = 0.5 * image_.tail(count).dot(u.tail(count));
     image_.tail(count) -= half * u.tail(count);
     subtract_pair(a.data(), static_cast<std::size_t>(r), static_cast<std::size_t>(first), u.data(),

@@ -114,7 +114,7 @@ class EnergyPreserving final : public Integrator {
         rates_(std::move(rates)),
         weight_(VectorXd::Constant(rates_.size(), 2.0)),
         filter_(std::move(filter)),
-        workspace_(model_->potential().make_workspace()),
+        workspace_(model_->potential().make_workspace(kUseSegment)),
         matrix_(MatrixXd::Zero(rates_.size(), rates_.size())),
         filter_matrix_(matrix_),
         newton_(rates_.size()) {

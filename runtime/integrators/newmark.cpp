@@ -16,7 +16,7 @@ class Newmark final : public Integrator {
       : model_(std::move(model)),
         options_(options),
         rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
-        workspace_(model_->potential().make_workspace()),
+        workspace_(model_->potential().make_workspace(kUseTangent)),
         evaluation_(model_->potential().make_evaluation()),
         force_at_(
             Eigen::VectorXd::Constant(model_->modes(), std::numeric_limits<double>::quiet_NaN())),
