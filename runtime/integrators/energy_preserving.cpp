@@ -70,7 +70,7 @@ class DiagonalFilter {
         damping_(std::move(damping)),
         factor_(n_.size()) {}
 
-  // z: (h^2/4) K; destroyed. False if the Jacobian is not positive definite.
+  // z: (h^2/4) K; may be changed. False if the Jacobian is not positive definite.
   bool compute(MatrixXd& z) {
     z.diagonal() += square_ + damping_;
     return factor_.compute(z);
