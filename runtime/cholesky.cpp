@@ -5,6 +5,7 @@
 
 #include "runtime/clones.h"
 #include "runtime/lanes.h"
+#include "runtime/triangle_product.h"
 
 namespace tremolo {
 namespace {
@@ -17,62 +18,65 @@ using lanes::Vector;
 using std::size_t;
 
 // Column by column from the left: what column j needs of the earlier ones is summed in registers,
-// four vectors at a time. False at a pivot that is not positive.
-TREMOLO_CLONES bool factor(const double* a, size_t n, size_t stride, double* lower, double* upper,
-                           double* inverse) {
+// four vectors at a time. columns: A's lower triangle, padded, becomes L with its unit diagonal.
+// rows: row j holds L_jk d_k for k < j. False at a pivot that is not positive.
+TREMOLO_CLONES bool factor(size_t n, size_t stride, const double* masks, double* columns,
+                           double* rows, double* inverse) {
   for (size_t j = 0; j < n; ++j) {
-    double* column = lower + j * stride;
+    double* column = columns + j * stride;
+    const double* row = rows + j * stride;
     const size_t first = j / kLanes * kLanes;
-    for (size_t i = j; i < n; ++i) column[i] = a[j * n + i];
-    const double* row = upper + j * stride;  // L_jk for k < j
     for (size_t t = first; t < n; t += 4 * kLanes) {
       const size_t rest = (n - t + kLanes - 1) / kLanes;
-      Vector even[4], odd[4] = {};
-      for (size_t c = 0; c < 4; ++c) even[c] = c < rest ? load(column + t + c * kLanes) : Vector{};
-      const auto subtract = [&](size_t k, Vector * part) __attribute__((always_inline)) {
-        const Vector factor = all(row[k]);
-        const double* from = lower + k * stride + t;
-        part[0] -= load(from) * factor;
-        if (rest > 1) part[1] -= load(from + kLanes) * factor;
-        if (rest > 2) part[2] -= load(from + 2 * kLanes) * factor;
-        if (rest > 3) part[3] -= load(from + 3 * kLanes) * factor;
-      };
-      size_t k = 0;
-      for (; k + 2 <= j; k += 2) {
-        subtract(k, even);
-        subtract(k + 1, odd);
+      Vector even[4] = {}, odd[4] = {};
+#pragma GCC unroll 4
+      for (size_t c = 0; c < 4; ++c)
+        if (c < rest) even[c] = load(column + t + c * kLanes);
+      for (size_t k = 0; k < j; k += 2) {
+        // A row ends in a zero, so that an odd count needs no case of its own.
+        const Vector one = all(row[k]), two = all(row[k + 1]);
+        const double* from = columns + k * stride + t;
+#pragma GCC unroll 4
+        for (size_t c = 0; c < 4; ++c) {
+          if (c >= rest) continue;
+          even[c] -= load(from + c * kLanes) * one;
+          odd[c] -= load(from + stride + c * kLanes) * two;
+        }
       }
-      if (k < j) subtract(k, even);
-      for (size_t c = 0; c < 4 && c < rest; ++c) store(column + t + c * kLanes, even[c] + odd[c]);
+#pragma GCC unroll 4
+      for (size_t c = 0; c < 4; ++c)
+        if (c < rest) store(column + t + c * kLanes, even[c] + odd[c]);
     }
     const double pivot = column[j];
     if (!(pivot > 0.0)) return false;
-    inverse[j] = 1.0 / std::sqrt(pivot);
-    for (size_t i = first; i < j; ++i) column[i] = 0.0;
+    for (size_t i = j + 1; i < n; ++i) rows[i * stride + j] = column[i];
+    inverse[j] = 1.0 / pivot;
     const Vector scale = all(inverse[j]);
-    for (size_t t = first; t < n; t += kLanes) store(column + t, load(column + t) * scale);
-    for (size_t i = n; i < stride; ++i) column[i] = 0.0;
-    for (size_t i = j; i < n; ++i) upper[i * stride + j] = column[i];
+    store(column + first,
+          lanes::without(load(column + first), load(masks + (j - first) * kLanes)) * scale);
+    for (size_t t = first + kLanes; t < n; t += kLanes) store(column + t, load(column + t) * scale);
   }
   return std::isfinite(inverse[n - 1]);
 }
 
-TREMOLO_CLONES void solve_both(size_t n, size_t stride, const double* lower, const double* upper,
+TREMOLO_CLONES void solve_both(size_t n, size_t stride, const double* columns, const double* rows,
                                const double* inverse, double* x) {
+  // Column k has a one at k: what becomes of x_k there is put right at the end.
+  double* solved = x + stride;
   for (size_t k = 0; k < n; ++k) {
-    const double value = x[k] * inverse[k];
-    const Vector factor = all(value);
-    const double* column = lower + k * stride;
+    solved[k] = x[k];
+    const Vector factor = all(x[k]);
+    const double* column = columns + k * stride;
     for (size_t t = k / kLanes * kLanes; t < n; t += kLanes)
       store(x + t, load(x + t) - load(column + t) * factor);
-    x[k] = value;
   }
+  for (size_t t = 0; t < n; t += kLanes) store(x + t, load(solved + t));
   for (size_t k = n; k-- > 0;) {
     const double value = x[k] * inverse[k];
     const Vector factor = all(value);
-    const double* column = upper + k * stride;
-    for (size_t t = 0; t <= k; t += kLanes) store(x + t, load(x + t) - load(column + t) * factor);
-    x[k] = value;
+    const double* row = rows + k * stride;
+    for (size_t t = 0; t < k; t += kLanes) store(x + t, load(x + t) - load(row + t) * factor);
+    solved[k] = value;
   }
 }
 
@@ -80,21 +84,25 @@ TREMOLO_CLONES void solve_both(size_t n, size_t stride, const double* lower, con
 
 SmallCholesky::SmallCholesky(Eigen::Index size)
     : n_(static_cast<size_t>(size)),
-      stride_(lanes::padded(n_)),
-      lower_(n_ * stride_ + 4 * kLanes, 0.0),
-      upper_(n_ * stride_, 0.0),
+      stride_(lanes::padded(n_ + 1)),
+      masks_(lane_masks()),
+      columns_(n_ * stride_, 0.0),
+      rows_(n_ * stride_, 0.0),
       inverse_(stride_, 0.0),
-      scratch_(stride_, 0.0) {}
+      scratch_(2 * stride_, 0.0) {}
 
 bool SmallCholesky::compute(const Eigen::MatrixXd& a) {
   if (n_ == 0) return true;
-  return factor(a.data(), n_, stride_, lower_.data(), upper_.data(), inverse_.data());
+  for (size_t j = 0; j < n_; ++j)
+    std::copy(a.data() + j * n_ + j, a.data() + (j + 1) * n_, columns_.data() + j * stride_ + j);
+  return factor(n_, stride_, masks_.data(), columns_.data(), rows_.data(), inverse_.data());
 }
 
 void SmallCholesky::solve(Eigen::VectorXd& x) const {
+  if (n_ == 0) return;
   std::copy(x.data(), x.data() + n_, scratch_.begin());
-  solve_both(n_, stride_, lower_.data(), upper_.data(), inverse_.data(), scratch_.data());
-  std::copy(scratch_.begin(), scratch_.begin() + static_cast<std::ptrdiff_t>(n_), x.data());
+  solve_both(n_, stride_, columns_.data(), rows_.data(), inverse_.data(), scratch_.data());
+  std::copy_n(scratch_.data() + stride_, n_, x.data());
 }
 
 }  // namespace tremolo

@@ -8,7 +8,8 @@
 
 namespace tremolo {
 
-// A = L L^T. All is sized by the constructor; nothing is allocated later.
+// A = L D L^T, L with a unit diagonal: the same without roots. All is sized by the constructor;
+// nothing is allocated later.
 class SmallCholesky {
  public:
   explicit SmallCholesky(Eigen::Index size);
@@ -23,9 +24,10 @@ class SmallCholesky {
  private:
   std::size_t n_;
   std::size_t stride_;
-  AlignedDoubles lower_;    // L column by column, padded, zeros above the diagonal
-  AlignedDoubles upper_;    // L^T column by column, likewise
-  AlignedDoubles inverse_;  // of L's diagonal
+  AlignedDoubles masks_;
+  AlignedDoubles columns_;  // L column by column, padded, zeros above the diagonal
+  AlignedDoubles rows_;     // L D row by row, without the diagonal
+  AlignedDoubles inverse_;  // of D
   mutable AlignedDoubles scratch_;
 };
 

@@ -51,10 +51,14 @@ TREMOLO_INLINE Vector both(Vector v, Vector mask) {
   return (Vector)((Mask)v & (Mask)mask);
 }
 
+TREMOLO_INLINE Vector without(Vector v, Vector mask) {
+  return (Vector)((Mask)v & ~(Mask)mask);
+}
+
 TREMOLO_INLINE double sum(Vector v) {
-  const double a = (v[0] + v[4]) + (v[2] + v[6]);
-  const double b = (v[1] + v[5]) + (v[3] + v[7]);
-  return a + b;
+  v += __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3);
+  v += __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5);
+  return v[0] + v[1];
 }
 
 // Lanes [a, b, a, b, ...] of partial sums: two vectors folded into one.

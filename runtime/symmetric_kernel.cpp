@@ -82,7 +82,7 @@ template <int Rows>
 TREMOLO_INLINE Vector add_gradient_rows(const double* rows, size_t length, double qk,
                                         const double* ql, const double* pairs, double* e) {
   Vector sums[4] = {};
-  Vector weights[Rows] = {};
+  Vector weights[4] = {};
 #pragma GCC unroll 4
   for (int b = 0; b < Rows; ++b) weights[b] = all(qk * ql[b]);
   for (size_t t = 0; t < length; t += kLanes) {
@@ -201,7 +201,7 @@ TREMOLO_INLINE Vector add_hessian_rows(const double* __restrict rows, size_t len
                                        const double* __restrict pairs, double* own, double* others,
                                        size_t stride) {
   Vector sums[4] = {};
-  Vector weights[Rows] = {};
+  Vector weights[4] = {};
 #pragma GCC unroll 4
   for (int b = 0; b < Rows; ++b) weights[b] = all(First && b == 0 ? 2.0 * ql[b] : ql[b]);
   for (size_t t = 0; t < length; t += kLanes) {

@@ -5,6 +5,7 @@
 
 #include "runtime/clones.h"
 #include "runtime/lanes.h"
+#include "runtime/triangle_product.h"
 
 namespace tremolo {
 namespace {
@@ -23,33 +24,23 @@ constexpr double kNothing = 1e-280;
 // sum = M x on the columns and rows from the vector at `from` on, columns [first, r).
 TREMOLO_INLINE void multiply_block(const double* m, size_t stride, size_t first, size_t r,
                                    size_t from, const double* x, double* sum) {
-  for (size_t t = from; t < r; t += 2 * kLanes) {
-    const bool two = t + kLanes < r;
-    Vector a{}, b{}, c{}, d{};
+  for (size_t t = from; t < r; t += kLanes) {
+    Vector part[4] = {};
     size_t j = first;
-    for (; j + 2 <= r; j += 2) {
-      const Vector x0 = all(x[j]), x1 = all(x[j + 1]);
-      const double* column = m + j * stride + t;
-      a += load(column) * x0;
-      b += load(column + stride) * x1;
-      if (two) {
-        c += load(column + kLanes) * x0;
-        d += load(column + stride + kLanes) * x1;
-      }
-    }
-    if (j < r) {
-      const Vector x0 = all(x[j]);
-      a += load(m + j * stride + t) * x0;
-      if (two) c += load(m + j * stride + t + kLanes) * x0;
-    }
-    store(sum + t, a + b);
-    if (two) store(sum + t + kLanes, c + d);
+    const double* column = m + j * stride + t;
+    for (; j + 4 <= r; j += 4, column += 4 * stride)
+#pragma GCC unroll 4
+      for (size_t b = 0; b < 4; ++b) part[b] += load(column + b * stride) * all(x[j + b]);
+    for (; j < r; ++j, column += stride) part[0] += load(column) * all(x[j]);
+    store(sum + t, (part[0] + part[1]) + (part[2] + part[3]));
   }
 }
 
-// a: both triangles, padded with zeros, destroyed.
-TREMOLO_CLONES void reduce(double* a, size_t r, size_t stride, double* diagonal, double* off,
-                           double* reflections, double* image) {
+// a: both triangles, padded with zeros, destroyed. masks: lane_masks(). All in whole vectors: a
+// vector load from where single numbers have just been stored must wait for them.
+TREMOLO_CLONES void reduce(double* a, size_t r, size_t stride, const double* masks,
+                           double* diagonal, double* off, double* reflections, double* factors,
+                           double* image) {
   for (size_t k = 0; k + 1 < r; ++k) {
     const size_t first = k + 1;
     const size_t from = first / kLanes * kLanes;
@@ -57,30 +48,37 @@ TREMOLO_CLONES void reduce(double* a, size_t r, size_t stride, double* diagonal,
     double* u = reflections + k * stride;
     diagonal[k] = column[k];
     const double head = column[first];
-    for (size_t t = from; t < stride; t += kLanes) store(u + t, load(column + t));
-    for (size_t i = from; i <= first; ++i) u[i] = 0.0;
-    Vector squares{};
-    for (size_t t = from; t < stride; t += kLanes) squares += load(u + t) * load(u + t);
+    // Lanes before `first`, and with it.
+    const Vector before = load(masks + (first - from) * kLanes);
+    const Vector upto = load(masks + (first - from + 1) * kLanes);
+    const Vector begin = lanes::without(load(column + from), upto);
+    Vector squares = begin * begin;
+    for (size_t t = from + kLanes; t < stride; t += kLanes)
+      squares += load(column + t) * load(column + t);
     const double rest = lanes::sum(squares);
     if (rest < kNothing) {
       for (size_t t = from; t < stride; t += kLanes) store(u + t, Vector{});
       off[k] = head;
+      factors[k] = 0.0;
       continue;
     }
     // Away from head, so that nothing cancels.
     const double length = std::sqrt(rest + head * head);
     const double target = head > 0.0 ? -length : length;
-    const double scale = 1.0 / std::sqrt(length * (length + std::abs(head)));
-    u[first] = head - target;
-    for (size_t t = from; t < stride; t += kLanes) store(u + t, load(u + t) * all(scale));
+    factors[k] = 1.0 / (length * (length + std::abs(head)));
+    const Vector first_entry = lanes::both(lanes::without(all(head - target), before), upto);
+    store(u + from, begin + first_entry);
+    for (size_t t = from + kLanes; t < stride; t += kLanes) store(u + t, load(column + t));
     off[k] = target;
     multiply_block(a, stride, first, r, from, u, image);
-    for (size_t i = from; i < first; ++i) image[i] = 0.0;
+    store(image + from, lanes::without(load(image + from), before));
     Vector parts{};
     for (size_t t = from; t < stride; t += kLanes) parts += load(image + t) * load(u + t);
-    const Vector half = all(0.5 * lanes::sum(parts));
+    // image = f A u - (f^2/2)(u.A u) u for the factor f.
+    const Vector factor = all(factors[k]);
+    const Vector half = all(0.5 * factors[k] * lanes::sum(parts));
     for (size_t t = from; t < stride; t += kLanes)
-      store(image + t, load(image + t) - half * load(u + t));
+      store(image + t, factor * (load(image + t) - half * load(u + t)));
     for (size_t j = first; j < r; ++j) {
       const Vector uj = all(u[j]), wj = all(image[j]);
       double* c = a + j * stride;
@@ -92,8 +90,8 @@ TREMOLO_CLONES void reduce(double* a, size_t r, size_t stride, double* diagonal,
 }
 
 // basis = W^T = ... H_1 H_0 from the reflections: V <- V H_k from the last to the first.
-TREMOLO_CLONES void accumulate(const double* reflections, size_t r, size_t stride, double* basis,
-                               double* image) {
+TREMOLO_CLONES void accumulate(const double* reflections, const double* factors, size_t r,
+                               size_t stride, double* basis, double* image) {
   std::fill(basis, basis + r * stride, 0.0);
   for (size_t i = 0; i < r; ++i) basis[i * stride + i] = 1.0;
   for (size_t k = r < 2 ? 0 : r - 2; k-- > 0;) {
@@ -102,7 +100,7 @@ TREMOLO_CLONES void accumulate(const double* reflections, size_t r, size_t strid
     const double* u = reflections + k * stride;
     multiply_block(basis, stride, first, r, from, u, image);
     for (size_t j = first; j < r; ++j) {
-      const Vector uj = all(u[j]);
+      const Vector uj = all(factors[k] * u[j]);
       double* c = basis + j * stride;
       for (size_t t = from; t < stride; t += kLanes)
         store(c + t, load(c + t) - load(image + t) * uj);
@@ -136,8 +134,10 @@ Tridiagonal::Tridiagonal(Eigen::Index size)
       stride_(lanes::padded(r_)),
       diagonal_(Eigen::VectorXd::Zero(size)),
       off_(Eigen::VectorXd::Zero(std::max<Eigen::Index>(size - 1, 0))),
+      masks_(lane_masks()),
       work_(stride_ * stride_, 0.0),
       reflections_(stride_ * stride_, 0.0),
+      factors_(stride_, 0.0),
       basis_(stride_ * stride_, 0.0),
       image_(stride_ + kLanes, 0.0),
       vector_(2 * stride_ + kLanes, 0.0) {}
@@ -147,9 +147,9 @@ void Tridiagonal::compute(const Eigen::MatrixXd& a) {
   for (size_t j = 0; j < r_; ++j)
     for (size_t i = j; i < r_; ++i)
       work_[i * stride_ + j] = work_[j * stride_ + i] = a.data()[j * r_ + i];
-  reduce(work_.data(), r_, stride_, diagonal_.data(), off_.data(), reflections_.data(),
-         image_.data());
-  accumulate(reflections_.data(), r_, stride_, basis_.data(), image_.data());
+  reduce(work_.data(), r_, stride_, masks_.data(), diagonal_.data(), off_.data(),
+         reflections_.data(), factors_.data(), image_.data());
+  accumulate(reflections_.data(), factors_.data(), r_, stride_, basis_.data(), image_.data());
 }
 
 void Tridiagonal::to_basis(Eigen::VectorXd& x) const {

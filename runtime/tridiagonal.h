@@ -29,10 +29,11 @@ class Tridiagonal {
   std::size_t stride_;
   Eigen::VectorXd diagonal_;
   Eigen::VectorXd off_;
-  AlignedDoubles work_;  // A, then what is left of it
-  AlignedDoubles
-      reflections_;       // column k: u_k of I - u_k u_k^T below row k; |u_k|^2 = 2, or u_k = 0
-  AlignedDoubles basis_;  // W^T, column by column
+  AlignedDoubles masks_;
+  AlignedDoubles work_;         // A, then what is left of it
+  AlignedDoubles reflections_;  // column k: u_k of I - f_k u_k u_k^T, below row k
+  AlignedDoubles factors_;      // f_k = 2/|u_k|^2, or 0 where there is nothing to reflect
+  AlignedDoubles basis_;        // W^T, column by column
   AlignedDoubles image_;
   mutable AlignedDoubles vector_;
 };

@@ -122,6 +122,7 @@ class EnergyPreserving final : public Integrator {
     for (VectorXd* v : {&d_, &q1_, &gradient_, &place_, &change_, &push_, &image_, &residual_})
       v->setZero(rates_.size());
     for (VectorXd& v : moves_) v.setZero(rates_.size());
+    end_ = {d_, d_};
   }
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
@@ -141,9 +142,12 @@ class EnergyPreserving final : public Integrator {
     state.q = q1_;
     state.p += change_;
     take_back(defect, state.p);
+    has_filter_ = true;
+    end_ = state;
     return report;
   }
 
+  void reset() override { has_filter_ = false; }
   std::string_view name() const override { return name_; }
 
  private:
@@ -188,14 +192,20 @@ class EnergyPreserving final : public Integrator {
   // them. False if they cannot be had.
   bool prepare_filter() {
     const double h = options_.step;
+    has_filter_ = false;
     matrix_ *= 0.25 * h * h;
     const bool usable = matrix_.allFinite() && filter_.compute(matrix_);
+    enter_basis();
+    return usable;
+  }
+
+  void enter_basis() {
+    const double h = options_.step;
     place_ = d_;
     filter_.to_basis(place_);
     push_ = -*p0_;
     if (fourth_ && load_->active) push_ += (h / 12.0) * (load_->end - load_->start);
     filter_.to_basis(push_);
-    return usable;
   }
 
   // The predicted step, one correction, then (for an N that depends on the state) N at the midpoint
@@ -204,8 +214,15 @@ class EnergyPreserving final : public Integrator {
   StepReport solve_frozen() {
     StepReport report;
     d_ = options_.step * *p0_;
-    evaluate_gradient(&matrix_);
-    bool usable = prepare_filter();
+    bool usable = true;
+    // The first correction may as well go by the filter of the step before.
+    if (Filter::kFollowsTheState && has_filter_ && end_.q == *q0_ && end_.p == *p0_) {
+      evaluate_gradient(nullptr);
+      enter_basis();
+    } else {
+      evaluate_gradient(&matrix_);
+      usable = prepare_filter();
+    }
     double ratio = evaluate_residual();
     int updates = 0;  // since the filter was made
     for (int slow = 0;; ++report.iterations) {
@@ -251,6 +268,11 @@ class EnergyPreserving final : public Integrator {
   // From the start again, with the exact Jacobian and the line search; N is what it was.
   StepReport solve_exactly(const StepReport& before) {
     const double h = options_.step;
+    if (Filter::kFollowsTheState && has_filter_) {  // of the step before still
+      d_ = h * *p0_;
+      evaluate_gradient(&matrix_);
+      prepare_filter();
+    }
     for (Index j = 0; j < filter_matrix_.cols(); ++j) {
       image_.setZero();
       image_[j] = 1.0;
@@ -284,8 +306,10 @@ class EnergyPreserving final : public Integrator {
   IntegratorOptions options_;
   bool fourth_;
   bool damped_;
-  VectorXd rates_;   // D'
-  VectorXd weight_;  // S
+  bool has_filter_ = false;  // filter_ is that of the last step that was made
+  State end_;                // of that step
+  VectorXd rates_;           // D'
+  VectorXd weight_;          // S
   Filter filter_;
   PotentialWorkspace workspace_;
   MatrixXd matrix_;
