@@ -26,6 +26,8 @@ Status check_finite(std::span<const double> values, const char* name) {
 
 // Below, the pair kernel's tangent is the faster one: it has no second stage.
 constexpr Index kPairTangent = 20;
+// From here on two forces in one pass over the unique coefficients cost less than the pair matrix.
+constexpr Index kTwoForces = 22;
 
 void copy(const VectorXd& q, AlignedDoubles& point) {
   std::copy(q.data(), q.data() + q.size(), point.begin());
@@ -116,6 +118,8 @@ PotentialWorkspace Potential::make_workspace(unsigned uses) const {
   if (!(uses & kUseSegment) && !((uses & kUseTangent) && size() < kPairTangent)) return workspace;
   workspace.pair_kernel = &pair_kernel();
   const std::size_t padded = lanes::padded(r);
+  if ((uses & kUseSegment) && size() >= kTwoForces)
+    workspace.unique_second = unique_.make_workspace();
   for (AlignedDoubles* vector : {&workspace.point, &workspace.second, &workspace.product})
     vector->assign(padded + lanes::kLanes, 0.0);
   // Whole groups of eight columns are read.
@@ -228,6 +232,17 @@ void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1, Potent
   Eigen::Map<VectorXd> product(w.product.data(), size());
   mean = 0.5 * (q0 + q1);
   half = 0.5 * (q1 - q0);
+  if (tangent == nullptr && size() >= kTwoForces) {
+    // Gauss's two points integrate a cubic exactly.
+    const double node = 1.0 / std::sqrt(3.0);
+    product = mean + node * half;
+    half = mean - node * half;
+    unique_.gradient_pair(product.data(), half.data(), w.unique, w.unique_second, out.data(),
+                          w.triangle.data());
+    out = lambda_.cwiseProduct(mean) +
+          0.5 * (out + Eigen::Map<const VectorXd>(w.triangle.data(), size()));
+    return;
+  }
   // A of m m^T + d d^T, and B of m and of d.
   kernel.fill_pairs(mean.data(), half.data(), 1.0, w.pairs.data());
   std::fill_n(w.quartic.begin(), kernel.padded_pairs(), 0.0);

@@ -50,11 +50,12 @@ enum Use : unsigned {
 struct PotentialWorkspace {
   const PairKernel* pair_kernel = nullptr;  // if it is needed
   SymmetricKernel::Workspace unique;
-  AlignedDoubles point;         // a copy of q, zeros behind
-  AlignedDoubles second;        // of another vector
-  AlignedDoubles pairs;         // X
-  AlignedDoubles quartic;       // A
-  AlignedDoubles cubic;         // B
+  SymmetricKernel::Workspace unique_second;  // of a second point
+  AlignedDoubles point;                      // a copy of q, zeros behind
+  AlignedDoubles second;                     // of another vector
+  AlignedDoubles pairs;                      // X
+  AlignedDoubles quartic;                    // A
+  AlignedDoubles cubic;                      // B
   AlignedDoubles held_quartic;  // share of the held leading coordinates in A and B: begin_trailing
   AlignedDoubles held_cubic;
   AlignedDoubles triangle;  // what multiplies q in the force

@@ -191,6 +191,96 @@ TREMOLO_CLONES double evaluate_gradient(const double* rows, size_t r, const doub
   return value;
 }
 
+// ---- gradient at two points ----
+
+struct Point {
+  const double* point;
+  const double* pairs;
+  double* e;
+  double* w;
+  double* last;
+};
+
+// `Rows` rows whose vectors lie `apart` vectors apart from one chunk to the next.
+template <int Rows>
+TREMOLO_INLINE void add_rows_twice(const double* rows, size_t apart, size_t length, size_t k,
+                                   size_t l, size_t r, const Point& first, const Point& second) {
+  Vector sums[2][4] = {};
+  Vector weights[2][4] = {};
+#pragma GCC unroll 4
+  for (int b = 0; b < Rows; ++b) {
+    weights[0][b] = all(first.point[k] * first.point[l + static_cast<size_t>(b)]);
+    weights[1][b] = all(second.point[k] * second.point[l + static_cast<size_t>(b)]);
+  }
+  for (size_t t = 0; t < length; t += kLanes, rows += apart * kLanes) {
+    const Vector x0 = load(first.pairs + t), x1 = load(second.pairs + t);
+    Vector e0 = load(first.e + t), e1 = load(second.e + t);
+#pragma GCC unroll 4
+    for (int b = 0; b < Rows; ++b) {
+      const Vector c = lanes::load_once(rows + static_cast<size_t>(b) * kLanes);
+      sums[0][b] += c * x0;
+      sums[1][b] += c * x1;
+      e0 += c * weights[0][b];
+      e1 += c * weights[1][b];
+    }
+    store(first.e + t, e0);
+    store(second.e + t, e1);
+  }
+  put_sums(lanes::sums(sums[0][0], sums[0][1], sums[0][2], sums[0][3]), Rows, k, l, r, first.w,
+           first.last);
+  put_sums(lanes::sums(sums[1][0], sums[1][1], sums[1][2], sums[1][3]), Rows, k, l, r, second.w,
+           second.last);
+}
+
+struct GradientSumsTwice {
+  const double* rows;
+  size_t r;
+  Point first;
+  Point second;
+
+  TREMOLO_INLINE void one(size_t k, size_t l, size_t count) {
+    const size_t length = padded_pairs(k);
+    if (count == 4)
+      add_rows_twice<4>(rows, 4, length, k, l, r, first, second);
+    else if (count == 3)
+      add_rows_twice<3>(rows, 3, length, k, l, r, first, second);
+    else if (count == 2)
+      add_rows_twice<2>(rows, 2, length, k, l, r, first, second);
+    else
+      add_rows_twice<1>(rows, 1, length, k, l, r, first, second);
+    rows += count * length;
+  }
+  TREMOLO_INLINE void two(size_t k, size_t l) {
+    const size_t length = padded_pairs(k);
+    add_rows_twice<4>(rows, 8, length, k, l, r, first, second);
+    add_rows_twice<4>(rows + 4 * kLanes, 8, length, k - 1, l, r, first, second);
+    rows += 8 * length;
+  }
+};
+
+TREMOLO_CLONES void gradient_sums_twice(const double* rows, size_t r, const Point& first,
+                                        const Point& second) {
+  for (size_t t = 0; t < padded_pairs(r - 1); t += kLanes) {
+    store(first.e + t, Vector{});
+    store(second.e + t, Vector{});
+  }
+  GradientSumsTwice sums{rows, r, first, second};
+  for_each_group(r, sums);
+}
+
+TREMOLO_CLONES void prepare_point(const double* q, size_t r, double* point, double* pairs) {
+  fill_point(q, r, point, pairs);
+}
+
+TREMOLO_CLONES double finish_gradient(size_t r, const double* point, const double* pairs, double* e,
+                                      const double* w, const double* last, const double* masks,
+                                      double* y, double* gradient) {
+  const double value = fold_pair_parts(pairs, w, padded_pairs(r - 1), e);
+  triangle_product(e, r, point, masks, y);
+  for (size_t i = 0; i < r; ++i) gradient[i] = y[i] + last[i];
+  return value;
+}
+
 // ---- Hessian: W and Z ----
 
 // Rows (k, l) to (k, l + Rows - 1); the first of a First block is l = k. own: Z^k, written by the
@@ -400,6 +490,22 @@ SymmetricKernel::Workspace SymmetricKernel::make_workspace() const {
 double SymmetricKernel::gradient(const double* q, Workspace& w, double* gradient) const {
   return evaluate_gradient(rows_.data(), r_, q, w.point.data(), w.pairs.data(), w.folded.data(),
                            w.sums.data(), w.last.data(), masks_.data(), w.column.data(), gradient);
+}
+
+void SymmetricKernel::gradient_pair(const double* q0, const double* q1, Workspace& w0,
+                                    Workspace& w1, double* gradient0, double* gradient1) const {
+  const auto point = [](Workspace& w) {
+    return Point{w.point.data(), w.pairs.data(), w.folded.data(), w.sums.data(), w.last.data()};
+  };
+  const auto finish = [this](Workspace& w, double* gradient) {
+    finish_gradient(r_, w.point.data(), w.pairs.data(), w.folded.data(), w.sums.data(),
+                    w.last.data(), masks_.data(), w.column.data(), gradient);
+  };
+  prepare_point(q0, r_, w0.point.data(), w0.pairs.data());
+  prepare_point(q1, r_, w1.point.data(), w1.pairs.data());
+  gradient_sums_twice(rows_.data(), r_, point(w0), point(w1));
+  finish(w0, gradient0);
+  finish(w1, gradient1);
 }
 
 double SymmetricKernel::hessian(const double* q, Workspace& w, double* gradient,

@@ -51,7 +51,7 @@ class SymmetricKernel {
 
   // P(q) and grad P. q: r. gradient: r, overwritten.
   double gradient(const double* q, Workspace& workspace, double* gradient) const;
-  // The same at two points with one pass over the coefficients.
+  // grad P at two points with one pass over the coefficients.
   void gradient_pair(const double* q0, const double* q1, Workspace& workspace0,
                      Workspace& workspace1, double* gradient0, double* gradient1) const;
   // P(q), grad P and Hess P (r x r, both triangles).

@@ -1,5 +1,7 @@
 // imexv-adaptive: the low block stays within its bound, coordinates move early and come back late.
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -57,9 +59,9 @@ TEST(AdaptiveSplit, LowBlockNeverExceedsItsBoundWhereAStepBegins) {
 TEST(AdaptiveSplit, KeepsItsEnergyWhereTheFixedSplitBlowsUp) {
   const testing::StrainModel strain = strain_model();
   const Model::Pointer model = testing::make_model(strain);
-  const auto worst_energy = [&](const char* name) {
+  const auto worst_energy = [&](const char* name, double size) {
     const auto integrator = make(name, model, {.step = kStep});
-    State state = start_state(0.05);
+    State state = start_state(size);
     const auto energy = [&] {
       return 0.5 * state.p.squaredNorm() + testing::strain_energy(strain, state.q);
     };
@@ -71,9 +73,15 @@ TEST(AdaptiveSplit, KeepsItsEnergyWhereTheFixedSplitBlowsUp) {
     }
     return worst;
   };
-  // The midpoint rule itself reaches 1.48 here.
-  EXPECT_LE(worst_energy("imexv-adaptive"), 2.0);
-  EXPECT_GE(worst_energy("imexv"), 1e3);
+  // The motion is chaotic: starts that differ by 1e-9 reach 1.3 to 3, by the midpoint rule itself
+  // 1.1 to 2.7. So the median of some, and none that grows without end.
+  std::vector<double> worst;
+  for (int k = 0; k < 9; ++k)
+    worst.push_back(worst_energy("imexv-adaptive", 0.05 * (1 + 1e-9 * k)));
+  std::sort(worst.begin(), worst.end());
+  EXPECT_LE(worst[4], 2.0);
+  EXPECT_LE(worst[8], 10.0);
+  EXPECT_GE(worst_energy("imexv", 0.05), 1e3);
 }
 
 TEST(AdaptiveSplit, SmallMotionIsThatOfTheFixedSplit) {
