@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t kLane = 16;   // rows a line
 constexpr std::size_t kBlock = 64;  // rows a block
 
+// Name these types where they are used: `auto` forgets their alignment and aliasing.
 typedef float Floats __attribute__((vector_size(64), may_alias));
 typedef float LooseFloats __attribute__((vector_size(64), aligned(4), may_alias));
 typedef std::int32_t Integers __attribute__((vector_size(64), may_alias));
@@ -27,8 +28,8 @@ TREMOLO_CLONES
 void multiply_floats(const FloatLine* __restrict rows, const FloatLine* __restrict rest,
                      const float* __restrict q, std::size_t blocks, std::size_t modes,
                      float* __restrict out) {
-  const auto* u = reinterpret_cast<const Floats*>(rows);
-  const auto* x = reinterpret_cast<const Floats*>(rest);
+  const Floats* u = reinterpret_cast<const Floats*>(rows);
+  const Floats* x = reinterpret_cast<const Floats*>(rest);
   for (std::size_t block = 0; block < blocks; ++block, x += 4) {
     Floats x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
     for (std::size_t i = 0; i < modes; ++i, u += 4) {
@@ -38,7 +39,7 @@ void multiply_floats(const FloatLine* __restrict rows, const FloatLine* __restri
       x2 += u[2] * qi;
       x3 += u[3] * qi;
     }
-    auto* to = reinterpret_cast<LooseFloats*>(out + kBlock * block);
+    LooseFloats* to = reinterpret_cast<LooseFloats*>(out + kBlock * block);
     to[0] = x0;
     to[1] = x1;
     to[2] = x2;
@@ -52,8 +53,8 @@ void multiply_pairs(const PairLine* __restrict pairs, const FloatLine* __restric
                     const float* __restrict q, std::size_t blocks, std::size_t modes,
                     float* __restrict out) {
   constexpr auto kHigh = static_cast<std::int32_t>(0xffff0000u);
-  const auto* u = reinterpret_cast<const Integers*>(pairs);
-  const auto* x = reinterpret_cast<const Floats*>(rest);
+  const Integers* u = reinterpret_cast<const Integers*>(pairs);
+  const Floats* x = reinterpret_cast<const Floats*>(rest);
   for (std::size_t block = 0; block < blocks; ++block, x += 4) {
     Floats x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
     for (std::size_t i = 0; i < modes; ++i, u += 2) {
@@ -63,7 +64,7 @@ void multiply_pairs(const PairLine* __restrict pairs, const FloatLine* __restric
       x2 += __builtin_convertvector(u[1] << 16, Floats) * qi;
       x3 += __builtin_convertvector(u[1] & kHigh, Floats) * qi;
     }
-    auto* to = reinterpret_cast<LooseFloats*>(out + kBlock * block);
+    LooseFloats* to = reinterpret_cast<LooseFloats*>(out + kBlock * block);
     to[0] = x0;
     to[1] = x1;
     to[2] = x2;

@@ -37,7 +37,7 @@ Cloud random_cloud(int vertices, Index r, unsigned seed) {
   }
   cloud.block.rows = BasisRows::NullaryExpr(3 * vertices, r, [&] { return uniform(engine); });
   cloud.q = VectorXd::NullaryExpr(r, [&] { return 0.1 * uniform(engine); });
-  while (static_cast<int>(cloud.triangles.size()) < 2 * vertices) {
+  while (vertices > 2 && static_cast<int>(cloud.triangles.size()) < 2 * vertices) {
     const Triangle t{any(engine), any(engine), any(engine)};
     if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) cloud.triangles.push_back(t);
   }
