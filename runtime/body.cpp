@@ -154,14 +154,14 @@ Status Body::surface_positions(std::span<double> out) const {
 
 Status Body::surface_positions(std::span<float> out) const {
   if (Status s = check_buffer(*model_, out.size(), "positions"); !s) return s;
-  tremolo::surface_positions(model_->surface_rows(), state_.q, surface_, out);
+  tremolo::surface_positions(model_->surface_basis(), state_.q, surface_, out);
   return Success{};
 }
 
 Status Body::surface(std::span<float> positions, std::span<float> normals) const {
   if (Status s = check_buffer(*model_, positions.size(), "positions"); !s) return s;
   if (Status s = check_buffer(*model_, normals.size(), "normals"); !s) return s;
-  surface_with_normals(model_->surface_rows(), model_->triangles(), state_.q, surface_, positions,
+  surface_with_normals(model_->surface_basis(), model_->triangles(), state_.q, surface_, positions,
                        normals);
   return Success{};
 }

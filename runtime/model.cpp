@@ -159,11 +159,11 @@ double Model::explicit_step_limit() const {
   return 2.0 / std::sqrt(lambda()[modes() - 1]);
 }
 
-const SurfaceRows& Model::surface_rows() const {
-  std::call_once(surface_rows_once_, [this] {
-    surface_rows_ = std::make_unique<SurfaceRows>(make_surface_rows(surface_));
+const SurfaceBasis& Model::surface_basis() const {
+  std::call_once(surface_basis_once_, [this] {
+    surface_basis_ = std::make_unique<SurfaceBasis>(make_surface_basis(surface_));
   });
-  return *surface_rows_;
+  return *surface_basis_;
 }
 
 Result<VertexRows> Model::vertex(VertexId id) const {

@@ -17,7 +17,7 @@
 namespace tremolo {
 
 class InteriorRows;
-struct SurfaceRows;
+struct SurfaceBasis;
 
 // modes: the level of detail, the number of leading coordinates that are kept; 0 keeps all.
 // linear: V = 1/2 q^T Lambda q, the cubic and quartic terms are neither read nor kept.
@@ -71,7 +71,7 @@ class Model {
 
   // The surface's rows as they are multiplied for display (runtime/surface.h), made when they are
   // first asked for: a model that is never shown pays nothing. Thread-safe; may throw bad_alloc.
-  const SurfaceRows& surface_rows() const;
+  const SurfaceBasis& surface_basis() const;
 
  private:
   Model(Potential potential, VertexBlock surface);
@@ -85,8 +85,8 @@ class Model {
   std::size_t vertex_count_ = 0;
   std::size_t tetrahedron_count_ = 0;
   std::unique_ptr<InteriorRows> interior_;
-  mutable std::once_flag surface_rows_once_;
-  mutable std::unique_ptr<SurfaceRows> surface_rows_;
+  mutable std::once_flag surface_basis_once_;
+  mutable std::unique_ptr<SurfaceBasis> surface_basis_;
 };
 
 }  // namespace tremolo

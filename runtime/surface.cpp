@@ -19,8 +19,8 @@ typedef std::int32_t Integers __attribute__((vector_size(64), may_alias));
 typedef float Four __attribute__((vector_size(16), may_alias));
 typedef float LooseFour __attribute__((vector_size(16), aligned(4), may_alias));
 
-using FloatLine = SurfaceRows::FloatLine;
-using PairLine = SurfaceRows::PairLine;
+using FloatLine = SurfaceBasis::FloatLine;
+using PairLine = SurfaceBasis::PairLine;
 using Sum = SurfaceWorkspace::Sum;
 
 // out: whole blocks.
@@ -72,7 +72,7 @@ void multiply_pairs(const PairLine* __restrict pairs, const FloatLine* __restric
   }
 }
 
-void multiply(const SurfaceRows& rows, std::size_t first, std::size_t blocks, const float* q,
+void multiply(const SurfaceBasis& rows, std::size_t first, std::size_t blocks, const float* q,
               float* out) {
   const FloatLine* rest = rows.rest.data() + 4 * first;
   if (rows.pairs.empty())
@@ -119,7 +119,7 @@ void write_unit_normals(const Sum* sums, std::size_t count, float* out) {
   }
 }
 
-const float* scaled_coordinates(const SurfaceRows& rows, const Eigen::VectorXd& q,
+const float* scaled_coordinates(const SurfaceBasis& rows, const Eigen::VectorXd& q,
                                 SurfaceWorkspace& workspace) {
   workspace.coordinates.resize(rows.modes);
   for (std::size_t i = 0; i < rows.modes; ++i)
@@ -144,8 +144,8 @@ std::vector<std::int32_t> integers_of(const VertexBlock& surface) {
 
 }  // namespace
 
-SurfaceRows make_surface_rows(const VertexBlock& surface) {
-  SurfaceRows rows;
+SurfaceBasis make_surface_basis(const VertexBlock& surface) {
+  SurfaceBasis rows;
   rows.vertices = surface.vertex_ids.size();
   rows.modes = static_cast<std::size_t>(surface.rows.cols());
   const std::size_t count = 3 * rows.vertices;
@@ -177,7 +177,7 @@ SurfaceRows make_surface_rows(const VertexBlock& surface) {
   return rows;
 }
 
-void surface_positions(const SurfaceRows& rows, const Eigen::VectorXd& q,
+void surface_positions(const SurfaceBasis& rows, const Eigen::VectorXd& q,
                        SurfaceWorkspace& workspace, std::span<float> positions) {
   const float* coordinates = scaled_coordinates(rows, q, workspace);
   const std::size_t whole = positions.size() / kBlock;
@@ -188,7 +188,7 @@ void surface_positions(const SurfaceRows& rows, const Eigen::VectorXd& q,
   std::copy_n(last, positions.size() - kBlock * whole, positions.data() + kBlock * whole);
 }
 
-void surface_with_normals(const SurfaceRows& rows, const std::vector<Triangle>& triangles,
+void surface_with_normals(const SurfaceBasis& rows, const std::vector<Triangle>& triangles,
                           const Eigen::VectorXd& q, SurfaceWorkspace& workspace,
                           std::span<float> positions, std::span<float> normals) {
   const float* coordinates = scaled_coordinates(rows, q, workspace);

@@ -21,7 +21,7 @@ namespace tremolo {
 // Rows of the surface in blocks of 64 (x, y, z of a vertex are three rows; the last block is padded
 // with zeros). Column by column within a block, so that 64 sums are kept in registers while the
 // block streams by.
-struct SurfaceRows {
+struct SurfaceBasis {
   struct alignas(64) FloatLine {
     float value[16];
   };
@@ -43,7 +43,7 @@ struct SurfaceRows {
 
 // 16-bit integers if the block has column scales and all its rows are such multiples of them, which
 // loses nothing; else floats.
-SurfaceRows make_surface_rows(const VertexBlock& surface);
+SurfaceBasis make_surface_basis(const VertexBlock& surface);
 
 // Scratch of one caller; grows at the first call that needs it.
 struct SurfaceWorkspace {
@@ -57,12 +57,12 @@ struct SurfaceWorkspace {
 
 // positions: 3s, x y z x y z ..., m; q: r. The error is that of float sums: below
 // (r + 2) 2^-24 (|X| + sum_i |q_i U_i|) in a component, about 1e-6 of the size in practice.
-void surface_positions(const SurfaceRows& rows, const Eigen::VectorXd& q,
+void surface_positions(const SurfaceBasis& rows, const Eigen::VectorXd& q,
                        SurfaceWorkspace& workspace, std::span<float> positions);
 
 // The same, and the unit normals of those positions, 3s. triangles: indices below s. A vertex whose
 // triangles have no area or cancel gets a zero normal.
-void surface_with_normals(const SurfaceRows& rows, const std::vector<Triangle>& triangles,
+void surface_with_normals(const SurfaceBasis& rows, const std::vector<Triangle>& triangles,
                           const Eigen::VectorXd& q, SurfaceWorkspace& workspace,
                           std::span<float> positions, std::span<float> normals);
 

@@ -71,7 +71,7 @@ VectorXd allowed_error(const Cloud& cloud) {
 std::vector<float> positions_of(const Cloud& cloud) {
   SurfaceWorkspace workspace;
   std::vector<float> positions(3 * cloud.block.rest.size());
-  surface_positions(make_surface_rows(cloud.block), cloud.q, workspace, positions);
+  surface_positions(make_surface_basis(cloud.block), cloud.q, workspace, positions);
   return positions;
 }
 
@@ -106,9 +106,9 @@ TEST(Surface, FloatPositionsErrByAMillionthOfTheSize) {
 
 TEST(Surface, RowsThatAreSixteenBitMultiplesAreKeptAsSuchWithoutLoss) {
   Cloud cloud = random_cloud(100, 7, 4);
-  EXPECT_TRUE(make_surface_rows(cloud.block).pairs.empty());
+  EXPECT_TRUE(make_surface_basis(cloud.block).pairs.empty());
   quantise(cloud.block);
-  const SurfaceRows rows = make_surface_rows(cloud.block);
+  const SurfaceBasis rows = make_surface_basis(cloud.block);
   EXPECT_FALSE(rows.pairs.empty());
   EXPECT_TRUE(rows.rows.empty());
   // One coordinate at a time, from rest positions of zero: only the product is rounded.
@@ -125,11 +125,11 @@ TEST(Surface, ScalesThatDoNotFitTheRowsAreNotBelieved) {
   Cloud cloud = random_cloud(100, 7, 4);
   quantise(cloud.block);
   cloud.block.rows(50, 3) += 0.3 * cloud.block.column_scales[3];
-  EXPECT_TRUE(make_surface_rows(cloud.block).pairs.empty());
+  EXPECT_TRUE(make_surface_basis(cloud.block).pairs.empty());
   cloud.block.rows(50, 3) = 40000.0 * cloud.block.column_scales[3];
-  EXPECT_TRUE(make_surface_rows(cloud.block).pairs.empty());
+  EXPECT_TRUE(make_surface_basis(cloud.block).pairs.empty());
   cloud.block.column_scales.conservativeResize(6);
-  EXPECT_TRUE(make_surface_rows(cloud.block).pairs.empty());
+  EXPECT_TRUE(make_surface_basis(cloud.block).pairs.empty());
 }
 
 TEST(Surface, NormalsAreTheAreaWeightedOnesOfThosePositions) {
@@ -137,7 +137,7 @@ TEST(Surface, NormalsAreTheAreaWeightedOnesOfThosePositions) {
     const Cloud cloud = random_cloud(vertices, 6, 12);
     SurfaceWorkspace workspace;
     std::vector<float> positions(3 * cloud.block.rest.size()), normals(positions.size());
-    surface_with_normals(make_surface_rows(cloud.block), cloud.triangles, cloud.q, workspace,
+    surface_with_normals(make_surface_basis(cloud.block), cloud.triangles, cloud.q, workspace,
                          positions, normals);
     EXPECT_EQ(positions, positions_of(cloud));
     const VectorXd x = as_doubles(positions), n = as_doubles(normals);
@@ -172,7 +172,7 @@ TEST(Surface, NormalsOfATetrahedronPointOutwards) {
   cloud.q = VectorXd::Ones(1);
   SurfaceWorkspace workspace;
   std::vector<float> positions(12), normals(12);
-  surface_with_normals(make_surface_rows(cloud.block), cloud.triangles, cloud.q, workspace,
+  surface_with_normals(make_surface_basis(cloud.block), cloud.triangles, cloud.q, workspace,
                        positions, normals);
   const VectorXd n = as_doubles(normals);
   const Vector3d centre(0.25, 0.25, 0.25);
@@ -191,7 +191,7 @@ TEST(Surface, FlatTrianglesGiveNoNormalAndNoNotANumber) {
   cloud.q = VectorXd::Ones(1);
   SurfaceWorkspace workspace;
   std::vector<float> positions(9), normals(9, 7.0f);
-  surface_with_normals(make_surface_rows(cloud.block), cloud.triangles, cloud.q, workspace,
+  surface_with_normals(make_surface_basis(cloud.block), cloud.triangles, cloud.q, workspace,
                        positions, normals);
   EXPECT_EQ(normals, std::vector<float>(9, 0.0f));
 }
@@ -211,8 +211,8 @@ TEST(Surface, ABodyOfACompactFileIsWhereTheFullOneIs) {
   std::vector<float> x(3 * data.surface.rest.size()), y(x.size()), n(x.size());
   ASSERT_TRUE(a->surface_positions(std::span<float>(x)));
   ASSERT_TRUE(b->surface(y, n));
-  EXPECT_FALSE((*compact)->surface_rows().pairs.empty());
-  EXPECT_TRUE((*full)->surface_rows().pairs.empty());
+  EXPECT_FALSE((*compact)->surface_basis().pairs.empty());
+  EXPECT_TRUE((*full)->surface_basis().pairs.empty());
   // Half a 16-bit step of each column, and the rounding of floats.
   const double allowed =
       0.5 / 32767.0 * data.surface.rows.cwiseAbs().maxCoeff() * q.cwiseAbs().sum() + 1e-6;
