@@ -161,7 +161,7 @@ double Model::explicit_step_limit() const {
 
 const SurfaceBasis& Model::surface_basis() const {
   std::call_once(surface_basis_once_, [this] {
-    surface_basis_ = std::make_unique<SurfaceBasis>(make_surface_basis(surface_));
+    surface_basis_ = std::make_unique<SurfaceBasis>(make_surface_basis(surface_, triangles_));
   });
   return *surface_basis_;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "runtime/clones.h"
 
@@ -81,41 +82,65 @@ void multiply(const SurfaceBasis& rows, std::size_t first, std::size_t blocks, c
     multiply_pairs(rows.pairs.data() + 2 * rows.modes * first, rest, q, blocks, rows.modes, out);
 }
 
-// sums: z, x, y of each vertex's normal; the fourth number means nothing. positions: readable for
-// one number behind the last vertex.
+// normals: z, x, y of each triangle's (b - a) x (c - a); the fourth number means nothing.
+// positions: readable for one number behind the last vertex.
 TREMOLO_CLONES
-void add_triangle_normals(const Triangle* triangles, std::size_t count,
-                          const float* __restrict positions, Sum* __restrict sums) {
+void write_triangle_normals(const Triangle* triangles, std::size_t count,
+                            const float* __restrict positions, Sum* __restrict normals) {
   const auto at = [positions](VertexId vertex) -> Four {
     return *reinterpret_cast<const LooseFour*>(positions + 3 * static_cast<std::size_t>(vertex));
   };
   for (std::size_t t = 0; t < count; ++t) {
-    const auto [a, b, c] = triangles[t];
-    const Four origin = at(a);
-    const Four e = at(b) - origin;
-    const Four f = at(c) - origin;
-    const Four normal = e * __builtin_shufflevector(f, f, 1, 2, 0, 3) -
-                        __builtin_shufflevector(e, e, 1, 2, 0, 3) * f;
-    reinterpret_cast<Four&>(sums[a]) += normal;
-    reinterpret_cast<Four&>(sums[b]) += normal;
-    reinterpret_cast<Four&>(sums[c]) += normal;
+    const Triangle& corner = triangles[t];
+    const Four origin = at(corner[0]);
+    const Four e = at(corner[1]) - origin;
+    const Four f = at(corner[2]) - origin;
+    reinterpret_cast<Four&>(normals[t]) = e * __builtin_shufflevector(f, f, 1, 2, 0, 3) -
+                                          __builtin_shufflevector(e, e, 1, 2, 0, 3) * f;
   }
 }
 
-// At most kBlock vertices.
-void write_unit_normals(const Sum* sums, std::size_t count, float* out) {
-  float factor[kBlock];
+// Sums over the triangles at each of `count` vertices and their squared lengths: reading each
+// normal three times is cheaper than adding it to three vertices in memory.
+TREMOLO_CLONES
+void gather_normals(const std::uint32_t* first, const std::uint32_t* incident,
+                    const Sum* __restrict normals, std::size_t count, Sum* __restrict sums,
+                    float* __restrict squared) {
   for (std::size_t v = 0; v < count; ++v) {
-    const auto& [z, x, y, unused] = sums[v].value;
-    factor[v] = x * x + y * y + z * z;
+    Four sum = {};
+    for (std::size_t i = first[v]; i < first[v + 1]; ++i)
+      sum += reinterpret_cast<const Four&>(normals[incident[i]]);
+    reinterpret_cast<Four&>(sums[v]) = __builtin_shufflevector(sum, sum, 1, 2, 0, 3);
+    squared[v] = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
   }
-  Eigen::Map<Eigen::ArrayXf> inverse(factor, static_cast<Eigen::Index>(count));
-  inverse = (inverse > std::numeric_limits<float>::min()).select(inverse.rsqrt(), 0.0f);
-  for (std::size_t v = 0; v < count; ++v) {
-    const auto& [z, x, y, unused] = sums[v].value;
-    out[3 * v] = factor[v] * x;
-    out[3 * v + 1] = factor[v] * y;
-    out[3 * v + 2] = factor[v] * z;
+}
+
+// x, y, z of each sum times its factor. Four numbers a vertex are written: the fourth is the next
+// one's place, and `count` must leave one vertex behind.
+TREMOLO_CLONES
+void write_scaled(const Sum* __restrict sums, const float* __restrict factors, std::size_t count,
+                  float* __restrict out) {
+  for (std::size_t v = 0; v < count; ++v)
+    *reinterpret_cast<LooseFour*>(out + 3 * v) =
+        reinterpret_cast<const Four&>(sums[v]) * factors[v];
+}
+
+// The unit normals of all vertices from those of the triangles.
+void write_unit_normals(const SurfaceBasis& basis, const Sum* triangle_normals, float* out) {
+  Sum sums[kBlock];
+  float factors[kBlock];
+  for (std::size_t first = 0; first < basis.vertices; first += kBlock) {
+    const std::size_t count = std::min(kBlock, basis.vertices - first);
+    gather_normals(basis.first_incident.data() + first, basis.incident.data(), triangle_normals,
+                   count, sums, factors);
+    Eigen::Map<Eigen::ArrayXf> inverse(factors, static_cast<Eigen::Index>(count));
+    // A sum of zero stays zero.
+    inverse = inverse.max(std::numeric_limits<float>::min()).rsqrt();
+    const bool last = first + count == basis.vertices;
+    write_scaled(sums, factors, last ? count - 1 : count, out + 3 * first);
+    if (!last) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      out[3 * (basis.vertices - 1) + axis] = factors[count - 1] * sums[count - 1].value[axis];
   }
 }
 
@@ -125,6 +150,19 @@ const float* scaled_coordinates(const SurfaceBasis& rows, const Eigen::VectorXd&
   for (std::size_t i = 0; i < rows.modes; ++i)
     workspace.coordinates[i] = static_cast<float>(rows.scales[i] * q[static_cast<Eigen::Index>(i)]);
   return workspace.coordinates.data();
+}
+
+void list_incident(const std::vector<Triangle>& triangles, SurfaceBasis& basis) {
+  basis.first_incident.assign(basis.vertices + 1, 0);
+  for (const Triangle& triangle : triangles)
+    for (const VertexId corner : triangle) ++basis.first_incident[std::size_t(corner) + 1];
+  std::partial_sum(basis.first_incident.begin(), basis.first_incident.end(),
+                   basis.first_incident.begin());
+  std::vector<std::uint32_t> next = basis.first_incident;
+  basis.incident.resize(3 * triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (const VertexId corner : triangles[t])
+      basis.incident[next[std::size_t(corner)]++] = static_cast<std::uint32_t>(t);
 }
 
 // The integers of the block in order of rows, or nothing if some entry is no such multiple.
@@ -144,7 +182,8 @@ std::vector<std::int32_t> integers_of(const VertexBlock& surface) {
 
 }  // namespace
 
-SurfaceBasis make_surface_basis(const VertexBlock& surface) {
+SurfaceBasis make_surface_basis(const VertexBlock& surface,
+                                const std::vector<Triangle>& triangles) {
   SurfaceBasis rows;
   rows.vertices = surface.vertex_ids.size();
   rows.modes = static_cast<std::size_t>(surface.rows.cols());
@@ -154,6 +193,7 @@ SurfaceBasis make_surface_basis(const VertexBlock& surface) {
   for (std::size_t row = 0; row < count; ++row)
     rows.rest[row / kLane].value[row % kLane] =
         static_cast<float>(surface.rest[row / 3][static_cast<Eigen::Index>(row % 3)]);
+  list_incident(triangles, rows);
   const std::vector<std::int32_t> integers = integers_of(surface);
   if (integers.empty()) {
     rows.scales.assign(rows.modes, 1.0);
@@ -195,12 +235,10 @@ void surface_with_normals(const SurfaceBasis& rows, const std::vector<Triangle>&
   workspace.positions.resize(kBlock * rows.blocks() + 1);
   multiply(rows, 0, rows.blocks(), coordinates, workspace.positions.data());
   std::copy_n(workspace.positions.data(), positions.size(), positions.data());
-  workspace.sums.assign(rows.vertices, Sum{});
-  add_triangle_normals(triangles.data(), triangles.size(), workspace.positions.data(),
-                       workspace.sums.data());
-  for (std::size_t first = 0; first < rows.vertices; first += kBlock)
-    write_unit_normals(workspace.sums.data() + first, std::min(kBlock, rows.vertices - first),
-                       normals.data() + 3 * first);
+  workspace.triangle_normals.resize(triangles.size());
+  write_triangle_normals(triangles.data(), triangles.size(), workspace.positions.data(),
+                         workspace.triangle_normals.data());
+  write_unit_normals(rows, workspace.triangle_normals.data(), normals.data());
 }
 
 }  // namespace tremolo

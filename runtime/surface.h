@@ -37,22 +37,30 @@ struct SurfaceBasis {
   std::vector<PairLine> pairs;  // 2 lines a block and column: 16-bit integers
   std::vector<double> scales;   // r: what a coordinate is multiplied by before the product
 
+  // The triangles at vertex v: incident[first_incident[v] .. first_incident[v + 1]).
+  std::vector<std::uint32_t> first_incident;  // s + 1
+  std::vector<std::uint32_t> incident;        // 3t
+
   std::size_t blocks() const { return rest.size() / 4; }
-  std::size_t bytes() const { return 64 * (rest.size() + rows.size() + pairs.size()); }
+  std::size_t bytes() const {
+    return 64 * (rest.size() + rows.size() + pairs.size()) +
+           4 * (first_incident.size() + incident.size());
+  }
 };
 
 // 16-bit integers if the block has column scales and all its rows are such multiples of them, which
 // loses nothing; else floats.
-SurfaceBasis make_surface_basis(const VertexBlock& surface);
+// triangles: indices below s.
+SurfaceBasis make_surface_basis(const VertexBlock& surface, const std::vector<Triangle>& triangles);
 
 // Scratch of one caller; grows at the first call that needs it.
 struct SurfaceWorkspace {
   struct alignas(16) Sum {
     float value[4];
   };
-  std::vector<float> coordinates;  // r
-  std::vector<float> positions;    // padded to whole blocks and one number more
-  std::vector<Sum> sums;           // s
+  std::vector<float> coordinates;     // r
+  std::vector<float> positions;       // padded to whole blocks and one number more
+  std::vector<Sum> triangle_normals;  // t
 };
 
 // positions: 3s, x y z x y z ..., m; q: r. The error is that of float sums: below
@@ -60,8 +68,8 @@ struct SurfaceWorkspace {
 void surface_positions(const SurfaceBasis& rows, const Eigen::VectorXd& q,
                        SurfaceWorkspace& workspace, std::span<float> positions);
 
-// The same, and the unit normals of those positions, 3s. triangles: indices below s. A vertex whose
-// triangles have no area or cancel gets a zero normal.
+// The same, and the unit normals of those positions, 3s. triangles: those the basis was made with.
+// A vertex whose triangles have no area or cancel gets a zero normal (below 1e-19 m^2 a short one).
 void surface_with_normals(const SurfaceBasis& rows, const std::vector<Triangle>& triangles,
                           const Eigen::VectorXd& q, SurfaceWorkspace& workspace,
                           std::span<float> positions, std::span<float> normals);

@@ -71,7 +71,8 @@ VectorXd allowed_error(const Cloud& cloud) {
 std::vector<float> positions_of(const Cloud& cloud) {
   SurfaceWorkspace workspace;
   std::vector<float> positions(3 * cloud.block.rest.size());
-  surface_positions(make_surface_basis(cloud.block), cloud.q, workspace, positions);
+  surface_positions(make_surface_basis(cloud.block, cloud.triangles), cloud.q, workspace,
+                    positions);
   return positions;
 }
 
@@ -106,9 +107,9 @@ TEST(Surface, FloatPositionsErrByAMillionthOfTheSize) {
 
 TEST(Surface, RowsThatAreSixteenBitMultiplesAreKeptAsSuchWithoutLoss) {
   Cloud cloud = random_cloud(100, 7, 4);
-  EXPECT_TRUE(make_surface_basis(cloud.block).pairs.empty());
+  EXPECT_TRUE(make_surface_basis(cloud.block, cloud.triangles).pairs.empty());
   quantise(cloud.block);
-  const SurfaceBasis rows = make_surface_basis(cloud.block);
+  const SurfaceBasis rows = make_surface_basis(cloud.block, cloud.triangles);
   EXPECT_FALSE(rows.pairs.empty());
   EXPECT_TRUE(rows.rows.empty());
   // One coordinate at a time, from rest positions of zero: only the product is rounded.
@@ -125,11 +126,11 @@ TEST(Surface, ScalesThatDoNotFitTheRowsAreNotBelieved) {
   Cloud cloud = random_cloud(100, 7, 4);
   quantise(cloud.block);
   cloud.block.rows(50, 3) += 0.3 * cloud.block.column_scales[3];
-  EXPECT_TRUE(make_surface_basis(cloud.block).pairs.empty());
+  EXPECT_TRUE(make_surface_basis(cloud.block, cloud.triangles).pairs.empty());
   cloud.block.rows(50, 3) = 40000.0 * cloud.block.column_scales[3];
-  EXPECT_TRUE(make_surface_basis(cloud.block).pairs.empty());
+  EXPECT_TRUE(make_surface_basis(cloud.block, cloud.triangles).pairs.empty());
   cloud.block.column_scales.conservativeResize(6);
-  EXPECT_TRUE(make_surface_basis(cloud.block).pairs.empty());
+  EXPECT_TRUE(make_surface_basis(cloud.block, cloud.triangles).pairs.empty());
 }
 
 TEST(Surface, NormalsAreTheAreaWeightedOnesOfThosePositions) {
@@ -137,8 +138,8 @@ TEST(Surface, NormalsAreTheAreaWeightedOnesOfThosePositions) {
     const Cloud cloud = random_cloud(vertices, 6, 12);
     SurfaceWorkspace workspace;
     std::vector<float> positions(3 * cloud.block.rest.size()), normals(positions.size());
-    surface_with_normals(make_surface_basis(cloud.block), cloud.triangles, cloud.q, workspace,
-                         positions, normals);
+    surface_with_normals(make_surface_basis(cloud.block, cloud.triangles), cloud.triangles, cloud.q,
+                         workspace, positions, normals);
     EXPECT_EQ(positions, positions_of(cloud));
     const VectorXd x = as_doubles(positions), n = as_doubles(normals);
     VectorXd sums = VectorXd::Zero(x.size()), sizes = VectorXd::Zero(vertices);
@@ -172,8 +173,8 @@ TEST(Surface, NormalsOfATetrahedronPointOutwards) {
   cloud.q = VectorXd::Ones(1);
   SurfaceWorkspace workspace;
   std::vector<float> positions(12), normals(12);
-  surface_with_normals(make_surface_basis(cloud.block), cloud.triangles, cloud.q, workspace,
-                       positions, normals);
+  surface_with_normals(make_surface_basis(cloud.block, cloud.triangles), cloud.triangles, cloud.q,
+                       workspace, positions, normals);
   const VectorXd n = as_doubles(normals);
   const Vector3d centre(0.25, 0.25, 0.25);
   for (Index v = 0; v < 4; ++v) {
@@ -191,8 +192,8 @@ TEST(Surface, FlatTrianglesGiveNoNormalAndNoNotANumber) {
   cloud.q = VectorXd::Ones(1);
   SurfaceWorkspace workspace;
   std::vector<float> positions(9), normals(9, 7.0f);
-  surface_with_normals(make_surface_basis(cloud.block), cloud.triangles, cloud.q, workspace,
-                       positions, normals);
+  surface_with_normals(make_surface_basis(cloud.block, cloud.triangles), cloud.triangles, cloud.q,
+                       workspace, positions, normals);
   EXPECT_EQ(normals, std::vector<float>(9, 0.0f));
 }
 

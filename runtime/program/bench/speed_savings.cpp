@@ -202,7 +202,8 @@ Status add_loading_rows(const std::string& path, SpeedSection& section) {
       row_bytes * static_cast<double>(data->surface.rows.rows()),
       row_bytes * static_cast<double>(data->surface.rows.rows() + data->interior.rows.rows()),
       "bytes", "automatic, as above"));
-  const double display = static_cast<double>(make_surface_basis(data->surface).bytes());
+  const double display =
+      static_cast<double>(make_surface_basis(data->surface, data->triangles).bytes());
   section.rows.push_back(saving(name + ": rows for display of a model that is never shown", 0.0,
                                 display, "bytes", "automatic: made at the first float positions"));
   const Result<std::vector<std::byte>> compact = encode_basis(*data, BasisEncoding::kCompact);

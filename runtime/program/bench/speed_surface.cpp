@@ -101,9 +101,9 @@ void set_limit(SpeedRow& row, const MachineProbe& probe) {
 void measure_size(int around, int along, Eigen::Index r, const MachineProbe& probe,
                   SpeedSection& section) {
   Surface surface = make_surface(around, along, r);
-  const SurfaceBasis floats = make_surface_basis(surface.block);
+  const SurfaceBasis floats = make_surface_basis(surface.block, surface.triangles);
   surface.block.column_scales = Eigen::VectorXd::Constant(r, std::ldexp(1.0, -15));
-  const SurfaceBasis integers = make_surface_basis(surface.block);
+  const SurfaceBasis integers = make_surface_basis(surface.block, surface.triangles);
   Work wide = make_work(surface, floats), narrow = make_work(surface, integers);
   const double rows = static_cast<double>(surface.block.rows.rows());
   const int calls = std::max(1, static_cast<int>(2e6 / (rows * static_cast<double>(r))));
@@ -111,9 +111,10 @@ void measure_size(int around, int along, Eigen::Index r, const MachineProbe& pro
       time_by_turns({old_way, in_double, in_float, in_float, with_normals, with_normals},
                     {&wide, &wide, &wide, &narrow, &wide, &narrow}, calls, 25);
   const double reals = rows * static_cast<double>(r);
-  // Rest positions and results beside the rows; for normals the results again, the corners, and the
-  // sums that are cleared, filled and read.
-  const double normals = 12.0 * 2.0 * rows / 3.0 + 2 * 4.0 * rows + 16.0 * rows / 3.0 + 4.0 * rows;
+  // Rest positions and results beside the rows. For normals the results once more, the corners, the
+  // triangles' normals written and read three times, the lists of triangles, and the normals.
+  const double vertices = rows / 3.0, triangles = 2.0 * vertices;
+  const double normals = 8 * rows + (12.0 + 4 * 16.0 + 12.0) * triangles + 4 * vertices + 4 * rows;
   const struct {
     const char* what;
     double bytes;
