@@ -59,6 +59,12 @@ BasisData random_basis(unsigned seed) {
   return data;
 }
 
+void rename(Bytes& bytes, std::string_view from, std::string_view to) {
+  const std::size_t at = entry_of(bytes, from);
+  std::memset(bytes.data() + at, 0, kNameSize);
+  std::memcpy(bytes.data() + at, to.data(), to.size());
+}
+
 // max |kept - full| / |full|
 double largest_relative(const std::vector<double>& kept, const std::vector<double>& full) {
   double largest = 0.0;
@@ -191,17 +197,20 @@ TEST(CompactFile, TermsOfOneOrderWithoutTheOtherAreRefused) {
     BasisData data = tiny_basis();
     (cubic ? data.cubic : data.quartic).clear();
     EXPECT_FALSE(encode_basis(data));
-    // What the writer does not make is made from bytes.
-    Bytes bytes = *encode_basis(tiny_basis());
-    const std::size_t at = entry_of(bytes, cubic ? kCubic : kQuartic);
-    put(bytes, at + entry::kRowsAt, std::uint64_t{0});
-    put(bytes, at + entry::kSizeAt, std::uint64_t{0});
-    // What stood there becomes padding, which must be zero.
-    std::fill_n(
-        bytes.begin() + static_cast<std::ptrdiff_t>(offset_of(bytes, cubic ? kCubic : kQuartic)),
-        40, std::byte{0});
+    // What the writer does not make: the terms get another name, the empty provenance gets theirs.
+    data = tiny_basis();
+    data.provenance.clear();
+    Bytes bytes = *encode_basis(data);
+    const std::string_view name = cubic ? kCubic : kQuartic;
+    rename(bytes, name, "other");
+    put(bytes, entry_of(bytes, "other") + entry::kFlagsAt, std::uint32_t{0});
+    rename(bytes, kProvenance, name);
+    put(bytes, entry_of(bytes, name) + entry::kTypeAt, ElementType::kF64);
     reseal(bytes);
-    EXPECT_FALSE(decode(bytes));
+    const auto refused = decode(bytes);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("does not fit"), std::string::npos)
+        << refused.error().message;
   }
 }
 
@@ -256,20 +265,20 @@ TEST(CompactFile, ScalesAndFloatsThatMakeNoSenseAreRefused) {
 TEST(CompactFile, ScalesComeTogetherAndWithTheirTypes) {
   for (const std::string_view section : {kCoefficientScales, kBasisScales}) {
     Bytes bytes = compact_bytes();
-    const std::size_t at = entry_of(bytes, section);
-    std::memset(bytes.data() + at, 0, kNameSize);
-    std::memcpy(bytes.data() + at, "other", 5);
-    put(bytes, at + entry::kFlagsAt, std::uint32_t{0});
+    rename(bytes, section, "other");
+    put(bytes, entry_of(bytes, "other") + entry::kFlagsAt, std::uint32_t{0});
     reseal(bytes);
     EXPECT_FALSE(decode(bytes)) << section;
   }
-  // A full file in which two optional sections pose as the scales.
-  Bytes bytes = *encode_basis(tiny_basis());
-  const std::size_t at = entry_of(bytes, kSingularValues);
-  std::memset(bytes.data() + at, 0, kNameSize);
-  std::memcpy(bytes.data() + at, kBasisScales.data(), kBasisScales.size());
-  reseal(bytes);
-  EXPECT_FALSE(decode(bytes));
+  // A full file in which an optional section of the right shape poses as one of the scales.
+  for (const std::string_view section : {kCoefficientScales, kBasisScales}) {
+    BasisData data = tiny_basis();
+    data.singular_values = {1.0, 0.5};
+    Bytes bytes = *encode_basis(data);
+    rename(bytes, kSingularValues, section);
+    reseal(bytes);
+    EXPECT_FALSE(decode(bytes)) << section;
+  }
 }
 
 TEST(CompactFile, TheWriterRefusesValuesThatAreNotFinite) {
