@@ -88,8 +88,8 @@ Result<BasisData> read_basis(BasisReader& reader) {
   Result<Eigen::VectorXd> lambda = read_lambda(reader);
   if (!lambda) return lambda.error();
   data.lambda = std::move(*lambda);
-  if (Status s = take(data.cubic, reader.doubles(kCubic)); !s) return s.error();
-  if (Status s = take(data.quartic, reader.doubles(kQuartic)); !s) return s.error();
+  if (Status s = take(data.cubic, reader.coefficients(kCubic)); !s) return s.error();
+  if (Status s = take(data.quartic, reader.coefficients(kQuartic)); !s) return s.error();
   if (Status s = read_blocks(reader, data); !s) return s.error();
   Result<std::vector<Triangle>> triangles = read_triangles(reader);
   if (!triangles) return triangles.error();

@@ -18,10 +18,13 @@ using BasisRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 // Some of the mesh's vertices with their rest positions and rows of U.
 // vertex_ids: ascending ids in the source mesh. rest: one a vertex, m.
 // rows: 3*size x r, row-major, kg^-1/2; zero for fixed vertices.
+// column_scales: empty, or r if the rows come from a compact file: each entry of column i is a
+// 16-bit integer times column_scales[i]. Readers set it, writers do not look at it.
 struct VertexBlock {
   std::vector<VertexId> vertex_ids;
   std::vector<Eigen::Vector3d> rest;
   BasisRows rows;
+  Eigen::VectorXd column_scales;
 };
 
 // The load that a scene uses when it names none: a force on each of the vertices, N.
@@ -42,7 +45,7 @@ struct BasisData {
 
   Eigen::VectorXd lambda;               // r, (rad/s)^2, ascending
   std::vector<double> cubic;            // C: triple_count(r) entries, packed_index.h
-  std::vector<double> quartic;          // Q: quad_count(r) entries
+  std::vector<double> quartic;          // Q: quad_count(r) entries; both empty: a linear model
   std::vector<double> singular_values;  // of the mass-PCA, descending, kept and cut
 
   VertexBlock surface;                   // vertices of the boundary

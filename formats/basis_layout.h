@@ -1,5 +1,5 @@
-// The bytes of a basis file, version 1.0. docs/basis-format.md is the same in prose; change both
-// or neither.
+// The bytes of a basis file, versions 1.0 and 1.1. docs/basis-format.md is the same in prose;
+// change both or neither.
 #pragma once
 
 #include <array>
@@ -11,7 +11,9 @@ namespace tremolo::basis_layout {
 
 inline constexpr std::array<char, 8> kMagic = {'T', 'R', 'E', 'M', 'O', 'L', 'O', '\0'};
 inline constexpr std::uint16_t kMajor = 1;  // a reader refuses another major
-inline constexpr std::uint16_t kMinor = 0;  // a higher minor only adds optional sections
+inline constexpr std::uint16_t kMinor = 0;  // of a full file
+// Of a compact or a linear file: what is new in it makes a reader of 1.0 refuse it.
+inline constexpr std::uint16_t kMinorEncoded = 1;
 inline constexpr std::size_t kAlignment = 64;
 inline constexpr std::uint32_t kMaxSections = 256;
 
@@ -43,13 +45,24 @@ inline constexpr std::size_t kHashAt = 56;     // u64, XXH3-64 of the section's 
 inline constexpr std::size_t kNameSize = 16;
 inline constexpr std::uint32_t kCritical = 1;
 
-enum class ElementType : std::uint32_t { kU8 = 1, kU32 = 2, kU64 = 3, kF64 = 4 };
+// kF32 and kI16 are of version 1.1.
+enum class ElementType : std::uint32_t {
+  kU8 = 1,
+  kU32 = 2,
+  kU64 = 3,
+  kF64 = 4,
+  kF32 = 5,
+  kI16 = 6
+};
 
 // Bytes of one element; 0 for an unknown type.
 constexpr std::size_t element_size(ElementType type) {
   switch (type) {
     case ElementType::kU8:
       return 1;
+    case ElementType::kI16:
+      return 2;
+    case ElementType::kF32:
     case ElementType::kU32:
       return 4;
     case ElementType::kU64:
@@ -59,7 +72,8 @@ constexpr std::size_t element_size(ElementType type) {
   return 0;
 }
 
-// Section names. Shapes are in terms of the entries of `dimensions`.
+// Section names. Shapes are in terms of the entries of `dimensions`; types are those of a full
+// file.
 inline constexpr std::string_view kDimensions = "dimensions";         // u64, 8 x 1
 inline constexpr std::string_view kTotalMass = "total_mass";          // f64, 1 x 1
 inline constexpr std::string_view kLambda = "lambda";                 // f64, r x 1
@@ -77,6 +91,15 @@ inline constexpr std::string_view kLoadIds = "load_ids";              // u32, l 
 inline constexpr std::string_view kLoadForces = "load_forces";        // f64, l x 3
 inline constexpr std::string_view kSingularValues = "singular_values";  // f64, c x 1
 inline constexpr std::string_view kProvenance = "provenance";           // u8, bytes x 1
+
+// Version 1.1, compact: both are there, `cubic` and `quartic` are f32, the two bases i16.
+inline constexpr std::string_view kCoefficientScales = "coef_scales";  // f64, 2 x 1
+inline constexpr std::string_view kBasisScales = "basis_scales";       // f64, r x 1
+
+// Entries of the section `coef_scales`, in this order.
+namespace coefficient_scale {
+enum : std::size_t { kCubic, kQuartic, kCount };
+}  // namespace coefficient_scale
 
 // Entries of the section `dimensions`, in this order.
 namespace dimension {

@@ -7,6 +7,7 @@
 
 #include "common/hash.h"
 #include "common/packed_index.h"
+#include "formats/compact_values.h"
 
 namespace tremolo {
 namespace {
@@ -181,19 +182,25 @@ Status BasisReader::check_shapes() const {
     bool required;
   };
   constexpr std::uint64_t kAnyRows = ~std::uint64_t{0};
+  const BasisSection* quartic = find(kQuartic);
+  const bool no_terms = quartic != nullptr && quartic->rows == 0;
+  const ElementType coefficient = compact() ? ElementType::kF32 : ElementType::kF64;
+  const ElementType basis = compact() ? ElementType::kI16 : ElementType::kF64;
   const Shape shapes[] = {
       {kDimensions, ElementType::kU64, dimension::kCount, 1, true},
       {kTotalMass, ElementType::kF64, 1, 1, false},
       {kLambda, ElementType::kF64, d.modes, 1, true},
-      {kCubic, ElementType::kF64, triple_count(d.modes), 1, true},
-      {kQuartic, ElementType::kF64, quad_count(d.modes), 1, true},
+      {kCoefficientScales, ElementType::kF64, coefficient_scale::kCount, 1, compact()},
+      {kBasisScales, ElementType::kF64, d.modes, 1, false},
+      {kCubic, coefficient, no_terms ? 0 : triple_count(d.modes), 1, true},
+      {kQuartic, coefficient, no_terms ? 0 : quad_count(d.modes), 1, true},
       {kSurfaceIds, ElementType::kU32, d.surface_vertices, 1, true},
       {kSurfaceRest, ElementType::kF64, d.surface_vertices, 3, true},
-      {kSurfaceBasis, ElementType::kF64, 3 * d.surface_vertices, d.modes, true},
+      {kSurfaceBasis, basis, 3 * d.surface_vertices, d.modes, true},
       {kTriangles, ElementType::kU32, d.triangles, 3, true},
       {kInteriorIds, ElementType::kU32, inner, 1, false},
       {kInteriorRest, ElementType::kF64, inner, 3, false},
-      {kInteriorBasis, ElementType::kF64, 3 * inner, d.modes, false},
+      {kInteriorBasis, basis, 3 * inner, d.modes, false},
       {kFixedIds, ElementType::kU32, d.fixed, 1, false},
       {kLoadIds, ElementType::kU32, kAnyRows, 1, false},
       {kLoadForces, ElementType::kF64, kAnyRows, 3, false},
@@ -217,6 +224,8 @@ Status BasisReader::check_shapes() const {
                                          [&](const Shape& s) { return s.name == section.name; }))
       return error_at("table", section.offset,
                       "section '" + section.name + "' is critical and unknown to this version");
+  if (has(kCoefficientScales) && !compact())
+    return error_at("table", kHeaderSize, "section 'basis_scales' is missing");
   const BasisSection* ids = find(kLoadIds);
   const BasisSection* forces = find(kLoadForces);
   if ((ids == nullptr) != (forces == nullptr) || (ids != nullptr && ids->rows != forces->rows))
@@ -261,6 +270,59 @@ Result<std::span<const double>> BasisReader::doubles(std::string_view name) {
   return values;
 }
 
+Result<std::span<const double>> BasisReader::scales(std::string_view name) {
+  Result<std::span<const double>> values = doubles(name);
+  if (!values) return values.error();
+  for (std::size_t i = 0; i < values->size(); ++i)
+    if (!is_scale((*values)[i]))
+      return error_at(name, find(name)->offset + i * sizeof(double),
+                      "a scale is not positive or too large");
+  return values;
+}
+
+Result<std::vector<double>> BasisReader::coefficients(std::string_view name) {
+  if (!compact()) {
+    Result<std::span<const double>> values = doubles(name);
+    if (!values) return values.error();
+    return std::vector<double>(values->begin(), values->end());
+  }
+  Result<std::span<const double>> both = scales(kCoefficientScales);
+  if (!both) return both.error();
+  const double scale =
+      (*both)[name == kCubic ? coefficient_scale::kCubic : coefficient_scale::kQuartic];
+  Result<std::span<const std::byte>> bytes = contents(name, ElementType::kF32);
+  if (!bytes) return bytes.error();
+  std::vector<double> values(bytes->size() / sizeof(float));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = scale * static_cast<double>(get<float>(*bytes, i * sizeof(float)));
+    if (!std::isfinite(values[i]))
+      return error_at(name, find(name)->offset + i * sizeof(float), "a value is not finite");
+  }
+  return values;
+}
+
+Result<BasisRows> BasisReader::basis_rows(std::string_view name) {
+  const auto columns = static_cast<Eigen::Index>(dimensions_.modes);
+  if (!compact()) {
+    Result<std::span<const double>> values = doubles(name);
+    if (!values) return values.error();
+    const auto rows = static_cast<Eigen::Index>(values->size()) / columns;
+    return BasisRows(Eigen::Map<const BasisRows>(values->data(), rows, columns));
+  }
+  Result<std::span<const double>> column_scale = scales(kBasisScales);
+  if (!column_scale) return column_scale.error();
+  Result<std::span<const std::byte>> bytes = contents(name, ElementType::kI16);
+  if (!bytes) return bytes.error();
+  const auto count = static_cast<Eigen::Index>(bytes->size() / sizeof(std::int16_t));
+  BasisRows rows(count / columns, columns);
+  const auto* integers = reinterpret_cast<const std::int16_t*>(bytes->data());
+  for (Eigen::Index row = 0; row < rows.rows(); ++row)
+    for (Eigen::Index i = 0; i < columns; ++i)
+      rows(row, i) =
+          (*column_scale)[static_cast<std::size_t>(i)] * static_cast<double>(*integers++);
+  return rows;
+}
+
 Result<std::span<const std::uint32_t>> BasisReader::indices(std::string_view name,
                                                             std::uint64_t bound) {
   Result<std::span<const std::byte>> bytes = contents(name, ElementType::kU32);
@@ -290,16 +352,20 @@ Result<VertexBlock> BasisReader::vertex_block(std::string_view ids, std::string_
       return error_at(ids, find(ids)->offset + 4 * i, "the ids do not ascend");
   Result<std::span<const double>> positions = doubles(rest);
   if (!positions) return positions.error();
-  Result<std::span<const double>> rows = doubles(basis);
+  Result<BasisRows> rows = basis_rows(basis);
   if (!rows) return rows.error();
   VertexBlock block;
   block.vertex_ids.assign(id_values->begin(), id_values->end());
   block.rest.resize(block.vertex_ids.size());
   for (std::size_t v = 0; v < block.rest.size(); ++v)
     block.rest[v] = Eigen::Map<const Eigen::Vector3d>(positions->data() + 3 * v);
-  const auto columns = static_cast<Eigen::Index>(dimensions_.modes);
-  const auto row_count = static_cast<Eigen::Index>(rows->size()) / columns;
-  block.rows = Eigen::Map<const BasisRows>(rows->data(), row_count, columns);
+  block.rows = std::move(*rows);
+  if (compact()) {
+    const Result<std::span<const double>> columns = scales(kBasisScales);
+    if (!columns) return columns.error();
+    block.column_scales = Eigen::Map<const Eigen::VectorXd>(
+        columns->data(), static_cast<Eigen::Index>(columns->size()));
+  }
   return block;
 }
 

@@ -57,15 +57,22 @@ class BasisReader {
   const std::vector<BasisSection>& sections() const { return sections_; }
   std::uint16_t minor_version() const { return minor_; }
   bool has(std::string_view section) const { return find(section) != nullptr; }
+  // Coefficients are f32 and basis rows 16 bits with a scale a column, else everything is f64.
+  bool compact() const { return has(basis_layout::kBasisScales); }
+  // `cubic` and `quartic` are there but empty: V has no such terms.
+  bool linear() const { return find(basis_layout::kQuartic)->rows == 0; }
 
   // The verified contents, as they lie in the file. Doubles are finite. Valid while the reader
   // lives. An optional section that is not there is an error here: ask has() first.
   Result<std::span<const double>> doubles(std::string_view section);
+  // `cubic` or `quartic` as doubles, whatever the encoding.
+  Result<std::vector<double>> coefficients(std::string_view section);
   // Ids, each below `bound`.
   Result<std::span<const std::uint32_t>> indices(std::string_view section, std::uint64_t bound);
   Result<std::string_view> text(std::string_view section);
 
-  // A block of vertices: `ids`, `rest` and `basis` are section names. All columns of the basis.
+  // A block of vertices: `ids`, `rest` and `basis` are section names. All columns of the basis, as
+  // doubles whatever the encoding.
   Result<VertexBlock> vertex_block(std::string_view ids, std::string_view rest,
                                    std::string_view basis);
 
@@ -81,6 +88,8 @@ class BasisReader {
   Status check_shapes() const;
   Status read_dimensions();
   const BasisSection* find(std::string_view name) const;
+  Result<BasisRows> basis_rows(std::string_view section);
+  Result<std::span<const double>> scales(std::string_view section);
   Result<std::span<const std::byte>> contents(std::string_view section,
                                               basis_layout::ElementType type);
   Status verify(std::size_t index);

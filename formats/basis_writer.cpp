@@ -2,12 +2,15 @@
 
 #include <bit>
 #include <cstring>
+#include <optional>
 #include <span>
+#include <utility>
 
 #include "common/hash.h"
 #include "common/packed_index.h"
 #include "formats/atomic_file.h"
 #include "formats/basis_layout.h"
+#include "formats/compact_values.h"
 
 namespace tremolo {
 namespace {
@@ -40,6 +43,10 @@ std::span<const std::byte> points_of(const std::vector<Eigen::Vector3d>& points)
   return std::as_bytes(std::span(points));
 }
 
+bool is_linear(const BasisData& data) {
+  return data.cubic.empty() && data.quartic.empty();
+}
+
 Status check_shapes(const BasisData& data) {
   const auto r = static_cast<std::size_t>(data.lambda.size());
   const auto bad = [](const char* member) {
@@ -47,8 +54,10 @@ Status check_shapes(const BasisData& data) {
                          "' does not fit the others");
   };
   if (r == 0 || r > kMaxModes) return bad("lambda");
-  if (data.cubic.size() != triple_count(r)) return bad("cubic");
-  if (data.quartic.size() != quad_count(r)) return bad("quartic");
+  if (!is_linear(data)) {
+    if (data.cubic.size() != triple_count(r)) return bad("cubic");
+    if (data.quartic.size() != quad_count(r)) return bad("quartic");
+  }
   for (const auto& [block, name] :
        {std::pair{&data.surface, "surface"}, {&data.interior, "interior"}}) {
     const std::size_t count = block->vertex_ids.size();
@@ -64,39 +73,86 @@ Status check_shapes(const BasisData& data) {
   return Success{};
 }
 
-std::vector<Section> list_sections(const BasisData& data, const std::uint64_t* dimensions) {
+// Where the rounded numbers of a compact file live while its sections are written.
+struct CompactArrays {
+  std::vector<double> coefficient_scales;
+  std::vector<double> basis_scales;
+  std::vector<float> cubic;
+  std::vector<float> quartic;
+  std::vector<std::int16_t> surface;
+  std::vector<std::int16_t> interior;
+};
+
+Result<CompactArrays> make_compact(const BasisData& data) {
+  Result<ScaledFloats> cubic = to_scaled_floats(data.cubic, "cubic");
+  if (!cubic) return cubic.error();
+  Result<ScaledFloats> quartic = to_scaled_floats(data.quartic, "quartic");
+  if (!quartic) return quartic.error();
+  Result<std::vector<double>> scales = column_scales(data.surface.rows, data.interior.rows,
+                                                     static_cast<std::size_t>(data.lambda.size()));
+  if (!scales) return scales.error();
+  CompactArrays arrays;
+  arrays.surface = to_scaled_integers(data.surface.rows, *scales);
+  arrays.interior = to_scaled_integers(data.interior.rows, *scales);
+  arrays.basis_scales = std::move(*scales);
+  arrays.coefficient_scales = {cubic->scale, quartic->scale};
+  arrays.cubic = std::move(cubic->values);
+  arrays.quartic = std::move(quartic->values);
+  return arrays;
+}
+
+// compact: null for a full file.
+std::vector<Section> list_sections(const BasisData& data, const std::uint64_t* dimensions,
+                                   const CompactArrays* compact) {
   const auto r = static_cast<std::uint64_t>(data.lambda.size());
   const std::uint64_t s = data.surface.vertex_ids.size();
   const std::uint64_t inner = data.interior.vertex_ids.size();
   const auto f64 = ElementType::kF64;
   const auto u32 = ElementType::kU32;
-  const auto vector = [](const std::vector<double>& v) { return bytes_of(v.data(), v.size()); };
-  const auto rows = [](const BasisRows& m) {
-    return bytes_of(m.data(), static_cast<std::size_t>(m.size()));
+  const ElementType coefficient = compact != nullptr ? ElementType::kF32 : f64;
+  const ElementType basis = compact != nullptr ? ElementType::kI16 : f64;
+  const auto vector = [](const auto& v) { return bytes_of(v.data(), v.size()); };
+  const auto coefficients = [&](const std::vector<double>& full,
+                                std::vector<float> CompactArrays::*rounded) {
+    return compact != nullptr ? vector(compact->*rounded) : vector(full);
+  };
+  const auto rows = [&](const BasisRows& full, std::vector<std::int16_t> CompactArrays::*rounded) {
+    return compact != nullptr ? vector(compact->*rounded)
+                              : bytes_of(full.data(), static_cast<std::size_t>(full.size()));
   };
   // What a runtime touches comes first, the interior and the provenance last.
-  return {
-      {kDimensions, ElementType::kU64, true, dimension::kCount, 1,
-       bytes_of(dimensions, dimension::kCount)},
-      {kTotalMass, f64, false, 1, 1, bytes_of(&data.total_mass, 1)},
-      {kLambda, f64, true, r, 1, bytes_of(data.lambda.data(), r)},
-      {kCubic, f64, true, data.cubic.size(), 1, vector(data.cubic)},
-      {kQuartic, f64, true, data.quartic.size(), 1, vector(data.quartic)},
+  std::vector<Section> sections = {{kDimensions, ElementType::kU64, true, dimension::kCount, 1,
+                                    bytes_of(dimensions, dimension::kCount)},
+                                   {kTotalMass, f64, false, 1, 1, bytes_of(&data.total_mass, 1)},
+                                   {kLambda, f64, true, r, 1, bytes_of(data.lambda.data(), r)}};
+  if (compact != nullptr) {
+    sections.push_back({kCoefficientScales, f64, true, coefficient_scale::kCount, 1,
+                        vector(compact->coefficient_scales)});
+    sections.push_back({kBasisScales, f64, true, r, 1, vector(compact->basis_scales)});
+  }
+  const std::vector<Section> others = {
+      {kCubic, coefficient, true, data.cubic.size(), 1,
+       coefficients(data.cubic, &CompactArrays::cubic)},
+      {kQuartic, coefficient, true, data.quartic.size(), 1,
+       coefficients(data.quartic, &CompactArrays::quartic)},
       {kLoadIds, u32, false, data.load.vertices.size(), 1, ids_of(data.load.vertices)},
       {kLoadForces, f64, false, data.load.forces.size(), 3, points_of(data.load.forces)},
       {kSurfaceIds, u32, true, s, 1, ids_of(data.surface.vertex_ids)},
       {kTriangles, u32, true, data.triangles.size(), 3,
        bytes_of(data.triangles.data(), data.triangles.size())},
       {kSurfaceRest, f64, true, s, 3, points_of(data.surface.rest)},
-      {kSurfaceBasis, f64, true, 3 * s, r, rows(data.surface.rows)},
+      {kSurfaceBasis, basis, true, 3 * s, r, rows(data.surface.rows, &CompactArrays::surface)},
       {kInteriorIds, u32, false, inner, 1, ids_of(data.interior.vertex_ids)},
       {kInteriorRest, f64, false, inner, 3, points_of(data.interior.rest)},
-      {kInteriorBasis, f64, false, 3 * inner, r, rows(data.interior.rows)},
+      {kInteriorBasis, basis, false, 3 * inner, r,
+       rows(data.interior.rows, &CompactArrays::interior)},
       {kFixedIds, u32, false, data.fixed_vertices.size(), 1, ids_of(data.fixed_vertices)},
       {kSingularValues, f64, false, data.singular_values.size(), 1, vector(data.singular_values)},
       {kProvenance, ElementType::kU8, false, data.provenance.size(), 1,
        bytes_of(data.provenance.data(), data.provenance.size())},
   };
+  sections.insert(sections.end(), others.begin(), others.end());
+  return sections;
 }
 
 template <class T>
@@ -122,8 +178,14 @@ void put_entry(std::vector<std::byte>& file, std::size_t at, const Section& sect
 
 }  // namespace
 
-Result<std::vector<std::byte>> encode_basis(const BasisData& data) {
+Result<std::vector<std::byte>> encode_basis(const BasisData& data, BasisEncoding encoding) {
   if (Status status = check_shapes(data); !status) return status.error();
+  std::optional<CompactArrays> compact;
+  if (encoding == BasisEncoding::kCompact) {
+    Result<CompactArrays> arrays = make_compact(data);
+    if (!arrays) return arrays.error();
+    compact = std::move(*arrays);
+  }
   const std::uint64_t dimensions[dimension::kCount] = {
       data.vertex_count,
       data.tetrahedron_count,
@@ -133,7 +195,8 @@ Result<std::vector<std::byte>> encode_basis(const BasisData& data) {
       data.rigid_mode_count,
       data.surface.vertex_ids.size(),
       data.triangles.size()};
-  const std::vector<Section> sections = list_sections(data, dimensions);
+  const std::vector<Section> sections =
+      list_sections(data, dimensions, compact ? &*compact : nullptr);
 
   std::size_t size = aligned(kHeaderSize + sections.size() * kEntrySize);
   for (const Section& section : sections) size = aligned(size + section.bytes.size());
@@ -151,7 +214,7 @@ Result<std::vector<std::byte>> encode_basis(const BasisData& data) {
 
   std::memcpy(file.data() + header::kMagicAt, kMagic.data(), kMagic.size());
   put(file, header::kMajorAt, kMajor);
-  put(file, header::kMinorAt, kMinor);
+  put(file, header::kMinorAt, compact || is_linear(data) ? kMinorEncoded : kMinor);
   put(file, header::kSectionsAt, static_cast<std::uint32_t>(sections.size()));
   put(file, header::kFileSizeAt, static_cast<std::uint64_t>(size));
   put(file, header::kTableHashAt,
@@ -160,8 +223,8 @@ Result<std::vector<std::byte>> encode_basis(const BasisData& data) {
   return file;
 }
 
-Status write_basis(const std::string& path, const BasisData& data) {
-  Result<std::vector<std::byte>> bytes = encode_basis(data);
+Status write_basis(const std::string& path, const BasisData& data, BasisEncoding encoding) {
+  Result<std::vector<std::byte>> bytes = encode_basis(data, encoding);
   if (!bytes) return bytes.error();
   Result<AtomicFile> file = AtomicFile::create(path);
   if (!file) return file.error();

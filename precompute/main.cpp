@@ -35,6 +35,7 @@ void print_json(const PrecomputeResult& result, const StageLog& log) {
   std::vector<double> cut(data.singular_values.begin() +
                               static_cast<std::ptrdiff_t>(std::min(r, data.singular_values.size())),
                           data.singular_values.end());
+  const Json provenance = Json::parse(data.provenance);
   const Json json = {
       {"n", data.vertex_count},
       {"m", data.tetrahedron_count},
@@ -52,6 +53,7 @@ void print_json(const PrecomputeResult& result, const StageLog& log) {
       {"mass_orthonormality_error", result.findings.orthonormality_error},
       {"polynomial_error", result.findings.polynomial_error},
       {"cut_singular_values", cut},
+      {"encoding", provenance.value("encoding", Json{{"name", "full"}})},
       {"notes", result.problem.notes},
       {"stages", stages}};
   std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
@@ -77,16 +79,29 @@ void print_total(const StageLog& log) {
                static_cast<double>(peak) / 1e6);
 }
 
+void find_encoding_error(PrecomputeResult& result, StageLog& log) {
+  log.begin("encoding");
+  const EncodingError error = unwrap(compact_error(result.data));
+  result.findings.encoding_error = error;
+  char detail[200];
+  std::snprintf(detail, sizeof(detail),
+                "compact: displacement off by %.1e of the size under the default load, by %.1e at "
+                "most; force by %.1e of the load",
+                error.displacement, error.displacement_bound, error.force);
+  log.end(detail);
+}
+
 void run(const CommandLine& line) {
   const bool speak = mpi_rank() == 0;
   StageLog log(!speak);
   // An output that cannot be written is told before the work, not after it.
   if (speak) unwrap(AtomicFile::create(line.options.output_path));
   PrecomputeResult result = run_precompute(line.options, log);
-  result.data.provenance = provenance_json(line.options, result);
   if (!speak) return;
+  if (line.options.encoding == BasisEncoding::kCompact) find_encoding_error(result, log);
+  result.data.provenance = provenance_json(line.options, result);
   log.begin("file");
-  unwrap(write_basis(line.options.output_path, result.data));
+  unwrap(write_basis(line.options.output_path, result.data, line.options.encoding));
   log.end(line.options.output_path);
   print_total(log);
   print_spectrum(result.data);

@@ -83,6 +83,13 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
       ->capture_default_str();
   app.add_flag("--certify,!--no-certify", options.certify,
                "count the modes by inertia as well: one more factorisation (default: yes)");
+  app.add_flag("--linear", options.linear,
+               "the linear modes alone: no derivatives, no cubic and quartic terms");
+  std::string encoding = "full";
+  app.add_option("--encoding", encoding,
+                 "full (f64), or compact: coefficients f32, basis rows 16 bits; the error is told")
+      ->check(CLI::IsMember({"full", "compact"}))
+      ->capture_default_str();
   options.threads = std::max(1u, std::thread::hardware_concurrency());
   app.add_option("--threads", options.threads, "threads of a rank")->check(CLI::PositiveNumber);
   app.add_flag("--json", line.json, "print one JSON object on stdout");
@@ -94,6 +101,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
     const int code = app.exit(error, std::cout, std::cerr);
     return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});
   }
+  options.encoding = encoding == "compact" ? BasisEncoding::kCompact : BasisEncoding::kFull;
   options.mass = mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;
   if (!force.empty() && !parse_vector(force, options.load_force)) {
     std::cerr << "tremolo-precompute: --load-force " << force

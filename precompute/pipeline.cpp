@@ -184,12 +184,14 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
                  hertz(certificate.bound)));
   }
 
-  log.begin("derivatives");
-  const ModalDerivatives derivatives =
-      modal_derivatives(solid, local, matrices, modes, psi, rigid, options.threads);
-  findings.derivative_residual = derivatives.residual;
-  log.end(text("%d solves on the factor of the modes, residual %.1e",
-               static_cast<int>(derivatives.vectors.cols()), derivatives.residual));
+  ModalDerivatives derivatives{Columns(local.dofs(), 0), 0.0};
+  if (!options.linear) {
+    log.begin("derivatives");
+    derivatives = modal_derivatives(solid, local, matrices, modes, psi, rigid, options.threads);
+    findings.derivative_residual = derivatives.residual;
+    log.end(text("%d solves on the factor of the modes, residual %.1e",
+                 static_cast<int>(derivatives.vectors.cols()), derivatives.residual));
+  }
 
   log.begin("basis");
   // Motion that Tremolo is made for: a tenth of the body's size.
@@ -211,15 +213,17 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
                    ? basis.singular_values[counts.modes] / basis.singular_values[0]
                    : 0.0));
 
-  log.begin("coefficients");
-  Coefficients coefficients = compute_coefficients(solid, rows, options.threads);
-  data.cubic = std::move(coefficients.cubic);
-  data.quartic = std::move(coefficients.quartic);
-  findings.polynomial_error =
-      polynomial_error(solid, rows, data.lambda, data.cubic, data.quartic,
-                       0.5 * bounding_box(problem.mesh.vertices).diagonal());
-  log.end(text("%zu unique entries, |U^T f(Uq) - grad V| = %.1e relative",
-               data.cubic.size() + data.quartic.size(), findings.polynomial_error));
+  if (!options.linear) {
+    log.begin("coefficients");
+    Coefficients coefficients = compute_coefficients(solid, rows, options.threads);
+    data.cubic = std::move(coefficients.cubic);
+    data.quartic = std::move(coefficients.quartic);
+    findings.polynomial_error =
+        polynomial_error(solid, rows, data.lambda, data.cubic, data.quartic,
+                         0.5 * bounding_box(problem.mesh.vertices).diagonal());
+    log.end(text("%zu unique entries, |U^T f(Uq) - grad V| = %.1e relative",
+                 data.cubic.size() + data.quartic.size(), findings.polynomial_error));
+  }
 
   require_accurate(findings);
 

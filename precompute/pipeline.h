@@ -1,8 +1,11 @@
 // The stages in order: mesh -> matrices -> modes -> derivatives -> basis -> coefficients -> data.
 #pragma once
 
+#include <optional>
+
 #include "common/stage_log.h"
 #include "formats/basis_data.h"
+#include "precompute/encoding_error.h"
 #include "precompute/problem.h"
 
 namespace tremolo {
@@ -16,7 +19,8 @@ struct PrecomputeFindings {
   double diagonality_error = 0;        // max |U^T K U - Lambda| / max Lambda
   double polynomial_error = 0;         // |U^T f(Uq) - grad V(q)| / |grad V(q)|
   bool certified = false;
-  int inertia_count = 0;  // modes below the bound, by inertia
+  int inertia_count = 0;                        // modes below the bound, by inertia
+  std::optional<EncodingError> encoding_error;  // of a compact file
 };
 
 struct PrecomputeResult {

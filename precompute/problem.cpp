@@ -108,12 +108,13 @@ ModeCounts choose_mode_counts(const PrecomputeOptions& options, int free_dofs) {
     refuse("--linear-modes " + std::to_string(counts.linear) + ": the mesh has " +
            std::to_string(free_dofs) + " dofs to move");
   const auto k = static_cast<std::size_t>(counts.linear);
-  const int most = static_cast<int>(
-      std::min<std::size_t>(k + pair_count(k), static_cast<std::size_t>(free_dofs)));
+  const int most = static_cast<int>(std::min<std::size_t>(k + (options.linear ? 0 : pair_count(k)),
+                                                          static_cast<std::size_t>(free_dofs)));
   counts.modes = options.modes.value_or(std::min(30, most));
   if (counts.modes < 1 || counts.modes > most)
     refuse("--modes " + std::to_string(counts.modes) + ": " + std::to_string(counts.linear) +
-           " linear modes and their derivatives give at most " + std::to_string(most));
+           " linear modes" + (options.linear ? "" : " and their derivatives") + " give at most " +
+           std::to_string(most));
   return counts;
 }
 

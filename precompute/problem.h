@@ -7,6 +7,7 @@
 
 #include "common/mesh_check.h"
 #include "formats/basis_data.h"
+#include "formats/basis_writer.h"
 #include "precompute/assembly.h"
 
 namespace tremolo {
@@ -21,6 +22,8 @@ struct PrecomputeOptions {
   Eigen::Vector3d load_force = Eigen::Vector3d::Zero();  // N, shared by the selected vertices
   std::optional<int> linear_modes;                       // k; default 20 or what the mesh has
   std::optional<int> modes;                              // r; default 30 or what k allows
+  bool linear = false;  // the linear modes are the basis; no derivatives, no C, no Q
+  BasisEncoding encoding = BasisEncoding::kFull;
   MassKind mass = MassKind::kConsistent;
   bool certify = true;
   unsigned threads = 1;

@@ -43,6 +43,11 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
   json["polynomial_error"] = findings.polynomial_error;
   const auto& sigma = result.data.singular_values;
   json["singular_value_cut"] = r < sigma.size() ? Json(sigma[r] / sigma[0]) : Json(nullptr);
+  if (findings.encoding_error)
+    json["encoding"] = {{"name", "compact"},
+                        {"displacement_error", findings.encoding_error->displacement},
+                        {"displacement_error_bound", findings.encoding_error->displacement_bound},
+                        {"force_error", findings.encoding_error->force}};
   json["versions"] = {
       {"petsc", version_of(PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
       {"slepc", version_of(SLEPC_VERSION_MAJOR, SLEPC_VERSION_MINOR, SLEPC_VERSION_SUBMINOR)},

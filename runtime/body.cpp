@@ -12,19 +12,12 @@ Error usage_error(std::string message) {
   return {ErrorKind::kUsage, std::move(message)};
 }
 
-template <class Real>
-Status write_positions(const Model& model, const Eigen::VectorXd& q, std::span<Real> out) {
-  const VertexBlock& surface = model.surface();
-  const std::size_t needed = 3 * surface.vertex_ids.size();
-  if (out.size() != needed)
-    return usage_error("the buffer for positions holds " + std::to_string(out.size()) +
-                       " numbers, needs " + std::to_string(needed));
-  // Row by row: a whole product would need a temporary.
-  for (std::size_t row = 0; row < needed; ++row) {
-    const double u = surface.rows.row(static_cast<Eigen::Index>(row)).dot(q);
-    out[row] = static_cast<Real>(surface.rest[row / 3][static_cast<Eigen::Index>(row % 3)] + u);
-  }
-  return Success{};
+// `what`: "positions" or "normals".
+Status check_buffer(const Model& model, std::size_t size, const char* what) {
+  const std::size_t needed = 3 * model.surface().vertex_ids.size();
+  if (size == needed) return Success{};
+  return usage_error(std::string("the buffer for ") + what + " holds " + std::to_string(size) +
+                     " numbers, needs " + std::to_string(needed));
 }
 
 }  // namespace
@@ -150,11 +143,27 @@ Result<Eigen::Vector3d> Body::displacement(VertexId vertex) const {
 }
 
 Status Body::surface_positions(std::span<double> out) const {
-  return write_positions(*model_, state_.q, out);
+  if (Status s = check_buffer(*model_, out.size(), "positions"); !s) return s;
+  const VertexBlock& surface = model_->surface();
+  // Row by row: a whole product would need a temporary.
+  for (std::size_t row = 0; row < out.size(); ++row)
+    out[row] = surface.rest[row / 3][static_cast<Eigen::Index>(row % 3)] +
+               surface.rows.row(static_cast<Eigen::Index>(row)).dot(state_.q);
+  return Success{};
 }
 
 Status Body::surface_positions(std::span<float> out) const {
-  return write_positions(*model_, state_.q, out);
+  if (Status s = check_buffer(*model_, out.size(), "positions"); !s) return s;
+  tremolo::surface_positions(model_->surface_basis(), state_.q, surface_, out);
+  return Success{};
+}
+
+Status Body::surface(std::span<float> positions, std::span<float> normals) const {
+  if (Status s = check_buffer(*model_, positions.size(), "positions"); !s) return s;
+  if (Status s = check_buffer(*model_, normals.size(), "normals"); !s) return s;
+  surface_with_normals(model_->surface_basis(), model_->triangles(), state_.q, surface_, positions,
+                       normals);
+  return Success{};
 }
 
 }  // namespace tremolo

@@ -14,6 +14,7 @@
 #include "runtime/integrators/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
+#include "runtime/surface.h"
 
 namespace tremolo {
 
@@ -71,9 +72,16 @@ class Body {
   Result<Eigen::Vector3d> displacement(VertexId vertex) const;
 
   // X + U q of the surface's vertices, x y z x y z ..., m. out: 3 * surface().vertex_ids.size()
-  // long, else kUsage. Nothing is allocated.
+  // long, else kUsage. The double variant allocates nothing. The float variant reads rows that the
+  // model makes for it when they are first asked for (runtime/surface.h, where its error is told),
+  // and allocates nothing after that.
   Status surface_positions(std::span<double> out) const;
   Status surface_positions(std::span<float> out) const;
+
+  // The same with the unit normals of the surface's vertices, each triangle counting with its area:
+  // zero where a vertex's triangles have none. Both 3 * surface().vertex_ids.size() long, else
+  // kUsage. Nothing is allocated after a body's first call.
+  Status surface(std::span<float> positions, std::span<float> normals) const;
 
  private:
   struct AppliedForce {
@@ -103,6 +111,7 @@ class Body {
   mutable PotentialWorkspace workspace_;
   mutable Evaluation evaluation_;
   mutable Eigen::VectorXd momentum_;
+  mutable SurfaceWorkspace surface_;
 };
 
 }  // namespace tremolo

@@ -168,6 +168,16 @@ tremolo_status tremolo_body_positions_double(const tremolo_body* body, double* o
   return positions(body, out, length);
 }
 
+tremolo_status tremolo_body_surface_float(const tremolo_body* body, float* positions,
+                                          float* normals, size_t length) {
+  return guarded([&]() -> Status {
+    if (Status s = need(body, "the body"); !s) return s;
+    if (Status s = need(positions, "the buffer for positions"); !s) return s;
+    if (Status s = need(normals, "the buffer for normals"); !s) return s;
+    return body->body.surface(std::span(positions, length), std::span(normals, length));
+  });
+}
+
 tremolo_status tremolo_body_energy(const tremolo_body* body, double* kinetic, double* potential,
                                    double* high_band) {
   return guarded([&]() -> Status {

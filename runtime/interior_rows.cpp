@@ -21,7 +21,8 @@ Result<VertexBlock> leading_columns(const VertexBlock& block, Eigen::Index modes
     if (!block.rest[v].allFinite())
       return bad("the rest position of " + std::to_string(block.vertex_ids[v]) + " is not finite");
   }
-  VertexBlock leading{block.vertex_ids, block.rest, BasisRows(block.rows.rows(), modes)};
+  VertexBlock leading{block.vertex_ids, block.rest, BasisRows(block.rows.rows(), modes), {}};
+  if (block.column_scales.size() >= modes) leading.column_scales = block.column_scales.head(modes);
   if (count > 0) leading.rows = block.rows.leftCols(modes);
   if (!leading.rows.allFinite()) return bad("a basis row is not finite");
   return leading;

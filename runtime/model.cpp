@@ -5,9 +5,11 @@
 #include <utility>
 
 #include "common/number_text.h"
+#include "common/packed_index.h"
 #include "formats/basis_layout.h"
 #include "formats/basis_reader.h"
 #include "runtime/interior_rows.h"
+#include "runtime/surface.h"
 
 namespace tremolo {
 namespace {
@@ -55,20 +57,21 @@ Status read_total_counts(BasisReader& reader, BasisData& data) {
 }
 
 Status read_coefficients(BasisReader& reader, BasisData& data) {
-  const Result<std::span<const double>> cubic = reader.doubles(basis_layout::kCubic);
+  Result<std::vector<double>> cubic = reader.coefficients(basis_layout::kCubic);
   if (!cubic) return cubic.error();
-  data.cubic.assign(cubic->begin(), cubic->end());
-  const Result<std::span<const double>> quartic = reader.doubles(basis_layout::kQuartic);
+  data.cubic = std::move(*cubic);
+  Result<std::vector<double>> quartic = reader.coefficients(basis_layout::kQuartic);
   if (!quartic) return quartic.error();
-  data.quartic.assign(quartic->begin(), quartic->end());
+  data.quartic = std::move(*quartic);
   return Success{};
 }
 
 // All but the interior and the provenance.
-Result<BasisData> read_visible(BasisReader& reader) {
+Result<BasisData> read_visible(BasisReader& reader, bool linear) {
   BasisData data;
   if (Status s = read_total_counts(reader, data); !s) return s.error();
-  if (Status s = read_coefficients(reader, data); !s) return s.error();
+  if (!linear)
+    if (Status s = read_coefficients(reader, data); !s) return s.error();
   Result<VertexBlock> surface = reader.vertex_block(
       basis_layout::kSurfaceIds, basis_layout::kSurfaceRest, basis_layout::kSurfaceBasis);
   if (!surface) return surface.error();
@@ -82,6 +85,12 @@ Result<BasisData> read_visible(BasisReader& reader) {
   return data;
 }
 
+Result<Potential> linear_potential(const Eigen::VectorXd& lambda) {
+  const auto r = static_cast<std::size_t>(lambda.size());
+  const std::vector<double> zeros(quad_count(r), 0.0);
+  return Potential::create(lambda, std::span(zeros).first(triple_count(r)), zeros);
+}
+
 }  // namespace
 
 Model::Model(Potential potential, VertexBlock surface)
@@ -89,14 +98,17 @@ Model::Model(Potential potential, VertexBlock surface)
 
 Model::~Model() = default;
 
-Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Index modes) {
+Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Index modes,
+                                               bool linear) {
   if (Status s = check_lambda(data.lambda); !s) return s.error();
   Result<VertexBlock> surface = leading_columns(data.surface, modes, "surface");
   if (!surface) return surface.error();
   if (Status s = check_triangles(data.triangles, surface->vertex_ids.size()); !s) return s.error();
   if (Status s = check_load(data.load); !s) return s.error();
+  const bool no_terms = linear || (data.cubic.empty() && data.quartic.empty());
   Result<Potential> potential =
-      Potential::create(data.lambda.head(modes), data.cubic, data.quartic);
+      no_terms ? linear_potential(data.lambda.head(modes))
+               : Potential::create(data.lambda.head(modes), data.cubic, data.quartic);
   if (!potential) return potential.error();
   std::shared_ptr<Model> model(new Model(std::move(*potential), std::move(*surface)));
   model->triangles_ = data.triangles;
@@ -109,7 +121,7 @@ Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Ind
 Result<Model::Pointer> Model::from_data(const BasisData& data, ModelOptions options) {
   const Result<Eigen::Index> modes = kept_modes(data.lambda.size(), options.modes);
   if (!modes) return modes.error();
-  Result<std::shared_ptr<Model>> model = assemble(data, *modes);
+  Result<std::shared_ptr<Model>> model = assemble(data, *modes, options.linear);
   if (!model) return model.error();
   Result<VertexBlock> interior = leading_columns(data.interior, *modes, "interior");
   if (!interior) return interior.error();
@@ -120,11 +132,11 @@ Result<Model::Pointer> Model::from_data(const BasisData& data, ModelOptions opti
 Result<Model::Pointer> Model::load(const std::string& path, ModelOptions options) {
   Result<BasisReader> reader = BasisReader::open(path);
   if (!reader) return reader.error();
-  Result<BasisData> data = read_visible(*reader);
+  Result<BasisData> data = read_visible(*reader, options.linear);
   if (!data) return data.error();
   const Result<Eigen::Index> modes = kept_modes(data->lambda.size(), options.modes);
   if (!modes) return modes.error();
-  Result<std::shared_ptr<Model>> model = assemble(*data, *modes);
+  Result<std::shared_ptr<Model>> model = assemble(*data, *modes, options.linear);
   if (!model) return Error{model.error().kind, path + ": " + model.error().message};
   (*model)->interior_ = std::make_unique<InteriorRows>(std::move(*reader), *modes);
   return Pointer(std::move(*model));
@@ -145,6 +157,13 @@ Eigen::VectorXd Model::frequencies_hz() const {
 
 double Model::explicit_step_limit() const {
   return 2.0 / std::sqrt(lambda()[modes() - 1]);
+}
+
+const SurfaceBasis& Model::surface_basis() const {
+  std::call_once(surface_basis_once_, [this] {
+    surface_basis_ = std::make_unique<SurfaceBasis>(make_surface_basis(surface_, triangles_));
+  });
+  return *surface_basis_;
 }
 
 Result<VertexRows> Model::vertex(VertexId id) const {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,10 +17,13 @@
 namespace tremolo {
 
 class InteriorRows;
+struct SurfaceBasis;
 
 // modes: the level of detail, the number of leading coordinates that are kept; 0 keeps all.
+// linear: V = 1/2 q^T Lambda q, the cubic and quartic terms are neither read nor kept.
 struct ModelOptions {
   int modes = 0;
+  bool linear = false;
 };
 
 // One vertex: rest position (m) and its three rows of U, 3 x r, kg^-1/2.
@@ -65,9 +69,14 @@ class Model {
   // such vertex; what reading the file gives if the interior is read here. Thread-safe.
   Result<VertexRows> vertex(VertexId id) const;
 
+  // The surface's rows as they are multiplied for display (runtime/surface.h), made when they are
+  // first asked for: a model that is never shown pays nothing. Thread-safe; may throw bad_alloc.
+  const SurfaceBasis& surface_basis() const;
+
  private:
   Model(Potential potential, VertexBlock surface);
-  static Result<std::shared_ptr<Model>> assemble(const BasisData& data, Eigen::Index modes);
+  static Result<std::shared_ptr<Model>> assemble(const BasisData& data, Eigen::Index modes,
+                                                 bool linear);
 
   Potential potential_;
   VertexBlock surface_;
@@ -76,6 +85,8 @@ class Model {
   std::size_t vertex_count_ = 0;
   std::size_t tetrahedron_count_ = 0;
   std::unique_ptr<InteriorRows> interior_;
+  mutable std::once_flag surface_basis_once_;
+  mutable std::unique_ptr<SurfaceBasis> surface_basis_;
 };
 
 }  // namespace tremolo

@@ -129,9 +129,15 @@ tremolo_status tremolo_body_state(const tremolo_body* body, double* q, double* p
 tremolo_status tremolo_body_set_state(tremolo_body* body, const double* q, const double* p,
                                       size_t length);
 
-/* Positions of the surface's vertices, x y z x y z ..., m. length must be 3 s. */
+/* Positions of the surface's vertices, x y z x y z ..., m. length must be 3 s. The float variant
+ * computes in float: it errs by about 1e-6 of the solid's size. */
 tremolo_status tremolo_body_positions_float(const tremolo_body* body, float* out, size_t length);
 tremolo_status tremolo_body_positions_double(const tremolo_body* body, double* out, size_t length);
+
+/* Positions as above and the unit normals of the vertices, x y z x y z ..., outwards, each triangle
+ * counting with its area. length, of both buffers, must be 3 s. */
+tremolo_status tremolo_body_surface_float(const tremolo_body* body, float* positions,
+                                          float* normals, size_t length);
 
 /* J; any of the three may be NULL. high_band: energy of the oscillation of the
  * coordinates above the split (runtime/energy.h). */

@@ -65,12 +65,37 @@ Json load_json(const DefaultLoad& load) {
   return {{"vertices", load.vertices}, {"forces_n", forces}};
 }
 
+// The encoding and, for a compact file, the errors that its maker found.
+Json encoding_json(const BasisReader& reader, const Json& provenance) {
+  if (!reader.compact()) return {{"name", "full"}};
+  Json encoding{{"name", "compact"}};
+  if (provenance.is_object() && provenance.contains("encoding") &&
+      provenance["encoding"].is_object())
+    encoding.update(provenance["encoding"]);
+  return encoding;
+}
+
+std::string encoding_text(const Json& encoding) {
+  if (encoding["name"] != "compact") return "full: every number f64";
+  std::string text = "compact: coefficients f32, basis rows 16 bits";
+  const auto add = [&](const char* key, const char* what) {
+    if (encoding.contains(key) && encoding[key].is_number())
+      text += fmt::format("; {} {:.2g}", what, encoding[key].get<double>());
+  };
+  add("displacement_error", "displacement off by (of the size)");
+  add("displacement_error_bound", "at most");
+  add("force_error", "force off by (of the load)");
+  return text;
+}
+
 Json to_json(const std::string& path, const BasisReader& reader, const Contents& contents) {
   const BasisDimensions& d = reader.dimensions();
   const Json& provenance = contents.provenance;
   Json json;
   json["file"] = path;
   json["format_version"] = fmt::format("{}.{}", layout::kMajor, reader.minor_version());
+  json["encoding"] = encoding_json(reader, provenance);
+  json["linear"] = reader.linear();
   json["n"] = d.vertices;
   json["m"] = d.tetrahedra;
   json["r"] = d.modes;
@@ -97,6 +122,8 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
              d.vertices, d.surface_vertices, d.fixed, d.tetrahedra, d.triangles);
   fmt::print("  {} coordinates from {} linear modes{}\n", d.modes, d.linear_modes,
              d.rigid > 0 ? fmt::format("; a free body, {} rigid motions left out", d.rigid) : "");
+  fmt::print("  {}\n", encoding_text(encoding_json(reader, contents.provenance)));
+  if (reader.linear()) fmt::print("  a linear model: no cubic, no quartic terms\n");
   fmt::print("  frequencies {:.4g} Hz\n", fmt::join(contents.frequencies, " "));
   fmt::print("  explicit methods are stable below a step of {:.4g} s\n", step_limit(contents));
   for (std::size_t i = 0; i < contents.load.vertices.size() && i < 4; ++i) {

@@ -22,6 +22,7 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
   run.add_option("--step", o.step, "h, s")->capture_default_str();
   run.add_option("--duration", o.duration, "simulated time, s")->capture_default_str();
   run.add_option("--modes", o.modes, "keep the first R coordinates only (0: all)");
+  run.add_flag("--linear", o.linear, "leave the cubic and quartic terms out: not read, not kept");
   run.add_option("--load", o.load, "impulse (3 ms), square (0.3 s), sine (1 Hz), constant, none")
       ->capture_default_str();
   run.add_option("--at", o.at, "vertex that the load acts on (default: the model's)");

@@ -48,6 +48,7 @@ constexpr Key kKeys[] = {
     {"step", [](const toml::node& n, RunOptions& o) { return store(n, o.step); }},
     {"duration", [](const toml::node& n, RunOptions& o) { return store(n, o.duration); }},
     {"modes", [](const toml::node& n, RunOptions& o) { return store(n, o.modes); }},
+    {"linear", [](const toml::node& n, RunOptions& o) { return store(n, o.linear); }},
     {"load", [](const toml::node& n, RunOptions& o) { return store(n, o.load); }},
     {"at", [](const toml::node& n, RunOptions& o) { return store(n, o.at); }},
     {"force", [](const toml::node& n, RunOptions& o) { return store(n, o.force); }},

@@ -18,6 +18,7 @@ struct RunOptions {
   double step = 3e-3;
   double duration = 30.0;
   int modes = 0;                // leading coordinates to keep; 0: all
+  bool linear = false;          // without the cubic and quartic terms
   std::string load = "square";  // impulse, square, sine, constant, none
   int at = -1;                  // vertex; with force; else the model's default load
   std::string force;            // "X,Y,Z" in N

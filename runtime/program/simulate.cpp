@@ -81,7 +81,7 @@ Result<Body> make_body(const RunOptions& options) {
   if (std::find(names.begin(), names.end(), options.integrator) == names.end())
     return usage_error(fmt::format("unknown integrator '{}'; there are {}", options.integrator,
                                    fmt::join(names, ", ")));
-  Result<Model::Pointer> model = Model::load(options.model, {options.modes});
+  Result<Model::Pointer> model = Model::load(options.model, {options.modes, options.linear});
   if (!model) return value_error(model.error());
   IntegratorOptions settings;
   settings.step = options.step;

@@ -59,6 +59,47 @@ class PrecomputeProgram : public ::testing::Test {
   std::string folder_;
 };
 
+TEST_F(PrecomputeProgram, ACompactFileTellsItsErrorsOnStderrInJsonAndInItself) {
+  const ProgramResult result = run(std::string("block.veg --encoding compact --json ") + kGood);
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.err.find("compact: displacement off by"), std::string::npos) << result.err;
+  const auto encoding = nlohmann::json::parse(result.out)["encoding"];
+  EXPECT_EQ(encoding["name"], "compact");
+  // A tenth of the size times 8 coordinates times 2.6e-5 each.
+  EXPECT_LE(encoding["displacement_error_bound"], 2.1e-5);
+  EXPECT_LE(encoding["displacement_error"], encoding["displacement_error_bound"]);
+  EXPECT_GT(encoding["displacement_error"], 0.0);
+  EXPECT_GT(encoding["force_error"], 0.0);
+  EXPECT_LE(encoding["force_error"], 1e-4);
+  const auto compact = read_basis(folder_ + "/out.tremolo");
+  ASSERT_TRUE(compact) << compact.error().message;
+  EXPECT_EQ(nlohmann::json::parse(compact->provenance)["encoding"], encoding);
+  ASSERT_EQ(run(std::string("block.veg ") + kGood).code, 0);
+  const auto full = read_basis(folder_ + "/out.tremolo");
+  ASSERT_TRUE(full);
+  EXPECT_FALSE(nlohmann::json::parse(full->provenance).contains("encoding"));
+  EXPECT_EQ(compact->lambda, full->lambda);
+  EXPECT_TRUE(compact->surface.rows.isApprox(full->surface.rows, 1e-4));
+}
+
+TEST_F(PrecomputeProgram, ALinearModelIsItsLinearModesAlone) {
+  const std::string linear = "block.veg -o out.tremolo --fix 'x<0.001' --linear-modes 4 --linear";
+  const ProgramResult result = run(linear + " --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["r"], 4);
+  for (const auto& stage : json["stages"]) {
+    EXPECT_NE(stage["name"], "derivatives");
+    EXPECT_NE(stage["name"], "coefficients");
+  }
+  const auto data = read_basis(folder_ + "/out.tremolo");
+  ASSERT_TRUE(data) << data.error().message;
+  EXPECT_TRUE(data->cubic.empty());
+  EXPECT_TRUE(data->quartic.empty());
+  const ProgramResult more = run(linear + " --modes 5");
+  EXPECT_EQ(more.code, 3) << "there are four modes";
+}
+
 TEST_F(PrecomputeProgram, MakesABasisFileAndSaysWhatCameOut) {
   const ProgramResult result = run(std::string("block.veg --json ") + kGood);
   ASSERT_EQ(result.code, 0) << result.err;

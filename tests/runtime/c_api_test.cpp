@@ -129,6 +129,9 @@ TEST_F(CApi, NullIsAUsageErrorEverywhere) {
   EXPECT_EQ(tremolo_body_set_state(body_, d, nullptr, 4), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_body_positions_float(nullptr, f, 15), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_body_positions_float(body_, nullptr, 15), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_surface_float(nullptr, f, f, 15), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_surface_float(body_, nullptr, f, 15), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_surface_float(body_, f, nullptr, 15), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_body_positions_double(nullptr, d, 15), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_body_positions_double(body_, nullptr, 15), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_body_energy(nullptr, d, d, d), TREMOLO_USAGE);
@@ -151,6 +154,9 @@ TEST_F(CApi, LengthThatDoesNotFitIsAUsageErrorThatSaysBoth) {
   EXPECT_EQ(tremolo_body_positions_double(body_, d, 16), TREMOLO_USAGE);
   EXPECT_TRUE(error_names("16") && error_names("15")) << tremolo_last_error();
   EXPECT_EQ(tremolo_body_positions_float(body_, f, 14), TREMOLO_USAGE);
+  float normals[15] = {};
+  EXPECT_EQ(tremolo_body_surface_float(body_, f, normals, 14), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_surface_float(body_, f, normals, 15), TREMOLO_OK);
   EXPECT_EQ(tremolo_body_state(body_, d, d, 3), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_body_set_state(body_, d, d, 5), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_model_frequencies(model_, d, 3), TREMOLO_USAGE);

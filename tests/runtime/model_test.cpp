@@ -49,6 +49,49 @@ TEST(Model, HoldsWhatTheBasisHolds) {
   expect_same(**Model::from_data(data, {.modes = 2}), data, 2);
 }
 
+TEST(Model, ALinearModelPullsBackByLambdaAlone) {
+  const BasisData data = sample();
+  BasisData without = data;
+  without.cubic.clear();
+  without.quartic.clear();
+  const std::string path = temporary_file("linear_model_test.tremolo");
+  ASSERT_TRUE(write_basis(path, data));
+  const Result<Model::Pointer> models[] = {
+      Model::from_data(data, {.linear = true}), Model::load(path, {.linear = true}),
+      Model::from_data(without), Model::load_from_memory(*encode_basis(without))};
+  const Eigen::VectorXd q = Eigen::VectorXd::LinSpaced(4, -1.0, 2.0);
+  for (const Result<Model::Pointer>& model : models) {
+    ASSERT_TRUE(model) << model.error().message;
+    const Potential& potential = (*model)->potential();
+    PotentialWorkspace workspace = potential.make_workspace();
+    Evaluation out = potential.make_evaluation();
+    potential.evaluate(q, kWantEnergy | kWantForce | kWantTangent, workspace, out);
+    EXPECT_EQ(out.force, data.lambda.cwiseProduct(q));
+    EXPECT_EQ(out.tangent, Eigen::MatrixXd(data.lambda.asDiagonal()));
+    EXPECT_DOUBLE_EQ(out.energy, 0.5 * q.dot(data.lambda.cwiseProduct(q)));
+  }
+}
+
+TEST(Model, ACompactFileIsTheSameModelButForItsRounding) {
+  const BasisData data = sample();
+  const std::string path = temporary_file("compact_model_test.tremolo");
+  ASSERT_TRUE(write_basis(path, data, BasisEncoding::kCompact));
+  for (const int modes : {0, 3}) {
+    const Result<Model::Pointer> model = Model::load(path, {.modes = modes});
+    ASSERT_TRUE(model) << model.error().message;
+    const Eigen::Index r = modes == 0 ? 4 : modes;
+    EXPECT_EQ((*model)->lambda(), data.lambda.head(r));
+    const double step = data.surface.rows.cwiseAbs().maxCoeff() / 32767.0;
+    EXPECT_LE(((*model)->surface().rows - data.surface.rows.leftCols(r)).cwiseAbs().maxCoeff(),
+              step);
+    EXPECT_EQ((*model)->surface().column_scales.size(), r);
+    const Result<VertexRows> inside = (*model)->vertex(4);
+    ASSERT_TRUE(inside) << inside.error().message;
+    EXPECT_LE((inside->rows - data.interior.rows.bottomRows(3).leftCols(r)).cwiseAbs().maxCoeff(),
+              step);
+  }
+}
+
 TEST(Model, FileMemoryAndDataGiveTheSameModel) {
   const BasisData data = sample();
   const std::string path = temporary_file("model_test.tremolo");

@@ -1,0 +1,244 @@
+#include "runtime/surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "runtime/clones.h"
+
+namespace tremolo {
+namespace {
+
+constexpr std::size_t kLane = 16;   // rows a line
+constexpr std::size_t kBlock = 64;  // rows a block
+
+// Name these types where they are used: `auto` forgets their alignment and aliasing.
+typedef float Floats __attribute__((vector_size(64), may_alias));
+typedef float LooseFloats __attribute__((vector_size(64), aligned(4), may_alias));
+typedef std::int32_t Integers __attribute__((vector_size(64), may_alias));
+typedef float Four __attribute__((vector_size(16), may_alias));
+typedef float LooseFour __attribute__((vector_size(16), aligned(4), may_alias));
+
+using FloatLine = SurfaceBasis::FloatLine;
+using PairLine = SurfaceBasis::PairLine;
+using Sum = SurfaceWorkspace::Sum;
+
+// out: whole blocks.
+TREMOLO_CLONES
+void multiply_floats(const FloatLine* __restrict rows, const FloatLine* __restrict rest,
+                     const float* __restrict q, std::size_t blocks, std::size_t modes,
+                     float* __restrict out) {
+  const Floats* u = reinterpret_cast<const Floats*>(rows);
+  const Floats* x = reinterpret_cast<const Floats*>(rest);
+  for (std::size_t block = 0; block < blocks; ++block, x += 4) {
+    Floats x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
+    for (std::size_t i = 0; i < modes; ++i, u += 4) {
+      const float qi = q[i];
+      x0 += u[0] * qi;
+      x1 += u[1] * qi;
+      x2 += u[2] * qi;
+      x3 += u[3] * qi;
+    }
+    LooseFloats* to = reinterpret_cast<LooseFloats*>(out + kBlock * block);
+    to[0] = x0;
+    to[1] = x1;
+    to[2] = x2;
+    to[3] = x3;
+  }
+}
+
+// The two halves of a lane become floats as integers times 2^16: exact, and cheaper than widening.
+TREMOLO_CLONES
+void multiply_pairs(const PairLine* __restrict pairs, const FloatLine* __restrict rest,
+                    const float* __restrict q, std::size_t blocks, std::size_t modes,
+                    float* __restrict out) {
+  constexpr auto kHigh = static_cast<std::int32_t>(0xffff0000u);
+  const Integers* u = reinterpret_cast<const Integers*>(pairs);
+  const Floats* x = reinterpret_cast<const Floats*>(rest);
+  for (std::size_t block = 0; block < blocks; ++block, x += 4) {
+    Floats x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
+    for (std::size_t i = 0; i < modes; ++i, u += 2) {
+      const float qi = q[i];
+      x0 += __builtin_convertvector(u[0] << 16, Floats) * qi;
+      x1 += __builtin_convertvector(u[0] & kHigh, Floats) * qi;
+      x2 += __builtin_convertvector(u[1] << 16, Floats) * qi;
+      x3 += __builtin_convertvector(u[1] & kHigh, Floats) * qi;
+    }
+    LooseFloats* to = reinterpret_cast<LooseFloats*>(out + kBlock * block);
+    to[0] = x0;
+    to[1] = x1;
+    to[2] = x2;
+    to[3] = x3;
+  }
+}
+
+void multiply(const SurfaceBasis& rows, std::size_t first, std::size_t blocks, const float* q,
+              float* out) {
+  const FloatLine* rest = rows.rest.data() + 4 * first;
+  if (rows.pairs.empty())
+    multiply_floats(rows.rows.data() + 4 * rows.modes * first, rest, q, blocks, rows.modes, out);
+  else
+    multiply_pairs(rows.pairs.data() + 2 * rows.modes * first, rest, q, blocks, rows.modes, out);
+}
+
+// normals: z, x, y of each triangle's (b - a) x (c - a); the fourth number means nothing.
+// positions: readable for one number behind the last vertex.
+TREMOLO_CLONES
+void write_triangle_normals(const Triangle* triangles, std::size_t count,
+                            const float* __restrict positions, Sum* __restrict normals) {
+  const auto at = [positions](VertexId vertex) -> Four {
+    return *reinterpret_cast<const LooseFour*>(positions + 3 * static_cast<std::size_t>(vertex));
+  };
+  for (std::size_t t = 0; t < count; ++t) {
+    const Triangle& corner = triangles[t];
+    const Four origin = at(corner[0]);
+    const Four e = at(corner[1]) - origin;
+    const Four f = at(corner[2]) - origin;
+    reinterpret_cast<Four&>(normals[t]) = e * __builtin_shufflevector(f, f, 1, 2, 0, 3) -
+                                          __builtin_shufflevector(e, e, 1, 2, 0, 3) * f;
+  }
+}
+
+// Sums over the triangles at each of `count` vertices and their squared lengths: reading each
+// normal three times is cheaper than adding it to three vertices in memory.
+TREMOLO_CLONES
+void gather_normals(const std::uint32_t* first, const std::uint32_t* incident,
+                    const Sum* __restrict normals, std::size_t count, Sum* __restrict sums,
+                    float* __restrict squared) {
+  for (std::size_t v = 0; v < count; ++v) {
+    Four sum = {};
+    for (std::size_t i = first[v]; i < first[v + 1]; ++i)
+      sum += reinterpret_cast<const Four&>(normals[incident[i]]);
+    reinterpret_cast<Four&>(sums[v]) = __builtin_shufflevector(sum, sum, 1, 2, 0, 3);
+    squared[v] = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
+  }
+}
+
+// x, y, z of each sum times its factor. Four numbers a vertex are written: the fourth is the next
+// one's place, and `count` must leave one vertex behind.
+TREMOLO_CLONES
+void write_scaled(const Sum* __restrict sums, const float* __restrict factors, std::size_t count,
+                  float* __restrict out) {
+  for (std::size_t v = 0; v < count; ++v)
+    *reinterpret_cast<LooseFour*>(out + 3 * v) =
+        reinterpret_cast<const Four&>(sums[v]) * factors[v];
+}
+
+// The unit normals of all vertices from those of the triangles.
+void write_unit_normals(const SurfaceBasis& basis, const Sum* triangle_normals, float* out) {
+  Sum sums[kBlock];
+  float factors[kBlock];
+  for (std::size_t first = 0; first < basis.vertices; first += kBlock) {
+    const std::size_t count = std::min(kBlock, basis.vertices - first);
+    gather_normals(basis.first_incident.data() + first, basis.incident.data(), triangle_normals,
+                   count, sums, factors);
+    Eigen::Map<Eigen::ArrayXf> inverse(factors, static_cast<Eigen::Index>(count));
+    // A sum of zero stays zero.
+    inverse = inverse.max(std::numeric_limits<float>::min()).rsqrt();
+    const bool last = first + count == basis.vertices;
+    write_scaled(sums, factors, last ? count - 1 : count, out + 3 * first);
+    if (!last) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      out[3 * (basis.vertices - 1) + axis] = factors[count - 1] * sums[count - 1].value[axis];
+  }
+}
+
+const float* scaled_coordinates(const SurfaceBasis& rows, const Eigen::VectorXd& q,
+                                SurfaceWorkspace& workspace) {
+  workspace.coordinates.resize(rows.modes);
+  for (std::size_t i = 0; i < rows.modes; ++i)
+    workspace.coordinates[i] = static_cast<float>(rows.scales[i] * q[static_cast<Eigen::Index>(i)]);
+  return workspace.coordinates.data();
+}
+
+void list_incident(const std::vector<Triangle>& triangles, SurfaceBasis& basis) {
+  basis.first_incident.assign(basis.vertices + 1, 0);
+  for (const Triangle& triangle : triangles)
+    for (const VertexId corner : triangle) ++basis.first_incident[std::size_t(corner) + 1];
+  std::partial_sum(basis.first_incident.begin(), basis.first_incident.end(),
+                   basis.first_incident.begin());
+  std::vector<std::uint32_t> next = basis.first_incident;
+  basis.incident.resize(3 * triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (const VertexId corner : triangles[t])
+      basis.incident[next[std::size_t(corner)]++] = static_cast<std::uint32_t>(t);
+}
+
+// The integers of the block in order of rows, or nothing if some entry is no such multiple.
+std::vector<std::int32_t> integers_of(const VertexBlock& surface) {
+  if (surface.column_scales.size() != surface.rows.cols() || surface.rows.cols() == 0) return {};
+  std::vector<std::int32_t> integers;
+  integers.reserve(static_cast<std::size_t>(surface.rows.size()));
+  for (Eigen::Index row = 0; row < surface.rows.rows(); ++row)
+    for (Eigen::Index i = 0; i < surface.rows.cols(); ++i) {
+      const double exact = surface.rows(row, i) / surface.column_scales[i];
+      if (!(std::abs(exact) <= 32768.0) || std::abs(exact - std::nearbyint(exact)) > 1e-9)
+        return {};
+      integers.push_back(static_cast<std::int32_t>(std::lround(exact)));
+    }
+  return integers;
+}
+
+}  // namespace
+
+SurfaceBasis make_surface_basis(const VertexBlock& surface,
+                                const std::vector<Triangle>& triangles) {
+  SurfaceBasis rows;
+  rows.vertices = surface.vertex_ids.size();
+  rows.modes = static_cast<std::size_t>(surface.rows.cols());
+  const std::size_t count = 3 * rows.vertices;
+  const std::size_t blocks = (count + kBlock - 1) / kBlock;
+  rows.rest.resize(4 * blocks);
+  for (std::size_t row = 0; row < count; ++row)
+    rows.rest[row / kLane].value[row % kLane] =
+        static_cast<float>(surface.rest[row / 3][static_cast<Eigen::Index>(row % 3)]);
+  list_incident(triangles, rows);
+  const std::vector<std::int32_t> integers = integers_of(surface);
+  if (integers.empty()) {
+    rows.scales.assign(rows.modes, 1.0);
+    rows.rows.resize(4 * blocks * rows.modes);
+  } else {
+    for (const double scale : surface.column_scales) rows.scales.push_back(scale / 65536.0);
+    rows.pairs.resize(2 * blocks * rows.modes);
+  }
+  for (std::size_t row = 0; row < count; ++row)
+    for (std::size_t i = 0; i < rows.modes; ++i) {
+      const std::size_t column = row / kBlock * rows.modes + i;
+      const std::size_t line = row % kBlock / kLane;
+      if (integers.empty()) {
+        rows.rows[4 * column + line].value[row % kLane] = static_cast<float>(
+            surface.rows(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(i)));
+      } else {
+        const auto half = static_cast<std::uint32_t>(integers[row * rows.modes + i]) & 0xffffu;
+        rows.pairs[2 * column + line / 2].value[row % kLane] |= half << (16 * (line % 2));
+      }
+    }
+  return rows;
+}
+
+void surface_positions(const SurfaceBasis& rows, const Eigen::VectorXd& q,
+                       SurfaceWorkspace& workspace, std::span<float> positions) {
+  const float* coordinates = scaled_coordinates(rows, q, workspace);
+  const std::size_t whole = positions.size() / kBlock;
+  multiply(rows, 0, whole, coordinates, positions.data());
+  if (whole == rows.blocks()) return;
+  float last[kBlock];
+  multiply(rows, whole, 1, coordinates, last);
+  std::copy_n(last, positions.size() - kBlock * whole, positions.data() + kBlock * whole);
+}
+
+void surface_with_normals(const SurfaceBasis& rows, const std::vector<Triangle>& triangles,
+                          const Eigen::VectorXd& q, SurfaceWorkspace& workspace,
+                          std::span<float> positions, std::span<float> normals) {
+  const float* coordinates = scaled_coordinates(rows, q, workspace);
+  workspace.positions.resize(kBlock * rows.blocks() + 1);
+  multiply(rows, 0, rows.blocks(), coordinates, workspace.positions.data());
+  std::copy_n(workspace.positions.data(), positions.size(), positions.data());
+  workspace.triangle_normals.resize(triangles.size());
+  write_triangle_normals(triangles.data(), triangles.size(), workspace.positions.data(),
+                         workspace.triangle_normals.data());
+  write_unit_normals(rows, workspace.triangle_normals.data(), normals.data());
+}
+
+}  // namespace tremolo
