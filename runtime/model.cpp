@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/number_text.h"
+#include "common/packed_index.h"
 #include "formats/basis_layout.h"
 #include "formats/basis_reader.h"
 #include "runtime/interior_rows.h"
@@ -99,6 +100,9 @@ Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Ind
       Potential::create(data.lambda.head(modes), data.cubic, data.quartic);
   if (!potential) return potential.error();
   std::shared_ptr<Model> model(new Model(std::move(*potential), std::move(*surface)));
+  const auto kept = static_cast<std::size_t>(modes);
+  model->cubic_.assign(data.cubic.begin(), data.cubic.begin() + triple_count(kept));
+  model->quartic_.assign(data.quartic.begin(), data.quartic.begin() + quad_count(kept));
   model->triangles_ = data.triangles;
   model->default_load_ = data.load;
   model->vertex_count_ = data.vertex_count;

@@ -51,6 +51,9 @@ class Model {
   Eigen::Index modes() const { return potential_.size(); }               // r
   const Eigen::VectorXd& lambda() const { return potential_.lambda(); }  // r, (rad/s)^2, ascending
   const Potential& potential() const { return potential_; }
+  // Unique entries of C and Q over the r coordinates, packed as in common/packed_index.h.
+  std::span<const double> cubic() const { return cubic_; }
+  std::span<const double> quartic() const { return quartic_; }
   const VertexBlock& surface() const { return surface_; }                // rows has r columns
   const std::vector<Triangle>& triangles() const { return triangles_; }  // into surface()
   const DefaultLoad& default_load() const { return default_load_; }      // may be empty
@@ -70,6 +73,8 @@ class Model {
   static Result<std::shared_ptr<Model>> assemble(const BasisData& data, Eigen::Index modes);
 
   Potential potential_;
+  std::vector<double> cubic_;
+  std::vector<double> quartic_;
   VertexBlock surface_;
   std::vector<Triangle> triangles_;
   DefaultLoad default_load_;
