@@ -16,7 +16,7 @@ using Measure = Result<SpeedSection> (*)(const Options&, const MachineProbe&);
 
 // In the order of the report.
 std::vector<Measure> sections_to_measure() {
-  return {};
+  return {measure_world_speed};
 }
 
 std::string machine_text(const MachineProbe& probe) {
