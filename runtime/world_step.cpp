@@ -22,8 +22,8 @@ void World::Contents::step(GroupId first, GroupId end) {
     task_ends[g] = tasks;
   }
   pool->run(tasks, [&](std::size_t task, unsigned thread) {
-    GroupId g = first;
-    while (task >= task_ends[g]) ++g;
+    const auto at = std::upper_bound(task_ends.begin() + first, task_ends.begin() + end, task);
+    const auto g = static_cast<GroupId>(at - task_ends.begin());
     run_task(groups[g], task - (g == first ? 0 : task_ends[g - 1]), scratch[thread]);
   });
   for (GroupId g = first; g < end; ++g) finish(groups[g]);

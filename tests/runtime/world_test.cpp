@@ -176,11 +176,14 @@ TEST(World, BodyDoesNotFeelTheOthersComeAndGo) {
   Crowd crowd = make_crowd(model, options, 30);
   std::mt19937 random(5);
   for (int k = 0; k < 200; ++k) {
-    const BodyId other = crowd.bodies[1 + random() % 29];
-    ASSERT_TRUE(k % 3 == 0 ? crowd.world.sleep(other) : crowd.world.wake(other));
-    if (k == 100) {  // the first body itself loses its lane and gets another
-      ASSERT_TRUE(crowd.world.sleep(crowd.bodies[0]));
-      ASSERT_TRUE(crowd.world.wake(crowd.bodies[0]));
+    // The body itself loses its lane, gets the last one and may be moved on at once.
+    if (k % 4 == 1) {
+      ASSERT_TRUE(crowd.world.sleep(0));
+      ASSERT_TRUE(crowd.world.wake(0));
+    }
+    for (int change = 0; change < 6; ++change) {
+      const BodyId other = crowd.bodies[1 + random() % 29];
+      ASSERT_TRUE(random() % 2 == 0 ? crowd.world.sleep(other) : crowd.world.wake(other));
     }
     alone.world.step();
     crowd.world.step();
@@ -265,26 +268,52 @@ TEST(World, WhatSleepsByDefaultIsMovedByLessThanATenThousandthOfItsSize) {
 
 TEST(World, BodyThatLeavesTheNumbersIsPutBackAndToSleepAndHarmsNoOther) {
   const Model::Pointer model = test_model();
-  for (const std::string_view method : {"verlet", "imexv-linear", "ep4"}) {
-    const GroupOptions options = group_options(method);
-    Crowd crowd = make_crowd(model, options, 12), without = make_crowd(model, options, 12);
-    const Eigen::VectorXd huge = Eigen::VectorXd::Constant(kModes, 1e200);
-    ASSERT_TRUE(crowd.world.set_state(5, huge, huge));
-    ASSERT_TRUE(crowd.world.apply_force(5, 5, {1.0, 0.0, 0.0}, 9));
-    const WorldReport& report = crowd.world.step();
-    ASSERT_EQ(report.failed.size(), 1u) << method;
-    EXPECT_EQ(report.failed[0], 5u);
-    EXPECT_FALSE(*crowd.world.is_awake(5));
-    EXPECT_EQ(crowd.world.state(5)->q, huge);
-    EXPECT_EQ(crowd.world.state(5)->p, huge);
-    without.world.step();
-    for (int k = 0; k < 20; ++k) {
-      EXPECT_TRUE(crowd.world.step().failed.empty());
+  const Eigen::VectorXd huge = Eigen::VectorXd::Constant(kModes, 1e200);
+  for (const std::string_view method : {"verlet", "imexv-linear", "ep4"})
+    for (const BodyId bad : {5u, 11u}) {  // amid the others, and the last
+      const GroupOptions options = group_options(method);
+      Crowd crowd = make_crowd(model, options, 12), without = make_crowd(model, options, 12);
+      ASSERT_TRUE(crowd.world.set_state(bad, huge, huge));
+      ASSERT_TRUE(crowd.world.apply_force(bad, 5, {1.0, 0.0, 0.0}, 9));
+      const WorldReport& report = crowd.world.step();
+      ASSERT_EQ(report.failed.size(), 1u) << method;
+      EXPECT_EQ(report.failed[0], bad);
+      EXPECT_FALSE(*crowd.world.is_awake(bad));
+      EXPECT_EQ(crowd.world.state(bad)->q, huge);
+      EXPECT_EQ(crowd.world.state(bad)->p, huge);
       without.world.step();
+      for (int k = 0; k < 20; ++k) {
+        EXPECT_TRUE(crowd.world.step().failed.empty());
+        without.world.step();
+      }
+      for (const BodyId body : crowd.bodies) {
+        if (body != bad) {
+          EXPECT_EQ(crowd.world.state(body)->q, without.world.state(body)->q);
+        }
+      }
     }
-    for (const BodyId body : crowd.bodies) {
-      if (body != 5) {
-        EXPECT_EQ(crowd.world.state(body)->q, without.world.state(body)->q);
+}
+
+TEST(World, BodiesThatFallAsleepTogetherAreThoseAndNoOthers) {
+  const Model::Pointer model = test_model();
+  for (const std::string_view method : {"imexv-linear", "ep4"}) {
+    GroupOptions options = group_options(method);
+    Crowd awake = make_crowd(model, options, 21);
+    options.sleep = {.energy = 1e6, .time = 0.02};  // the first look finds all of them quiet
+    Crowd crowd = make_crowd(model, options, 21);
+    for (BodyId body = 0; body < 21; body += 3)
+      for (World* world : {&awake.world, &crowd.world})
+        ASSERT_TRUE(world->apply_force(body, 5, {1.0, 0.0, 0.0}, 12));
+    std::size_t slept = 0;
+    for (int k = 0; k < 12; ++k) {
+      slept += crowd.world.step().fell_asleep;
+      awake.world.step();
+    }
+    EXPECT_EQ(slept, 14u) << method;
+    for (BodyId body = 0; body < 21; ++body) {
+      EXPECT_EQ(*crowd.world.is_awake(body), body % 3 == 0);
+      if (body % 3 == 0) {
+        EXPECT_EQ(crowd.world.state(body)->q, awake.world.state(body)->q);
       }
     }
   }
