@@ -15,11 +15,11 @@ namespace {
 // Triples (j, k, l) that share j and k are taken `width` at a time for as many values of l: q_i and
 // the gradient's row i are then loaded once for `width` coefficients. Six of them still fit in the
 // registers of AVX-512.
-constexpr std::size_t kWidest = 6;
+constexpr std::size_t kMostTogether = 6;
 
 // How many of the `left` values of l come next: the fewest steps, of nearly equal width.
 constexpr std::size_t next_width(std::size_t left) {
-  const std::size_t steps = (left + kWidest - 1) / kWidest;
+  const std::size_t steps = (left + kMostTogether - 1) / kMostTogether;
   return (left + steps - 1) / steps;
 }
 
@@ -90,7 +90,7 @@ struct Pass {
 
   template <bool kEnergy>
   [[gnu::always_inline]] inline void add_all(std::size_t r) {
-    static_assert(kWidest == 6);
+    static_assert(kMostTogether == 6);
     for (std::size_t i = 0; i < r; ++i) out(i) = Vector{};
     for (std::size_t k = 0; k < r; ++k)
       for (std::size_t l = k; l < r;) {
@@ -165,12 +165,21 @@ void run_plain(const Real* c, std::size_t r, const Real* x, Real* g, Real* e) {
 }
 
 template <class Real>
-Runner<Real> widest_runner() {
+Runner<Real> runner(LaneVectors vectors) {
 #if defined(TREMOLO_LANES_X86)
-  if (__builtin_cpu_supports("x86-64-v4")) return run_v4;
-  if (__builtin_cpu_supports("x86-64-v3")) return run_v3;
+  if (vectors == LaneVectors::kAvx512) return run_v4;
+  if (vectors == LaneVectors::kAvx2) return run_v3;
 #endif
+  (void)vectors;
   return run_plain<Real>;
+}
+
+LaneVectors find_widest() {
+#if defined(TREMOLO_LANES_X86)
+  if (__builtin_cpu_supports("x86-64-v4")) return LaneVectors::kAvx512;
+  if (__builtin_cpu_supports("x86-64-v3")) return LaneVectors::kAvx2;
+#endif
+  return LaneVectors::kPlain;
 }
 
 // The power of two next to a positive number; 1 for what is not positive and finite.
@@ -223,16 +232,19 @@ template LaneCoefficients<float> make_lane_coefficients(std::size_t, std::span<c
 template LaneCoefficients<double> make_lane_coefficients(std::size_t, std::span<const double>,
                                                          std::span<const double>);
 
+LaneVectors widest_lane_vectors() {
+  static const LaneVectors kWidest = find_widest();
+  return kWidest;
+}
+
 void evaluate_lanes(const LaneCoefficients<float>& coefficients, const float* x, float* gradient,
-                    float* energy) {
-  static const Runner<float> kRun = widest_runner<float>();
-  kRun(coefficients.stream.data(), coefficients.modes, x, gradient, energy);
+                    float* energy, LaneVectors vectors) {
+  runner<float>(vectors)(coefficients.stream.data(), coefficients.modes, x, gradient, energy);
 }
 
 void evaluate_lanes(const LaneCoefficients<double>& coefficients, const double* x, double* gradient,
-                    double* energy) {
-  static const Runner<double> kRun = widest_runner<double>();
-  kRun(coefficients.stream.data(), coefficients.modes, x, gradient, energy);
+                    double* energy, LaneVectors vectors) {
+  runner<double>(vectors)(coefficients.stream.data(), coefficients.modes, x, gradient, energy);
 }
 
 }  // namespace tremolo

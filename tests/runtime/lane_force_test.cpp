@@ -27,16 +27,17 @@ struct LaneResult {
 
 template <class Real>
 LaneResult<Real> by_lanes(const LaneCoefficients<Real>& lanes,
-                          const std::vector<Eigen::VectorXd>& states) {
+                          const std::vector<Eigen::VectorXd>& states,
+                          LaneVectors vectors = widest_lane_vectors()) {
   std::vector<Row<Real>> x(lanes.modes), gradient(lanes.modes), energy(1);
   for (std::size_t i = 0; i < lanes.modes; ++i)
     for (std::size_t lane = 0; lane < states.size(); ++lane)
       x[i].value[lane] =
           static_cast<Real>(states[lane][static_cast<Eigen::Index>(i)] / lanes.coordinate_scale);
-  evaluate_lanes(lanes, x[0].value, gradient[0].value, energy[0].value);
+  evaluate_lanes(lanes, x[0].value, gradient[0].value, energy[0].value, vectors);
   // The gradient does not depend on whether the energy is wanted.
   std::vector<Row<Real>> again(lanes.modes);
-  evaluate_lanes(lanes, x[0].value, again[0].value, static_cast<Real*>(nullptr));
+  evaluate_lanes(lanes, x[0].value, again[0].value, static_cast<Real*>(nullptr), vectors);
   LaneResult<Real> result;
   for (std::size_t lane = 0; lane < states.size(); ++lane) {
     Eigen::VectorXd g(static_cast<Eigen::Index>(lanes.modes));
@@ -71,7 +72,8 @@ std::vector<double> sizes(std::vector<double> values) {
 // Compares with Potential, row by row, relative to the sum of the sizes of the row's terms (which
 // the potential of absolute coefficients at |q| gives). Returns the largest such error.
 template <class Real>
-double largest_error(const BasisData& data, double amplitude) {
+double largest_error(const BasisData& data, double amplitude,
+                     LaneVectors vectors = widest_lane_vectors()) {
   const Eigen::Index r = data.lambda.size();
   const Potential potential = *Potential::create(data.lambda, data.cubic, data.quartic);
   const Potential absolute =
@@ -81,7 +83,7 @@ double largest_error(const BasisData& data, double amplitude) {
   std::vector<Eigen::VectorXd> states;
   for (unsigned lane = 0; lane < kLanes<Real>; ++lane)
     states.push_back(random_vector(r, amplitude, 3 + lane));
-  const LaneResult<Real> result = by_lanes(lanes, states);
+  const LaneResult<Real> result = by_lanes(lanes, states, vectors);
   double most = 0.0;
   for (std::size_t lane = 0; lane < states.size(); ++lane) {
     const Eigen::VectorXd& q = states[lane];
@@ -109,6 +111,14 @@ TEST_P(LaneForceSize, DoubleLanesEqualThePotential) {
 TEST_P(LaneForceSize, FloatLanesEqualThePotentialToFloatRounding) {
   // eps = 6e-8 of the coefficients, of q and of every operation: a few eps of the terms' sizes.
   EXPECT_LE(largest_error<float>(basis_of(GetParam()), 0.5), 5e-7);
+}
+
+TEST(LaneForce, NarrowerVectorsGiveTheSameToRounding) {
+  for (const LaneVectors vectors : {LaneVectors::kPlain, LaneVectors::kAvx2}) {
+    if (vectors > widest_lane_vectors()) continue;
+    EXPECT_LE(largest_error<double>(basis_of(11), 0.5, vectors), 1e-14);
+    EXPECT_LE(largest_error<float>(basis_of(11), 0.5, vectors), 5e-7);
+  }
 }
 
 TEST(LaneForce, FloatRangeIsNoQuestionOfUnits) {

@@ -91,9 +91,9 @@ struct LaneField {
         x[b / kLanes<Real> * r + i].value[b % kLanes<Real>] = static_cast<Real>(
             states[b][static_cast<Eigen::Index>(i)] / coefficients.coordinate_scale);
   }
-  void evaluate() {
+  void evaluate(LaneVectors vectors = widest_lane_vectors()) {
     for (std::size_t at = 0; at < x.size(); at += coefficients.modes)
-      evaluate_lanes(coefficients, x[at].value, gradient[at].value, nullptr);
+      evaluate_lanes(coefficients, x[at].value, gradient[at].value, nullptr, vectors);
   }
   // grad V of a body; lambda q added in double, as a World does.
   Eigen::VectorXd force(const Model& model, const Eigen::VectorXd& q, std::size_t body) const {
@@ -160,6 +160,29 @@ void measure_force(const Model& model, const MachineProbe& probe, SpeedSection& 
   section.rows.push_back(
       force_row<float>(model, seconds[0], seconds[2], probe.gflops_f32, error_f32));
   section.rows.push_back(force_row<double>(model, seconds[1], seconds[2], probe.gflops, error_f64));
+}
+
+// The same on a machine without AVX-512.
+void measure_avx2(const Model& model, SpeedSection& section) {
+  if (widest_lane_vectors() != LaneVectors::kAvx512) return;
+  const std::vector<Eigen::VectorXd> states = random_states(model, kBodies);
+  LaneField<float> floats(model, states);
+  LaneField<double> doubles(model, states);
+  const std::vector<double> seconds = by_turns(
+      {[&] { floats.evaluate(LaneVectors::kAvx2); }, [&] { doubles.evaluate(LaneVectors::kAvx2); },
+       [&] { floats.evaluate(); }, [&] { doubles.evaluate(); }},
+      1, 20);
+  const char* names[] = {"f32", "f64"};
+  for (std::size_t w = 0; w < 2; ++w) {
+    SpeedRow row;
+    row.what = fmt::format("force of one of {} bodies, r = {}, {} lanes, AVX2", kBodies,
+                           model.modes(), names[w]);
+    row.value = 1e6 * seconds[w] / kBodies;
+    row.baseline = 1e6 * seconds[2 + w] / kBodies;
+    row.operations = operations_of_force(static_cast<std::size_t>(model.modes()));
+    row.note = "AVX2 code on this machine, against AVX-512";
+    section.rows.push_back(row);
+  }
 }
 
 GroupOptions lane_options(LanePrecision precision, int modes = 0) {
@@ -395,6 +418,7 @@ Result<SpeedSection> measure_world_speed(const Options& options, const MachinePr
     criterion.decides = probe.vectors == "AVX-512";
     section.criteria.push_back(criterion);
   }
+  measure_avx2(*largest, section);
   if (Status s = measure_sleep(largest, section); !s) return s.error();
   if (Status s = measure_detail(largest, section); !s) return s.error();
   if (Status s = measure_surfaces(largest, probe, section); !s) return s.error();
