@@ -16,7 +16,7 @@ ThreadPool::~ThreadPool() {
 }
 
 void ThreadPool::end() {
-  ended_ = true;
+  ended_.store(true, std::memory_order_release);
   round_.fetch_add(1, std::memory_order_release);
   round_.notify_all();
   for (std::thread& helper : helpers_) helper.join();
@@ -24,35 +24,40 @@ void ThreadPool::end() {
 }
 
 void ThreadPool::run_erased(std::size_t count, Call call, void* body) {
-  call_ = call;
-  body_ = body;
-  count_ = count;
-  next_.store(0, std::memory_order_relaxed);
   // Nothing to share: waking the others would cost more than the work.
   if (helpers_.empty() || count < 2) {
-    work(0);
+    for (std::size_t index = 0; index < count; ++index) call(body, index, 0);
     return;
   }
-  helping_.store(static_cast<std::uint32_t>(helpers_.size()), std::memory_order_relaxed);
+  call_ = call;
+  body_ = body;
+  count_ = static_cast<std::int64_t>(count);
+  done_.store(0, std::memory_order_relaxed);
+  left_.store(count_, std::memory_order_release);
   round_.fetch_add(1, std::memory_order_release);
   round_.notify_all();
   work(0);
-  for (std::uint32_t left; (left = helping_.load(std::memory_order_acquire)) != 0;)
-    helping_.wait(left, std::memory_order_acquire);
+  for (std::int64_t done; (done = done_.load(std::memory_order_acquire)) != count_;)
+    done_.wait(done, std::memory_order_acquire);
 }
 
 void ThreadPool::work(unsigned thread) {
-  for (std::size_t index = next_++; index < count_; index = next_++) call_(body_, index, thread);
+  for (;;) {
+    const std::int64_t ticket = left_.fetch_sub(1, std::memory_order_acq_rel);
+    if (ticket <= 0) return;
+    // The loop cannot end before this index is done: what describes it stands until then.
+    const std::int64_t count = count_;
+    call_(body_, static_cast<std::size_t>(count - ticket), thread);
+    if (done_.fetch_add(1, std::memory_order_acq_rel) + 1 == count) done_.notify_one();
+  }
 }
 
 void ThreadPool::help(unsigned thread) {
   std::uint32_t seen = 0;
-  for (;;) {
+  while (!ended_.load(std::memory_order_acquire)) {
     round_.wait(seen, std::memory_order_acquire);
     seen = round_.load(std::memory_order_acquire);
-    if (ended_) return;
     work(thread);
-    if (helping_.fetch_sub(1, std::memory_order_acq_rel) == 1) helping_.notify_one();
   }
 }
 

@@ -45,11 +45,14 @@ class ThreadPool {
   std::vector<std::thread> helpers_;
   Call call_ = nullptr;
   void* body_ = nullptr;
-  std::size_t count_ = 0;
-  std::atomic<std::size_t> next_{0};
-  std::atomic<std::uint32_t> round_{0};    // of loops; helpers wait for it to change
-  std::atomic<std::uint32_t> helping_{0};  // helpers that have not finished this round
-  bool ended_ = false;
+  std::int64_t count_ = 0;
+  // Indices not handed out; below zero once threads have asked in vain. It counts down so that a
+  // helper which comes late, when the loop is over, cannot take its ticket for one of the next
+  // loop: nobody waits for helpers, only for indices.
+  std::atomic<std::int64_t> left_{0};
+  std::atomic<std::int64_t> done_{0};    // indices
+  std::atomic<std::uint32_t> round_{0};  // of loops; helpers wait for it to change
+  std::atomic<bool> ended_{false};
 };
 
 }  // namespace tremolo
