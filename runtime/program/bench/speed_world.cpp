@@ -223,10 +223,10 @@ Status measure_surfaces(const Model::Pointer& model, const MachineProbe& probe,
   moved.operations = 2.0 * r * size;
   moved.bytes = 4.0 * (r + 1.0) * size / 4.0 + 4.0 * size;
   moved.limit =
-      1e-3 * std::max(moved.operations / probe.gflops_f32, moved.bytes / probe.memory_bandwidth);
-  moved.limited_by = moved.operations / probe.gflops_f32 > moved.bytes / probe.memory_bandwidth
+      1e-3 * std::max(moved.operations / probe.gflops_f32, moved.bytes / probe.l3_bandwidth);
+  moved.limited_by = moved.operations / probe.gflops_f32 > moved.bytes / probe.l3_bandwidth
                          ? "FMA peak"
-                         : "memory bandwidth";
+                         : "L3 bandwidth";
   section.rows.push_back(moved);
   section.rows.push_back(row_of("the same, shown but not moved", 1e6 * still[0] / kShown,
                                 moved.value, "against moved"));
