@@ -47,7 +47,7 @@ Body::Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
       state_{Eigen::VectorXd::Zero(model_->modes()), Eigen::VectorXd::Zero(model_->modes())},
       step_load_(make_step_load(model_->modes())),
       q_before_(state_.q),
-      workspace_(model_->potential().make_workspace()),
+      workspace_(model_->potential().make_workspace(kUsePoint)),
       evaluation_(model_->potential().make_evaluation()),
       momentum_(state_.p) {}
 

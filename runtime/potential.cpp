@@ -1,11 +1,14 @@
 #include "runtime/potential.h"
 
+#include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <string>
 #include <utility>
 
 #include "common/packed_index.h"
-#include "runtime/contraction.h"
+#include "runtime/clones.h"
+#include "runtime/triangle_product.h"
 
 namespace tremolo {
 namespace {
@@ -21,74 +24,50 @@ Status check_finite(std::span<const double> values, const char* name) {
   return Success{};
 }
 
-std::vector<double> cubic_by_rows(std::span<const double> cubic, std::size_t r) {
-  const std::size_t pairs = pair_count(r);
-  std::vector<double> rows(r * pairs);
-  for (std::size_t k = 0; k < r; ++k)
-    for (std::size_t j = 0; j < r; ++j)
-      for (std::size_t i = 0; i <= j; ++i)
-        rows[k * pairs + pair_index(i, j)] = cubic[triple_index_any(i, j, k)];
-  return rows;
+// Below, the pair kernel's tangent is the faster one: it has no second stage.
+constexpr Index kPairTangent = 20;
+
+void copy(const VectorXd& q, AlignedDoubles& point) {
+  std::copy(q.data(), q.data() + q.size(), point.begin());
 }
 
-std::vector<double> quartic_by_pairs(std::span<const double> quartic, std::size_t r) {
-  const std::size_t pairs = pair_count(r);
-  std::vector<double> packed;
-  packed.reserve(pair_count(pairs));
-  for (std::size_t l = 0; l < r; ++l)
-    for (std::size_t k = 0; k <= l; ++k)
-      // Rows a <= b = (k, l) in pair_index order: every pair below l, then (0..k, l).
-      for (std::size_t j = 0; j <= l; ++j)
-        for (std::size_t i = 0; i <= (j < l ? j : k); ++i)
-          packed.push_back(quartic[quad_index_any(i, j, k, l)]);
-  return packed;
+// triangle = b B + a A for the pairs from `first` on, zeros below.
+TREMOLO_CLONES void combine(double b, const double* cubic, double a, const double* quartic,
+                            std::size_t first, std::size_t end, double* triangle) {
+  for (std::size_t at = 0; at < first; ++at) triangle[at] = 0.0;
+  for (std::size_t at = first; at < end; ++at) triangle[at] = b * cubic[at] + a * quartic[at];
 }
 
-// X_a from q for the pairs whose larger index is in [first, r).
-void fill_pairs(const VectorXd& q, Index first, VectorXd& pairs) {
-  double* x = pairs.data() + pair_count(static_cast<std::size_t>(first));
-  for (Index j = first; j < q.size(); ++j) {
-    const double twice = 2.0 * q[j];
-    for (Index i = 0; i < j; ++i) *x++ = twice * q[i];
-    *x++ = q[j] * q[j];
-  }
+// product = M q for the symmetric M whose packed upper triangle is given.
+TREMOLO_CLONES void multiply_packed(const double* triangle, std::size_t r, const double* q,
+                                    const double* masks, double* product) {
+  triangle_product(triangle, r, q, masks, product);
+  for (std::size_t j = 0; j < r; ++j) product[j] -= triangle[pair_index(j, j)] * q[j];
 }
 
-// out_i += sum_j (b B + a A)_ij q_j for i in [first, r), where the pairs at and above `first` hold
-// A and B.
-void add_pair_product(const VectorXd& cubic, const VectorXd& quartic, double b, double a,
-                      const VectorXd& q, Index first, VectorXd& out) {
-  Index at = static_cast<Index>(pair_count(static_cast<std::size_t>(first)));
-  for (Index j = first; j < q.size(); ++j) {
-    double sum = 0.0;
-    for (Index i = 0; i < first; ++i, ++at) sum += (b * cubic[at] + a * quartic[at]) * q[i];
-    for (Index i = first; i < j; ++i, ++at) {
-      const double value = b * cubic[at] + a * quartic[at];
-      sum += value * q[i];
-      out[i] += value * q[j];
-    }
-    out[j] += sum + (b * cubic[at] + a * quartic[at]) * q[j];
-    ++at;
-  }
-}
-
-// The block [first, r) of K = Lambda + 6B + 12A.
-void fill_tangent(const VectorXd& lambda, const PotentialWorkspace& workspace, Index first,
-                  Eigen::MatrixXd& tangent) {
-  const double* cubic = workspace.cubic.data();
-  const double* quartic = workspace.quartic.data();
-  for (Index j = first; j < lambda.size(); ++j) {
-    const Index column = static_cast<Index>(pair_count(static_cast<std::size_t>(j)));
-    for (Index i = first; i <= j; ++i) {
-      const double value = 6.0 * cubic[column + i] + 12.0 * quartic[column + i];
-      tangent(i, j) = value;
-      tangent(j, i) = value;
-    }
-    tangent(j, j) += lambda[j];
+// The block [first, r) of K = Lambda + 6B + 12A, column by column.
+TREMOLO_CLONES void fill_tangent(const double* cubic, const double* quartic, const double* lambda,
+                                 std::size_t first, std::size_t r, double* tangent) {
+  for (std::size_t j = first; j < r; ++j) {
+    const double* b = cubic + pair_count(j);
+    const double* a = quartic + pair_count(j);
+    double* column = tangent + j * r;
+    for (std::size_t i = first; i <= j; ++i) column[i] = 6.0 * b[i] + 12.0 * a[i];
+    for (std::size_t i = first; i < j; ++i) tangent[i * r + j] = column[i];
+    column[j] += lambda[j];
   }
 }
 
 }  // namespace
+
+// Unique tensor entries, and the pair matrices once somebody wants them.
+struct Potential::Coefficients {
+  std::vector<double> cubic;
+  std::vector<double> quartic;
+  AlignedDoubles masks = lane_masks();
+  mutable std::once_flag once;
+  mutable PairKernel pairs;
+};
 
 Result<Potential> Potential::create(VectorXd lambda, std::span<const double> cubic,
                                     std::span<const double> quartic) {
@@ -106,30 +85,46 @@ Result<Potential> Potential::create(VectorXd lambda, std::span<const double> cub
   if (Status status = check_finite(quartic, "quartic"); !status) return status.error();
   Potential potential;
   potential.lambda_ = std::move(lambda);
-  potential.cubic_rows_ = cubic_by_rows(cubic, r);
-  potential.quartic_pairs_ = quartic_by_pairs(quartic, r);
+  potential.unique_ = SymmetricKernel(r, cubic, quartic);
+  auto kept = std::make_shared<Coefficients>();
+  kept->cubic.assign(cubic.begin(), cubic.end());
+  kept->quartic.assign(quartic.begin(), quartic.end());
+  potential.coefficients_ = std::move(kept);
   return potential;
 }
 
 Potential Potential::leading(Index count) const {
-  const std::size_t pairs = pair_count(static_cast<std::size_t>(lambda_.size()));
-  const std::size_t kept = pair_count(static_cast<std::size_t>(count));
-  Potential part;
-  part.lambda_ = lambda_.head(count);
-  part.cubic_rows_.reserve(static_cast<std::size_t>(count) * kept);
-  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
-    const double* row = cubic_rows_.data() + k * pairs;
-    part.cubic_rows_.insert(part.cubic_rows_.end(), row, row + kept);
-  }
-  const double* quartic = quartic_pairs_.data();
-  part.quartic_pairs_.assign(quartic, quartic + pair_count(kept));
-  return part;
+  const auto kept = static_cast<std::size_t>(count);
+  if (kept == 0) return Potential();
+  return *create(lambda_.head(count), std::span(coefficients_->cubic).first(triple_count(kept)),
+                 std::span(coefficients_->quartic).first(quad_count(kept)));
 }
 
-PotentialWorkspace Potential::make_workspace() const {
-  const VectorXd pairs = VectorXd::Zero(static_cast<Index>(pair_count(lambda_.size())));
-  const VectorXd coordinates = VectorXd::Zero(size());
-  return {pairs, pairs, pairs, pairs, pairs, coordinates, coordinates};
+const PairKernel& Potential::pair_kernel() const {
+  std::call_once(coefficients_->once, [this] {
+    coefficients_->pairs =
+        PairKernel(static_cast<std::size_t>(size()), coefficients_->cubic, coefficients_->quartic);
+  });
+  return coefficients_->pairs;
+}
+
+PotentialWorkspace Potential::make_workspace(unsigned uses) const {
+  PotentialWorkspace workspace;
+  const auto r = static_cast<std::size_t>(size());
+  if (r == 0) return workspace;
+  workspace.unique = unique_.make_workspace();
+  if (!(uses & kUseSegment) && !((uses & kUseTangent) && size() < kPairTangent)) return workspace;
+  workspace.pair_kernel = &pair_kernel();
+  const std::size_t padded = lanes::padded(r);
+  for (AlignedDoubles* vector : {&workspace.point, &workspace.second, &workspace.product})
+    vector->assign(padded + lanes::kLanes, 0.0);
+  // Whole groups of eight columns are read.
+  const std::size_t pairs = lanes::padded(pair_count(padded)) + lanes::kLanes;
+  for (AlignedDoubles* vector :
+       {&workspace.pairs, &workspace.quartic, &workspace.cubic, &workspace.held_quartic,
+        &workspace.held_cubic, &workspace.triangle})
+    vector->assign(pairs, 0.0);
+  return workspace;
 }
 
 Evaluation Potential::make_evaluation() const {
@@ -138,102 +133,130 @@ Evaluation Potential::make_evaluation() const {
 
 void Potential::evaluate(const VectorXd& q, unsigned want, PotentialWorkspace& workspace,
                          Evaluation& out) const {
-  const std::size_t r = lambda_.size();
-  const std::size_t pairs = pair_count(r);
-  fill_pairs(q, 0, workspace.pairs);
-  workspace.quartic.setZero();
-  workspace.cubic.setZero();
-  multiply_symmetric_block(quartic_pairs_.data(), 0, pairs, workspace.pairs.data(),
-                           workspace.quartic.data());
-  add_scaled_rows(cubic_rows_.data(), pairs, 0, pairs, 0, r, q.data(), workspace.cubic.data());
-  if (want & kWantEnergy)
-    out.energy = 0.5 * q.dot(lambda_.cwiseProduct(q)) + workspace.pairs.dot(workspace.cubic) +
-                 workspace.pairs.dot(workspace.quartic);
-  if (want & kWantForce) {
-    out.force = lambda_.cwiseProduct(q);
-    add_pair_product(workspace.cubic, workspace.quartic, 3.0, 4.0, q, 0, out.force);
+  if (size() == 0) {
+    out.energy = 0.0;
+    return;
   }
-  if (want & kWantTangent) fill_tangent(lambda_, workspace, 0, out.tangent);
+  if ((want & kWantTangent) && workspace.pair_kernel != nullptr && size() < kPairTangent)
+    return evaluate_pairs(q, want, workspace, out);
+  double* force = want & kWantForce ? out.force.data() : workspace.unique.column.data();
+  double value = 0.0;
+  if (want & kWantTangent) {
+    value = unique_.hessian(q.data(), workspace.unique, force, out.tangent.data());
+    out.tangent.diagonal() += lambda_;
+  } else {
+    value = unique_.gradient(q.data(), workspace.unique, force);
+  }
+  if (want & kWantEnergy) out.energy = 0.5 * q.dot(lambda_.cwiseProduct(q)) + value;
+  if (want & kWantForce) out.force += lambda_.cwiseProduct(q);
 }
 
-void Potential::begin_trailing(const VectorXd& q, Index held, PotentialWorkspace& workspace) const {
+void Potential::evaluate_pairs(const VectorXd& q, unsigned want, PotentialWorkspace& w,
+                               Evaluation& out) const {
+  const auto r = static_cast<std::size_t>(size());
+  const std::size_t pairs = pair_count(r);
+  const PairKernel& kernel = *w.pair_kernel;
+  copy(q, w.point);
+  kernel.fill_pairs(w.point.data(), w.pairs.data());
+  std::fill_n(w.quartic.begin(), kernel.padded_pairs(), 0.0);
+  std::fill_n(w.cubic.begin(), kernel.padded_pairs(), 0.0);
+  kernel.multiply(w.pairs.data(), 0, w.quartic.data());
+  kernel.contract_cubic(w.point.data(), 0, r, 0, w.cubic.data());
+  if (want & (kWantForce | kWantEnergy)) {
+    combine(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs, w.triangle.data());
+    multiply_packed(w.triangle.data(), r, w.point.data(), coefficients_->masks.data(),
+                    w.product.data());
+  }
+  // V3 = q.(3B q)/3 and V4 = q.(4A q)/4.
+  if (want & kWantEnergy) {
+    const Eigen::Map<const VectorXd> x(w.pairs.data(), static_cast<Index>(pairs));
+    const Eigen::Map<const VectorXd> a(w.quartic.data(), x.size()), b(w.cubic.data(), x.size());
+    out.energy = 0.5 * q.dot(lambda_.cwiseProduct(q)) + x.dot(b) + x.dot(a);
+  }
+  if (want & kWantForce)
+    out.force = lambda_.cwiseProduct(q) + Eigen::Map<const VectorXd>(w.product.data(), q.size());
+  fill_tangent(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, out.tangent.data());
+}
+
+void Potential::begin_trailing(const VectorXd& q, Index held, PotentialWorkspace& w) const {
   const std::size_t first = pair_count(static_cast<std::size_t>(held));
-  const std::size_t pairs = pair_count(lambda_.size());
-  fill_pairs(q, 0, workspace.pairs);
-  workspace.held_quartic.setZero();
-  workspace.held_cubic.setZero();
-  multiply_leading_columns(quartic_pairs_.data(), first, pairs, workspace.pairs.data(),
-                           workspace.held_quartic.data());
-  add_scaled_rows(cubic_rows_.data(), pairs, first, pairs, 0, static_cast<std::size_t>(held),
-                  q.data(), workspace.held_cubic.data());
+  const PairKernel& kernel = *w.pair_kernel;
+  copy(q, w.point);
+  kernel.fill_pairs(w.point.data(), w.pairs.data());
+  std::fill(w.pairs.begin() + static_cast<std::ptrdiff_t>(first), w.pairs.end(), 0.0);
+  kernel.multiply_leading(w.pairs.data(), first, w.held_quartic.data());
+  std::fill(w.held_cubic.begin(), w.held_cubic.end(), 0.0);
+  kernel.contract_cubic(w.point.data(), 0, static_cast<std::size_t>(held), first,
+                        w.held_cubic.data());
 }
 
 void Potential::evaluate_trailing(const VectorXd& q, Index held, unsigned want,
-                                  PotentialWorkspace& workspace, Evaluation& out) const {
-  const std::size_t r = lambda_.size();
+                                  PotentialWorkspace& w, Evaluation& out) const {
+  const auto r = static_cast<std::size_t>(size());
   const std::size_t first = pair_count(static_cast<std::size_t>(held));
-  const std::size_t pairs = pair_count(r);
-  fill_pairs(q, held, workspace.pairs);
-  const auto count = static_cast<Index>(pairs - first);
-  workspace.quartic.tail(count) = workspace.held_quartic.tail(count);
-  workspace.cubic.tail(count) = workspace.held_cubic.tail(count);
-  multiply_symmetric_block(quartic_pairs_.data(), first, pairs, workspace.pairs.data(),
-                           workspace.quartic.data());
-  add_scaled_rows(cubic_rows_.data(), pairs, first, pairs, static_cast<std::size_t>(held), r,
-                  q.data(), workspace.cubic.data());
+  const std::size_t from = first / lanes::kLanes * lanes::kLanes;
+  const PairKernel& kernel = *w.pair_kernel;
+  copy(q, w.point);
+  kernel.fill_pairs(w.point.data(), w.pairs.data());
+  std::fill(w.pairs.begin() + static_cast<std::ptrdiff_t>(from),
+            w.pairs.begin() + static_cast<std::ptrdiff_t>(first), 0.0);
+  std::copy_n(w.held_quartic.begin() + static_cast<std::ptrdiff_t>(from),
+              kernel.padded_pairs() - from, w.quartic.begin() + static_cast<std::ptrdiff_t>(from));
+  std::copy_n(w.held_cubic.begin() + static_cast<std::ptrdiff_t>(from),
+              kernel.padded_pairs() - from, w.cubic.begin() + static_cast<std::ptrdiff_t>(from));
+  kernel.multiply(w.pairs.data(), first, w.quartic.data());
+  kernel.contract_cubic(w.point.data(), static_cast<std::size_t>(held), r, first, w.cubic.data());
   if (want & kWantForce) {
     const Index trailing = size() - held;
-    out.force.tail(trailing) = lambda_.tail(trailing).cwiseProduct(q.tail(trailing));
-    add_pair_product(workspace.cubic, workspace.quartic, 3.0, 4.0, q, held, out.force);
+    combine(3.0, w.cubic.data(), 4.0, w.quartic.data(), first, pair_count(r), w.triangle.data());
+    multiply_packed(w.triangle.data(), r, w.point.data(), coefficients_->masks.data(),
+                    w.product.data());
+    out.force.tail(trailing) = lambda_.tail(trailing).cwiseProduct(q.tail(trailing)) +
+                               Eigen::Map<const VectorXd>(w.product.data() + held, trailing);
   }
-  if (want & kWantTangent) fill_tangent(lambda_, workspace, held, out.tangent);
+  if (want & kWantTangent)
+    fill_tangent(w.cubic.data(), w.quartic.data(), lambda_.data(), static_cast<std::size_t>(held),
+                 r, out.tangent.data());
 }
 
-void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1,
-                                  PotentialWorkspace& workspace, VectorXd& out,
-                                  Eigen::MatrixXd* tangent) const {
-  const std::size_t r = lambda_.size();
+void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1, PotentialWorkspace& w,
+                                  VectorXd& out, Eigen::MatrixXd* tangent) const {
+  const auto r = static_cast<std::size_t>(size());
   const std::size_t pairs = pair_count(r);
-  workspace.mean = 0.5 * (q0 + q1);
-  workspace.half = 0.5 * (q1 - q0);
-  // A of m m^T + d d^T, and B of m; held_* serve as a second scratch here.
-  fill_pairs(workspace.mean, 0, workspace.pairs);
-  fill_pairs(workspace.half, 0, workspace.held_quartic);
-  workspace.pairs += workspace.held_quartic;
-  workspace.quartic.setZero();
-  workspace.cubic.setZero();
-  multiply_symmetric_block(quartic_pairs_.data(), 0, pairs, workspace.pairs.data(),
-                           workspace.quartic.data());
-  add_scaled_rows(cubic_rows_.data(), pairs, 0, pairs, 0, r, workspace.mean.data(),
-                  workspace.cubic.data());
-  out = lambda_.cwiseProduct(workspace.mean);
-  add_pair_product(workspace.cubic, workspace.quartic, 3.0, 4.0, workspace.mean, 0, out);
-  if (tangent != nullptr) fill_tangent(lambda_, workspace, 0, *tangent);
-  workspace.held_cubic.setZero();
-  add_scaled_rows(cubic_rows_.data(), pairs, 0, pairs, 0, r, workspace.half.data(),
-                  workspace.held_cubic.data());
-  add_pair_product(workspace.held_cubic, workspace.quartic, 1.0, 0.0, workspace.half, 0, out);
+  const PairKernel& kernel = *w.pair_kernel;
+  Eigen::Map<VectorXd> mean(w.point.data(), size()), half(w.second.data(), size());
+  Eigen::Map<VectorXd> product(w.product.data(), size());
+  mean = 0.5 * (q0 + q1);
+  half = 0.5 * (q1 - q0);
+  // A of m m^T + d d^T, and B of m and of d.
+  kernel.fill_pairs(mean.data(), half.data(), 1.0, w.pairs.data());
+  std::fill_n(w.quartic.begin(), kernel.padded_pairs(), 0.0);
+  kernel.multiply(w.pairs.data(), 0, w.quartic.data());
+  kernel.contract_cubic_twice(mean.data(), half.data(), w.cubic.data(), w.held_cubic.data());
+  combine(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs, w.triangle.data());
+  multiply_packed(w.triangle.data(), r, mean.data(), coefficients_->masks.data(), product.data());
+  out = lambda_.cwiseProduct(mean) + product;
+  if (tangent != nullptr)
+    fill_tangent(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, tangent->data());
+  multiply_packed(w.held_cubic.data(), r, half.data(), coefficients_->masks.data(), product.data());
+  out += product;
 }
 
-void Potential::averaged_jacobian(const VectorXd& q0, const VectorXd& q1,
-                                  PotentialWorkspace& workspace, Eigen::MatrixXd& out) const {
-  const std::size_t r = lambda_.size();
-  const std::size_t pairs = pair_count(r);
-  workspace.mean = 0.5 * (q0 + q1);
-  workspace.half = 0.5 * (q1 - q0);
+void Potential::averaged_jacobian(const VectorXd& q0, const VectorXd& q1, PotentialWorkspace& w,
+                                  Eigen::MatrixXd& out) const {
+  const auto r = static_cast<std::size_t>(size());
+  const PairKernel& kernel = *w.pair_kernel;
+  Eigen::Map<VectorXd> mean(w.point.data(), size()), half(w.second.data(), size());
+  half = 0.5 * (q1 - q0);
   // Half of fill_tangent's Lambda + 6 C[m + d/3] + 12 Q[X], with
   // X = m m^T + d d^T/3 + (m d^T + d m^T)/3 = (m + d/3)(m + d/3)^T + 2/9 d d^T.
-  workspace.mean += workspace.half / 3.0;
-  fill_pairs(workspace.mean, 0, workspace.pairs);
-  fill_pairs(workspace.half, 0, workspace.held_quartic);
-  workspace.pairs += (2.0 / 9.0) * workspace.held_quartic;
-  workspace.quartic.setZero();
-  workspace.cubic.setZero();
-  multiply_symmetric_block(quartic_pairs_.data(), 0, pairs, workspace.pairs.data(),
-                           workspace.quartic.data());
-  add_scaled_rows(cubic_rows_.data(), pairs, 0, pairs, 0, r, workspace.mean.data(),
-                  workspace.cubic.data());
-  fill_tangent(lambda_, workspace, 0, out);
+  mean = 0.5 * (q0 + q1) + half / 3.0;
+  kernel.fill_pairs(mean.data(), half.data(), 2.0 / 9.0, w.pairs.data());
+  std::fill_n(w.quartic.begin(), kernel.padded_pairs(), 0.0);
+  std::fill_n(w.cubic.begin(), kernel.padded_pairs(), 0.0);
+  kernel.multiply(w.pairs.data(), 0, w.quartic.data());
+  kernel.contract_cubic(mean.data(), 0, r, 0, w.cubic.data());
+  fill_tangent(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, out.data());
   out *= 0.5;
 }
 

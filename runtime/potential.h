@@ -4,21 +4,25 @@
 //     R(q)  = grad V = Lambda q + 3 C[q,q] + 4 Q[q,q,q]
 //     K(q)  = grad R = Lambda   + 6 C[q]   + 12 Q[q,q]
 //
-// from one contraction. With the pairs a = (i <= j) in the order of pair_index,
+// There are two ways to them, the same to rounding. SymmetricKernel reads each unique coefficient
+// once: the force, and the tangent of large models. PairKernel multiplies a matrix over index
+// pairs: the tangent of small models, averages over a segment, and trailing rows alone. With its
 //
 //     X_a = q_i q_j (twice that for i != j),   A = S X,  S_ab = Q_ijkl,   B_a = sum_k C_ijk q_k,
 //
-// all three are read off A and B: V = 1/2 q^T Lambda q + X.(B + A), R = Lambda q + (3B + 4A) q,
-// K = Lambda + 6B + 12A. S is symmetric and kept as its packed upper triangle, so each
-// coefficient is loaded once and serves its row and its column.
+// R = Lambda q + (3B + 4A) q and K = Lambda + 6B + 12A.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/aligned.h"
+#include "runtime/pair_kernel.h"
+#include "runtime/symmetric_kernel.h"
 
 namespace tremolo {
 
@@ -33,16 +37,28 @@ struct Evaluation {
   Eigen::MatrixXd tangent;
 };
 
-// Scratch of one caller. Sized by Potential::make_workspace; may be reused for any q of the same
+// What a workspace is for beyond energy and force; combine with |.
+enum Use : unsigned {
+  kUsePoint = 0,
+  kUseTangent = 1,  // kWantTangent
+  kUseSegment = 2,  // averaged_gradient, averaged_jacobian and the trailing rows
+  kUseAll = 3
+};
+
+// Scratch of one caller, made by Potential::make_workspace; may be reused for any q of the same
 // potential, not by two threads at once.
 struct PotentialWorkspace {
-  Eigen::VectorXd pairs;         // X, pair_count(r)
-  Eigen::VectorXd quartic;       // A, pair_count(r)
-  Eigen::VectorXd cubic;         // B, pair_count(r)
-  Eigen::VectorXd held_quartic;  // share of the held leading coordinates in A and B: begin_trailing
-  Eigen::VectorXd held_cubic;
-  Eigen::VectorXd mean;  // averaged_gradient: (q0 + q1)/2, r
-  Eigen::VectorXd half;  // averaged_gradient: (q1 - q0)/2, r
+  const PairKernel* pair_kernel = nullptr;  // if it is needed
+  SymmetricKernel::Workspace unique;
+  AlignedDoubles point;         // a copy of q, zeros behind
+  AlignedDoubles second;        // of another vector
+  AlignedDoubles pairs;         // X
+  AlignedDoubles quartic;       // A
+  AlignedDoubles cubic;         // B
+  AlignedDoubles held_quartic;  // share of the held leading coordinates in A and B: begin_trailing
+  AlignedDoubles held_cubic;
+  AlignedDoubles triangle;  // what multiplies q in the force
+  AlignedDoubles product;   // that product
 };
 
 class Potential {
@@ -59,7 +75,10 @@ class Potential {
   Eigen::Index size() const { return lambda_.size(); }  // r
   const Eigen::VectorXd& lambda() const { return lambda_; }
 
-  PotentialWorkspace make_workspace() const;
+  // For the uses named, and for energy and force always. What a use needs is made on first demand
+  // and shared by all copies of the potential: matrices of C(p+1,2) coefficients, p =
+  // pair_count(r), for kUseSegment and, below r = 20, for kUseTangent. Thread-safe.
+  PotentialWorkspace make_workspace(unsigned uses = kUseAll) const;
   Evaluation make_evaluation() const;
 
   // Fills the parts of `out` that `want` names; the others keep what they held. q: r. Nothing is
@@ -90,9 +109,14 @@ class Potential {
                          PotentialWorkspace& workspace, Eigen::MatrixXd& out) const;
 
  private:
+  struct Coefficients;
+  const PairKernel& pair_kernel() const;
+  void evaluate_pairs(const Eigen::VectorXd& q, unsigned want, PotentialWorkspace& workspace,
+                      Evaluation& out) const;
+
   Eigen::VectorXd lambda_;
-  std::vector<double> cubic_rows_;     // C_ijk at [k * pair_count(r) + pair_index(i,j)]
-  std::vector<double> quartic_pairs_;  // S, upper triangle by columns: S_ab at pair_index(a,b)
+  SymmetricKernel unique_;
+  std::shared_ptr<const Coefficients> coefficients_;
 };
 
 }  // namespace tremolo

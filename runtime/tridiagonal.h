@@ -2,23 +2,21 @@
 // of A then cost O(r) a vector: f(A) x = W f(T) W^T x.
 #pragma once
 
-#include <cstddef>
-#include <vector>
-
 #include <Eigen/Core>
+
+#include "runtime/aligned.h"
 
 namespace tremolo {
 
-// diagonal: r. off: r - 1 entries, T_{i,i+1}. reflections: r x r, column k holds the vector u_k of
-// the reflection I - u_k u_k^T below its row k (so |u_k|^2 = 2, or 0 where there is nothing to
-// reflect). All are sized by the constructor; nothing is allocated later.
+// diagonal: r. off: r - 1 entries, T_{i,i+1}. All is sized by the constructor; nothing is allocated
+// later.
 class Tridiagonal {
  public:
   explicit Tridiagonal(Eigen::Index size);
 
-  // a: r x r, symmetric, both triangles filled; destroyed. Columns whose entries beyond the first
-  // subdiagonal are all below 1e-140 count as tridiagonal already.
-  void compute(Eigen::MatrixXd& a);
+  // a: r x r, symmetric; its lower triangle is read. Columns whose entries beyond the first
+  // subdiagonal are all below some 1e-140 count as tridiagonal already.
+  void compute(const Eigen::MatrixXd& a);
 
   void to_basis(Eigen::VectorXd& x) const;    // x <- W^T x
   void from_basis(Eigen::VectorXd& x) const;  // x <- W x
@@ -27,52 +25,16 @@ class Tridiagonal {
   const Eigen::VectorXd& off() const { return off_; }
 
  private:
+  std::size_t r_;
+  std::size_t stride_;
   Eigen::VectorXd diagonal_;
   Eigen::VectorXd off_;
-  Eigen::MatrixXd reflections_;
-  Eigen::VectorXd image_;
-};
-
-// std::complex spends most of its time on not-a-number; this one does not look for it.
-struct Complex {
-  double re = 0.0;
-  double im = 0.0;
-};
-inline Complex operator+(Complex a, Complex b) {
-  return {a.re + b.re, a.im + b.im};
-}
-inline Complex operator-(Complex a, Complex b) {
-  return {a.re - b.re, a.im - b.im};
-}
-inline Complex operator*(Complex a, Complex b) {
-  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
-}
-inline Complex operator*(double a, Complex b) {
-  return {a * b.re, a * b.im};
-}
-inline Complex operator-(double a, Complex b) {
-  return {a - b.re, -b.im};
-}
-inline Complex inverse(Complex a) {
-  const double square = a.re * a.re + a.im * a.im;
-  return {a.re / square, -a.im / square};
-}
-
-// LDL^T of T - pole, without pivoting: the pole should have an imaginary part or lie below T's
-// spectrum. A real pole among T's eigenvalues may cost accuracy; on one, the result is not finite.
-class ShiftedFactor {
- public:
-  explicit ShiftedFactor(Eigen::Index size)
-      : inverse_(static_cast<std::size_t>(size)), ratio_(static_cast<std::size_t>(size)) {}
-
-  void compute(const Tridiagonal& t, Complex pole);
-
-  // x <- (T - pole)^-1 x, r long.
-  void solve(std::vector<Complex>& x) const;
-
- private:
-  std::vector<Complex> inverse_;  // of the pivots
-  std::vector<Complex> ratio_;    // off-diagonal of L
+  AlignedDoubles work_;  // A, then what is left of it
+  AlignedDoubles
+      reflections_;       // column k: u_k of I - u_k u_k^T below row k; |u_k|^2 = 2, or u_k = 0
+  AlignedDoubles basis_;  // W^T, column by column
+  AlignedDoubles image_;
+  mutable AlignedDoubles vector_;
 };
 
 }  // namespace tremolo

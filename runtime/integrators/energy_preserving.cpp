@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "runtime/damping.h"
@@ -17,7 +18,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kEp2Limit = 1.2;      // of h omega/2: x cot x stays above 0.46
-constexpr int kUpdates = 8;            // Broyden's, then the exact Jacobian
 constexpr double kSlow = 0.6;          // a residual that falls by less is slow
 constexpr double kFilterShare = 1e-3;  // of a residual: by how much less N is off
 constexpr int kFilterFollows = 3;      // corrections at most, lest N and d chase each other
@@ -65,26 +65,26 @@ class DiagonalFilter {
   static constexpr bool kFollowsTheState = false;
 
   DiagonalFilter(VectorXd n, VectorXd damping)
-      : square_(n.cwiseAbs2()), n_(std::move(n)), damping_(std::move(damping)), factor_(n_.size()) {
-    factor_.compute(MatrixXd::Identity(n_.size(), n_.size()));
-  }
+      : square_(n.cwiseAbs2()),
+        n_(std::move(n)),
+        damping_(std::move(damping)),
+        factor_(n_.size()) {}
 
-  // z: (h^2/4) K; destroyed. False if the Jacobian is not positive definite.
+  // z: (h^2/4) K; may be changed. False if the Jacobian is not positive definite.
   bool compute(MatrixXd& z) {
     z.diagonal() += square_ + damping_;
-    factor_.compute(z);
-    return factor_.info() == Eigen::Success;
+    return factor_.compute(z);
   }
   void to_basis(VectorXd&) const {}
   void from_basis(VectorXd&) const {}
   void apply(VectorXd& x) const { x = n_.cwiseProduct(x); }
-  void solve(VectorXd& x) const { factor_.solveInPlace(x); }
+  void solve(VectorXd& x) const { factor_.solve(x); }
 
  private:
   VectorXd square_;
   VectorXd n_;
   VectorXd damping_;  // (h/2) D'
-  Eigen::LLT<MatrixXd> factor_;
+  SmallCholesky factor_;
 };
 
 // N a function of Z; the frozen Jacobian N^2 + Z leaves damping to Broyden's updates.
@@ -114,7 +114,7 @@ class EnergyPreserving final : public Integrator {
         rates_(std::move(rates)),
         weight_(VectorXd::Constant(rates_.size(), 2.0)),
         filter_(std::move(filter)),
-        workspace_(model_->potential().make_workspace()),
+        workspace_(model_->potential().make_workspace(kUseSegment)),
         matrix_(MatrixXd::Zero(rates_.size(), rates_.size())),
         filter_matrix_(matrix_),
         newton_(rates_.size()) {
@@ -199,8 +199,8 @@ class EnergyPreserving final : public Integrator {
   }
 
   // The predicted step, one correction, then (for an N that depends on the state) N at the midpoint
-  // that this gave; more corrections with the Jacobian frozen and Broyden's updates (Kelley 1995,
-  // chapter 7, without their matrix), in the filter's basis.
+  // that this gave; more corrections with the Jacobian frozen and Broyden's updates, in the
+  // filter's basis.
   StepReport solve_frozen() {
     StepReport report;
     d_ = options_.step * *p0_;
@@ -245,14 +245,7 @@ class EnergyPreserving final : public Integrator {
   void next_move(int count, VectorXd& move) {
     move = -residual_;
     filter_.solve(move);
-    for (int j = 0; j + 1 < count; ++j) {
-      const VectorXd& s = moves_[static_cast<std::size_t>(j)];
-      move += (s.dot(move) / s.squaredNorm()) * moves_[static_cast<std::size_t>(j) + 1];
-    }
-    if (count == 0) return;
-    const VectorXd& last = moves_[static_cast<std::size_t>(count) - 1];
-    const double share = last.dot(move) / last.squaredNorm();
-    if (share < 0.9) move /= 1.0 - share;
+    apply_broyden(std::span<const VectorXd>(moves_).first(static_cast<std::size_t>(count)), move);
   }
 
   // From the start again, with the exact Jacobian and the line search; N is what it was.

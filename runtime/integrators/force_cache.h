@@ -15,7 +15,7 @@ class ForceCache {
   explicit ForceCache(const Potential& potential, bool all = false)
       : potential_(potential),
         want_(all ? kWantEnergy | kWantForce | kWantTangent : kWantForce),
-        workspace_(potential.make_workspace()),
+        workspace_(potential.make_workspace(all ? kUseTangent : kUsePoint)),
         evaluation_(potential.make_evaluation()),
         q_(Eigen::VectorXd::Constant(potential.size(), std::numeric_limits<double>::quiet_NaN())) {}
 

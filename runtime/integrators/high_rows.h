@@ -26,7 +26,7 @@ enum class SolveNorm {
 // Scratch of one or more HighRows that take turns. Its contents mean nothing between calls.
 struct HighScratch {
   explicit HighScratch(const Potential& potential)
-      : workspace(potential.make_workspace()),
+      : workspace(potential.make_workspace(kUseSegment)),
         evaluation(potential.make_evaluation()),
         middle(Eigen::VectorXd::Zero(potential.size())) {}
 

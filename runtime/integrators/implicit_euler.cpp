@@ -15,7 +15,7 @@ class ImplicitEuler final : public Integrator {
       : model_(std::move(model)),
         options_(options),
         rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
-        workspace_(model_->potential().make_workspace()),
+        workspace_(model_->potential().make_workspace(kUseTangent)),
         evaluation_(model_->potential().make_evaluation()),
         end_(Eigen::VectorXd::Zero(model_->modes())),
         newton_(model_->modes()) {}

@@ -16,7 +16,7 @@ class Newmark final : public Integrator {
       : model_(std::move(model)),
         options_(options),
         rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
-        workspace_(model_->potential().make_workspace()),
+        workspace_(model_->potential().make_workspace(kUseTangent)),
         evaluation_(model_->potential().make_evaluation()),
         force_at_(
             Eigen::VectorXd::Constant(model_->modes(), std::numeric_limits<double>::quiet_NaN())),
@@ -33,8 +33,9 @@ class Newmark final : public Integrator {
     acceleration_ = load.start - rates_.cwiseProduct(state.p) - evaluation_.force;
     start_force_ = evaluation_.force.norm();
     newton_.unknowns = (h * h) * acceleration_;
-    StepReport report =
-        solve_newton(newton_, options_.max_iterations, [&] { return evaluate(state, load); });
+    StepReport report = solve_frozen(newton_, options_.max_iterations, [&](bool jacobian) {
+      return evaluate(state, load, jacobian);
+    });
     force_at_ = q1_;
     if (!report.converged) return report;
     report.dissipated = ((q1_ - state.q).array().square() * rates_.array()).sum() / h;
@@ -46,21 +47,24 @@ class Newmark final : public Integrator {
   std::string_view name() const override { return "newmark"; }
 
  private:
-  double evaluate(const State& state, const StepLoad& load) {
+  double evaluate(const State& state, const StepLoad& load, bool jacobian) {
     const double h = options_.step;
     const double beta = options_.newmark_beta;
     const double gamma = options_.newmark_gamma;
     const Eigen::VectorXd& w = newton_.unknowns;
     q1_ = state.q + h * state.p + (0.5 - beta) * h * h * acceleration_ + beta * w;
     v1_ = state.p + (1.0 - gamma) * h * acceleration_ + (gamma / h) * w;
-    const unsigned want = beta > 0.0 ? kWantForce | kWantTangent : kWantForce;
+    const bool tangent = jacobian && beta > 0.0;
+    const unsigned want = tangent ? kWantForce | kWantTangent : kWantForce;
     model_->potential().evaluate(q1_, want, workspace_, evaluation_);
     newton_.residual = w + (h * h) * (rates_.cwiseProduct(v1_) + evaluation_.force - load.end);
-    if (beta > 0.0)
-      newton_.jacobian = (beta * h * h) * evaluation_.tangent;
-    else
-      newton_.jacobian.setZero();
-    newton_.jacobian.diagonal().array() += 1.0 + gamma * h * rates_.array();
+    if (jacobian) {
+      if (tangent)
+        newton_.jacobian = (beta * h * h) * evaluation_.tangent;
+      else
+        newton_.jacobian.setZero();
+      newton_.jacobian.diagonal().array() += 1.0 + gamma * h * rates_.array();
+    }
     const double scale = std::max({h * state.p.norm(), h * h * start_force_,
                                    h * h * load.start.norm(), h * h * load.end.norm()});
     return relative_size(newton_.residual.norm(), options_.tolerance, scale);

@@ -10,15 +10,14 @@ NewtonWorkspace::NewtonWorkspace(Eigen::Index n)
       jacobian(Eigen::MatrixXd::Identity(n, n)),
       correction(Eigen::VectorXd::Zero(n)),
       image(Eigen::VectorXd::Zero(n)),
-      cholesky(n) {
-  // A first factorisation makes whatever Eigen makes lazily.
-  if (n > 0) cholesky.compute(jacobian);
+      cholesky(n),
+      start(Eigen::VectorXd::Zero(n)) {
+  moves.fill(start);
 }
 
 bool factor_jacobian(NewtonWorkspace& workspace) {
   workspace.shift = 0.0;
-  workspace.cholesky.compute(workspace.jacobian);
-  if (workspace.cholesky.info() == Eigen::Success) return true;
+  if (workspace.cholesky.compute(workspace.jacobian)) return true;
   if (!workspace.jacobian.allFinite()) return false;
   // Gershgorin's circles bound how far the spectrum can reach below zero.
   const Eigen::Index n = workspace.jacobian.rows();
@@ -31,8 +30,7 @@ bool factor_jacobian(NewtonWorkspace& workspace) {
   for (double shift = 1e-3 * deepest; shift > 0.0; shift *= 4.0) {
     workspace.jacobian.diagonal().array() += shift - workspace.shift;
     workspace.shift = shift;
-    workspace.cholesky.compute(workspace.jacobian);
-    if (workspace.cholesky.info() == Eigen::Success) return true;
+    if (workspace.cholesky.compute(workspace.jacobian)) return true;
     if (shift > 2.0 * deepest) break;
   }
   return false;
@@ -40,7 +38,18 @@ bool factor_jacobian(NewtonWorkspace& workspace) {
 
 void solve_correction(NewtonWorkspace& workspace) {
   workspace.correction = workspace.residual;
-  workspace.cholesky.solveInPlace(workspace.correction);
+  workspace.cholesky.solve(workspace.correction);
+}
+
+void apply_broyden(std::span<const Eigen::VectorXd> moves, Eigen::VectorXd& move) {
+  for (std::size_t j = 0; j + 1 < moves.size(); ++j) {
+    const Eigen::VectorXd& s = moves[j];
+    move += (s.dot(move) / s.squaredNorm()) * moves[j + 1];
+  }
+  if (moves.empty()) return;
+  const Eigen::VectorXd& last = moves.back();
+  const double share = last.dot(move) / last.squaredNorm();
+  if (share < 0.9) move /= 1.0 - share;
 }
 
 double first_zero(double end, double slope0, double bend0, double slope1, double bend1) {

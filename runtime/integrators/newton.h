@@ -8,15 +8,20 @@
 // shifted to the nearest convenient positive definite one, so that c always leads downhill.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "runtime/cholesky.h"
 #include "runtime/integrators/integrator.h"
 
 namespace tremolo {
+
+inline constexpr int kUpdates = 8;  // Broyden's, then the exact Jacobian
 
 // unknowns, residual, correction: n. jacobian: d residual / d unknowns, n x n, symmetric, both
 // triangles filled.
@@ -28,7 +33,9 @@ struct NewtonWorkspace {
   Eigen::MatrixXd jacobian;
   Eigen::VectorXd correction;
   Eigen::VectorXd image;  // jacobian * correction
-  Eigen::LLT<Eigen::MatrixXd> cholesky;
+  SmallCholesky cholesky;
+  std::array<Eigen::VectorXd, kUpdates> moves;  // of solve_frozen
+  Eigen::VectorXd start;                        // its unknowns at first
   double shift = 0.0;  // what was added to the Jacobian's diagonal before it was factored
 };
 
@@ -37,6 +44,11 @@ bool factor_jacobian(NewtonWorkspace& workspace);
 
 // correction = (jacobian + shift)^-1 residual, by the last factor.
 void solve_correction(NewtonWorkspace& workspace);
+
+// move, which is -J^-1 g by a Jacobian that was frozen before the first of the `count` moves made
+// so far, becomes the move by Broyden's updates after all of them (Kelley 1995, chapter 7, without
+// their matrix). moves: those made.
+void apply_broyden(std::span<const Eigen::VectorXd> moves, Eigen::VectorXd& move);
 
 // The first zero in (0, 4 end], 4 end if there is none, of the cubic s with s(0) = slope0 < 0,
 // s'(0) = bend0, s(end) = slope1, s'(end) = bend1.
@@ -86,6 +98,44 @@ StepReport solve_newton(NewtonWorkspace& workspace, int max_iterations, Evaluate
     ratio = next;
   }
   report.residual = workspace.residual.norm();
+  return report;
+}
+
+// The same with the Jacobian of the first evaluation and Broyden's updates: evaluate(false) need
+// not fill it, which is cheaper. Where that does not lead on, solve_newton() from the start.
+template <class Evaluate>
+StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate&& evaluate) {
+  constexpr double kSlow = 0.6;  // a residual that falls by less is slow
+  workspace.start = workspace.unknowns;
+  double ratio = evaluate(true);
+  StepReport report;
+  report.converged = ratio <= 1.0;
+  bool usable = !report.converged && std::isfinite(ratio) && factor_jacobian(workspace) &&
+                workspace.shift == 0.0;
+  const int most = std::min(kUpdates, max_iterations);
+  for (int slow = 0; usable && !report.converged && slow < 2 && report.iterations < most;
+       ++report.iterations) {
+    const std::span<Eigen::VectorXd> moves(workspace.moves);
+    const auto count = static_cast<std::size_t>(report.iterations);
+    workspace.correction = -workspace.residual;
+    workspace.cholesky.solve(workspace.correction);
+    apply_broyden(moves.first(count), workspace.correction);
+    moves[count] = workspace.correction;
+    report.converged = moves[count].norm() <= kRounding * workspace.unknowns.norm();
+    if (report.converged) break;
+    workspace.unknowns += moves[count];
+    const double next = evaluate(false);
+    usable = std::isfinite(next);
+    if (!(next < kSlow * ratio)) ++slow;
+    ratio = next;
+    report.converged = ratio <= 1.0;
+  }
+  report.residual = workspace.residual.norm();
+  if (report.converged) return report;
+  const int before = report.iterations;
+  workspace.unknowns = workspace.start;
+  report = solve_newton(workspace, max_iterations, [&] { return evaluate(true); });
+  report.iterations += before;
   return report;
 }
 

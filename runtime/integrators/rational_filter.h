@@ -11,10 +11,10 @@
 #pragma once
 
 #include <array>
-#include <vector>
 
 #include <Eigen/Core>
 
+#include "runtime/aligned.h"
 #include "runtime/tridiagonal.h"
 
 namespace tremolo {
@@ -37,8 +37,10 @@ class RationalFilter {
  public:
   RationalFilter(Eigen::Index size, const FilterShape& shape);
 
-  // z: r x r, symmetric, both triangles; destroyed. Nothing is allocated, here and below.
-  void compute(Eigen::MatrixXd& z);
+  // z: r x r, symmetric; its lower triangle is read. Nothing is allocated, here and below. Without
+  // pivoting a pole should have an imaginary part or lie below the spectrum; a real pole among the
+  // eigenvalues may cost accuracy, and on one the result is not finite.
+  void compute(const Eigen::MatrixXd& z);
 
   void to_basis(Eigen::VectorXd& x) const { tridiagonal_.to_basis(x); }      // x <- W^T x
   void from_basis(Eigen::VectorXd& x) const { tridiagonal_.from_basis(x); }  // x <- W x
@@ -48,20 +50,16 @@ class RationalFilter {
   void solve(Eigen::VectorXd& x);
 
  private:
-  struct Pole {
-    Complex place;
-    Complex residue;  // twice it where the conjugate pole is left out
-    ShiftedFactor factor;
-  };
-
-  void add_fraction(const Pole& pole, const Eigen::VectorXd& x);
-
+  // Poles side by side in the lanes of one vector: a solve for all of them takes as long as one.
+  // First N's, then those of 1/(N^2 + z).
   Tridiagonal tridiagonal_;
-  double limit_;  // N at infinity
-  std::vector<Pole> apply_poles_;
-  std::vector<Pole> solve_poles_;
-  std::vector<Complex> scratch_;
-  Eigen::VectorXd sum_;
+  double limit_;                            // N at infinity
+  AlignedDoubles poles_;                    // real parts, imaginary parts
+  AlignedDoubles apply_weights_;            // residues: real, imaginary; twice them where the
+  AlignedDoubles solve_weights_;            // conjugate pole is left out; zero for the other use
+  AlignedDoubles inverse_re_, inverse_im_;  // LDL^T of T - pole without pivoting: of the pivots
+  AlignedDoubles ratio_re_, ratio_im_;      // off-diagonal of L
+  AlignedDoubles scratch_re_, scratch_im_;
 };
 
 }  // namespace tremolo

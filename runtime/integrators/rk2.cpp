@@ -13,7 +13,7 @@ class Rk2 final : public Integrator {
       : model_(std::move(model)),
         step_(options.step),
         rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
-        workspace_(model_->potential().make_workspace()),
+        workspace_(model_->potential().make_workspace(kUsePoint)),
         evaluation_(model_->potential().make_evaluation()),
         start_{rates_, rates_},
         middle_{rates_, rates_} {}

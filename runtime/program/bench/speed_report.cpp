@@ -16,7 +16,7 @@ using Measure = Result<SpeedSection> (*)(const Options&, const MachineProbe&);
 
 // In the order of the report.
 std::vector<Measure> sections_to_measure() {
-  return {measure_world_speed};
+  return {measure_kernel_speed, measure_step_speed, measure_world_speed};
 }
 
 std::string machine_text(const MachineProbe& probe) {
