@@ -12,6 +12,7 @@
 #include "runtime/body.h"
 #include "runtime/model.h"
 #include "runtime/tremolo.h"
+#include "runtime/world.h"
 
 // NOLINTBEGIN(readability-identifier-naming): the names of the C header
 struct tremolo_model {
@@ -19,6 +20,9 @@ struct tremolo_model {
 };
 struct tremolo_body {
   tremolo::Body body;
+};
+struct tremolo_world {
+  tremolo::World world;
 };
 // NOLINTEND(readability-identifier-naming)
 
@@ -52,5 +56,10 @@ Status need(const void* pointer, const char* name);
 
 // The buffer is there and has the length that is needed.
 Status need_buffer(const void* buffer, std::size_t length, std::size_t needed);
+
+// The caller's options over the defaults; fields beyond the caller's size keep theirs. NULL: the
+// defaults.
+Result<tremolo_body_options> complete_options(const tremolo_body_options* given);
+Result<IntegratorOptions> to_integrator_options(const tremolo_body_options& options);
 
 }  // namespace tremolo::c_api

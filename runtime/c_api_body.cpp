@@ -6,19 +6,9 @@
 #include "common/number_text.h"
 #include "runtime/c_api.h"
 
-namespace {
+namespace tremolo::c_api {
 
-using tremolo::Error;
-using tremolo::ErrorKind;
-using tremolo::Status;
-using tremolo::Success;
-using tremolo::c_api::guarded;
-using tremolo::c_api::need;
-using tremolo::c_api::need_buffer;
-using tremolo::c_api::usage_error;
-
-// The caller's options over the defaults; fields beyond the caller's size keep theirs.
-tremolo::Result<tremolo_body_options> complete_options(const tremolo_body_options* given) {
+Result<tremolo_body_options> complete_options(const tremolo_body_options* given) {
   tremolo_body_options options;
   tremolo_body_options_init(&options);
   if (given == nullptr) return options;
@@ -31,11 +21,9 @@ tremolo::Result<tremolo_body_options> complete_options(const tremolo_body_option
   return options;
 }
 
-tremolo::Result<tremolo::IntegratorOptions> to_integrator_options(
-    const tremolo_body_options& options) {
-  tremolo::IntegratorOptions result;
-  tremolo::Result<tremolo::SplitOptions> split =
-      tremolo::parse_split(options.split == nullptr ? "default" : options.split);
+Result<IntegratorOptions> to_integrator_options(const tremolo_body_options& options) {
+  IntegratorOptions result;
+  Result<SplitOptions> split = parse_split(options.split == nullptr ? "default" : options.split);
   if (!split) return split.error();
   result.split = *split;
   result.split.safety = options.safety;
@@ -48,6 +36,19 @@ tremolo::Result<tremolo::IntegratorOptions> to_integrator_options(
   result.max_iterations = options.max_iterations;
   return result;
 }
+
+}  // namespace tremolo::c_api
+
+namespace {
+
+using tremolo::Error;
+using tremolo::ErrorKind;
+using tremolo::Status;
+using tremolo::Success;
+using tremolo::c_api::guarded;
+using tremolo::c_api::need;
+using tremolo::c_api::need_buffer;
+using tremolo::c_api::usage_error;
 
 template <class Real>
 tremolo_status positions(const tremolo_body* body, Real* out, std::size_t length) noexcept {
@@ -87,9 +88,10 @@ tremolo_status tremolo_body_create(const tremolo_model* model, const tremolo_bod
   return guarded([&]() -> Status {
     if (Status s = need(model, "the model"); !s) return s;
     if (Status s = need(body, "the place for the body"); !s) return s;
-    const tremolo::Result<tremolo_body_options> full = complete_options(options);
+    const tremolo::Result<tremolo_body_options> full = tremolo::c_api::complete_options(options);
     if (!full) return full.error();
-    const tremolo::Result<tremolo::IntegratorOptions> integrator = to_integrator_options(*full);
+    const tremolo::Result<tremolo::IntegratorOptions> integrator =
+        tremolo::c_api::to_integrator_options(*full);
     if (!integrator) return integrator.error();
     const char* name = full->integrator == nullptr ? "ep4" : full->integrator;
     tremolo::Result<tremolo::Body> made = tremolo::Body::create(model->pointer, name, *integrator);

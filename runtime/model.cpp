@@ -85,12 +85,6 @@ Result<BasisData> read_visible(BasisReader& reader, bool linear) {
   return data;
 }
 
-Result<Potential> linear_potential(const Eigen::VectorXd& lambda) {
-  const auto r = static_cast<std::size_t>(lambda.size());
-  const std::vector<double> zeros(quad_count(r), 0.0);
-  return Potential::create(lambda, std::span(zeros).first(triple_count(r)), zeros);
-}
-
 }  // namespace
 
 Model::Model(Potential potential, VertexBlock surface)
@@ -105,10 +99,9 @@ Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Ind
   if (!surface) return surface.error();
   if (Status s = check_triangles(data.triangles, surface->vertex_ids.size()); !s) return s.error();
   if (Status s = check_load(data.load); !s) return s.error();
-  const bool no_terms = linear || (data.cubic.empty() && data.quartic.empty());
+  const std::span<const double> cubic = data.cubic, quartic = data.quartic, none;
   Result<Potential> potential =
-      no_terms ? linear_potential(data.lambda.head(modes))
-               : Potential::create(data.lambda.head(modes), data.cubic, data.quartic);
+      Potential::create(data.lambda.head(modes), linear ? none : cubic, linear ? none : quartic);
   if (!potential) return potential.error();
   std::shared_ptr<Model> model(new Model(std::move(*potential), std::move(*surface)));
   model->triangles_ = data.triangles;

@@ -55,6 +55,9 @@ class Model {
   Eigen::Index modes() const { return potential_.size(); }               // r
   const Eigen::VectorXd& lambda() const { return potential_.lambda(); }  // r, (rad/s)^2, ascending
   const Potential& potential() const { return potential_; }
+  // Unique entries of C and Q over the r coordinates, packed as in common/packed_index.h.
+  std::span<const double> cubic() const { return potential_.cubic(); }
+  std::span<const double> quartic() const { return potential_.quartic(); }
   const VertexBlock& surface() const { return surface_; }                // rows has r columns
   const std::vector<Triangle>& triangles() const { return triangles_; }  // into surface()
   const DefaultLoad& default_load() const { return default_load_; }      // may be empty

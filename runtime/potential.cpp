@@ -75,6 +75,10 @@ Result<Potential> Potential::create(VectorXd lambda, std::span<const double> cub
                                     std::span<const double> quartic) {
   const auto r = static_cast<std::size_t>(lambda.size());
   if (r == 0) return content_error("the potential has no coordinates");
+  if (Status status = check_finite({lambda.data(), r}, "lambda"); !status) return status.error();
+  Potential potential;
+  potential.lambda_ = std::move(lambda);
+  if (cubic.empty() && quartic.empty()) return potential;
   if (cubic.size() < triple_count(r) || quartic.size() < quad_count(r))
     return content_error("the potential needs " + std::to_string(triple_count(r)) + " cubic and " +
                          std::to_string(quad_count(r)) +
@@ -82,11 +86,8 @@ Result<Potential> Potential::create(VectorXd lambda, std::span<const double> cub
                          std::to_string(cubic.size()) + " and " + std::to_string(quartic.size()));
   cubic = cubic.first(triple_count(r));
   quartic = quartic.first(quad_count(r));
-  if (Status status = check_finite({lambda.data(), r}, "lambda"); !status) return status.error();
   if (Status status = check_finite(cubic, "cubic"); !status) return status.error();
   if (Status status = check_finite(quartic, "quartic"); !status) return status.error();
-  Potential potential;
-  potential.lambda_ = std::move(lambda);
   potential.unique_ = SymmetricKernel(r, cubic, quartic);
   auto kept = std::make_shared<Coefficients>();
   kept->cubic.assign(cubic.begin(), cubic.end());
@@ -95,11 +96,16 @@ Result<Potential> Potential::create(VectorXd lambda, std::span<const double> cub
   return potential;
 }
 
+std::span<const double> Potential::cubic() const {
+  return linear() ? std::span<const double>() : coefficients_->cubic;
+}
+
+std::span<const double> Potential::quartic() const {
+  return linear() ? std::span<const double>() : coefficients_->quartic;
+}
+
 Potential Potential::leading(Index count) const {
-  const auto kept = static_cast<std::size_t>(count);
-  if (kept == 0) return Potential();
-  return *create(lambda_.head(count), std::span(coefficients_->cubic).first(triple_count(kept)),
-                 std::span(coefficients_->quartic).first(quad_count(kept)));
+  return count == 0 ? Potential() : *create(lambda_.head(count), cubic(), quartic());
 }
 
 const PairKernel& Potential::pair_kernel() const {
@@ -113,7 +119,7 @@ const PairKernel& Potential::pair_kernel() const {
 PotentialWorkspace Potential::make_workspace(unsigned uses) const {
   PotentialWorkspace workspace;
   const auto r = static_cast<std::size_t>(size());
-  if (r == 0) return workspace;
+  if (linear()) return workspace;
   workspace.unique = unique_.make_workspace();
   if (!(uses & kUseSegment) && !((uses & kUseTangent) && size() < kPairTangent)) return workspace;
   workspace.pair_kernel = &pair_kernel();
@@ -137,10 +143,7 @@ Evaluation Potential::make_evaluation() const {
 
 void Potential::evaluate(const VectorXd& q, unsigned want, PotentialWorkspace& workspace,
                          Evaluation& out) const {
-  if (size() == 0) {
-    out.energy = 0.0;
-    return;
-  }
+  if (linear()) return evaluate_linear(q, want, out);
   if ((want & kWantTangent) && workspace.pair_kernel != nullptr && size() < kPairTangent)
     return evaluate_pairs(q, want, workspace, out);
   double* force = want & kWantForce ? out.force.data() : workspace.unique.column.data();
@@ -153,6 +156,15 @@ void Potential::evaluate(const VectorXd& q, unsigned want, PotentialWorkspace& w
   }
   if (want & kWantEnergy) out.energy = 0.5 * q.dot(lambda_.cwiseProduct(q)) + value;
   if (want & kWantForce) out.force += lambda_.cwiseProduct(q);
+}
+
+void Potential::evaluate_linear(const VectorXd& q, unsigned want, Evaluation& out) const {
+  if (want & kWantEnergy) out.energy = 0.5 * q.dot(lambda_.cwiseProduct(q));
+  if (want & kWantForce) out.force = lambda_.cwiseProduct(q);
+  if (want & kWantTangent) {
+    out.tangent.setZero();
+    out.tangent.diagonal() = lambda_;
+  }
 }
 
 void Potential::evaluate_pairs(const VectorXd& q, unsigned want, PotentialWorkspace& w,
@@ -183,6 +195,7 @@ void Potential::evaluate_pairs(const VectorXd& q, unsigned want, PotentialWorksp
 }
 
 void Potential::begin_trailing(const VectorXd& q, Index held, PotentialWorkspace& w) const {
+  if (linear()) return;
   const std::size_t first = pair_count(static_cast<std::size_t>(held));
   const PairKernel& kernel = *w.pair_kernel;
   copy(q, w.point);
@@ -196,6 +209,7 @@ void Potential::begin_trailing(const VectorXd& q, Index held, PotentialWorkspace
 
 void Potential::evaluate_trailing(const VectorXd& q, Index held, unsigned want,
                                   PotentialWorkspace& w, Evaluation& out) const {
+  if (linear()) return evaluate_linear(q, want & ~static_cast<unsigned>(kWantEnergy), out);
   const auto r = static_cast<std::size_t>(size());
   const std::size_t first = pair_count(static_cast<std::size_t>(held));
   const std::size_t from = first / lanes::kLanes * lanes::kLanes;
@@ -225,6 +239,11 @@ void Potential::evaluate_trailing(const VectorXd& q, Index held, unsigned want,
 
 void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1, PotentialWorkspace& w,
                                   VectorXd& out, Eigen::MatrixXd* tangent) const {
+  if (linear()) {
+    out = 0.5 * lambda_.cwiseProduct(q0 + q1);
+    if (tangent != nullptr) *tangent = lambda_.asDiagonal();
+    return;
+  }
   const auto r = static_cast<std::size_t>(size());
   const std::size_t pairs = pair_count(r);
   const PairKernel& kernel = *w.pair_kernel;
@@ -259,6 +278,10 @@ void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1, Potent
 
 void Potential::averaged_jacobian(const VectorXd& q0, const VectorXd& q1, PotentialWorkspace& w,
                                   Eigen::MatrixXd& out) const {
+  if (linear()) {
+    out = (0.5 * lambda_).asDiagonal();
+    return;
+  }
   const auto r = static_cast<std::size_t>(size());
   const PairKernel& kernel = *w.pair_kernel;
   Eigen::Map<VectorXd> mean(w.point.data(), size()), half(w.second.data(), size());

@@ -66,7 +66,8 @@ class Potential {
  public:
   // lambda: r, ascending, (rad/s)^2. cubic, quartic: packed as in common/packed_index.h, at least
   // triple_count(r) and quad_count(r) entries; the leading ones are used, so that a shorter lambda
-  // leaves trailing coordinates out. kContent if an array is too short or a value is not finite.
+  // leaves trailing coordinates out. Both empty: a linear solid, V = 1/2 q^T Lambda q. kContent if
+  // an array is too short or a value is not finite.
   static Result<Potential> create(Eigen::VectorXd lambda, std::span<const double> cubic,
                                   std::span<const double> quartic);
 
@@ -74,6 +75,10 @@ class Potential {
   Potential leading(Eigen::Index count) const;
 
   Eigen::Index size() const { return lambda_.size(); }  // r
+  bool linear() const { return coefficients_ == nullptr; }
+  // Unique entries of C and Q, packed as in common/packed_index.h; empty if linear.
+  std::span<const double> cubic() const;
+  std::span<const double> quartic() const;
   const Eigen::VectorXd& lambda() const { return lambda_; }
 
   // For the uses named, and for energy and force always. What a use needs is made on first demand
@@ -112,12 +117,13 @@ class Potential {
  private:
   struct Coefficients;
   const PairKernel& pair_kernel() const;
+  void evaluate_linear(const Eigen::VectorXd& q, unsigned want, Evaluation& out) const;
   void evaluate_pairs(const Eigen::VectorXd& q, unsigned want, PotentialWorkspace& workspace,
                       Evaluation& out) const;
 
   Eigen::VectorXd lambda_;
   SymmetricKernel unique_;
-  std::shared_ptr<const Coefficients> coefficients_;
+  std::shared_ptr<const Coefficients> coefficients_;  // none if linear
 };
 
 }  // namespace tremolo

@@ -20,8 +20,10 @@
  * A model is owned by the caller until tremolo_model_release; its bodies keep what they need, so it
  * may be released before them. A body is owned until tremolo_body_destroy. Both accept NULL.
  *
- * Threads. A model may be used by any number of threads, a body by one at a time. The error message
- * belongs to the calling thread.
+ * A world is owned until tremolo_world_destroy; it keeps what it needs of the models.
+ *
+ * Threads. A model may be used by any number of threads, a body or a world by one at a time. The
+ * error message belongs to the calling thread.
  *
  * Units are SI. Vertices are named by their index in the mesh that was precomputed. Null pointers
  * where an object or a buffer is needed are TREMOLO_USAGE.
@@ -48,6 +50,7 @@ typedef enum tremolo_status {
 
 typedef struct tremolo_model tremolo_model;
 typedef struct tremolo_body tremolo_body;
+typedef struct tremolo_world tremolo_world;
 
 /* Why the last failing call of this thread failed: one sentence, UTF-8, never NULL; empty if none
  * failed yet. Valid until the thread's next failing call. */
@@ -143,6 +146,75 @@ tremolo_status tremolo_body_surface_float(const tremolo_body* body, float* posit
  * coordinates above the split (runtime/energy.h). */
 tremolo_status tremolo_body_energy(const tremolo_body* body, double* kinetic, double* potential,
                                    double* high_band);
+
+/* ---- world: many bodies ----
+ *
+ * Bodies in groups that share a model, a method, a step and a level of detail. Bodies of "verlet"
+ * and "imexv-linear" are stepped 16 (float) or 8 (double) at a time; those of other methods one by
+ * one. A new body sleeps and costs nothing until a force, a state or tremolo_world_wake wakes it;
+ * it falls asleep when its energy has stayed small for a while, and keeps its state. The result
+ * does not depend on the number of threads. runtime/world.h says more. */
+
+/* Fill with tremolo_group_options_init. `size` as in tremolo_body_options. */
+typedef struct tremolo_group_options {
+  uint32_t size;             /* bytes of this struct as the caller knows it */
+  int32_t modes;             /* leading coordinates that move; 0: all of the model's */
+  int32_t single_precision;  /* nonzero: the nonlinear force in float, the rest in double; 0 */
+  int32_t reserved;          /* 0 */
+  double sleep_energy;       /* J, below which a body may sleep; 0: by sleep_displacement */
+  double sleep_displacement; /* of its size, by its first mode; 1e-4 */
+  double sleep_time;         /* s, for which its energy must stay below; infinity: never; 0.5 */
+} tremolo_group_options;
+
+void tremolo_group_options_init(tremolo_group_options* options);
+
+/* threads: how many work in a step, the caller's included; 0: one a core. */
+tremolo_status tremolo_world_create(uint32_t threads, tremolo_world** world);
+void tremolo_world_destroy(tremolo_world* world);
+
+/* method: integrator, step and damping; NULL: the defaults of a body, but "imexv-linear". options:
+ * NULL for the defaults. */
+tremolo_status tremolo_world_add_group(tremolo_world* world, const tremolo_model* model,
+                                       const tremolo_body_options* method,
+                                       const tremolo_group_options* options, uint32_t* group);
+
+/* A body at rest, asleep. Removing it hides it; its number is not used again. Moving takes it to
+ * another group of the same model, say to another level of detail. */
+tremolo_status tremolo_world_add_body(tremolo_world* world, uint32_t group, uint32_t* body);
+tremolo_status tremolo_world_remove_body(tremolo_world* world, uint32_t body);
+tremolo_status tremolo_world_move_body(tremolo_world* world, uint32_t body, uint32_t group);
+
+/* As tremolo_body_apply_force; wakes the body. */
+tremolo_status tremolo_world_apply_force(tremolo_world* world, uint32_t body, uint32_t vertex,
+                                         const double force[3], int32_t steps);
+
+/* Advances every body that is awake by one step of its group. Allocates nothing. TREMOLO_SOLVER if
+ * bodies failed: each is as before the step and sleeps, the others have made theirs. failed (may be
+ * NULL) receives the first `length` of their numbers; failed_count (may be NULL) how many there
+ * are. */
+tremolo_status tremolo_world_step(tremolo_world* world, uint32_t* failed, size_t length,
+                                  size_t* failed_count);
+
+size_t tremolo_world_awake(const tremolo_world* world); /* bodies; 0 for NULL */
+tremolo_status tremolo_world_wake(tremolo_world* world, uint32_t body);
+tremolo_status tremolo_world_sleep(tremolo_world* world, uint32_t body);
+
+/* As tremolo_body_state; length must be the group's number of modes. Setting wakes the body. */
+tremolo_status tremolo_world_state(const tremolo_world* world, uint32_t body, double* q, double* p,
+                                   size_t length);
+tremolo_status tremolo_world_set_state(tremolo_world* world, uint32_t body, const double* q,
+                                       const double* p, size_t length);
+
+/* Only shown (nonzero) bodies have a surface. Updating rebuilds those that moved; updated (may be
+ * NULL) receives how many. */
+tremolo_status tremolo_world_set_shown(tremolo_world* world, uint32_t body, int32_t shown);
+tremolo_status tremolo_world_update_surfaces(tremolo_world* world, size_t* updated);
+
+/* Positions as of the last update, as tremolo_body_positions_float, in the world's own memory:
+ * valid until the next call that changes the world. version (may be NULL) grows with every rebuild.
+ */
+tremolo_status tremolo_world_surface(const tremolo_world* world, uint32_t body,
+                                     const float** positions, size_t* length, uint64_t* version);
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,6 @@
 // Nothing is allocated in a step. Every request for memory is counted: operator new and Eigen both
 // end in malloc, which this executable replaces (or, under a sanitizer, hooks).
+#include <atomic>
 #include <cstddef>
 #include <cstdlib>
 
@@ -7,10 +8,11 @@
 
 #include "runtime/body.h"
 #include "runtime/integrators/newton.h"
+#include "runtime/world.h"
 #include "tests/support/dynamics.h"
 
 namespace {
-thread_local long allocations = 0;
+std::atomic<long> allocations = 0;  // of all threads
 }
 
 #if defined(TREMOLO_SANITIZED)
@@ -104,6 +106,39 @@ TEST(Allocation, NoStepAllocatesWhereTheJacobianIsIndefinite) {
     solve_correction(workspace);
     EXPECT_EQ(allocations - again, 0) << n;
   }
+}
+
+TEST(Allocation, NoStepOfAWorldAllocatesNorDoItsSurfaces) {
+  const Model::Pointer model = testing::make_model(
+      testing::random_strain_model(testing::spread_omega(9, 5.0, 900.0), 0.02, 61));
+  World world = std::move(*World::create(2));
+  for (const std::string_view method : {"imexv-linear", "ep4"}) {
+    GroupOptions options{.integrator = method, .options = {.alpha = 6.0}};
+    options.sleep = {.energy = 1e-2, .time = 0.05};
+    options.precision = LanePrecision::kFloat;
+    const GroupId group = *world.add_group(model, options);
+    for (unsigned b = 0; b < 40; ++b) {
+      const BodyId body = *world.add_body(group);
+      ASSERT_TRUE(world.set_shown(body, true));
+      ASSERT_TRUE(world.set_state(body, testing::random_vector(9, 0.02, b),
+                                  testing::random_vector(9, 1.0, 99 + b)));
+      ASSERT_TRUE(world.apply_force(body, 5, {1.0, 0.0, 0.0}, 3));
+    }
+  }
+  // One that leaves the numbers, and all the others fall asleep.
+  const Eigen::VectorXd huge = Eigen::VectorXd::Constant(9, 1e200);
+  ASSERT_TRUE(world.set_state(7, huge, huge));
+  std::size_t failed = 0, fell_asleep = 0;
+  const long before = allocations;
+  for (int k = 0; k < 600; ++k) {
+    const WorldReport& report = world.step();
+    failed += report.failed.size();
+    fell_asleep += report.fell_asleep;
+    world.update_surfaces();
+  }
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(failed, 1u);
+  EXPECT_EQ(fell_asleep, 79u);
 }
 
 TEST(Allocation, ReadingTheSurfaceAndEnergyAllocatesNothingAfterTheFirstTime) {

@@ -52,6 +52,7 @@ std::vector<double> time_by_turns(const std::vector<void (*)(void*)>& functions,
 // The sections, in the order of the report.
 Result<SpeedSection> measure_kernel_speed(const Options& options, const MachineProbe& probe);
 Result<SpeedSection> measure_step_speed(const Options& options, const MachineProbe& probe);
+Result<SpeedSection> measure_world_speed(const Options& options, const MachineProbe& probe);
 Result<SpeedSection> measure_surface_speed(const Options& options, const MachineProbe& probe);
 Result<SpeedSection> measure_savings_speed(const Options& options, const MachineProbe& probe);
 

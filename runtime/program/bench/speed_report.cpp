@@ -16,7 +16,8 @@ using Measure = Result<SpeedSection> (*)(const Options&, const MachineProbe&);
 
 // In the order of the report.
 std::vector<Measure> sections_to_measure() {
-  return {measure_kernel_speed, measure_step_speed, measure_surface_speed, measure_savings_speed};
+  return {measure_kernel_speed, measure_step_speed, measure_world_speed, measure_surface_speed,
+          measure_savings_speed};
 }
 
 std::string machine_text(const MachineProbe& probe) {

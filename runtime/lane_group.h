@@ -1,0 +1,121 @@
+// Awake bodies of one model that step together, a body a lane: `verlet` and `imexv-linear`.
+//
+// Both are one formula (runtime/integrators/imexv_linear.h; verlet is the split with every row low)
+// and have no equation to solve. State, linear force, load, damping and sums are in double whatever
+// the precision: it is that of grad (C + Q) alone (runtime/lane_force.h). So a small motion is
+// exact to double, and rounding in the state does not pile up.
+//
+// Layout: blocks of kLanes bodies; in a block [coordinate][lane], 64 bytes or 128 a row. Slots
+// 0..size-1 are taken without gaps; the lanes behind them are zero.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/integrators/integrator.h"
+#include "runtime/lane_force.h"
+#include "runtime/model.h"
+
+namespace tremolo {
+
+// Of grad (C + Q) in lanes.
+enum class LanePrecision { kDouble, kFloat };
+
+// True for the methods that a LaneGroup has.
+bool steps_in_lanes(std::string_view integrator);
+
+struct alignas(64) LaneRow {
+  double value[8];
+};
+
+// What one thread needs to step a block. Sized by LaneGroup::make_scratch.
+struct LaneScratch {
+  std::vector<LaneRow> q, p, force;  // before the step
+  std::vector<LaneRow> x, gradient;  // of evaluate_lanes, in its precision
+  LaneRow energy[2];
+};
+
+struct LaneBlock;
+
+class LaneGroup {
+ public:
+  // modes: leading coordinates that move, 1 .. model.modes(). integrator: one of the two. options
+  // as make_integrator takes them: step, alpha, beta, split. Errors (kUsage): as choose_split.
+  static Result<LaneGroup> create(const Model& model, std::string_view integrator,
+                                  const IntegratorOptions& options, std::size_t modes,
+                                  LanePrecision precision);
+
+  std::size_t modes() const { return modes_; }
+  std::size_t lanes() const { return lanes_; }  // bodies a block
+  std::size_t size() const { return size_; }    // bodies
+  std::size_t blocks() const { return (size_ + lanes_ - 1) / lanes_; }
+
+  void reserve(std::size_t bodies);  // room for so many; up to there insert() does not allocate
+  void make_scratch(LaneScratch& scratch) const;  // grows it to what step_block needs
+
+  // q, p: `modes` long. A body in a lane is known by its slot. remove() moves the last body into
+  // the freed slot.
+  std::size_t insert(const double* q, const double* p);
+  void remove(std::size_t slot);
+  void read(std::size_t slot, double* q, double* p) const;
+  void write(std::size_t slot, const double* q, const double* p);
+
+  // A reduced force on the next step only, `modes` long; several add up.
+  void add_force(std::size_t slot, const double* force);
+
+  // Bits of lanes of a block after a step. A failed lane holds a number that is not finite: it is
+  // put back to before the step. quiet: T + V has been at or below `threshold` for `time`.
+  struct Outcome {
+    std::uint32_t failed = 0;
+    std::uint32_t quiet = 0;
+  };
+  // threshold: J. time: s. since_last: steps since energies were last looked at, 0 not to look now.
+  struct QuietRule {
+    double threshold = 0.0;
+    double time = 0.0;
+    int since_last = 0;
+  };
+
+  // One step of all bodies of a block. Different blocks may be stepped by different threads. Not
+  // any lane's result depends on the other lanes. Nothing is allocated.
+  Outcome step_block(std::size_t block, const QuietRule& rule, LaneScratch& scratch);
+
+ private:
+  LaneGroup() = default;
+  static double* flat(LaneRow* rows) { return reinterpret_cast<double*>(rows); }
+  static const double* flat(const LaneRow* rows) { return reinterpret_cast<const double*>(rows); }
+  std::size_t block_rows() const { return modes_ * lanes_ / 8; }  // LaneRows of a block
+  // Where coordinate 0 of a slot is; the others follow `lanes` apart.
+  std::size_t place(std::size_t slot) const {
+    return slot / lanes_ * modes_ * lanes_ + slot % lanes_;
+  }
+  template <class Real>
+  void evaluate(const LaneCoefficients<Real>& coefficients, const LaneBlock& block,
+                bool want_energy, LaneScratch& scratch);
+  void restore_lanes(std::size_t block, std::uint32_t lanes, const LaneScratch& scratch);
+  std::uint32_t quiet_lanes(std::size_t block, const QuietRule& rule, const LaneScratch& scratch);
+
+  std::size_t modes_ = 0;
+  std::size_t lanes_ = 0;
+  std::size_t size_ = 0;
+  std::size_t low_ = 0;  // rows before it are explicit
+  double step_ = 0.0;
+  bool damped_ = false;
+  std::vector<double> lambda_;
+  std::vector<double> decay_;  // e^{-D h/2}, as split_decay
+  std::vector<double> drift_;  // of high rows: 1 / (1 + h^2/4 lambda + h/2 beta lambda)
+  std::variant<LaneCoefficients<double>, LaneCoefficients<float>> coefficients_;
+
+  // The force is that of the kicks: without lambda q on the high rows.
+  std::vector<LaneRow> q_, p_, force_, load_;
+  std::vector<LaneRow> quiet_time_;  // s, one row of lanes a block
+  std::vector<std::uint8_t> stale_;  // of a block: the force is not that of q
+  std::vector<std::uint8_t> loaded_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,90 @@
+// World: the step.
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/world_contents.h"
+
+namespace tremolo {
+
+int WorldGroup::look() const {
+  const bool now = std::isfinite(quiet_time) && (steps + 1) % kStepsBetweenLooks == 0;
+  return now ? static_cast<int>(kStepsBetweenLooks) : 0;
+}
+
+void World::Contents::step(GroupId first, GroupId end) {
+  report = {};
+  failed.clear();
+  std::size_t tasks = 0;
+  for (GroupId g = first; g < end; ++g) {
+    place_forces(groups[g]);
+    report.stepped += groups[g].awake.size();
+    tasks += groups[g].tasks();
+    task_ends[g] = tasks;
+  }
+  pool->run(tasks, [&](std::size_t task, unsigned thread) {
+    const auto at = std::upper_bound(task_ends.begin() + first, task_ends.begin() + end, task);
+    const auto g = static_cast<GroupId>(at - task_ends.begin());
+    run_task(groups[g], task - (g == first ? 0 : task_ends[g - 1]), scratch[thread]);
+  });
+  for (GroupId g = first; g < end; ++g) finish(groups[g]);
+  report.failed = failed;
+}
+
+void World::Contents::place_forces(WorldGroup& group) {
+  for (const WorldForce& force : group.forces)
+    group.lanes->add_force(bodies[force.body].slot, force.force.data());
+}
+
+void World::Contents::run_task(WorldGroup& group, std::size_t task, WorldScratch& mine) {
+  const int look = group.look();
+  if (group.lanes) {
+    group.outcomes[task] =
+        group.lanes->step_block(task, {group.threshold, group.quiet_time, look}, mine.lanes);
+    return;
+  }
+  const std::size_t place = bodies[group.awake[task]].place;
+  Body& body = *group.bodies[place];
+  group.failed[task] = body.step().converged ? 0 : 1;
+  if (look == 0) return;
+  const bool below = body.energy().total() <= group.threshold && !body.load_to_come();
+  group.quiet[place] = below ? group.quiet[place] + look * group.options.step : 0.0;
+}
+
+// From the last slot down: a body that leaves is replaced by the last, which has had its turn.
+void World::Contents::finish(WorldGroup& group) {
+  const bool looked = group.look() != 0;
+  ++group.steps;
+  for (WorldForce& force : group.forces)
+    if (--force.steps == 0) --bodies[force.body].forces;
+  std::erase_if(group.forces, [](const WorldForce& force) { return force.steps == 0; });
+  if (group.lanes) {
+    const std::size_t lanes = group.lanes->lanes();
+    for (std::size_t block = group.tasks(); block-- > 0;) {
+      const LaneGroup::Outcome outcome = group.outcomes[block];
+      if ((outcome.failed | outcome.quiet) == 0) continue;
+      for (std::size_t lane = lanes; lane-- > 0;)
+        finish_body(group, block * lanes + lane, outcome.failed >> lane & 1u,
+                    outcome.quiet >> lane & 1u);
+    }
+    return;
+  }
+  for (std::size_t slot = group.awake.size(); slot-- > 0;) {
+    const std::size_t place = bodies[group.awake[slot]].place;
+    finish_body(group, slot, group.failed[slot] != 0,
+                looked && group.quiet[place] >= group.quiet_time && group.quiet[place] > 0.0);
+  }
+}
+
+void World::Contents::finish_body(WorldGroup& group, std::size_t slot, bool has_failed,
+                                  bool quiet) {
+  if (!has_failed && !quiet) return;
+  const BodyId id = group.awake[slot];
+  if (!has_failed && bodies[id].forces > 0) return;
+  if (has_failed)
+    failed.push_back(id);
+  else
+    ++report.fell_asleep;
+  sleep(id);
+}
+
+}  // namespace tremolo
