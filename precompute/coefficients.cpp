@@ -7,7 +7,7 @@
 #include "common/packed_index.h"
 #include "common/parallel.h"
 #include "precompute/blas_threads.h"
-#include "precompute/lanes.h"
+#include "precompute/element_group.h"
 
 extern "C" {
 // BLAS, Fortran interface: C <- alpha A^T A + beta C on one triangle.
@@ -32,38 +32,22 @@ struct ElasticityRoot {
                3.0) {}
 };
 
-// Elements first .. first+count-1 (at most eight) with each basis column's displacement gradients;
-// lanes left over are zero. scale: sqrt(weight) * shear.
+// At most eight consecutive elements with each basis column's displacement gradients; lanes left
+// over are zero. scale: sqrt(weight) * shear.
 struct alignas(8 * kLanes) ElementGroup {
   std::vector<LaneGradient> gradients;  // r
   Lanes scale;
 };
 
-TREMOLO_CLONES void load_group(const Solid& solid, const BasisRows& basis,
-                               const ElasticityRoot& root, std::size_t first, std::size_t count,
-                               ElementGroup& group) {
-  const auto r = static_cast<std::size_t>(basis.cols());
-  for (LaneGradient& gradient : group.gradients) gradient = {};
+void load_group(const Solid& solid, const BasisRows& basis, const ElasticityRoot& root,
+                std::size_t first, std::size_t count, ElementGroup& group) {
+  int elements[kLanes];
   group.scale = Lanes{};
-  auto* out = reinterpret_cast<double*>(group.gradients.data());
   for (std::size_t lane = 0; lane < count; ++lane) {
-    const StrainSample& sample = solid.samples[first + lane];
-    const Tetrahedron& tet = solid.mesh.tetrahedra[first + lane];
-    group.scale[lane] = std::sqrt(sample.weight) * root.shear;
-    for (std::size_t x = 0; x < 3; ++x) {
-      const double* rows[4];
-      for (std::size_t a = 0; a < 4; ++a)
-        rows[a] = basis.data() + (3 * static_cast<std::size_t>(tet[a]) + x) * r;
-      for (Eigen::Index d = 0; d < 3; ++d) {
-        const double n0 = sample.gradients(d, 0), n1 = sample.gradients(d, 1),
-                     n2 = sample.gradients(d, 2), n3 = sample.gradients(d, 3);
-        double* entry = out + (3 * x + static_cast<std::size_t>(d)) * kLanes + lane;
-        for (std::size_t i = 0; i < r; ++i)
-          entry[i * 9 * kLanes] =
-              rows[0][i] * n0 + rows[1][i] * n1 + rows[2][i] * n2 + rows[3][i] * n3;
-      }
-    }
+    elements[lane] = static_cast<int>(first + lane);
+    group.scale[lane] = std::sqrt(solid.samples[first + lane].weight) * root.shear;
   }
+  load_gradients(solid, basis, elements, count, group.gradients);
 }
 
 // Six rows of B_e for each of the group's elements: 48 rows of all columns, `stride` apart, eight

@@ -1,8 +1,12 @@
 // Stage "modes": the lowest eigenpairs of K psi = omega^2 M psi (thesis (4.2.2), which prints the
-// pencil upside down) by SLEPc's Krylov-Schur with shift-invert.
+// pencil upside down), by shift-invert: on one process block Lanczos on CHOLMOD's factor, on
+// several ranks, with PETSc options or on a tiny mesh SLEPc's Krylov-Schur.
 #pragma once
 
+#include <memory>
+
 #include "precompute/matrices.h"
+#include "precompute/sparse_cholesky.h"
 
 namespace tremolo {
 
@@ -13,15 +17,20 @@ struct Modes {
   double next_squared_frequency = 0;    // the first one left out; 0 if there is none
   double cancellation = 1;              // omega_1^2 / sum K_ii psi_i^2: what is left of the terms
   double shift = 0;                     // sigma of the factorisation, <= 0
-  std::string solver;                   // the package that factorised
-  PetscEigenSolver keeper;              // owns the factor
-  Mat factor = nullptr;                 // of K - shift * M
+  int solves = 0;                       // on the factor, columns; 0: SLEPc's
+  std::string solver;                   // who found them
+  std::string factorisation;            // the package that factorised
+  // The factor of K - shift * M: CHOLMOD's own, or else PETSc's, which the eigensolver owns.
+  std::shared_ptr<const SparseCholesky> cholesky;
+  PetscEigenSolver keeper;
+  Mat factor = nullptr;
 };
 
 // rigid: motions to leave out (may have no columns); then shift must be negative, because K is
 // singular. Throws Failure: kContent when k exceeds what the mesh has, kSolver when SLEPc finds
 // too few or the stiffness is singular.
-Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, double shift);
+Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, double shift,
+                    unsigned threads = 1);
 
 // Number of eigenvalues of (K, M) below `bound`, counted from the inertia of an LDL^T of
 // K - bound*M (Sylvester) by MUMPS: no mode can hide from it.

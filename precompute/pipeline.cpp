@@ -151,23 +151,25 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   const Columns rigid = problem.free_body ? rigid_modes(problem.mesh, problem.report.part_of_vertex,
                                                         parts, local, matrices.mass.get())
                                           : Columns(local.dofs(), 0);
-  Modes modes =
-      compute_modes(matrices, counts.linear, rigid, choose_shift(problem, options.material));
+  Modes modes = compute_modes(matrices, counts.linear, rigid,
+                              choose_shift(problem, options.material), options.threads);
   // A thin free body is far softer than a compact one: its derivatives want a smaller shift.
   if (problem.free_body && -modes.shift > 0.1 * modes.squared_frequencies[0] &&
       modes.squared_frequencies[0] > 0)
-    modes = compute_modes(matrices, counts.linear, rigid, -0.02 * modes.squared_frequencies[0]);
+    modes = compute_modes(matrices, counts.linear, rigid, -0.02 * modes.squared_frequencies[0],
+                          options.threads);
   Eigen::MatrixXd psi = expand_to_vertices(map, local, modes.vectors);
   require_no_mechanism(problem, modes, psi);
   fix_signs(modes.vectors, psi);
-  findings.factorisation = modes.solver;
+  findings.factorisation = modes.factorisation;
+  findings.mode_solver = modes.solver;
   findings.mode_residuals.assign(modes.residuals.begin(), modes.residuals.end());
   data.linear_mode_count = static_cast<std::uint64_t>(counts.linear);
   data.rigid_mode_count = static_cast<std::uint64_t>(rigid_count);
   log.end(text("%d modes, %.4g to %.4g Hz, residual %.1e, %s", counts.linear,
                hertz(modes.squared_frequencies[0]),
                hertz(modes.squared_frequencies[counts.linear - 1]), modes.residuals.maxCoeff(),
-               modes.solver.c_str()));
+               modes.factorisation.c_str()));
   if (problem.free_body)
     log.note(text("a free body: its %d rigid motions are left out of the basis", rigid_count));
 
@@ -185,19 +187,19 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   }
 
   log.begin("derivatives");
-  const ModalDerivatives derivatives =
+  ModalDerivatives derivatives =
       modal_derivatives(solid, local, matrices, modes, psi, rigid, options.threads);
   findings.derivative_residual = derivatives.residual;
   log.end(text("%d solves on the factor of the modes, residual %.1e",
-               static_cast<int>(derivatives.vectors.cols()), derivatives.residual));
+               static_cast<int>(derivatives.vectors().cols()), derivatives.residual));
 
   log.begin("basis");
   // Motion that Tremolo is made for: a tenth of the body's size.
   constexpr double kReach = 0.1;
   const double amplitude =
       amplitude_of_first_mode(psi, kReach * bounding_box(problem.mesh.vertices).diagonal());
-  Basis basis = make_basis(matrices, modes.vectors, modes.squared_frequencies, derivatives.vectors,
-                           amplitude, counts.modes);
+  Basis basis = make_basis(matrices, std::move(derivatives.columns), modes.squared_frequencies,
+                           amplitude, counts.modes, options.threads);
   Eigen::MatrixXd expanded = expand_to_vertices(map, local, basis.vectors);
   fix_signs(basis.vectors, expanded);
   const BasisRows rows = expanded;

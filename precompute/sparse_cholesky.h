@@ -1,0 +1,48 @@
+// The Cholesky factor of a symmetric positive definite matrix in the memory of one process
+// (CHOLMOD's supernodal one), used by several threads at once.
+#pragma once
+
+#include <memory>
+
+#include "precompute/sparse_rows.h"
+
+namespace tremolo {
+
+class SparseCholesky {
+ public:
+  // Factorises; the order of the rows is kept but for a postorder of the elimination tree, so they
+  // should come in nested dissection. BLAS uses as many threads as BlasThreads says. Throws
+  // Failure: kSolver when the matrix is not positive definite, kSystem when memory runs out.
+  explicit SparseCholesky(const SparseRows& matrix);
+  ~SparseCholesky();
+  SparseCholesky(const SparseCholesky&) = delete;
+  SparseCholesky& operator=(const SparseCholesky&) = delete;
+
+  // What one thread needs for its solves; it may serve many.
+  class Workspace {
+   public:
+    Workspace();
+    ~Workspace();
+    Workspace(const Workspace&) = delete;
+    Workspace& operator=(const Workspace&) = delete;
+
+   private:
+    friend class SparseCholesky;
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+  };
+
+  // x <- A^-1 b, n x columns each; b and x may be the same. Threads with a workspace each may call
+  // it side by side. Throws Failure (kSystem) when memory runs out.
+  void solve(const ColumnsRef& b, ColumnsOut x, Workspace& workspace) const;
+
+  double flops() const;  // of the factorisation
+  std::size_t entries()
+      const;  // of the factor's supernodes, 8 bytes each: a solve reads them twice
+
+ private:
+  struct Factor;
+  std::unique_ptr<Factor> factor_;
+};
+
+}  // namespace tremolo
