@@ -65,7 +65,7 @@ Orthonormalised orthonormalise(const Pencil& pencil, ColumnsOut w, double scale,
 
 void apply_inverse(const Pencil& pencil, ColumnsOut x, unsigned threads) {
   const BlasThreads single(1);
-  parallel_columns(x.cols(), kBlock / 2, threads, [&](Eigen::Index first, Eigen::Index count) {
+  parallel_columns(x.cols(), kBlock, threads, [&](Eigen::Index first, Eigen::Index count) {
     SparseCholesky::Workspace workspace;
     Columns load(x.rows(), count);
     multiply(pencil.mass, x.middleCols(first, count), load);

@@ -17,24 +17,12 @@ namespace {
       {ErrorKind::kSolver, "CHOLMOD failed with status " + std::to_string(common.status)});
 }
 
-cholmod_dense as_cholmod(const double* values, Eigen::Index rows, Eigen::Index columns,
-                         Eigen::Index stride) {
-  cholmod_dense dense = {};
-  dense.nrow = static_cast<std::size_t>(rows);
-  dense.ncol = static_cast<std::size_t>(columns);
-  dense.d = static_cast<std::size_t>(stride);
-  dense.nzmax = dense.d * dense.ncol;
-  dense.x = const_cast<double*>(values);
-  dense.xtype = CHOLMOD_REAL;
-  dense.dtype = CHOLMOD_DOUBLE;
-  return dense;
-}
-
 }  // namespace
 
 struct SparseCholesky::Factor {
   cholmod_common common = {};
   cholmod_factor* l = nullptr;
+  Supernodes supernodes;
   Factor() {
     cholmod_start(&common);
     common.print = 0;
@@ -69,6 +57,17 @@ SparseCholesky::SparseCholesky(const SparseRows& matrix) : factor_(std::make_uni
   if (factor.l == nullptr) fail(factor.common);
   cholmod_factorize(&a, factor.l, &factor.common);
   if (factor.common.status != CHOLMOD_OK) fail(factor.common);
+  const cholmod_factor& l = *factor.l;
+  factor.supernodes = {l.nsuper,
+                       static_cast<const int*>(l.super),
+                       static_cast<const int*>(l.pi),
+                       static_cast<const int*>(l.px),
+                       static_cast<const int*>(l.s),
+                       static_cast<const double*>(l.x)};
+  const int* first_row = factor.supernodes.first_row;
+  for (std::size_t s = 0; s < l.nsuper; ++s)
+    factor.supernodes.most_rows = std::max(
+        factor.supernodes.most_rows, static_cast<std::size_t>(first_row[s + 1] - first_row[s]));
 }
 
 SparseCholesky::~SparseCholesky() = default;
@@ -81,33 +80,29 @@ std::size_t SparseCholesky::entries() const {
   return factor_->l->xsize;
 }
 
-struct SparseCholesky::Workspace::Parts {
-  cholmod_common common = {};
-  cholmod_dense* x = nullptr;
-  cholmod_dense* y = nullptr;
-  cholmod_dense* e = nullptr;
-  Parts() {
-    cholmod_start(&common);
-    common.print = 0;
-  }
-  ~Parts() {
-    cholmod_free_dense(&x, &common);
-    cholmod_free_dense(&y, &common);
-    cholmod_free_dense(&e, &common);
-    cholmod_finish(&common);
-  }
-};
-
-SparseCholesky::Workspace::Workspace() : parts_(std::make_unique<Parts>()) {}
-SparseCholesky::Workspace::~Workspace() = default;
-
 void SparseCholesky::solve(const ColumnsRef& b, ColumnsOut x, Workspace& workspace) const {
-  Workspace::Parts& parts = *workspace.parts_;
-  cholmod_dense right = as_cholmod(b.data(), b.rows(), b.cols(), b.outerStride());
-  if (!cholmod_solve2(CHOLMOD_A, factor_->l, &right, nullptr, &parts.x, nullptr, &parts.y, &parts.e,
-                      &parts.common))
-    fail(parts.common);
-  x = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(parts.x->x), b.rows(), b.cols());
+  const auto rows = static_cast<std::size_t>(b.rows());
+  const int* order = static_cast<const int*>(factor_->l->Perm);
+  constexpr Eigen::Index kMost = 2 * kLanes;
+  for (Eigen::Index first = 0; first < b.cols(); first += kMost) {
+    const Eigen::Index width = std::min(kMost, b.cols() - first);
+    const std::size_t vectors = width > static_cast<Eigen::Index>(kLanes) ? 2 : 1;
+    workspace.rows.assign(rows * vectors, LaneBlock{});
+    workspace.scratch.resize(factor_->supernodes.most_rows * vectors);
+    auto* packed = reinterpret_cast<double*>(workspace.rows.data());
+    for (Eigen::Index c = 0; c < width; ++c) {
+      const double* column = b.col(first + c).data();
+      for (std::size_t i = 0; i < rows; ++i)
+        packed[i * vectors * kLanes + static_cast<std::size_t>(c)] = column[order[i]];
+    }
+    solve_supernodes(factor_->supernodes, static_cast<int>(vectors), workspace.rows.data(),
+                     workspace.scratch.data());
+    for (Eigen::Index c = 0; c < width; ++c) {
+      double* column = x.col(first + c).data();
+      for (std::size_t i = 0; i < rows; ++i)
+        column[order[i]] = packed[i * vectors * kLanes + static_cast<std::size_t>(c)];
+    }
+  }
 }
 
 }  // namespace tremolo

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "precompute/sparse_rows.h"
+#include "precompute/supernodes.h"
 
 namespace tremolo {
 
@@ -19,21 +21,12 @@ class SparseCholesky {
   SparseCholesky& operator=(const SparseCholesky&) = delete;
 
   // What one thread needs for its solves; it may serve many.
-  class Workspace {
-   public:
-    Workspace();
-    ~Workspace();
-    Workspace(const Workspace&) = delete;
-    Workspace& operator=(const Workspace&) = delete;
-
-   private:
-    friend class SparseCholesky;
-    struct Parts;
-    std::unique_ptr<Parts> parts_;
+  struct Workspace {
+    std::vector<LaneBlock> rows, scratch;
   };
 
   // x <- A^-1 b, n x columns each; b and x may be the same. Threads with a workspace each may call
-  // it side by side. Throws Failure (kSystem) when memory runs out.
+  // it side by side. Sixteen columns take one pass over the factor forwards and one backwards.
   void solve(const ColumnsRef& b, ColumnsOut x, Workspace& workspace) const;
 
   double flops() const;  // of the factorisation
