@@ -31,8 +31,9 @@ Columns start_block(Eigen::Index rows, Eigen::Index columns) {
 // Takes the part along the columns of v (M-orthonormal) out of w; returns what it was, v^T M w.
 Eigen::MatrixXd project_out(const Pencil& pencil, const ColumnsRef& v, ColumnsOut w,
                             unsigned threads) {
+  if (v.cols() == 0) return Eigen::MatrixXd(0, w.cols());
   const Eigen::MatrixXd along = transposed_product(v, times_mass(pencil, w, threads));
-  if (v.cols() > 0) add_product(-1.0, v, along, 1.0, w);
+  add_product(-1.0, v, along, 1.0, w);
   return along;
 }
 
@@ -76,7 +77,7 @@ void apply_inverse(const Pencil& pencil, ColumnsOut x, unsigned threads) {
 
 LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance, unsigned threads) {
   const Eigen::Index rows = pencil.mass.rows;
-  const Eigen::Index most = std::min<Eigen::Index>(rows, 4 * Eigen::Index{wanted} + 10 * kBlock);
+  const Eigen::Index most = std::min<Eigen::Index>(rows, 8 * Eigen::Index{wanted} + 20 * kBlock);
   LanczosPairs pairs;
   Columns v(rows, most);
   Eigen::MatrixXd t = Eigen::MatrixXd::Zero(most, most);  // V^T M A V
@@ -91,9 +92,7 @@ LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance, u
     Columns w = v.middleCols(first, width);
     apply_inverse(pencil, w, threads);
     pairs.solves += static_cast<int>(width);
-    // Twice is enough.
-    Eigen::MatrixXd along = project_out(pencil, v.leftCols(size), w, threads);
-    along += project_out(pencil, v.leftCols(size), w, threads);
+    const Eigen::MatrixXd along = project_out(pencil, v.leftCols(size), w, threads);
     t.block(0, first, size, width) = along;
     t.block(first, 0, width, size) = along.transpose();
 
@@ -113,7 +112,7 @@ LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance, u
       }
     }
     if (size + next > most) return pairs;
-    // What rounding left along the basis grew when the small directions were scaled up.
+    // A second time: what rounding left along the basis grew when directions were scaled up.
     project_out(pencil, *pencil.deflated, w.leftCols(next), threads);
     project_out(pencil, v.leftCols(size), w.leftCols(next), threads);
     const Eigen::Index kept = orthonormalise(pencil, w.leftCols(next), 0.0, threads).rank;

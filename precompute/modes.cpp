@@ -171,7 +171,7 @@ bool solver_options_given() {
 }
 
 // The factor of K - shift M; none when that is not positive definite.
-std::shared_ptr<const SparseCholesky> factorise(const Matrices& matrices, double shift) {
+std::unique_ptr<SparseCholesky> factorise(const Matrices& matrices, double shift) {
   PetscMatrix shifted;
   Mat matrix = matrices.stiffness.get();
   if (shift != 0.0) {
@@ -180,7 +180,7 @@ std::shared_ptr<const SparseCholesky> factorise(const Matrices& matrices, double
     matrix = shifted.get();
   }
   try {
-    return std::make_shared<SparseCholesky>(sparse_rows(matrix));
+    return std::make_unique<SparseCholesky>(sparse_rows(matrix));
   } catch (const Failure& failure) {
     if (failure.error().kind != ErrorKind::kSolver) throw;
     return nullptr;
@@ -208,7 +208,7 @@ bool solve_by_blocks(const Matrices& matrices, int wanted, const Columns& rigid,
   modes.cholesky = factorise(matrices, modes.shift);
   if (modes.cholesky == nullptr) return false;
   const Pencil pencil{sparse_rows(matrices.mass.get()), modes.cholesky.get(), &rigid};
-  constexpr double kTolerance = 1e-11;  // the refinement squares it
+  constexpr double kTolerance = 1e-10;  // the refinement squares it
   LanczosPairs pairs = block_lanczos(pencil, wanted, kTolerance, threads);
   if (!pairs.converged) {
     modes.cholesky.reset();

@@ -21,7 +21,7 @@ struct Modes {
   std::string solver;                   // who found them
   std::string factorisation;            // the package that factorised
   // The factor of K - shift * M: CHOLMOD's own, or else PETSc's, which the eigensolver owns.
-  std::shared_ptr<const SparseCholesky> cholesky;
+  std::unique_ptr<SparseCholesky> cholesky;
   PetscEigenSolver keeper;
   Mat factor = nullptr;
 };
@@ -36,15 +36,22 @@ Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, d
 // K - bound*M (Sylvester) by MUMPS: no mode can hide from it.
 int count_modes_below(const Matrices& matrices, double bound);
 
+// The same in the memory of the modes' own factor, which is given up. -1: the factorisation, which
+// does not pivot, was not stable.
+int count_modes_below(const Matrices& matrices, double bound, SparseCholesky& factor,
+                      unsigned threads);
+
 // What compute_modes found against that count, with the bound in the last gap, usually halfway to
-// the first mode left out.
+// the first mode left out. Modes' own factor is used up and freed: there are never two.
 struct InertiaCertificate {
   double bound = 0;  // (rad/s)^2
   int expected = 0;  // modes found below the bound, rigid ones included
   int counted = 0;   // by inertia
+  std::string solver;
   bool complete() const { return expected == counted; }
 };
-InertiaCertificate certify(const Matrices& matrices, const Modes& modes, int rigid_count);
+InertiaCertificate certify(const Matrices& matrices, Modes& modes, int rigid_count,
+                           unsigned threads = 1);
 
 // A mode's sign is a convention: the first entry, in the mesh's vertex order, that is at least half
 // of the largest becomes positive. Half, so that rounding cannot decide between mirror images.

@@ -173,25 +173,28 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   if (problem.free_body)
     log.note(text("a free body: its %d rigid motions are left out of the basis", rigid_count));
 
-  if (options.certify) {
-    log.begin("certificate");
-    const InertiaCertificate certificate = certify(matrices, modes, rigid_count);
-    findings.certified = certificate.complete();
-    findings.inertia_count = certificate.counted;
-    if (!certificate.complete())
-      throw Failure({ErrorKind::kSolver,
-                     text("modes were missed: inertia counts %d below %.6g Hz, %d were found",
-                          certificate.counted, hertz(certificate.bound), certificate.expected)});
-    log.end(text("inertia counts the same %d modes below %.4g Hz", certificate.counted,
-                 hertz(certificate.bound)));
-  }
-
   log.begin("derivatives");
   ModalDerivatives derivatives =
       modal_derivatives(solid, local, matrices, modes, psi, rigid, options.threads);
   findings.derivative_residual = derivatives.residual;
   log.end(text("%d solves on the factor of the modes, residual %.1e",
                static_cast<int>(derivatives.vectors().cols()), derivatives.residual));
+
+  // Only now: the certificate takes the factor's memory.
+  if (options.certify) {
+    log.begin("certificate");
+    const InertiaCertificate certificate = certify(matrices, modes, rigid_count, options.threads);
+    findings.certified = certificate.complete();
+    findings.inertia_count = certificate.counted;
+    if (!certificate.complete())
+      throw Failure({ErrorKind::kSolver,
+                     text("modes were missed: inertia counts %d below %.6g Hz, %d were found",
+                          certificate.counted, hertz(certificate.bound), certificate.expected)});
+    log.end(text("inertia counts the same %d modes below %.4g Hz, %s", certificate.counted,
+                 hertz(certificate.bound), certificate.solver.c_str()));
+  }
+
+  modes.cholesky.reset();
 
   log.begin("basis");
   // Motion that Tremolo is made for: a tenth of the body's size.

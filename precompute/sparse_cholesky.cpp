@@ -72,6 +72,11 @@ SparseCholesky::SparseCholesky(const SparseRows& matrix) : factor_(std::make_uni
 
 SparseCholesky::~SparseCholesky() = default;
 
+LdlReport SparseCholesky::count_negative(const SparseRows& matrix, unsigned threads) {
+  return factorise_ldl(factor_->supernodes, static_cast<const int*>(factor_->l->Perm), matrix,
+                       static_cast<double*>(factor_->l->x), threads);
+}
+
 double SparseCholesky::flops() const {
   return factor_->common.fl;
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "precompute/sparse_rows.h"
-#include "precompute/supernodes.h"
+#include "precompute/supernodal_ldl.h"
 
 namespace tremolo {
 
@@ -28,6 +28,10 @@ class SparseCholesky {
   // x <- A^-1 b, n x columns each; b and x may be the same. Threads with a workspace each may call
   // it side by side. Sixteen columns take one pass over the factor forwards and one backwards.
   void solve(const ColumnsRef& b, ColumnsOut x, Workspace& workspace) const;
+
+  // Factorises another matrix of the same pattern, definite or not, into the same memory and counts
+  // its negative eigenvalues. The factor that was there is lost: solve() may not be called again.
+  LdlReport count_negative(const SparseRows& matrix, unsigned threads);
 
   double flops() const;  // of the factorisation
   std::size_t entries()
