@@ -255,7 +255,9 @@ LdlReport factorise_ldl(const Supernodes& pattern, const int* order, const Spars
       w.next_waiting[d] = w.first_waiting[next];
       w.first_waiting[next] = d;
     }
-  const BlasThreads shared(static_cast<int>(threads));
+  // Small panels are not worth sharing: the threads would wait for each other.
+  constexpr int kWorthwhile = 1500;  // rows
+  const BlasThreads shared(pattern.most_rows < kWorthwhile ? 1 : static_cast<int>(threads));
   Scratch scratch;
   scratch.at.resize(size);
   std::size_t range = 0;
