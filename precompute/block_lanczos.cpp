@@ -11,7 +11,7 @@
 namespace tremolo {
 namespace {
 
-constexpr Eigen::Index kBlock = 8;
+constexpr Eigen::Index kBlock = kLanczosBlock;
 
 Columns times_mass(const Pencil& pencil, const ColumnsRef& x, unsigned threads) {
   Columns product(x.rows(), x.cols());

@@ -10,6 +10,8 @@
 
 namespace tremolo {
 
+inline constexpr int kLanczosBlock = 8;  // columns of a block: a vector of the triangular solves
+
 struct Pencil {
   SparseRows mass;
   const SparseCholesky* factor = nullptr;  // of K - shift M

@@ -5,11 +5,14 @@
 #include <cstdio>
 #include <numbers>
 
+#include "common/packed_index.h"
 #include "precompute/basis.h"
 #include "precompute/blas_threads.h"
+#include "precompute/block_lanczos.h"
 #include "precompute/coefficients.h"
 #include "precompute/derivatives.h"
 #include "precompute/failure.h"
+#include "precompute/limits.h"
 #include "precompute/modes.h"
 #include "precompute/polynomial_check.h"
 #include "precompute/rigid_motion.h"
@@ -118,6 +121,24 @@ Coefficients compute_coefficients(const Solid& solid, const BasisRows& basis, un
   return coefficients_from_gram(gram, static_cast<int>(basis.cols()));
 }
 
+double cholesky_bytes(const SparseCholesky& factor) {
+  return 8.0 * static_cast<double>(factor.entries());
+}
+
+// Columns solved for on the factor, `width` in one pass over it forwards and one backwards.
+StageWork solves_on(const SparseCholesky& factor, int columns, int width) {
+  StageWork work;
+  work.flops = 4.0 * static_cast<double>(factor.entries()) * columns;
+  work.factor_bytes = cholesky_bytes(factor);
+  work.passes = 2.0 * ((columns + width - 1) / width);
+  return work;
+}
+
+void set_limit(const MachineLimits& machine, const StageWork& work, StageLog& log) {
+  const StageLimit limit = stage_limit(machine, work);
+  if (limit.seconds > 0) log.limit(limit.seconds, limit.reason);
+}
+
 }  // namespace
 
 PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log) {
@@ -140,6 +161,14 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   // The fronts of a small factor are too small to share: more threads only wait for each other.
   constexpr int kSmall = 100'000;  // dofs
   const BlasThreads blas(3 * map.nodes() < kSmall ? 1 : static_cast<int>(options.threads));
+
+  MachineLimits machine;
+  if (options.limits && mpi_ranks() == 1) {
+    log.begin("machine");
+    machine = measure_machine(options.threads);
+    log.end(text("%.4g GFLOP/s, %.4g GB/s read on %u threads", 1e-9 * machine.flops,
+                 1e-9 * machine.bytes, options.threads));
+  }
 
   log.begin("matrices");
   const Solid solid = make_solid(problem.mesh, options.material);
@@ -166,6 +195,13 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   findings.mode_residuals.assign(modes.residuals.begin(), modes.residuals.end());
   data.linear_mode_count = static_cast<std::uint64_t>(counts.linear);
   data.rigid_mode_count = static_cast<std::uint64_t>(rigid_count);
+  double factor_flops = 0;
+  if (modes.cholesky != nullptr) {
+    factor_flops = modes.cholesky->flops();
+    StageWork work = solves_on(*modes.cholesky, modes.solves, kLanczosBlock);
+    work.added_flops = factor_flops;
+    set_limit(machine, work, log);
+  }
   log.end(text("%d modes, %.4g to %.4g Hz, residual %.1e, %s", counts.linear,
                hertz(modes.squared_frequencies[0]),
                hertz(modes.squared_frequencies[counts.linear - 1]), modes.residuals.maxCoeff(),
@@ -177,6 +213,11 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   ModalDerivatives derivatives =
       modal_derivatives(solid, local, matrices, modes, psi, rigid, options.threads);
   findings.derivative_residual = derivatives.residual;
+  if (modes.cholesky != nullptr)
+    set_limit(machine,
+              solves_on(*modes.cholesky, static_cast<int>(derivatives.vectors().cols()),
+                        2 * static_cast<int>(kLanes)),
+              log);
   log.end(text("%d solves on the factor of the modes, residual %.1e",
                static_cast<int>(derivatives.vectors().cols()), derivatives.residual));
 
@@ -190,6 +231,7 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
       throw Failure({ErrorKind::kSolver,
                      text("modes were missed: inertia counts %d below %.6g Hz, %d were found",
                           certificate.counted, hertz(certificate.bound), certificate.expected)});
+    set_limit(machine, {.flops = factor_flops}, log);
     log.end(text("inertia counts the same %d modes below %.4g Hz, %s", certificate.counted,
                  hertz(certificate.bound), certificate.solver.c_str()));
   }
@@ -197,6 +239,9 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   modes.cholesky.reset();
 
   log.begin("basis");
+  // Two Gram matrices by half their entries and one change of the columns.
+  const double columns = static_cast<double>(derivatives.columns.cols());
+  set_limit(machine, {.flops = 4.0 * static_cast<double>(local.dofs()) * columns * columns}, log);
   // Motion that Tremolo is made for: a tenth of the body's size.
   constexpr double kReach = 0.1;
   const double amplitude =
@@ -217,6 +262,12 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
                    : 0.0));
 
   log.begin("coefficients");
+  const auto r = static_cast<std::size_t>(counts.modes);
+  const double strain_columns = static_cast<double>(r + pair_count(r));
+  set_limit(machine,
+            {.flops = 6.0 * static_cast<double>(problem.mesh.tetrahedra.size()) * strain_columns *
+                      (strain_columns + 1.0)},
+            log);
   Coefficients coefficients = compute_coefficients(solid, rows, options.threads);
   data.cubic = std::move(coefficients.cubic);
   data.quartic = std::move(coefficients.quartic);
