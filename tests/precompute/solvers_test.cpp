@@ -173,6 +173,52 @@ TEST(Modes, OfALargerMeshAreTheSameByBlocksAndBySlepc) {
   EXPECT_LE(blocks.residuals.maxCoeff(), 1e-8);
 }
 
+TEST(SupernodalLdl, CountsTheNegativeEigenvaluesAsMumpsDoes) {
+  // Large enough that subtrees run side by side.
+  const System system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
+  const Columns none(system.local.dofs(), 0);
+  const Modes modes = compute_modes(system.matrices, 10, none, 0.0, 2);
+  ASSERT_NE(modes.cholesky, nullptr);
+  const auto& w2 = modes.squared_frequencies;
+  for (int i = 0; i < 9; i += 2)
+    for (unsigned threads : {1u, 3u}) {
+      const double between = 0.5 * (w2[i] + w2[i + 1]);
+      EXPECT_EQ(count_modes_below(system.matrices, between, *modes.cholesky, threads), i + 1);
+    }
+  // Far up, where most panels have pivots of both signs.
+  const double high = 1e3 * w2[9];
+  const int expected = count_modes_below(system.matrices, high);
+  EXPECT_GT(expected, 500);
+  const int counted = count_modes_below(system.matrices, high, *modes.cholesky, 2);
+  // Without pivoting it may give up there, but not be wrong.
+  if (counted >= 0) {
+    EXPECT_EQ(counted, expected);
+  }
+}
+
+TEST(SupernodalLdl, GrowthIsOneForADefiniteMatrix) {
+  const System system({10, 5, 5}, {0.6, 0.2, 0.25}, true);
+  const SparseRows rows = sparse_rows(system.matrices.stiffness.get());
+  SparseCholesky factor(rows);
+  const LdlReport report = factor.count_negative(rows, 2);
+  EXPECT_EQ(report.negative, 0u);
+  EXPECT_NEAR(report.growth, 1.0, 1e-12);  // sums of the diagonal's own size
+}
+
+TEST(Modes, AMissedOneIsSeenInTheMemoryOfTheFactorToo) {
+  const System system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
+  const Columns none(system.local.dofs(), 0);
+  Modes modes = compute_modes(system.matrices, 7, none, 0.0, 2);
+  ASSERT_NE(modes.cholesky, nullptr);
+  Eigen::VectorXd thinned(6);
+  thinned << modes.squared_frequencies.head(2), modes.squared_frequencies.tail(4);
+  modes.squared_frequencies = thinned;
+  const InertiaCertificate certificate = certify(system.matrices, modes, 0, 2);
+  EXPECT_FALSE(certificate.complete());
+  EXPECT_EQ(certificate.counted, certificate.expected + 1);
+  EXPECT_EQ(modes.cholesky, nullptr);  // its memory was used
+}
+
 TEST(ElementGroup, SecondDerivativesAreThoseOfOneElementAtATime) {
   const System system({5, 3, 3}, {0.6, 0.2, 0.25}, true);
   const Columns fields = 0.01 * random_columns(3 * system.mesh.vertices.size(), 4);

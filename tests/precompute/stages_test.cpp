@@ -152,7 +152,7 @@ TEST(Modes, InertiaCountsThemAndWouldSeeAMissedOne) {
 
 TEST(Modes, InertiaCountsTheRigidOnesOfAFreeBody) {
   const Block block = free_block();
-  const Modes modes = compute_modes(block.matrices, 5, block.rigid(), kFreeShift);
+  Modes modes = compute_modes(block.matrices, 5, block.rigid(), kFreeShift);
   const InertiaCertificate certificate = certify(block.matrices, modes, 6);
   EXPECT_EQ(certificate.counted, 11);
   EXPECT_TRUE(certificate.complete());
