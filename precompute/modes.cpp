@@ -24,15 +24,24 @@ std::vector<PetscVector> as_vectors(const Columns& columns) {
   return vectors;
 }
 
-// The nodes are already in METIS's nested dissection: CHOLMOD shall take that order and try no
-// other, METIS's on the graph of the dofs above all.
-void keep_natural_order(PC factor) {
-  constexpr const char* kMethods = "-st_mat_cholmod_nmethods";
-  require(PCFactorSetMatOrderingType(factor, MATORDERINGNATURAL));
-  PetscBool given = PETSC_FALSE;
-  require(PetscOptionsHasName(nullptr, nullptr, kMethods, &given));
-  if (!given) require(PetscOptionsSetValue(nullptr, kMethods, "1"));
-}
+// The nodes are already in METIS's nested dissection: while this lives, CHOLMOD takes that order
+// and tries no other, METIS's on the graph of the dofs above all.
+class OnlyNaturalOrder {
+ public:
+  OnlyNaturalOrder() {
+    require(PetscOptionsHasName(nullptr, nullptr, kMethods, &given_));
+    if (!given_) require(PetscOptionsSetValue(nullptr, kMethods, "1"));
+  }
+  ~OnlyNaturalOrder() {
+    if (!given_) PetscOptionsClearValue(nullptr, kMethods);
+  }
+  OnlyNaturalOrder(const OnlyNaturalOrder&) = delete;
+  OnlyNaturalOrder& operator=(const OnlyNaturalOrder&) = delete;
+
+ private:
+  static constexpr const char* kMethods = "-st_mat_cholmod_nmethods";
+  PetscBool given_ = PETSC_FALSE;
+};
 
 // Shift-invert on a Cholesky factor: CHOLMOD on one rank, MUMPS on several.
 void choose_factorisation(EPS solver) {
@@ -49,7 +58,7 @@ void choose_factorisation(EPS solver) {
   require(PCSetType(factor, PCCHOLESKY));
   if (mpi_ranks() == 1) {
     require(PCFactorSetMatSolverType(factor, MATSOLVERCHOLMOD));
-    keep_natural_order(factor);
+    require(PCFactorSetMatOrderingType(factor, MATORDERINGNATURAL));
   } else {
     require(PCFactorSetMatSolverType(factor, MATSOLVERMUMPS));
   }
@@ -86,6 +95,7 @@ void set_up(EPS solver, const Matrices& matrices, int wanted, const Columns& rig
   if (!raw.empty())
     require(EPSSetDeflationSpace(solver, static_cast<PetscInt>(raw.size()), raw.data()));
   require(EPSSetFromOptions(solver));
+  const OnlyNaturalOrder natural;
   require(EPSSetUp(solver));
 }
 
