@@ -14,14 +14,14 @@ struct Basis {
   double diagonality_error = 0;         // max |U^T K U - Lambda| / max Lambda
 };
 
-// modes: local x k with squared frequencies w2; derivatives: local x k(k+1)/2 (may have no columns:
-// a linear scene). amplitude: a, kg^1/2 m, how far the first mode is expected to swing. Columns are
-// weighted Psi_i * w2_1/w2_i and Phi_ij * (a/2) w2_1^2/(w2_i w2_j), reduced to r by an SVD in the M
-// inner product, and rotated by the eigenvectors of U^T K U. Without a, as in the literature, the
-// weights of Psi and Phi have different units: the basis would depend on the size and the mass of
-// the body, and a heavy one would lose its lowest modes to derivatives. Throws Failure (kContent)
-// if r exceeds the rank of the columns.
-Basis make_basis(const Matrices& matrices, const Columns& modes, const Eigen::VectorXd& w2,
-                 const Columns& derivatives, double amplitude, int r);
+// columns: local x (k + k(k+1)/2), the modes with squared frequencies w2 (k) and their derivatives
+// (none: a linear scene); taken, its memory is worked in. amplitude: a, kg^1/2 m, how far the first
+// mode is expected to swing. Columns are weighted Psi_i * w2_1/w2_i and Phi_ij * (a/2) w2_1^2/(w2_i
+// w2_j), reduced to r by an SVD in the M inner product, and rotated by the eigenvectors of U^T K U.
+// Without a, as in the literature, the weights of Psi and Phi have different units: the basis would
+// depend on the size and the mass of the body, and a heavy one would lose its lowest modes to
+// derivatives. Throws Failure (kContent) if r exceeds the rank of the columns.
+Basis make_basis(const Matrices& matrices, Columns columns, const Eigen::VectorXd& w2,
+                 double amplitude, int r, unsigned threads);
 
 }  // namespace tremolo

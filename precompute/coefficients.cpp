@@ -7,6 +7,7 @@
 #include "common/packed_index.h"
 #include "common/parallel.h"
 #include "precompute/blas_threads.h"
+#include "precompute/element_group.h"
 
 extern "C" {
 // BLAS, Fortran interface: C <- alpha A^T A + beta C on one triangle.
@@ -18,58 +19,68 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
 namespace tremolo {
 namespace {
 
-using Mandel = Eigen::Matrix<double, 6, 1>;
-
-// |mandel(E)|^2 = E:E.
-Mandel mandel(const Eigen::Matrix3d& e) {
-  const double root2 = std::sqrt(2.0);
-  Mandel v;
-  v << e(0, 0), e(1, 1), e(2, 2), root2 * e(1, 2), root2 * e(0, 2), root2 * e(0, 1);
-  return v;
-}
-
 // The square root of the isotropic elasticity tensor: sqrt(2 mu) on deviators, sqrt(2 mu +
-// 3 lambda) on the volumetric direction.
+// 3 lambda) on the volumetric direction. On a strain in Mandel's notation (|v|^2 = E:E) it is
+// shear * (v + spread * tr(E) (1,1,1,0,0,0)).
 struct ElasticityRoot {
   double shear;
-  double volumetric_excess;  // acts along (1,1,1,0,0,0)/3 times the trace
+  double spread;
 
   explicit ElasticityRoot(const Material& material)
       : shear(std::sqrt(2.0 * lame_mu(material))),
-        volumetric_excess(std::sqrt(2.0 * lame_mu(material) + 3.0 * lame_lambda(material)) -
-                          shear) {}
-
-  Mandel operator()(const Mandel& strain) const {
-    Mandel result = shear * strain;
-    result.head<3>().array() += volumetric_excess * strain.head<3>().sum() / 3.0;
-    return result;
-  }
+        spread((std::sqrt(2.0 * lame_mu(material) + 3.0 * lame_lambda(material)) / shear - 1.0) /
+               3.0) {}
 };
 
-// Six rows of B_e into `rows` (stride `stride` between columns).
-void strain_rows(const Solid& solid, const BasisRows& basis, const ElasticityRoot& root,
-                 std::size_t element, std::vector<Eigen::Matrix3d>& gradients, double* rows,
-                 Eigen::Index stride) {
-  const auto r = static_cast<std::size_t>(basis.cols());
-  const StrainSample& sample = solid.samples[element];
-  const Tetrahedron& tet = solid.mesh.tetrahedra[element];
-  for (std::size_t i = 0; i < r; ++i) {
-    gradients[i].setZero();
-    for (int a = 0; a < 4; ++a)
-      gradients[i] += basis.block<3, 1>(3 * Eigen::Index{tet[a]}, static_cast<Eigen::Index>(i)) *
-                      sample.gradients.col(a).transpose();
+// At most eight consecutive elements with each basis column's displacement gradients; lanes left
+// over are zero. scale: sqrt(weight) * shear.
+struct alignas(8 * kLanes) ElementGroup {
+  std::vector<LaneGradient> gradients;  // r
+  Lanes scale;
+};
+
+void load_group(const Solid& solid, const BasisRows& basis, const ElasticityRoot& root,
+                std::size_t first, std::size_t count, ElementGroup& group) {
+  int elements[kLanes];
+  group.scale = Lanes{};
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    elements[lane] = static_cast<int>(first + lane);
+    group.scale[lane] = std::sqrt(solid.samples[first + lane].weight) * root.shear;
   }
-  const double weight = std::sqrt(sample.weight);
-  const auto put = [&](std::size_t column, const Eigen::Matrix3d& strain) {
-    Eigen::Map<Mandel>(rows + static_cast<Eigen::Index>(column) * stride) =
-        weight * root(mandel(strain));
+  load_gradients(solid, basis, elements, count, group.gradients);
+}
+
+// Six rows of B_e for each of the group's elements: 48 rows of all columns, `stride` apart, eight
+// elements' first components first.
+TREMOLO_CLONES void strain_rows(const ElementGroup& group, const ElasticityRoot& root, double* rows,
+                                std::size_t stride) {
+  const double half_root2 = std::sqrt(0.5);
+  const std::size_t r = group.gradients.size();
+  const auto put = [&](std::size_t column, Lanes xx, Lanes yy, Lanes zz, Lanes yz, Lanes xz,
+                       Lanes xy) __attribute__((always_inline)) {
+    const Lanes mean = root.spread * (xx + yy + zz);
+    auto* out = reinterpret_cast<Lanes*>(rows + column * stride);
+    out[0] = xx + mean;
+    out[1] = yy + mean;
+    out[2] = zz + mean;
+    out[3] = half_root2 * yz;  // Mandel: sqrt(2) times half the sum of both
+    out[4] = half_root2 * xz;
+    out[5] = half_root2 * xy;
   };
   for (std::size_t j = 0; j < r; ++j) {
-    put(j, 0.5 * (gradients[j] + gradients[j].transpose()));
+    Lanes h[9];
+    for (std::size_t c = 0; c < 9; ++c) h[c] = group.scale * group.gradients[j].at[c];
+    put(j, h[0], h[4], h[8], h[5] + h[7], h[2] + h[6], h[1] + h[3]);
+    const std::size_t column = r + pair_index(0, j);
     for (std::size_t i = 0; i <= j; ++i) {
-      const Eigen::Matrix3d product = gradients[i].transpose() * gradients[j];
-      put(r + pair_index(i, j),
-          i == j ? Eigen::Matrix3d(0.5 * product) : 0.5 * (product + product.transpose()));
+      if (i == j)
+        for (Lanes& entry : h) entry *= 0.5;
+      const Lanes* g = group.gradients[i].at;
+      put(column + i, g[0] * h[0] + g[3] * h[3] + g[6] * h[6],
+          g[1] * h[1] + g[4] * h[4] + g[7] * h[7], g[2] * h[2] + g[5] * h[5] + g[8] * h[8],
+          (g[1] * h[2] + g[4] * h[5] + g[7] * h[8]) + (g[2] * h[1] + g[5] * h[4] + g[8] * h[7]),
+          (g[0] * h[2] + g[3] * h[5] + g[6] * h[8]) + (g[2] * h[0] + g[5] * h[3] + g[8] * h[6]),
+          (g[0] * h[1] + g[3] * h[4] + g[6] * h[7]) + (g[1] * h[0] + g[4] * h[3] + g[7] * h[6]));
     }
   }
 }
@@ -78,31 +89,38 @@ void strain_rows(const Solid& solid, const BasisRows& basis, const ElasticityRoo
 
 Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::size_t first,
                             std::size_t last, unsigned threads) {
-  constexpr std::size_t kLanes = 8;    // accumulators: fixed, so that the sum is
-  constexpr std::size_t kBatch = 128;  // elements a SYRK: rows enough to be near peak
+  constexpr std::size_t kParts = 8;   // accumulators: fixed, so that the sum is
+  constexpr std::size_t kGroups = 8;  // of elements a SYRK: rows that stay in the cache
+  constexpr std::size_t kBatch = kGroups * kLanes;
   const auto r = static_cast<std::size_t>(basis.cols());
   const auto columns = static_cast<int>(r + pair_count(r));
   const ElasticityRoot root(solid.material);
   const BlasThreads single(1);  // our threads are outside: BLAS's would fight them
-  std::array<Eigen::MatrixXd, kLanes> sums;
-  parallel_for(kLanes, threads, [&](std::size_t lane) {
-    const std::size_t begin = first + (last - first) * lane / kLanes;
-    const std::size_t end = first + (last - first) * (lane + 1) / kLanes;
-    sums[lane].setZero(columns, columns);
-    Eigen::MatrixXd rows(6 * kBatch, columns);
-    std::vector<Eigen::Matrix3d> gradients(r);
+  std::array<Eigen::MatrixXd, kParts> sums;
+  parallel_for(kParts, threads, [&](std::size_t part) {
+    const std::size_t begin = first + (last - first) * part / kParts;
+    const std::size_t end = first + (last - first) * (part + 1) / kParts;
+    sums[part].setZero(columns, columns);
+    // The stride is kept off powers of two: columns would share cache sets.
+    constexpr std::size_t kStride = 6 * kBatch + kLanes;
+    std::vector<LaneBlock> rows(kStride / kLanes * static_cast<std::size_t>(columns));
+    auto* values = reinterpret_cast<double*>(rows.data());
+    ElementGroup group;
+    group.gradients.resize(r);
     for (std::size_t e = begin; e < end; e += kBatch) {
       const std::size_t count = std::min(kBatch, end - e);
-      for (std::size_t i = 0; i < count; ++i)
-        strain_rows(solid, basis, root, e + i, gradients, rows.data() + 6 * i, rows.rows());
-      const int depth = static_cast<int>(6 * count);
-      const int stride = static_cast<int>(rows.rows());
+      const std::size_t groups = (count + kLanes - 1) / kLanes;
+      for (std::size_t g = 0; g < groups; ++g) {
+        load_group(solid, basis, root, e + g * kLanes, std::min(kLanes, count - g * kLanes), group);
+        strain_rows(group, root, values + 6 * kLanes * g, kStride);
+      }
+      const int depth = static_cast<int>(6 * kLanes * groups);
+      const int stride = static_cast<int>(kStride);
       const double one = 1.0;
-      dsyrk_("L", "T", &columns, &depth, &one, rows.data(), &stride, &one, sums[lane].data(),
-             &columns);
+      dsyrk_("L", "T", &columns, &depth, &one, values, &stride, &one, sums[part].data(), &columns);
     }
   });
-  for (std::size_t lane = 1; lane < kLanes; ++lane) sums[0] += sums[lane];
+  for (std::size_t part = 1; part < kParts; ++part) sums[0] += sums[part];
   return std::move(sums[0]);
 }
 

@@ -27,6 +27,9 @@ void print_json(const PrecomputeResult& result, const StageLog& log) {
   for (const StageRecord& stage : log.records())
     stages.push_back({{"name", stage.name},
                       {"seconds", stage.seconds},
+                      {"cpu_seconds", stage.cpu_seconds},
+                      {"limit_seconds", stage.limit_seconds},
+                      {"limit_reason", stage.limit_reason},
                       {"peak_bytes", stage.peak_bytes},
                       {"detail", stage.detail}});
   Json frequencies = Json::array();
@@ -69,13 +72,14 @@ void print_spectrum(const BasisData& data) {
 }
 
 void print_total(const StageLog& log) {
-  double seconds = 0;
+  double seconds = 0, cpu_seconds = 0;
   std::uint64_t peak = 0;
   for (const StageRecord& stage : log.records()) {
     seconds += stage.seconds;
+    cpu_seconds += stage.cpu_seconds;
     peak = std::max(peak, stage.peak_bytes);
   }
-  std::fprintf(stderr, "  %-12s %7.2f s %6.0f MB\n", "total", seconds,
+  std::fprintf(stderr, "  %-12s %7.2f s %7.2f s cpu %6.0f MB\n", "total", seconds, cpu_seconds,
                static_cast<double>(peak) / 1e6);
 }
 

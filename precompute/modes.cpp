@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
+#include "precompute/block_lanczos.h"
 #include "precompute/failure.h"
 
 namespace tremolo {
@@ -21,15 +24,24 @@ std::vector<PetscVector> as_vectors(const Columns& columns) {
   return vectors;
 }
 
-// The nodes are already in METIS's nested dissection: CHOLMOD shall take that order and try no
-// other, METIS's on the graph of the dofs above all.
-void keep_natural_order(PC factor) {
-  constexpr const char* kMethods = "-st_mat_cholmod_nmethods";
-  require(PCFactorSetMatOrderingType(factor, MATORDERINGNATURAL));
-  PetscBool given = PETSC_FALSE;
-  require(PetscOptionsHasName(nullptr, nullptr, kMethods, &given));
-  if (!given) require(PetscOptionsSetValue(nullptr, kMethods, "1"));
-}
+// The nodes are already in METIS's nested dissection: while this lives, CHOLMOD takes that order
+// and tries no other, METIS's on the graph of the dofs above all.
+class OnlyNaturalOrder {
+ public:
+  OnlyNaturalOrder() {
+    require(PetscOptionsHasName(nullptr, nullptr, kMethods, &given_));
+    if (!given_) require(PetscOptionsSetValue(nullptr, kMethods, "1"));
+  }
+  ~OnlyNaturalOrder() {
+    if (!given_) PetscOptionsClearValue(nullptr, kMethods);
+  }
+  OnlyNaturalOrder(const OnlyNaturalOrder&) = delete;
+  OnlyNaturalOrder& operator=(const OnlyNaturalOrder&) = delete;
+
+ private:
+  static constexpr const char* kMethods = "-st_mat_cholmod_nmethods";
+  PetscBool given_ = PETSC_FALSE;
+};
 
 // Shift-invert on a Cholesky factor: CHOLMOD on one rank, MUMPS on several.
 void choose_factorisation(EPS solver) {
@@ -46,7 +58,7 @@ void choose_factorisation(EPS solver) {
   require(PCSetType(factor, PCCHOLESKY));
   if (mpi_ranks() == 1) {
     require(PCFactorSetMatSolverType(factor, MATSOLVERCHOLMOD));
-    keep_natural_order(factor);
+    require(PCFactorSetMatOrderingType(factor, MATORDERINGNATURAL));
   } else {
     require(PCFactorSetMatSolverType(factor, MATSOLVERMUMPS));
   }
@@ -83,6 +95,7 @@ void set_up(EPS solver, const Matrices& matrices, int wanted, const Columns& rig
   if (!raw.empty())
     require(EPSSetDeflationSpace(solver, static_cast<PetscInt>(raw.size()), raw.data()));
   require(EPSSetFromOptions(solver));
+  const OnlyNaturalOrder natural;
   require(EPSSetUp(solver));
 }
 
@@ -140,12 +153,89 @@ void keep_factor(Modes& modes) {
   require(KSPGetPC(linear, &factor));
   require(PCFactorGetMatrix(factor, &modes.factor));
   require(PCFactorGetMatSolverType(factor, &package));
-  modes.solver = package == nullptr ? "petsc" : package;
+  modes.factorisation = package == nullptr ? "petsc" : package;
+  modes.solver = "SLEPc Krylov-Schur, shift-invert";
+}
+
+void solve_by_slepc(const Matrices& matrices, int wanted, const Columns& rigid, Modes& modes) {
+  require(EPSCreate(PETSC_COMM_WORLD, modes.keeper.out()));
+  EPS solver = modes.keeper.get();
+  set_up(solver, matrices, wanted, rigid, modes.shift);
+  require(EPSSolve(solver));
+  PetscInt found = 0;
+  require(EPSGetConverged(solver, &found));
+  if (found < wanted)
+    throw Failure({ErrorKind::kSolver, "SLEPc found " + std::to_string(found) + " of " +
+                                           std::to_string(wanted) + " modes"});
+  copy_pairs(solver, matrices, wanted, modes);
+  keep_factor(modes);
+}
+
+// Whether the user told the eigensolver or its inner solver something.
+bool solver_options_given() {
+  char* given = nullptr;
+  require(PetscOptionsGetAll(nullptr, &given));
+  const std::string text = given == nullptr ? "" : given;
+  require(PetscFree(given));
+  return text.find("-eps_") != std::string::npos || text.find("-st_") != std::string::npos;
+}
+
+// The factor of K - shift M; none when that is not positive definite.
+std::unique_ptr<SparseCholesky> factorise(const Matrices& matrices, double shift) {
+  PetscMatrix shifted;
+  Mat matrix = matrices.stiffness.get();
+  if (shift != 0.0) {
+    require(MatDuplicate(matrix, MAT_COPY_VALUES, shifted.out()));
+    require(MatAXPY(shifted.get(), -shift, matrices.mass.get(), SUBSET_NONZERO_PATTERN));
+    matrix = shifted.get();
+  }
+  try {
+    return std::make_unique<SparseCholesky>(sparse_rows(matrix));
+  } catch (const Failure& failure) {
+    if (failure.error().kind != ErrorKind::kSolver) throw;
+    return nullptr;
+  }
+}
+
+// The vectors of a last inverse iteration, which takes out what rounding has left of stiff motion,
+// and the best values in their span.
+void refine(const Matrices& matrices, const Pencil& pencil, unsigned threads, Modes& modes) {
+  apply_inverse(pencil, modes.vectors, threads);
+  const auto gram = [&](Mat matrix) {
+    return transposed_product(modes.vectors, multiply(matrix, modes.vectors));
+  };
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> rotation(
+      gram(matrices.stiffness.get()), gram(matrices.mass.get()));
+  modes.squared_frequencies = rotation.eigenvalues();
+  Columns rotated(modes.vectors.rows(), modes.vectors.cols());
+  add_product(1.0, modes.vectors, rotation.eigenvectors(), 0.0, rotated);
+  modes.vectors = std::move(rotated);
+}
+
+// False when the matrix or the spectrum is not fit for it: SLEPc may try.
+bool solve_by_blocks(const Matrices& matrices, int wanted, const Columns& rigid, unsigned threads,
+                     Modes& modes) {
+  modes.cholesky = factorise(matrices, modes.shift);
+  if (modes.cholesky == nullptr) return false;
+  const Pencil pencil{sparse_rows(matrices.mass.get()), modes.cholesky.get(), &rigid};
+  constexpr double kTolerance = 1e-10;  // the refinement squares it
+  LanczosPairs pairs = block_lanczos(pencil, wanted, kTolerance, threads);
+  if (!pairs.converged) {
+    modes.cholesky.reset();
+    return false;
+  }
+  modes.vectors = std::move(pairs.vectors);
+  refine(matrices, pencil, threads, modes);
+  modes.solves = pairs.solves + wanted;
+  modes.factorisation = "cholmod";
+  modes.solver = "block Lanczos, shift-invert";
+  return true;
 }
 
 }  // namespace
 
-Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, double shift) {
+Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, double shift,
+                    unsigned threads) {
   PetscInt size = 0;
   require(MatGetSize(matrices.stiffness.get(), &size, nullptr));
   const int available = static_cast<int>(size - rigid.cols());
@@ -154,24 +244,17 @@ Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, d
                                 std::to_string(available) + " free dofs"));
   Modes modes;
   modes.shift = shift;
-  require(EPSCreate(PETSC_COMM_WORLD, modes.keeper.out()));
-  EPS solver = modes.keeper.get();
   // One more than wanted tells how far the next one is.
   const int wanted = std::min(count + 1, available);
-  set_up(solver, matrices, wanted, rigid, shift);
-  require(EPSSolve(solver));
-  PetscInt found = 0;
-  require(EPSGetConverged(solver, &found));
-  if (found < wanted)
-    throw Failure({ErrorKind::kSolver, "SLEPc found " + std::to_string(found) + " of " +
-                                           std::to_string(wanted) + " modes"});
-  copy_pairs(solver, matrices, wanted, modes);
+  // A basis that fills the space has no room for blocks.
+  const bool by_blocks = mpi_ranks() == 1 && !solver_options_given() && size > 40 * wanted;
+  if (!by_blocks || !solve_by_blocks(matrices, wanted, rigid, threads, modes))
+    solve_by_slepc(matrices, wanted, rigid, modes);
   if (wanted > count) modes.next_squared_frequency = modes.squared_frequencies[count];
   modes.squared_frequencies.conservativeResize(count);
   modes.vectors.conservativeResize(Eigen::NoChange, count);
   measure_residuals(matrices, modes);
   modes.cancellation = measure_cancellation(matrices, modes);
-  keep_factor(modes);
   return modes;
 }
 

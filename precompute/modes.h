@@ -1,8 +1,12 @@
 // Stage "modes": the lowest eigenpairs of K psi = omega^2 M psi (thesis (4.2.2), which prints the
-// pencil upside down) by SLEPc's Krylov-Schur with shift-invert.
+// pencil upside down), by shift-invert: on one process block Lanczos on CHOLMOD's factor, on
+// several ranks, with PETSc options or on a tiny mesh SLEPc's Krylov-Schur.
 #pragma once
 
+#include <memory>
+
 #include "precompute/matrices.h"
+#include "precompute/sparse_cholesky.h"
 
 namespace tremolo {
 
@@ -13,29 +17,41 @@ struct Modes {
   double next_squared_frequency = 0;    // the first one left out; 0 if there is none
   double cancellation = 1;              // omega_1^2 / sum K_ii psi_i^2: what is left of the terms
   double shift = 0;                     // sigma of the factorisation, <= 0
-  std::string solver;                   // the package that factorised
-  PetscEigenSolver keeper;              // owns the factor
-  Mat factor = nullptr;                 // of K - shift * M
+  int solves = 0;                       // on the factor, columns; 0: SLEPc's
+  std::string solver;                   // who found them
+  std::string factorisation;            // the package that factorised
+  // The factor of K - shift * M: CHOLMOD's own, or else PETSc's, which the eigensolver owns.
+  std::unique_ptr<SparseCholesky> cholesky;
+  PetscEigenSolver keeper;
+  Mat factor = nullptr;
 };
 
 // rigid: motions to leave out (may have no columns); then shift must be negative, because K is
 // singular. Throws Failure: kContent when k exceeds what the mesh has, kSolver when SLEPc finds
 // too few or the stiffness is singular.
-Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, double shift);
+Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, double shift,
+                    unsigned threads = 1);
 
 // Number of eigenvalues of (K, M) below `bound`, counted from the inertia of an LDL^T of
 // K - bound*M (Sylvester) by MUMPS: no mode can hide from it.
 int count_modes_below(const Matrices& matrices, double bound);
 
+// The same in the memory of the modes' own factor, which is given up. -1: the factorisation, which
+// does not pivot, was not stable.
+int count_modes_below(const Matrices& matrices, double bound, SparseCholesky& factor,
+                      unsigned threads);
+
 // What compute_modes found against that count, with the bound in the last gap, usually halfway to
-// the first mode left out.
+// the first mode left out. Modes' own factor is used up and freed: there are never two.
 struct InertiaCertificate {
   double bound = 0;  // (rad/s)^2
   int expected = 0;  // modes found below the bound, rigid ones included
   int counted = 0;   // by inertia
+  std::string solver;
   bool complete() const { return expected == counted; }
 };
-InertiaCertificate certify(const Matrices& matrices, const Modes& modes, int rigid_count);
+InertiaCertificate certify(const Matrices& matrices, Modes& modes, int rigid_count,
+                           unsigned threads = 1);
 
 // A mode's sign is a convention: the first entry, in the mesh's vertex order, that is at least half
 // of the largest becomes positive. Half, so that rounding cannot decide between mirror images.

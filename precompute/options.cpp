@@ -31,8 +31,8 @@ std::string essential(const std::vector<std::string>& words) {
   std::string line;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (word == "--json" || word.starts_with("--output=") || word.starts_with("--threads=") ||
-        (word.starts_with("-o") && word.size() > 2))
+    if (word == "--json" || word == "--limits" || word.starts_with("--output=") ||
+        word.starts_with("--threads=") || (word.starts_with("-o") && word.size() > 2))
       continue;
     if (word == "-o" || word == "--output" || word == "--threads") {
       ++i;
@@ -92,6 +92,8 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
       ->capture_default_str();
   options.threads = std::max(1u, std::thread::hardware_concurrency());
   app.add_option("--threads", options.threads, "threads of a rank")->check(CLI::PositiveNumber);
+  app.add_flag("--limits", options.limits,
+               "measure this machine and print the shortest time each stage could take on it");
   app.add_flag("--json", line.json, "print one JSON object on stdout");
 
   try {

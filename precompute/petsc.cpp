@@ -20,6 +20,17 @@ void require(PetscErrorCode code, const char* doing) {
   check_petsc(code, doing);
 }
 
+// A process that no launcher started talks to itself only. Open MPI would start a daemon for it and
+// probe every network first: 0.35 s. What the user set stays; other MPIs do not read these.
+void start_alone() {
+  for (const char* launched : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMIX_NAMESPACE", "PMI_RANK"})
+    if (std::getenv(launched) != nullptr) return;
+  constexpr int kKeep = 0;
+  ::setenv("OMPI_MCA_ess_singleton_isolated", "1", kKeep);
+  ::setenv("OMPI_MCA_btl", "self", kKeep);
+  ::setenv("OMPI_MCA_pml", "ob1", kKeep);
+}
+
 }  // namespace
 
 PetscSession::PetscSession(const char* program, const std::vector<std::string>& options) {
@@ -35,6 +46,7 @@ PetscSession::PetscSession(const char* program, const std::vector<std::string>& 
   // Signals stay with who installed a handler: an unfinished file is removed on SIGTERM.
   PetscOptionsSetValue(nullptr, "-no_signal_handler", nullptr);
   ::unsetenv("PETSC_OPTIONS");
+  start_alone();
   if (SlepcInitialize(&count, &arguments, nullptr, nullptr) != 0)
     throw Failure(system_error("PETSc or MPI could not be started"));
   PetscPushErrorHandler(keep_message, nullptr);

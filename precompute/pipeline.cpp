@@ -5,11 +5,14 @@
 #include <cstdio>
 #include <numbers>
 
+#include "common/packed_index.h"
 #include "precompute/basis.h"
 #include "precompute/blas_threads.h"
+#include "precompute/block_lanczos.h"
 #include "precompute/coefficients.h"
 #include "precompute/derivatives.h"
 #include "precompute/failure.h"
+#include "precompute/limits.h"
 #include "precompute/modes.h"
 #include "precompute/polynomial_check.h"
 #include "precompute/rigid_motion.h"
@@ -118,6 +121,24 @@ Coefficients compute_coefficients(const Solid& solid, const BasisRows& basis, un
   return coefficients_from_gram(gram, static_cast<int>(basis.cols()));
 }
 
+double cholesky_bytes(const SparseCholesky& factor) {
+  return 8.0 * static_cast<double>(factor.entries());
+}
+
+// Columns solved for on the factor, `width` in one pass over it forwards and one backwards.
+StageWork solves_on(const SparseCholesky& factor, int columns, int width) {
+  StageWork work;
+  work.flops = 4.0 * static_cast<double>(factor.entries()) * columns;
+  work.factor_bytes = cholesky_bytes(factor);
+  work.passes = 2.0 * ((columns + width - 1) / width);
+  return work;
+}
+
+void set_limit(const MachineLimits& machine, const StageWork& work, StageLog& log) {
+  const StageLimit limit = stage_limit(machine, work);
+  if (limit.seconds > 0) log.limit(limit.seconds, limit.reason);
+}
+
 }  // namespace
 
 PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log) {
@@ -141,6 +162,14 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   constexpr int kSmall = 100'000;  // dofs
   const BlasThreads blas(3 * map.nodes() < kSmall ? 1 : static_cast<int>(options.threads));
 
+  MachineLimits machine;
+  if (options.limits && mpi_ranks() == 1) {
+    log.begin("machine");
+    machine = measure_machine(options.threads);
+    log.end(text("%.4g GFLOP/s, %.4g GB/s read on %u threads", 1e-9 * machine.flops,
+                 1e-9 * machine.bytes, options.threads));
+  }
+
   log.begin("matrices");
   const Solid solid = make_solid(problem.mesh, options.material);
   const Matrices matrices = assemble(solid, map, local, options.mass);
@@ -151,55 +180,78 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   const Columns rigid = problem.free_body ? rigid_modes(problem.mesh, problem.report.part_of_vertex,
                                                         parts, local, matrices.mass.get())
                                           : Columns(local.dofs(), 0);
-  Modes modes =
-      compute_modes(matrices, counts.linear, rigid, choose_shift(problem, options.material));
+  Modes modes = compute_modes(matrices, counts.linear, rigid,
+                              choose_shift(problem, options.material), options.threads);
   // A thin free body is far softer than a compact one: its derivatives want a smaller shift.
   if (problem.free_body && -modes.shift > 0.1 * modes.squared_frequencies[0] &&
       modes.squared_frequencies[0] > 0)
-    modes = compute_modes(matrices, counts.linear, rigid, -0.02 * modes.squared_frequencies[0]);
+    modes = compute_modes(matrices, counts.linear, rigid, -0.02 * modes.squared_frequencies[0],
+                          options.threads);
   Eigen::MatrixXd psi = expand_to_vertices(map, local, modes.vectors);
   require_no_mechanism(problem, modes, psi);
   fix_signs(modes.vectors, psi);
-  findings.factorisation = modes.solver;
+  findings.factorisation = modes.factorisation;
+  findings.mode_solver = modes.solver;
   findings.mode_residuals.assign(modes.residuals.begin(), modes.residuals.end());
   data.linear_mode_count = static_cast<std::uint64_t>(counts.linear);
   data.rigid_mode_count = static_cast<std::uint64_t>(rigid_count);
+  double factor_flops = 0;
+  if (modes.cholesky != nullptr) {
+    factor_flops = modes.cholesky->flops();
+    StageWork work = solves_on(*modes.cholesky, modes.solves, kLanczosBlock);
+    work.added_flops = factor_flops;
+    set_limit(machine, work, log);
+  }
   log.end(text("%d modes, %.4g to %.4g Hz, residual %.1e, %s", counts.linear,
                hertz(modes.squared_frequencies[0]),
                hertz(modes.squared_frequencies[counts.linear - 1]), modes.residuals.maxCoeff(),
-               modes.solver.c_str()));
+               modes.factorisation.c_str()));
   if (problem.free_body)
     log.note(text("a free body: its %d rigid motions are left out of the basis", rigid_count));
 
+  ModalDerivatives derivatives;
+  if (options.linear) {
+    derivatives = {modes.vectors, modes.vectors.cols(), 0.0};
+  } else {
+    log.begin("derivatives");
+    derivatives = modal_derivatives(solid, local, matrices, modes, psi, rigid, options.threads);
+    findings.derivative_residual = derivatives.residual;
+    if (modes.cholesky != nullptr)
+      set_limit(machine,
+                solves_on(*modes.cholesky, static_cast<int>(derivatives.vectors().cols()),
+                          2 * static_cast<int>(kLanes)),
+                log);
+    log.end(text("%d solves on the factor of the modes, residual %.1e",
+                 static_cast<int>(derivatives.vectors().cols()), derivatives.residual));
+  }
+
+  // Only now: the certificate takes the factor's memory.
   if (options.certify) {
     log.begin("certificate");
-    const InertiaCertificate certificate = certify(matrices, modes, rigid_count);
+    const InertiaCertificate certificate = certify(matrices, modes, rigid_count, options.threads);
     findings.certified = certificate.complete();
     findings.inertia_count = certificate.counted;
     if (!certificate.complete())
       throw Failure({ErrorKind::kSolver,
                      text("modes were missed: inertia counts %d below %.6g Hz, %d were found",
                           certificate.counted, hertz(certificate.bound), certificate.expected)});
-    log.end(text("inertia counts the same %d modes below %.4g Hz", certificate.counted,
-                 hertz(certificate.bound)));
+    set_limit(machine, {.flops = factor_flops}, log);
+    log.end(text("inertia counts the same %d modes below %.4g Hz, %s", certificate.counted,
+                 hertz(certificate.bound), certificate.solver.c_str()));
   }
 
-  ModalDerivatives derivatives{Columns(local.dofs(), 0), 0.0};
-  if (!options.linear) {
-    log.begin("derivatives");
-    derivatives = modal_derivatives(solid, local, matrices, modes, psi, rigid, options.threads);
-    findings.derivative_residual = derivatives.residual;
-    log.end(text("%d solves on the factor of the modes, residual %.1e",
-                 static_cast<int>(derivatives.vectors.cols()), derivatives.residual));
-  }
+  modes.cholesky.reset();
 
   log.begin("basis");
+  // Two Gram matrices by half their entries and one change of the columns.
+  const double columns = static_cast<double>(derivatives.columns.cols());
+  set_limit(machine, {.flops = 4.0 * static_cast<double>(local.dofs()) * columns * columns}, log);
   // Motion that Tremolo is made for: a tenth of the body's size.
   constexpr double kReach = 0.1;
   const double amplitude =
       amplitude_of_first_mode(psi, kReach * bounding_box(problem.mesh.vertices).diagonal());
-  Basis basis = make_basis(matrices, modes.vectors, modes.squared_frequencies, derivatives.vectors,
-                           amplitude, counts.modes);
+  Basis basis = make_basis(matrices, std::move(derivatives.columns), modes.squared_frequencies,
+                           amplitude, counts.modes, options.threads);
   Eigen::MatrixXd expanded = expand_to_vertices(map, local, basis.vectors);
   fix_signs(basis.vectors, expanded);
   const BasisRows rows = expanded;
@@ -215,6 +267,12 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
 
   if (!options.linear) {
     log.begin("coefficients");
+    const auto r = static_cast<std::size_t>(counts.modes);
+    const double strain_columns = static_cast<double>(r + pair_count(r));
+    set_limit(machine,
+              {.flops = 6.0 * static_cast<double>(problem.mesh.tetrahedra.size()) * strain_columns *
+                        (strain_columns + 1.0)},
+              log);
     Coefficients coefficients = compute_coefficients(solid, rows, options.threads);
     data.cubic = std::move(coefficients.cubic);
     data.quartic = std::move(coefficients.quartic);

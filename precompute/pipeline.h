@@ -13,6 +13,7 @@ namespace tremolo {
 // What the run found out on the way, for the report and the file's provenance.
 struct PrecomputeFindings {
   std::string factorisation;           // the package that solved
+  std::string mode_solver;             // who found the modes
   std::vector<double> mode_residuals;  // k
   double derivative_residual = 0;      // largest |K Phi + H| / |H|
   double orthonormality_error = 0;     // max |U^T M U - I|

@@ -27,6 +27,7 @@ struct PrecomputeOptions {
   MassKind mass = MassKind::kConsistent;
   bool certify = true;
   unsigned threads = 1;
+  bool limits = false;       // measure the machine, print each stage's shortest possible time
   std::string command_line;  // for the file's provenance
 };
 

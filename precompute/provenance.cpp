@@ -33,7 +33,7 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
                       {"density_kg_m3", options.material.density}};
   json["mass"] = options.mass == MassKind::kConsistent ? "consistent" : "lumped";
   json["fix"] = options.fix;
-  json["modes"] = {{"solver", "SLEPc Krylov-Schur, shift-invert"},
+  json["modes"] = {{"solver", findings.mode_solver},
                    {"factorisation", findings.factorisation},
                    {"residuals", findings.mode_residuals},
                    {"certified_by_inertia", findings.certified}};

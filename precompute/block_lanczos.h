@@ -1,0 +1,36 @@
+// The eigenvectors of a large symmetric pencil nearest to a shift, many solves at a time.
+//
+// Lanczos with blocks for A = (K - shift M)^-1 M, which is self-adjoint in the inner product of M.
+// One pass over the factor serves a whole block: it is the reading of the factor that a single
+// solve spends its time on. The basis is kept orthonormal by full orthogonalisation and is not
+// restarted; the lowest modes of a solid are there before it grows large.
+#pragma once
+
+#include "precompute/sparse_cholesky.h"
+
+namespace tremolo {
+
+inline constexpr int kLanczosBlock = 8;  // columns of a block: a vector of the triangular solves
+
+struct Pencil {
+  SparseRows mass;
+  const SparseCholesky* factor = nullptr;  // of K - shift M
+  const Columns* deflated = nullptr;       // M-orthonormal columns to stay away from; may be empty
+};
+
+// X <- A X, without the deflated part: columns side by side on `threads` threads, on a fixed
+// division, so that the result does not depend on their number.
+void apply_inverse(const Pencil& pencil, ColumnsOut x, unsigned threads);
+
+// vectors: n x wanted, M-orthonormal; values: theta = 1 / (lambda - shift), largest first.
+// converged: all residuals |A x - theta x| / theta are at most the tolerance. If not, the basis
+// reached its largest size and the rest is not filled.
+struct LanczosPairs {
+  bool converged = false;
+  int solves = 0;
+  Eigen::VectorXd values;
+  Columns vectors;
+};
+LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance, unsigned threads);
+
+}  // namespace tremolo

@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# How long the precompute takes, stage by stage, beside the shortest time each stage could take.
+#
+#   tests/bench/precompute.sh BIN/tremolo-precompute [--large] [--threads N]
+#
+# Makes a beam of 30 000 tetrahedra (with --large: of 507 000), runs 20 modes, 210 derivatives, 30
+# coordinates, and prints the stages, then wall time (start-up included), processor time and peak
+# memory beside what must be reached: 4.5 s; 60 s and 6 GB. Exit code 6 when it is missed; the
+# machine should be idle.
+set -euo pipefail
+
+program=${1:?usage: precompute.sh BIN/tremolo-precompute [--large] [--threads N]}
+shift
+cells="50 10 10 1.0 0.2 0.2" most_seconds=4.5 most_megabytes=6000 threads=2
+while [ $# -gt 0 ]; do
+  case $1 in
+    --large) cells="130 26 25 5.2 1.0 1.0" most_seconds=60 ;;
+    --threads) threads=$2; shift ;;
+    *) echo "precompute.sh: unknown argument $1" >&2; exit 2 ;;
+  esac
+  shift
+done
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+# A box of NX NY NZ cells, six tetrahedra a cell around its diagonal.
+awk -v cells="$cells" 'BEGIN {
+  split(cells, c, " "); nx = c[1]; ny = c[2]; nz = c[3]
+  print "*VERTICES"; print (nx + 1) * (ny + 1) * (nz + 1), 3, 0, 0
+  id = 0
+  for (i = 0; i <= nx; i++) for (j = 0; j <= ny; j++) for (k = 0; k <= nz; k++)
+    printf "%d %.9g %.9g %.9g\n", ++id, c[4] * i / nx, c[5] * j / ny, c[6] * k / nz
+  print "*ELEMENTS"; print "TET"; print 6 * nx * ny * nz, 4, 0
+  sx = (ny + 1) * (nz + 1); sy = nz + 1; sz = 1
+  # Steps along the three axes in every order; odd orders have their last corners exchanged.
+  split(sx " " sx " " sy " " sy " " sz " " sz, a, " ")
+  split(sy " " sz " " sx " " sz " " sx " " sy, b, " ")
+  split("0 1 1 0 0 1", odd, " ")
+  id = 0
+  for (i = 0; i < nx; i++) for (j = 0; j < ny; j++) for (k = 0; k < nz; k++) {
+    v = i * sx + j * sy + k + 1; w = v + sx + sy + sz
+    for (o = 1; o <= 6; o++) {
+      p = v + a[o]; q = p + b[o]
+      if (odd[o]) print ++id, v, p, w, q; else print ++id, v, p, q, w
+    }
+  }
+}' > "$folder/beam.veg"
+
+# Open MPI wants to be told, as root.
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+unset OPENBLAS_CORETYPE
+echo "load before: $(cut -d' ' -f1 /proc/loadavg)"
+run() {
+  "$program" "$folder/beam.veg" -o "$folder/beam.tremolo" --fix 'x<0.001' --threads "$threads" "$@"
+}
+# The timed run does not measure the machine.
+TIMEFORMAT='%R %U %S'
+{ time run 2> "$folder/stages"; } 2> "$folder/time"
+run --limits
+peak=$(awk '$1 == "total" {print $(NF - 1)}' "$folder/stages")
+read -r wall user system < "$folder/time"
+awk -v wall="$wall" -v user="$user" -v sys="$system" -v peak="$peak" -v s="$most_seconds" \
+    -v m="$most_megabytes" 'BEGIN {
+  met = wall <= s && peak <= m
+  printf "wall %.2f s (at most %g), processor %.2f s, peak %.0f MB (at most %g): %s\n",
+         wall, s, user + sys, peak, m, met ? "met" : "MISSED"
+  exit met ? 0 : 6
+}'

@@ -1,0 +1,243 @@
+// The precompute's own solvers against dense algebra.
+#include <random>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "common/mesh_check.h"
+#include "precompute/block_lanczos.h"
+#include "precompute/element_group.h"
+#include "precompute/failure.h"
+#include "precompute/matrices.h"
+#include "precompute/modes.h"
+#include "precompute/rigid_motion.h"
+#include "tests/support/box_mesh.h"
+
+namespace tremolo {
+namespace {
+
+using testing::box_mesh;
+using testing::vertices_on_plane;
+
+struct System {
+  TetMesh mesh;
+  DofMap map;
+  LocalDofs local;
+  Solid solid;
+  Matrices matrices;
+
+  System(const std::array<int, 3>& cells, const Eigen::Vector3d& size, bool clamped)
+      : mesh(box_mesh(cells, size)),
+        map(make_dof_map(mesh, clamped ? vertices_on_plane(mesh, 0, 0.0) : std::vector<VertexId>{},
+                         1)),
+        local(local_dofs(mesh, map, 0)),
+        solid(make_solid(mesh, {1e6, 0.4, 1100.0})),
+        matrices(assemble(solid, map, local, MassKind::kConsistent)) {}
+
+  Eigen::MatrixXd dense(const PetscMatrix& matrix) const {
+    return tremolo::multiply(matrix.get(), Eigen::MatrixXd::Identity(local.dofs(), local.dofs()));
+  }
+};
+
+Columns random_columns(Eigen::Index rows, Eigen::Index columns) {
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  return Columns::NullaryExpr(rows, columns, [&] { return uniform(engine); });
+}
+
+TEST(SparseCholesky, SolvesAnyNumberOfColumnsInPlaceOrNot) {
+  // Flat and compact: supernodes from one column to some dozens, whole tiles and remainders.
+  for (const std::array<int, 3>& cells : {std::array{6, 2, 3}, {7, 5, 5}, {20, 1, 1}}) {
+    const System system(cells, {0.6, 0.2, 0.25}, true);
+    const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
+    const Eigen::MatrixXd k = system.dense(system.matrices.stiffness);
+    const Eigen::LLT<Eigen::MatrixXd> reference(k);
+    SparseCholesky::Workspace workspace;
+    for (Eigen::Index columns : {1, 7, 8, 9, 16, 17, 37}) {
+      const Columns b = random_columns(k.rows(), columns);
+      Columns x(b.rows(), b.cols());
+      factor.solve(b, x, workspace);
+      // Both are wrong by the condition of K (1e4 here) times rounding.
+      const Columns expected = reference.solve(b);
+      EXPECT_LE((x - expected).norm(), 1e-11 * expected.norm()) << columns;
+      EXPECT_LE((k * x - b).norm(), 1e-11 * b.norm()) << columns;
+      Columns in_place = b;
+      factor.solve(in_place, in_place, workspace);
+      EXPECT_EQ(in_place, x);
+    }
+  }
+}
+
+TEST(SparseCholesky, AColumnDoesNotDependOnItsNeighbours) {
+  const System system({7, 4, 5}, {0.6, 0.2, 0.25}, true);
+  const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
+  SparseCholesky::Workspace workspace;
+  const Columns b = random_columns(system.local.dofs(), 8);
+  Columns together(b.rows(), 8), alone(b.rows(), 1);
+  factor.solve(b, together, workspace);
+  factor.solve(b.col(5), alone, workspace);
+  EXPECT_EQ(together.col(5), alone.col(0));
+}
+
+TEST(SparseCholesky, AnIndefiniteMatrixIsRefused) {
+  const System system({6, 2, 3}, {0.6, 0.2, 0.25}, true);
+  PetscMatrix shifted;
+  ASSERT_EQ(MatDuplicate(system.matrices.stiffness.get(), MAT_COPY_VALUES, shifted.out()), 0);
+  // Above many eigenvalues: CHOLMOD meets a negative pivot.
+  ASSERT_EQ(MatAXPY(shifted.get(), -1e6, system.matrices.mass.get(), SUBSET_NONZERO_PATTERN), 0);
+  EXPECT_THROW(SparseCholesky(sparse_rows(shifted.get())), Failure);
+}
+
+TEST(SparseRows, MultiplyAsPetscDoes) {
+  const System system({5, 3, 2}, {0.6, 0.2, 0.25}, false);
+  const Columns x = random_columns(system.local.dofs(), 7);
+  Columns y(x.rows(), x.cols());
+  multiply(sparse_rows(system.matrices.stiffness.get()), x, y);
+  const Columns expected = multiply(system.matrices.stiffness.get(), x);
+  EXPECT_LE((y - expected).norm(), 1e-15 * expected.norm() * 10);  // another order of the sum
+}
+
+// The largest distance of the pairs from what a dense solver finds, relative.
+void expect_lowest_modes(const System& system, const LanczosPairs& pairs, int left_out,
+                         double shift) {
+  const Eigen::MatrixXd m = system.dense(system.matrices.mass);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> reference(
+      system.dense(system.matrices.stiffness), m);
+  ASSERT_TRUE(pairs.converged);
+  const Eigen::Index wanted = pairs.values.size();
+  for (Eigen::Index i = 0; i < wanted; ++i) {
+    const double value = 1.0 / pairs.values[i] + shift;
+    EXPECT_NEAR(value, reference.eigenvalues()[i + left_out], 1e-9 * value);
+  }
+  const Eigen::MatrixXd gram = pairs.vectors.transpose() * m * pairs.vectors;
+  EXPECT_LE((gram - Eigen::MatrixXd::Identity(wanted, wanted)).cwiseAbs().maxCoeff(), 1e-10);
+}
+
+TEST(BlockLanczos, FindsTheLowestModesOfAClampedBlock) {
+  const System system({8, 4, 4}, {0.6, 0.2, 0.2}, true);  // a square section: double modes
+  const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
+  const Columns none(system.local.dofs(), 0);
+  const Pencil pencil{sparse_rows(system.matrices.mass.get()), &factor, &none};
+  expect_lowest_modes(system, block_lanczos(pencil, 15, 1e-11, 1), 0, 0.0);
+}
+
+TEST(BlockLanczos, DoesNotDependOnTheThreads) {
+  const System system({8, 4, 4}, {0.6, 0.2, 0.2}, true);
+  const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
+  const Columns none(system.local.dofs(), 0);
+  const Pencil pencil{sparse_rows(system.matrices.mass.get()), &factor, &none};
+  const LanczosPairs one = block_lanczos(pencil, 9, 1e-11, 1);
+  const LanczosPairs three = block_lanczos(pencil, 9, 1e-11, 3);
+  EXPECT_EQ(one.values, three.values);
+  EXPECT_EQ(one.vectors, three.vectors);
+}
+
+TEST(BlockLanczos, StaysAwayFromRigidMotion) {
+  const System system({6, 4, 4}, {0.6, 0.2, 0.25}, false);
+  const MeshReport report = *check_mesh(const_cast<TetMesh&>(system.mesh));
+  const Columns rigid =
+      rigid_modes(system.mesh, report.part_of_vertex, 1, system.local, system.matrices.mass.get());
+  constexpr double kShift = -200.0;
+  PetscMatrix shifted;
+  ASSERT_EQ(MatDuplicate(system.matrices.stiffness.get(), MAT_COPY_VALUES, shifted.out()), 0);
+  ASSERT_EQ(MatAXPY(shifted.get(), -kShift, system.matrices.mass.get(), SUBSET_NONZERO_PATTERN), 0);
+  const SparseCholesky factor(sparse_rows(shifted.get()));
+  const Pencil pencil{sparse_rows(system.matrices.mass.get()), &factor, &rigid};
+  expect_lowest_modes(system, block_lanczos(pencil, 10, 1e-11, 2), 6, kShift);
+}
+
+TEST(BlockLanczos, EndsWhenTheSpaceDoes) {
+  const System system({1, 1, 1}, {0.6, 0.2, 0.25}, true);  // twelve dofs, blocks of eight
+  const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
+  const Columns none(system.local.dofs(), 0);
+  const Pencil pencil{sparse_rows(system.matrices.mass.get()), &factor, &none};
+  const LanczosPairs pairs = block_lanczos(pencil, 5, 1e-11, 1);
+  if (pairs.converged) expect_lowest_modes(system, pairs, 0, 0.0);
+}
+
+TEST(Modes, OfALargerMeshAreTheSameByBlocksAndBySlepc) {
+  const System system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
+  const Columns none(system.local.dofs(), 0);
+  const Modes blocks = compute_modes(system.matrices, 10, none, 0.0, 2);
+  ASSERT_NE(blocks.cholesky, nullptr);
+  ASSERT_EQ(PetscOptionsSetValue(nullptr, "-eps_purify", "1"), 0);
+  const Modes slepc = compute_modes(system.matrices, 10, none, 0.0, 2);
+  ASSERT_EQ(PetscOptionsClearValue(nullptr, "-eps_purify"), 0);
+  ASSERT_EQ(slepc.cholesky, nullptr);
+  for (int i = 0; i < 10; ++i)
+    EXPECT_NEAR(blocks.squared_frequencies[i], slepc.squared_frequencies[i],
+                1e-10 * slepc.squared_frequencies[i]);
+  EXPECT_NEAR(blocks.next_squared_frequency, slepc.next_squared_frequency,
+              1e-10 * slepc.next_squared_frequency);
+  EXPECT_LE(blocks.residuals.maxCoeff(), 1e-8);
+}
+
+TEST(SupernodalLdl, CountsTheNegativeEigenvaluesAsMumpsDoes) {
+  // Large enough that subtrees run side by side.
+  const System system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
+  const Columns none(system.local.dofs(), 0);
+  const Modes modes = compute_modes(system.matrices, 10, none, 0.0, 2);
+  ASSERT_NE(modes.cholesky, nullptr);
+  const auto& w2 = modes.squared_frequencies;
+  for (int i = 0; i < 9; i += 2)
+    for (unsigned threads : {1u, 3u}) {
+      const double between = 0.5 * (w2[i] + w2[i + 1]);
+      EXPECT_EQ(count_modes_below(system.matrices, between, *modes.cholesky, threads), i + 1);
+    }
+  // Far up, where most panels have pivots of both signs.
+  const double high = 1e3 * w2[9];
+  const int expected = count_modes_below(system.matrices, high);
+  EXPECT_GT(expected, 500);
+  const int counted = count_modes_below(system.matrices, high, *modes.cholesky, 2);
+  // Without pivoting it may give up there, but not be wrong.
+  if (counted >= 0) {
+    EXPECT_EQ(counted, expected);
+  }
+}
+
+TEST(SupernodalLdl, GrowthIsOneForADefiniteMatrix) {
+  const System system({10, 5, 5}, {0.6, 0.2, 0.25}, true);
+  const SparseRows rows = sparse_rows(system.matrices.stiffness.get());
+  SparseCholesky factor(rows);
+  const LdlReport report = factor.count_negative(rows, 2);
+  EXPECT_EQ(report.negative, 0u);
+  EXPECT_NEAR(report.growth, 1.0, 1e-12);  // sums of the diagonal's own size
+}
+
+TEST(Modes, AMissedOneIsSeenInTheMemoryOfTheFactorToo) {
+  const System system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
+  const Columns none(system.local.dofs(), 0);
+  Modes modes = compute_modes(system.matrices, 7, none, 0.0, 2);
+  ASSERT_NE(modes.cholesky, nullptr);
+  Eigen::VectorXd thinned(6);
+  thinned << modes.squared_frequencies.head(2), modes.squared_frequencies.tail(4);
+  modes.squared_frequencies = thinned;
+  const InertiaCertificate certificate = certify(system.matrices, modes, 0, 2);
+  EXPECT_FALSE(certificate.complete());
+  EXPECT_EQ(certificate.counted, certificate.expected + 1);
+  EXPECT_EQ(modes.cholesky, nullptr);  // its memory was used
+}
+
+TEST(ElementGroup, SecondDerivativesAreThoseOfOneElementAtATime) {
+  const System system({5, 3, 3}, {0.6, 0.2, 0.25}, true);
+  const Columns fields = 0.01 * random_columns(3 * system.mesh.vertices.size(), 4);
+  const std::vector<ColumnPair> pairs = {{0, 0}, {0, 1}, {2, 3}, {3, 3}};
+  // 270 elements and one less: a last group that is not full.
+  std::vector<int> elements = system.local.elements;
+  for (int round = 0; round < 2; ++round, elements.pop_back()) {
+    Columns found = Columns::Zero(system.local.dofs(), 4);
+    subtract_second_derivatives(system.solid, elements, fields, pairs, system.local.row_of_vertex,
+                                found.data(), static_cast<std::size_t>(found.rows()));
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+      Eigen::VectorXd expected = Eigen::VectorXd::Zero(found.rows());
+      add_second_derivative(system.solid, elements, fields.col(pairs[p].i), fields.col(pairs[p].j),
+                            system.local.row_of_vertex, expected.data());
+      EXPECT_LE((found.col(static_cast<Eigen::Index>(p)) + expected).norm(),
+                1e-13 * expected.norm());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tremolo
