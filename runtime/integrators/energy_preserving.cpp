@@ -119,7 +119,8 @@ class EnergyPreserving final : public Integrator {
         filter_matrix_(matrix_),
         newton_(rates_.size()) {
     if (fourth_) weight_ = (0.5 + options.step / 12.0 * rates_.array()).inverse().matrix();
-    for (VectorXd* v : {&d_, &q1_, &gradient_, &place_, &change_, &push_, &image_, &residual_})
+    for (VectorXd* v : {&d_, &q1_, &gradient_, &last_gradient_, &last_place_, &expected_, &missed_,
+                        &place_, &change_, &push_, &image_, &residual_})
       v->setZero(rates_.size());
     for (VectorXd& v : moves_) v.setZero(rates_.size());
     end_ = {d_, d_};
@@ -131,6 +132,12 @@ class EnergyPreserving final : public Integrator {
     p0_ = &state.p;
     load_ = &load;
     StepReport report = solve_frozen();
+    if (!report.converged && extrapolated_ && std::isfinite(report.residual)) {
+      const int before = report.iterations;
+      has_filter_ = false;
+      report = solve_frozen();
+      report.iterations += before;
+    }
     if (!report.converged && std::isfinite(report.residual)) report = solve_exactly(report);
     report.converged = report.converged && q1_.allFinite() && change_.allFinite();
     if (!report.converged) return report;
@@ -142,8 +149,12 @@ class EnergyPreserving final : public Integrator {
     state.q = q1_;
     state.p += change_;
     take_back(defect, state.p);
-    has_filter_ = true;
-    end_ = state;
+    if constexpr (Filter::kFollowsTheState) {
+      has_filter_ = true;
+      end_ = state;
+      last_gradient_ = gradient_;
+      last_place_ = place_;
+    }
     return report;
   }
 
@@ -183,6 +194,30 @@ class EnergyPreserving final : public Integrator {
     return relative_size(residual_.norm(), options_.tolerance, scale);
   }
 
+  // gradient_ for the first correction, from the step before: with K at that step's midpoint m',
+  // R(q) = G' + K (q - m'), so G = G' + K (d' + d)/2. The filter is that step's too.
+  void extrapolate_gradient() {
+    if constexpr (Filter::kFollowsTheState) {
+      const double h = options_.step;
+      enter_basis();
+      image_ = last_place_ + place_;
+      filter_.multiply(image_);
+      filter_.from_basis(image_);
+      expected_ = last_gradient_ + 2.0 / (h * h) * image_;
+      gradient_ = expected_ + missed_;
+    }
+  }
+
+  // What the extrapolation missed at the first correction: at the next step about the same.
+  void expect(const VectorXd& move) {
+    if constexpr (Filter::kFollowsTheState) {
+      image_ = move;
+      filter_.multiply(image_);
+      filter_.from_basis(image_);
+      expected_ += 2.0 / (options_.step * options_.step) * image_;
+    }
+  }
+
   void evaluate_gradient(MatrixXd* tangent) {
     q1_ = *q0_ + d_;
     model_->potential().averaged_gradient(*q0_, q1_, workspace_, gradient_, tangent);
@@ -208,18 +243,19 @@ class EnergyPreserving final : public Integrator {
     filter_.to_basis(push_);
   }
 
-  // The predicted step, one correction, then (for an N that depends on the state) N at the midpoint
-  // that this gave; more corrections with the Jacobian frozen and Broyden's updates, in the
-  // filter's basis.
+  // The predicted step, one correction (for an N that depends on the state by what is known from
+  // the step before, if there is one), then N at the midpoint that this gave; more corrections with
+  // the Jacobian frozen and Broyden's updates, in the filter's basis.
   StepReport solve_frozen() {
     StepReport report;
     d_ = options_.step * *p0_;
     bool usable = true;
-    // The first correction may as well go by the filter of the step before.
-    if (Filter::kFollowsTheState && has_filter_ && end_.q == *q0_ && end_.p == *p0_) {
-      evaluate_gradient(nullptr);
-      enter_basis();
+    extrapolated_ = has_filter_ && end_.q == *q0_ && end_.p == *p0_;
+    if (extrapolated_) {
+      extrapolate_gradient();
     } else {
+      missed_.setZero();
+      has_filter_ = false;
       evaluate_gradient(&matrix_);
       usable = prepare_filter();
     }
@@ -247,7 +283,10 @@ class EnergyPreserving final : public Integrator {
         evaluate_gradient(nullptr);
         ++updates;
       } else {
+        const bool first = report.iterations == 0 && extrapolated_;
+        if (first) expect(move);
         evaluate_gradient(&matrix_);
+        if (first) missed_ = gradient_ - expected_;
         usable = prepare_filter();
         updates = 0;
       }
@@ -268,7 +307,7 @@ class EnergyPreserving final : public Integrator {
   // From the start again, with the exact Jacobian and the line search; N is what it was.
   StepReport solve_exactly(const StepReport& before) {
     const double h = options_.step;
-    if (Filter::kFollowsTheState && has_filter_) {  // of the step before still
+    if (has_filter_) {  // of the step before still
       d_ = h * *p0_;
       evaluate_gradient(&matrix_);
       prepare_filter();
@@ -307,9 +346,10 @@ class EnergyPreserving final : public Integrator {
   bool fourth_;
   bool damped_;
   bool has_filter_ = false;  // filter_ is that of the last step that was made
-  State end_;                // of that step
-  VectorXd rates_;           // D'
-  VectorXd weight_;          // S
+  bool extrapolated_ = false;
+  State end_;        // of that step
+  VectorXd rates_;   // D'
+  VectorXd weight_;  // S
   Filter filter_;
   PotentialWorkspace workspace_;
   MatrixXd matrix_;
@@ -317,7 +357,11 @@ class EnergyPreserving final : public Integrator {
   NewtonWorkspace newton_;
   VectorXd d_;
   VectorXd q1_;
-  VectorXd gradient_;  // G
+  VectorXd gradient_;       // G
+  VectorXd last_gradient_;  // of the last step that was made
+  VectorXd last_place_;     // its d, in the filter's basis
+  VectorXd expected_;       // G as extrapolated
+  VectorXd missed_;         // by that, at the step before
   // In the filter's basis:
   VectorXd place_;     // d
   VectorXd change_;    // Dp

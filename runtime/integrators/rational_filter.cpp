@@ -184,4 +184,15 @@ void RationalFilter::solve(Eigen::VectorXd& x) {
                 scratch_im_.data(), x.data());
 }
 
+void RationalFilter::multiply(Eigen::VectorXd& x) const {
+  double before = 0.0;  // the entry above, as it was
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    double sum = tridiagonal_.diagonal()[i] * x[i];
+    if (i > 0) sum += tridiagonal_.off()[i - 1] * before;
+    if (i + 1 < x.size()) sum += tridiagonal_.off()[i] * x[i + 1];
+    before = x[i];
+    x[i] = sum;
+  }
+}
+
 }  // namespace tremolo

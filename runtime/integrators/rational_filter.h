@@ -45,9 +45,10 @@ class RationalFilter {
   void to_basis(Eigen::VectorXd& x) const { tridiagonal_.to_basis(x); }      // x <- W^T x
   void from_basis(Eigen::VectorXd& x) const { tridiagonal_.from_basis(x); }  // x <- W x
 
-  // In the basis: x <- N x and x <- (N^2 + T)^-1 x.
+  // In the basis: x <- N x, x <- (N^2 + T)^-1 x and x <- T x.
   void apply(Eigen::VectorXd& x);
   void solve(Eigen::VectorXd& x);
+  void multiply(Eigen::VectorXd& x) const;
 
  private:
   // Poles side by side in the lanes of one vector: a solve for all of them takes as long as one.
