@@ -23,6 +23,10 @@ class Newmark final : public Integrator {
         acceleration_(Eigen::VectorXd::Zero(model_->modes())),
         q1_(acceleration_),
         v1_(acceleration_),
+        end_{acceleration_, acceleration_},
+        expected_(acceleration_),
+        missed_(acceleration_),
+        stiff_(acceleration_),
         newton_(model_->modes()) {}
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
@@ -33,6 +37,14 @@ class Newmark final : public Integrator {
     acceleration_ = load.start - rates_.cwiseProduct(state.p) - evaluation_.force;
     start_force_ = evaluation_.force.norm();
     newton_.unknowns = (h * h) * acceleration_;
+    if (!newton_.unknowns.allFinite())
+      return {.residual = newton_.unknowns.norm(), .converged = false};
+    predicted_ =
+        newton_.frozen && options_.newmark_beta > 0.0 && end_.q == state.q && end_.p == state.p;
+    if (predicted_)
+      predict(state, load);
+    else
+      missed_.setZero();
     StepReport report = solve_frozen(newton_, options_.max_iterations, [&](bool jacobian) {
       return evaluate(state, load, jacobian);
     });
@@ -41,12 +53,35 @@ class Newmark final : public Integrator {
     report.dissipated = ((q1_ - state.q).array().square() * rates_.array()).sum() / h;
     state.q = q1_;
     state.p = v1_;
+    end_ = state;
     return report;
   }
 
   std::string_view name() const override { return "newmark"; }
 
  private:
+  // unknowns from h^2 a0 to the solution with R(q) = R(q0) + K (q - q0) + what the same guess
+  // missed at the step before; K and the factor of the Jacobian are that step's.
+  void predict(const State& state, const StepLoad& load) {
+    const double h = options_.step;
+    const double beta = options_.newmark_beta;
+    const double gamma = options_.newmark_gamma;
+    Eigen::VectorXd& w = newton_.unknowns;
+    v1_ = state.p + (1.0 - gamma) * h * acceleration_ + (gamma / h) * w;
+    q1_ = h * state.p + (0.5 - beta) * h * h * acceleration_ + beta * w;  // - q0
+    stiff_.noalias() = newton_.jacobian * q1_;
+    stiff_ -= q1_ + gamma * h * rates_.cwiseProduct(q1_);
+    stiff_ /= beta * h * h;
+    expected_ = evaluation_.force + stiff_;
+    newton_.correction = w + (h * h) * (rates_.cwiseProduct(v1_) + expected_ + missed_ - load.end);
+    newton_.cholesky.solve(newton_.correction);
+    w -= newton_.correction;
+    q1_ = -beta * newton_.correction;
+    stiff_.noalias() = newton_.jacobian * q1_;
+    stiff_ -= q1_ + gamma * h * rates_.cwiseProduct(q1_);
+    expected_ += stiff_ / (beta * h * h);
+  }
+
   double evaluate(const State& state, const StepLoad& load, bool jacobian) {
     const double h = options_.step;
     const double beta = options_.newmark_beta;
@@ -57,6 +92,10 @@ class Newmark final : public Integrator {
     const bool tangent = jacobian && beta > 0.0;
     const unsigned want = tangent ? kWantForce | kWantTangent : kWantForce;
     model_->potential().evaluate(q1_, want, workspace_, evaluation_);
+    if (jacobian && predicted_) {
+      missed_ = evaluation_.force - expected_;
+      predicted_ = false;
+    }
     newton_.residual = w + (h * h) * (rates_.cwiseProduct(v1_) + evaluation_.force - load.end);
     if (jacobian) {
       if (tangent)
@@ -80,6 +119,11 @@ class Newmark final : public Integrator {
   double start_force_ = 0.0;
   Eigen::VectorXd q1_;
   Eigen::VectorXd v1_;
+  bool predicted_ = false;    // the unknowns at first are those of predict()
+  State end_;                 // of the last step that was made
+  Eigen::VectorXd expected_;  // R(q1) by predict()
+  Eigen::VectorXd missed_;    // by that, at the step before
+  Eigen::VectorXd stiff_;     // K times something
   NewtonWorkspace newton_;
 };
 

@@ -36,7 +36,8 @@ struct NewtonWorkspace {
   SmallCholesky cholesky;
   std::array<Eigen::VectorXd, kUpdates> moves;  // of solve_frozen
   Eigen::VectorXd start;                        // its unknowns at first
-  double shift = 0.0;  // what was added to the Jacobian's diagonal before it was factored
+  bool frozen = false;  // jacobian and cholesky are those of solve_frozen's last success
+  double shift = 0.0;   // what was added to the Jacobian's diagonal before it was factored
 };
 
 // Factors the Jacobian, shifted if it is not positive definite. False if it is not finite.
@@ -108,6 +109,7 @@ StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate
   constexpr double kSlow = 0.6;  // a residual that falls by less is slow
   workspace.start = workspace.unknowns;
   double ratio = evaluate(true);
+  workspace.frozen = false;
   StepReport report;
   report.converged = ratio <= 1.0;
   bool usable = !report.converged && std::isfinite(ratio) && factor_jacobian(workspace) &&
@@ -131,6 +133,7 @@ StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate
     report.converged = ratio <= 1.0;
   }
   report.residual = workspace.residual.norm();
+  workspace.frozen = report.converged && report.iterations > 0;
   if (report.converged) return report;
   const int before = report.iterations;
   workspace.unknowns = workspace.start;

@@ -84,10 +84,10 @@ Status add_rows(std::size_t r, const MachineProbe& probe, SpeedSection& section)
   const std::vector<double> seconds = time_by_turns(
       {textbook_force, our_force, textbook_all, our_all, our_average, our_average_and_tangent},
       std::vector<void*>(6, &bench),
-      r > 40   ? 10
-      : r > 20 ? 100
+      r > 40   ? 50
+      : r > 20 ? 200
                : 500,
-      60);
+      r > 40 ? 20 : 60);
   const double unique = static_cast<double>(triple_count(r) + quad_count(r));
   const double pairs = static_cast<double>(pair_count(r));
   const double matrix = pairs * (pairs + 1.0) / 2.0;
