@@ -20,6 +20,7 @@ using Eigen::VectorXd;
 constexpr double kEp2Limit = 1.2;      // of h omega/2: x cot x stays above 0.46
 constexpr double kSlow = 0.6;          // a residual that falls by less is slow
 constexpr double kFilterShare = 1e-3;  // of a residual: by how much less N is off
+constexpr double kSurplus = 1e-2;      // of the tolerance: after one correction from a guess
 constexpr int kFilterFollows = 3;      // corrections at most, lest N and d chase each other
 constexpr double kFarthestFix = 0.1;   // of T(p1): no larger energy defect is taken back
 
@@ -268,7 +269,10 @@ class EnergyPreserving final : public Integrator {
       const bool settled = !Filter::kFollowsTheState ||
                            (report.iterations > 0 &&
                             (kFilterShare * ratio < 1.0 || report.iterations == kFilterFollows));
-      report.converged = ratio <= (settled ? 1.0 : 0.0);
+      // One correction from a guess: a residual that is just small enough tells little of the
+      // error.
+      const bool guessed = extrapolated_ && report.iterations == 1;
+      report.converged = ratio <= (!settled ? 0.0 : guessed ? kSurplus : 1.0);
       if (report.converged || !usable || !std::isfinite(ratio) || slow > 1 ||
           report.iterations == std::min(kUpdates, options_.max_iterations))
         break;
