@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "common/packed_index.h"
-#include "runtime/clones.h"
-#include "runtime/triangle_product.h"
+#include "runtime/lanes.h"
+
+#define TREMOLO_KERNEL "runtime/potential.inc"
+#include "runtime/every_machine.inc"
 
 namespace tremolo {
 namespace {
@@ -31,33 +33,6 @@ constexpr Index kTwoForces = 22;
 
 void copy(const VectorXd& q, AlignedDoubles& point) {
   std::copy(q.data(), q.data() + q.size(), point.begin());
-}
-
-// triangle = b B + a A for the pairs from `first` on, zeros below.
-TREMOLO_CLONES void combine(double b, const double* cubic, double a, const double* quartic,
-                            std::size_t first, std::size_t end, double* triangle) {
-  for (std::size_t at = 0; at < first; ++at) triangle[at] = 0.0;
-  for (std::size_t at = first; at < end; ++at) triangle[at] = b * cubic[at] + a * quartic[at];
-}
-
-// product = M q for the symmetric M whose packed upper triangle is given.
-TREMOLO_CLONES void multiply_packed(const double* triangle, std::size_t r, const double* q,
-                                    const double* masks, double* product) {
-  triangle_product(triangle, r, q, masks, product);
-  for (std::size_t j = 0; j < r; ++j) product[j] -= triangle[pair_index(j, j)] * q[j];
-}
-
-// The block [first, r) of K = Lambda + 6B + 12A, column by column.
-TREMOLO_CLONES void fill_tangent(const double* cubic, const double* quartic, const double* lambda,
-                                 std::size_t first, std::size_t r, double* tangent) {
-  for (std::size_t j = first; j < r; ++j) {
-    const double* b = cubic + pair_count(j);
-    const double* a = quartic + pair_count(j);
-    double* column = tangent + j * r;
-    for (std::size_t i = first; i <= j; ++i) column[i] = 6.0 * b[i] + 12.0 * a[i];
-    for (std::size_t i = first; i < j; ++i) tangent[i * r + j] = column[i];
-    column[j] += lambda[j];
-  }
 }
 
 }  // namespace
@@ -179,9 +154,9 @@ void Potential::evaluate_pairs(const VectorXd& q, unsigned want, PotentialWorksp
   kernel.multiply(w.pairs.data(), 0, w.quartic.data());
   kernel.contract_cubic(w.point.data(), 0, r, 0, w.cubic.data());
   if (want & (kWantForce | kWantEnergy)) {
-    combine(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs, w.triangle.data());
-    multiply_packed(w.triangle.data(), r, w.point.data(), coefficients_->masks.data(),
-                    w.product.data());
+    TREMOLO_BEST(combine)(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs, w.triangle.data());
+    TREMOLO_BEST(multiply_packed)
+    (w.triangle.data(), r, w.point.data(), coefficients_->masks.data(), w.product.data());
   }
   // V3 = q.(3B q)/3 and V4 = q.(4A q)/4.
   if (want & kWantEnergy) {
@@ -191,7 +166,8 @@ void Potential::evaluate_pairs(const VectorXd& q, unsigned want, PotentialWorksp
   }
   if (want & kWantForce)
     out.force = lambda_.cwiseProduct(q) + Eigen::Map<const VectorXd>(w.product.data(), q.size());
-  fill_tangent(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, out.tangent.data());
+  TREMOLO_BEST(fill_tangent)
+  (w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, out.tangent.data());
 }
 
 void Potential::begin_trailing(const VectorXd& q, Index held, PotentialWorkspace& w) const {
@@ -226,15 +202,17 @@ void Potential::evaluate_trailing(const VectorXd& q, Index held, unsigned want,
   kernel.contract_cubic(w.point.data(), static_cast<std::size_t>(held), r, first, w.cubic.data());
   if (want & kWantForce) {
     const Index trailing = size() - held;
-    combine(3.0, w.cubic.data(), 4.0, w.quartic.data(), first, pair_count(r), w.triangle.data());
-    multiply_packed(w.triangle.data(), r, w.point.data(), coefficients_->masks.data(),
-                    w.product.data());
+    TREMOLO_BEST(combine)
+    (3.0, w.cubic.data(), 4.0, w.quartic.data(), first, pair_count(r), w.triangle.data());
+    TREMOLO_BEST(multiply_packed)
+    (w.triangle.data(), r, w.point.data(), coefficients_->masks.data(), w.product.data());
     out.force.tail(trailing) = lambda_.tail(trailing).cwiseProduct(q.tail(trailing)) +
                                Eigen::Map<const VectorXd>(w.product.data() + held, trailing);
   }
   if (want & kWantTangent)
-    fill_tangent(w.cubic.data(), w.quartic.data(), lambda_.data(), static_cast<std::size_t>(held),
-                 r, out.tangent.data());
+    TREMOLO_BEST(fill_tangent)
+    (w.cubic.data(), w.quartic.data(), lambda_.data(), static_cast<std::size_t>(held), r,
+     out.tangent.data());
 }
 
 void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1, PotentialWorkspace& w,
@@ -267,12 +245,15 @@ void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1, Potent
   std::fill_n(w.quartic.begin(), kernel.padded_pairs(), 0.0);
   kernel.multiply(w.pairs.data(), 0, w.quartic.data());
   kernel.contract_cubic_twice(mean.data(), half.data(), w.cubic.data(), w.held_cubic.data());
-  combine(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs, w.triangle.data());
-  multiply_packed(w.triangle.data(), r, mean.data(), coefficients_->masks.data(), product.data());
+  TREMOLO_BEST(combine)(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs, w.triangle.data());
+  TREMOLO_BEST(multiply_packed)
+  (w.triangle.data(), r, mean.data(), coefficients_->masks.data(), product.data());
   out = lambda_.cwiseProduct(mean) + product;
   if (tangent != nullptr)
-    fill_tangent(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, tangent->data());
-  multiply_packed(w.held_cubic.data(), r, half.data(), coefficients_->masks.data(), product.data());
+    TREMOLO_BEST(fill_tangent)
+    (w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, tangent->data());
+  TREMOLO_BEST(multiply_packed)
+  (w.held_cubic.data(), r, half.data(), coefficients_->masks.data(), product.data());
   out += product;
 }
 
@@ -294,7 +275,7 @@ void Potential::averaged_jacobian(const VectorXd& q0, const VectorXd& q1, Potent
   std::fill_n(w.cubic.begin(), kernel.padded_pairs(), 0.0);
   kernel.multiply(w.pairs.data(), 0, w.quartic.data());
   kernel.contract_cubic(mean.data(), 0, r, 0, w.cubic.data());
-  fill_tangent(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, out.data());
+  TREMOLO_BEST(fill_tangent)(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, out.data());
   out *= 0.5;
 }
 

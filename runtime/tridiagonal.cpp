@@ -3,131 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/clones.h"
 #include "runtime/lanes.h"
-#include "runtime/triangle_product.h"
+
+#define TREMOLO_KERNEL "runtime/tridiagonal.inc"
+#include "runtime/every_machine.inc"
 
 namespace tremolo {
-namespace {
 
-using lanes::all;
 using lanes::kLanes;
-using lanes::load;
-using lanes::store;
-using lanes::Vector;
 using std::size_t;
-
-// Of the squares of a column below the first subdiagonal: less than that is left out. They would
-// underflow, and reflections that are made of them would not be orthogonal.
-constexpr double kNothing = 1e-280;
-
-// sum = M x on the columns and rows from the vector at `from` on, columns [first, r).
-TREMOLO_INLINE void multiply_block(const double* m, size_t stride, size_t first, size_t r,
-                                   size_t from, const double* x, double* sum) {
-  for (size_t t = from; t < r; t += kLanes) {
-    Vector part[4] = {};
-    size_t j = first;
-    const double* column = m + j * stride + t;
-    for (; j + 4 <= r; j += 4, column += 4 * stride)
-#pragma GCC unroll 4
-      for (size_t b = 0; b < 4; ++b) part[b] += load(column + b * stride) * all(x[j + b]);
-    for (; j < r; ++j, column += stride) part[0] += load(column) * all(x[j]);
-    store(sum + t, (part[0] + part[1]) + (part[2] + part[3]));
-  }
-}
-
-// a: both triangles, padded with zeros, destroyed. masks: lane_masks(). All in whole vectors: a
-// vector load from where single numbers have just been stored must wait for them.
-TREMOLO_CLONES void reduce(double* a, size_t r, size_t stride, const double* masks,
-                           double* diagonal, double* off, double* reflections, double* factors,
-                           double* image) {
-  for (size_t k = 0; k + 1 < r; ++k) {
-    const size_t first = k + 1;
-    const size_t from = first / kLanes * kLanes;
-    const double* column = a + k * stride;
-    double* u = reflections + k * stride;
-    diagonal[k] = column[k];
-    const double head = column[first];
-    // Lanes before `first`, and with it.
-    const Vector before = load(masks + (first - from) * kLanes);
-    const Vector upto = load(masks + (first - from + 1) * kLanes);
-    const Vector begin = lanes::without(load(column + from), upto);
-    Vector squares = begin * begin;
-    for (size_t t = from + kLanes; t < stride; t += kLanes)
-      squares += load(column + t) * load(column + t);
-    const double rest = lanes::sum(squares);
-    if (rest < kNothing) {
-      for (size_t t = from; t < stride; t += kLanes) store(u + t, Vector{});
-      off[k] = head;
-      factors[k] = 0.0;
-      continue;
-    }
-    // Away from head, so that nothing cancels.
-    const double length = std::sqrt(rest + head * head);
-    const double target = head > 0.0 ? -length : length;
-    factors[k] = 1.0 / (length * (length + std::abs(head)));
-    const Vector first_entry = lanes::both(lanes::without(all(head - target), before), upto);
-    store(u + from, begin + first_entry);
-    for (size_t t = from + kLanes; t < stride; t += kLanes) store(u + t, load(column + t));
-    off[k] = target;
-    multiply_block(a, stride, first, r, from, u, image);
-    store(image + from, lanes::without(load(image + from), before));
-    Vector parts{};
-    for (size_t t = from; t < stride; t += kLanes) parts += load(image + t) * load(u + t);
-    // image = f A u - (f^2/2)(u.A u) u for the factor f.
-    const Vector factor = all(factors[k]);
-    const Vector half = all(0.5 * factors[k] * lanes::sum(parts));
-    for (size_t t = from; t < stride; t += kLanes)
-      store(image + t, factor * (load(image + t) - half * load(u + t)));
-    for (size_t j = first; j < r; ++j) {
-      const Vector uj = all(u[j]), wj = all(image[j]);
-      double* c = a + j * stride;
-      for (size_t t = from; t < stride; t += kLanes)
-        store(c + t, (load(c + t) - load(u + t) * wj) - load(image + t) * uj);
-    }
-  }
-  diagonal[r - 1] = a[(r - 1) * stride + r - 1];
-}
-
-// basis = W^T = ... H_1 H_0 from the reflections: V <- V H_k from the last to the first.
-TREMOLO_CLONES void accumulate(const double* reflections, const double* factors, size_t r,
-                               size_t stride, double* basis, double* image) {
-  std::fill(basis, basis + r * stride, 0.0);
-  for (size_t i = 0; i < r; ++i) basis[i * stride + i] = 1.0;
-  for (size_t k = r < 2 ? 0 : r - 2; k-- > 0;) {
-    const size_t first = k + 1;
-    const size_t from = first / kLanes * kLanes;
-    const double* u = reflections + k * stride;
-    multiply_block(basis, stride, first, r, from, u, image);
-    for (size_t j = first; j < r; ++j) {
-      const Vector uj = all(factors[k] * u[j]);
-      double* c = basis + j * stride;
-      for (size_t t = from; t < stride; t += kLanes)
-        store(c + t, load(c + t) - load(image + t) * uj);
-    }
-  }
-}
-
-TREMOLO_CLONES void multiply(const double* m, size_t r, size_t stride, const double* x,
-                             double* sum) {
-  multiply_block(m, stride, 0, r, 0, x, sum);
-}
-
-// sum = M^T x, M's columns padded up to a multiple of eight.
-TREMOLO_CLONES void multiply_transposed(const double* m, size_t r, size_t stride, const double* x,
-                                        double* sum) {
-  for (size_t j = 0; j < r; j += kLanes) {
-    Vector parts[kLanes] = {};
-    for (size_t t = 0; t < stride; t += kLanes) {
-      const Vector row = load(x + t);
-#pragma GCC unroll 8
-      for (size_t b = 0; b < kLanes; ++b) parts[b] += load(m + (j + b) * stride + t) * row;
-    }
-    store(sum + j, lanes::sums(parts));
-  }
-}
-
-}  // namespace
 
 Tridiagonal::Tridiagonal(Eigen::Index size)
     : r_(static_cast<size_t>(size)),
@@ -147,20 +31,23 @@ void Tridiagonal::compute(const Eigen::MatrixXd& a) {
   for (size_t j = 0; j < r_; ++j)
     for (size_t i = j; i < r_; ++i)
       work_[i * stride_ + j] = work_[j * stride_ + i] = a.data()[j * r_ + i];
-  reduce(work_.data(), r_, stride_, masks_.data(), diagonal_.data(), off_.data(),
-         reflections_.data(), factors_.data(), image_.data());
-  accumulate(reflections_.data(), factors_.data(), r_, stride_, basis_.data(), image_.data());
+  TREMOLO_BEST(reduce)
+  (work_.data(), r_, stride_, masks_.data(), diagonal_.data(), off_.data(), reflections_.data(),
+   factors_.data(), image_.data());
+  TREMOLO_BEST(accumulate)
+  (reflections_.data(), factors_.data(), r_, stride_, basis_.data(), image_.data());
 }
 
 void Tridiagonal::to_basis(Eigen::VectorXd& x) const {
   std::copy(x.data(), x.data() + r_, vector_.begin());
-  multiply(basis_.data(), r_, stride_, vector_.data(), vector_.data() + stride_);
+  TREMOLO_BEST(multiply)(basis_.data(), r_, stride_, vector_.data(), vector_.data() + stride_);
   std::copy_n(vector_.data() + stride_, r_, x.data());
 }
 
 void Tridiagonal::from_basis(Eigen::VectorXd& x) const {
   std::copy(x.data(), x.data() + r_, vector_.begin());
-  multiply_transposed(basis_.data(), r_, stride_, vector_.data(), vector_.data() + stride_);
+  TREMOLO_BEST(multiply_transposed)
+  (basis_.data(), r_, stride_, vector_.data(), vector_.data() + stride_);
   std::copy_n(vector_.data() + stride_, r_, x.data());
 }
 

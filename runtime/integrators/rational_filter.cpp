@@ -5,11 +5,15 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "runtime/clones.h"
 #include "runtime/lanes.h"
+
+#define TREMOLO_KERNEL "runtime/integrators/rational_filter.inc"
+#include "runtime/every_machine.inc"
 
 namespace tremolo {
 namespace {
+
+using lanes::kLanes;
 
 using Number = std::complex<double>;
 
@@ -62,68 +66,6 @@ Polynomial denominator(const FilterShape& shape) {
   return {1.0, b1, shape.a2 + b1 / 3.0 + 1.0 / 45.0};
 }
 
-using lanes::all;
-using lanes::kLanes;
-using lanes::load;
-using lanes::store;
-using lanes::Vector;
-
-// LDL^T of T - pole for the pole of every lane.
-TREMOLO_CLONES void factor_poles(const double* diagonal, const double* off, std::size_t r,
-                                 const double* poles, double* inverse_re, double* inverse_im,
-                                 double* ratio_re, double* ratio_im) {
-  const Vector pole_re = load(poles), pole_im = load(poles + kLanes);
-  Vector re = all(diagonal[0]) - pole_re, im = -pole_im;
-  for (std::size_t i = 0;; ++i) {
-    const Vector scale = all(1.0) / (re * re + im * im);
-    const Vector inv_re = re * scale, inv_im = -im * scale;
-    store(inverse_re + i * kLanes, inv_re);
-    store(inverse_im + i * kLanes, inv_im);
-    if (i + 1 == r) return;
-    const Vector step = all(off[i]);
-    const Vector l_re = inv_re * step, l_im = inv_im * step;
-    store(ratio_re + i * kLanes, l_re);
-    store(ratio_im + i * kLanes, l_im);
-    re = (all(diagonal[i + 1]) - pole_re) - step * l_re;
-    im = -pole_im - step * l_im;
-  }
-}
-
-// x <- limit x + sum over lanes of Re[weight (T - pole)^-1 x].
-TREMOLO_CLONES void sum_fractions(std::size_t r, const double* weights, double limit,
-                                  const double* inverse_re, const double* inverse_im,
-                                  const double* ratio_re, const double* ratio_im,
-                                  double* scratch_re, double* scratch_im, double* x) {
-  Vector re = all(x[0]), im{};
-  store(scratch_re, re);
-  store(scratch_im, im);
-  for (std::size_t i = 1; i < r; ++i) {
-    const Vector l_re = load(ratio_re + (i - 1) * kLanes), l_im = load(ratio_im + (i - 1) * kLanes);
-    const Vector next = (all(x[i]) - l_re * re) + l_im * im;
-    im = -(l_re * im) - l_im * re;
-    re = next;
-    store(scratch_re + i * kLanes, re);
-    store(scratch_im + i * kLanes, im);
-  }
-  const Vector w_re = load(weights), w_im = load(weights + kLanes);
-  re = im = Vector{};
-  for (std::size_t i = r; i-- > 0;) {
-    const Vector d_re = load(inverse_re + i * kLanes), d_im = load(inverse_im + i * kLanes);
-    const Vector y_re = load(scratch_re + i * kLanes), y_im = load(scratch_im + i * kLanes);
-    const Vector z_re = d_re * y_re - d_im * y_im, z_im = d_re * y_im + d_im * y_re;
-    if (i + 1 < r) {
-      const Vector l_re = load(ratio_re + i * kLanes), l_im = load(ratio_im + i * kLanes);
-      const Vector next = (z_re - l_re * re) + l_im * im;
-      im = (z_im - l_re * im) - l_im * re;
-      re = next;
-    } else {
-      re = z_re;
-      im = z_im;
-    }
-    x[i] = limit * x[i] + lanes::sum(w_re * re - w_im * im);
-  }
-}
-
 }  // namespace
 
 double filter_value(const FilterShape& shape, double z) {
@@ -167,21 +109,23 @@ RationalFilter::RationalFilter(Eigen::Index size, const FilterShape& shape)
 void RationalFilter::compute(const Eigen::MatrixXd& z) {
   tridiagonal_.compute(z);
   if (z.rows() > 0)
-    factor_poles(tridiagonal_.diagonal().data(), tridiagonal_.off().data(),
-                 static_cast<std::size_t>(z.rows()), poles_.data(), inverse_re_.data(),
-                 inverse_im_.data(), ratio_re_.data(), ratio_im_.data());
+    TREMOLO_BEST(factor_poles)
+    (tridiagonal_.diagonal().data(), tridiagonal_.off().data(), static_cast<std::size_t>(z.rows()),
+     poles_.data(), inverse_re_.data(), inverse_im_.data(), ratio_re_.data(), ratio_im_.data());
 }
 
 void RationalFilter::apply(Eigen::VectorXd& x) {
-  sum_fractions(static_cast<std::size_t>(x.size()), apply_weights_.data(), limit_,
-                inverse_re_.data(), inverse_im_.data(), ratio_re_.data(), ratio_im_.data(),
-                scratch_re_.data(), scratch_im_.data(), x.data());
+  TREMOLO_BEST(sum_fractions)
+  (static_cast<std::size_t>(x.size()), apply_weights_.data(), limit_, inverse_re_.data(),
+   inverse_im_.data(), ratio_re_.data(), ratio_im_.data(), scratch_re_.data(), scratch_im_.data(),
+   x.data());
 }
 
 void RationalFilter::solve(Eigen::VectorXd& x) {
-  sum_fractions(static_cast<std::size_t>(x.size()), solve_weights_.data(), 0.0, inverse_re_.data(),
-                inverse_im_.data(), ratio_re_.data(), ratio_im_.data(), scratch_re_.data(),
-                scratch_im_.data(), x.data());
+  TREMOLO_BEST(sum_fractions)
+  (static_cast<std::size_t>(x.size()), solve_weights_.data(), 0.0, inverse_re_.data(),
+   inverse_im_.data(), ratio_re_.data(), ratio_im_.data(), scratch_re_.data(), scratch_im_.data(),
+   x.data());
 }
 
 void RationalFilter::multiply(Eigen::VectorXd& x) const {
