@@ -38,6 +38,7 @@ SurfaceStretch::SurfaceStretch(const Model& model)
 StretchRange SurfaceStretch::measure(const Body& body) {
   StretchRange range;
   if (!body.surface_positions(std::span<double>(positions_))) return range;
+  double smallest = 1.0, largest = 1.0;  // squared
   const auto position = [&](VertexId vertex) {
     return Eigen::Vector3d::Map(positions_.data() + 3 * static_cast<std::size_t>(vertex));
   };
@@ -49,10 +50,13 @@ StretchRange SurfaceStretch::measure(const Body& body) {
     // Eigenvalues of the 2 x 2 Cauchy-Green tensor.
     const Eigen::Matrix2d c = gradient.transpose() * gradient;
     const double middle = 0.5 * c.trace();
-    const double reach = std::hypot(0.5 * (c(0, 0) - c(1, 1)), c(0, 1));
-    range.smallest = std::min(range.smallest, std::sqrt(std::max(middle - reach, 0.0)));
-    range.largest = std::max(range.largest, std::sqrt(middle + reach));
+    const double half = 0.5 * (c(0, 0) - c(1, 1));
+    const double reach = std::sqrt(half * half + c(0, 1) * c(0, 1));
+    smallest = std::min(smallest, middle - reach);
+    largest = std::max(largest, middle + reach);
   }
+  range.smallest = std::sqrt(std::max(smallest, 0.0));
+  range.largest = std::sqrt(largest);
   return range;
 }
 
