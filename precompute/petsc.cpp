@@ -21,12 +21,15 @@ void require(PetscErrorCode code, const char* doing) {
 }
 
 // A process that no launcher started talks to itself only. Open MPI would start a daemon for it and
-// probe every network first: 0.35 s. What the user set stays; other MPIs do not read these.
+// probe every network first: 0.35 s. Its folder under TMPDIR, which nothing would use, is shared by
+// all such processes: one that ends removes it under the feet of one that starts. What the user set
+// stays; other MPIs do not read these.
 void start_alone() {
   for (const char* launched : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMIX_NAMESPACE", "PMI_RANK"})
     if (std::getenv(launched) != nullptr) return;
   constexpr int kKeep = 0;
   ::setenv("OMPI_MCA_ess_singleton_isolated", "1", kKeep);
+  ::setenv("OMPI_MCA_orte_create_session_dirs", "0", kKeep);
   ::setenv("OMPI_MCA_btl", "self", kKeep);
   ::setenv("OMPI_MCA_pml", "ob1", kKeep);
 }

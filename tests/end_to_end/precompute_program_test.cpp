@@ -211,6 +211,14 @@ TEST_F(PrecomputeProgram, SeveralRanksFindTheSameModel) {
   EXPECT_LE(two["polynomial_error"], 1e-12);
 }
 
+// What is not made there cannot be fought over by several runs at once.
+TEST_F(PrecomputeProgram, OneRankNeedsNoTemporaryFolder) {
+  const ProgramResult result =
+      run_program(folder_, "TMPDIR=/no/such/folder " + kProgram + "block.veg " + kGood);
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.err.find("mkdir"), std::string::npos) << result.err;
+}
+
 TEST_F(PrecomputeProgram, AFreeBodyLeavesItsRigidMotionOut) {
   const ProgramResult result = run("block.veg -o free.tremolo --fix none --json --modes 8");
   ASSERT_EQ(result.code, 0) << result.err;
