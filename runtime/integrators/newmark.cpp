@@ -41,10 +41,12 @@ class Newmark final : public Integrator {
       return {.residual = newton_.unknowns.norm(), .converged = false};
     predicted_ =
         newton_.frozen && options_.newmark_beta > 0.0 && end_.q == state.q && end_.p == state.p;
-    if (predicted_)
+    if (predicted_) {
       predict(state, load);
-    else
+    } else {
+      newton_.frozen = false;
       missed_.setZero();
+    }
     StepReport report = solve_frozen(newton_, options_.max_iterations, [&](bool jacobian) {
       return evaluate(state, load, jacobian);
     });

@@ -36,7 +36,7 @@ struct NewtonWorkspace {
   SmallCholesky cholesky;
   std::array<Eigen::VectorXd, kUpdates> moves;  // of solve_frozen
   Eigen::VectorXd start;                        // its unknowns at first
-  bool frozen = false;  // jacobian and cholesky are those of solve_frozen's last success
+  bool frozen = false;  // cholesky is a factor of solve_frozen's, of this jacobian or one before
   double shift = 0.0;   // what was added to the Jacobian's diagonal before it was factored
 };
 
@@ -108,8 +108,9 @@ template <class Evaluate>
 StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate&& evaluate) {
   constexpr double kSlow = 0.6;  // a residual that falls by less is slow
   workspace.start = workspace.unknowns;
-  double ratio = evaluate(true);
+  const bool had_factor = workspace.frozen;
   workspace.frozen = false;
+  double ratio = evaluate(true);
   StepReport report;
   report.converged = ratio <= 1.0;
   bool usable = !report.converged && std::isfinite(ratio) && factor_jacobian(workspace) &&
@@ -133,7 +134,7 @@ StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate
     report.converged = ratio <= 1.0;
   }
   report.residual = workspace.residual.norm();
-  workspace.frozen = report.converged && report.iterations > 0;
+  workspace.frozen = report.converged && (report.iterations > 0 || had_factor);
   if (report.converged) return report;
   const int before = report.iterations;
   workspace.unknowns = workspace.start;

@@ -248,5 +248,36 @@ TEST(Recurrence, MassDampingDecaysEveryLinearModeExactly) {
   EXPECT_GT(area_factor("midpoint", 30.0, alpha), std::exp(-0.1 * alpha * kStep));
 }
 
+TEST(NewmarkGuess, SolvesALinearEquationAndSavesCorrectionsInANonlinearOne) {
+  // After one step the last factor is that of the linear equation itself: nothing is left to do.
+  IntegratorOptions options{.step = kStep, .alpha = 0.3, .beta = 1e-4};
+  const auto linear =
+      make("newmark", testing::make_model(oscillators({0.1, 0.7, 2.0, 9.0})), options);
+  State state{testing::random_vector(4, 0.1, 1), testing::random_vector(4, 10.0, 2)};
+  StepLoad load = make_step_load(4);
+  load.start = load.average = load.end = testing::random_vector(4, 5.0, 3);
+  load.active = true;
+  for (int k = 0; k < 20; ++k) {
+    const StepReport report = linear->step(state, load);
+    ASSERT_TRUE(report.converged);
+    if (k > 0) {
+      EXPECT_EQ(report.iterations, 0) << k;
+    }
+  }
+  const Model::Pointer model = testing::make_model(
+      testing::random_strain_model(testing::spread_omega(6, 10.0, 200.0), 0.3, 4));
+  const auto warm = make("newmark", model, options);
+  State moving{testing::random_vector(6, 0.05, 5), testing::random_vector(6, 1.0, 6)};
+  int with = 0, without = 0;
+  for (int k = 0; k < 100; ++k) {
+    State copy = moving;
+    without += make("newmark", model, options)->step(copy, make_step_load(6)).iterations;
+    with += warm->step(moving, make_step_load(6)).iterations;
+    // The same step to the tolerance.
+    EXPECT_LE((moving.q - copy.q).norm(), 1e-5 * (moving.q.norm() + copy.q.norm()));
+  }
+  EXPECT_LT(with, 0.8 * without);
+}
+
 }  // namespace
 }  // namespace tremolo
