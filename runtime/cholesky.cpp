@@ -26,15 +26,15 @@ bool SmallCholesky::compute(const Eigen::MatrixXd& a) {
   if (n_ == 0) return true;
   for (size_t j = 0; j < n_; ++j)
     std::copy(a.data() + j * n_ + j, a.data() + (j + 1) * n_, columns_.data() + j * stride_ + j);
-  return TREMOLO_BEST(factor)(n_, stride_, masks_.data(), columns_.data(), rows_.data(),
-                              inverse_.data());
+  return (*TREMOLO_BEST(factor))(n_, stride_, masks_.data(), columns_.data(), rows_.data(),
+                                 inverse_.data());
 }
 
 void SmallCholesky::solve(Eigen::VectorXd& x) const {
   if (n_ == 0) return;
   std::copy(x.data(), x.data() + n_, scratch_.begin());
-  TREMOLO_BEST(solve_both)
-  (n_, stride_, columns_.data(), rows_.data(), inverse_.data(), scratch_.data());
+  (*TREMOLO_BEST(solve_both))(n_, stride_, columns_.data(), rows_.data(), inverse_.data(),
+                              scratch_.data());
   std::copy_n(scratch_.data() + stride_, n_, x.data());
 }
 

@@ -5,10 +5,6 @@
 
 #include "common/packed_index.h"
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#define TREMOLO_LANES_X86 1
-#endif
-
 namespace tremolo {
 namespace {
 
@@ -140,7 +136,7 @@ template <int kBytes, class Real>
 template <class Real>
 using Runner = void (*)(const Real*, std::size_t, const Real*, Real*, Real*);
 
-#if defined(TREMOLO_LANES_X86)
+#if defined(TREMOLO_X86_MACHINES)
 [[gnu::target("arch=x86-64-v4")]] void run_v4(const float* c, std::size_t r, const float* x,
                                               float* g, float* e) {
   run<64>(c, r, x, g, e);
@@ -165,21 +161,13 @@ void run_plain(const Real* c, std::size_t r, const Real* x, Real* g, Real* e) {
 }
 
 template <class Real>
-Runner<Real> runner(LaneVectors vectors) {
-#if defined(TREMOLO_LANES_X86)
-  if (vectors == LaneVectors::kAvx512) return run_v4;
-  if (vectors == LaneVectors::kAvx2) return run_v3;
+Runner<Real> runner(Machine vectors) {
+#if defined(TREMOLO_X86_MACHINES)
+  if (vectors == Machine::kAvx512) return run_v4;
+  if (vectors == Machine::kAvx2) return run_v3;
 #endif
   (void)vectors;
   return run_plain<Real>;
-}
-
-LaneVectors find_widest() {
-#if defined(TREMOLO_LANES_X86)
-  if (__builtin_cpu_supports("x86-64-v4")) return LaneVectors::kAvx512;
-  if (__builtin_cpu_supports("x86-64-v3")) return LaneVectors::kAvx2;
-#endif
-  return LaneVectors::kPlain;
 }
 
 // The power of two next to a positive number; 1 for what is not positive and finite.
@@ -236,18 +224,13 @@ template LaneCoefficients<float> make_lane_coefficients(std::size_t, std::span<c
 template LaneCoefficients<double> make_lane_coefficients(std::size_t, std::span<const double>,
                                                          std::span<const double>);
 
-LaneVectors widest_lane_vectors() {
-  static const LaneVectors kWidest = find_widest();
-  return kWidest;
-}
-
 void evaluate_lanes(const LaneCoefficients<float>& coefficients, const float* x, float* gradient,
-                    float* energy, LaneVectors vectors) {
+                    float* energy, Machine vectors) {
   runner<float>(vectors)(coefficients.stream.data(), coefficients.modes, x, gradient, energy);
 }
 
 void evaluate_lanes(const LaneCoefficients<double>& coefficients, const double* x, double* gradient,
-                    double* energy, LaneVectors vectors) {
+                    double* energy, Machine vectors) {
   runner<double>(vectors)(coefficients.stream.data(), coefficients.modes, x, gradient, energy);
 }
 

@@ -19,6 +19,8 @@
 #include <span>
 #include <vector>
 
+#include "runtime/machine.h"
+
 namespace tremolo {
 
 // Bodies a block: as many as fit in 64 bytes, 16 floats or 8 doubles.
@@ -41,23 +43,18 @@ template <class Real>
 LaneCoefficients<Real> make_lane_coefficients(std::size_t modes, std::span<const double> cubic,
                                               std::span<const double> quartic);
 
-// The vectors a pass is made with. Which one is right is known when the program runs; the others
-// are there to be tested and measured.
-enum class LaneVectors { kPlain, kAvx2, kAvx512 };
-LaneVectors widest_lane_vectors();  // that this machine has
-
 // x, gradient: [coordinate][lane], r x kLanes, aligned to 64 bytes: x = q / coordinate_scale, and
 // the derivative with respect to x: grad (C + Q) = (energy_scale / coordinate_scale) gradient.
-// energy: kLanes values of (C + Q) / energy_scale, or null. vectors: at most the widest. Nothing is
-// allocated.
+// energy: kLanes values of (C + Q) / energy_scale, or null. vectors: at most those of this machine;
+// the narrower ones are there to be tested and measured. Nothing is allocated.
 //
 // Rounding: a row is a sum of about r^3/36 partial sums of up to 6 terms, each rounded to eps =
 // 2^-24 in float, 2^-53 in double, and the coefficients are rounded once. Measured against grad V
 // in double: tests/runtime/lane_force_test.cpp and `tremolo bench --only speed`.
 void evaluate_lanes(const LaneCoefficients<float>& coefficients, const float* x, float* gradient,
-                    float* energy, LaneVectors vectors = widest_lane_vectors());
+                    float* energy, Machine vectors = this_machine());
 void evaluate_lanes(const LaneCoefficients<double>& coefficients, const double* x, double* gradient,
-                    double* energy, LaneVectors vectors = widest_lane_vectors());
+                    double* energy, Machine vectors = this_machine());
 
 extern template LaneCoefficients<float> make_lane_coefficients(std::size_t, std::span<const double>,
                                                                std::span<const double>);

@@ -36,31 +36,31 @@ PairKernel::PairKernel(size_t r, std::span<const double> cubic, std::span<const 
 }
 
 void PairKernel::fill_pairs(const double* q, double* pairs) const {
-  TREMOLO_BEST(fill)(q, r_, padded_, pairs);
+  (*TREMOLO_BEST(fill))(q, r_, padded_, pairs);
 }
 
 void PairKernel::fill_pairs(const double* q, const double* more, double s2, double* pairs) const {
-  TREMOLO_BEST(fill_two)(q, more, s2, r_, padded_, pairs);
+  (*TREMOLO_BEST(fill_two))(q, more, s2, r_, padded_, pairs);
 }
 
 void PairKernel::multiply(const double* x, size_t first, double* a) const {
-  TREMOLO_BEST(multiply_columns)(columns_.data(), first / kLanes, padded_ / kLanes, x, a);
+  (*TREMOLO_BEST(multiply_columns))(columns_.data(), first / kLanes, padded_ / kLanes, x, a);
 }
 
 void PairKernel::multiply_leading(const double* x, size_t first, double* a) const {
-  TREMOLO_BEST(multiply_rows)
-  (columns_.data(), (first + kLanes - 1) / kLanes, first / kLanes, padded_ / kLanes, x, a);
+  (*TREMOLO_BEST(multiply_rows))(columns_.data(), (first + kLanes - 1) / kLanes, first / kLanes,
+                                 padded_ / kLanes, x, a);
 }
 
 void PairKernel::contract_cubic(const double* q, size_t k_first, size_t k_end, size_t first,
                                 double* b) const {
-  TREMOLO_BEST(add_cubic)
-  (cubic_.data(), r_, first / kLanes, padded_ / kLanes, k_first, k_end, q, b);
+  (*TREMOLO_BEST(add_cubic))(cubic_.data(), r_, first / kLanes, padded_ / kLanes, k_first, k_end, q,
+                             b);
 }
 
 void PairKernel::contract_cubic_twice(const double* q, const double* s, double* bq,
                                       double* bs) const {
-  TREMOLO_BEST(both_cubic)(cubic_.data(), r_, padded_ / kLanes, q, s, bq, bs);
+  (*TREMOLO_BEST(both_cubic))(cubic_.data(), r_, padded_ / kLanes, q, s, bq, bs);
 }
 
 }  // namespace tremolo

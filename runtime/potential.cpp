@@ -154,9 +154,10 @@ void Potential::evaluate_pairs(const VectorXd& q, unsigned want, PotentialWorksp
   kernel.multiply(w.pairs.data(), 0, w.quartic.data());
   kernel.contract_cubic(w.point.data(), 0, r, 0, w.cubic.data());
   if (want & (kWantForce | kWantEnergy)) {
-    TREMOLO_BEST(combine)(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs, w.triangle.data());
-    TREMOLO_BEST(multiply_packed)
-    (w.triangle.data(), r, w.point.data(), coefficients_->masks.data(), w.product.data());
+    (*TREMOLO_BEST(combine))(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs,
+                             w.triangle.data());
+    (*TREMOLO_BEST(multiply_packed))(w.triangle.data(), r, w.point.data(),
+                                     coefficients_->masks.data(), w.product.data());
   }
   // V3 = q.(3B q)/3 and V4 = q.(4A q)/4.
   if (want & kWantEnergy) {
@@ -166,8 +167,8 @@ void Potential::evaluate_pairs(const VectorXd& q, unsigned want, PotentialWorksp
   }
   if (want & kWantForce)
     out.force = lambda_.cwiseProduct(q) + Eigen::Map<const VectorXd>(w.product.data(), q.size());
-  TREMOLO_BEST(fill_tangent)
-  (w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, out.tangent.data());
+  (*TREMOLO_BEST(fill_tangent))(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r,
+                                out.tangent.data());
 }
 
 void Potential::begin_trailing(const VectorXd& q, Index held, PotentialWorkspace& w) const {
@@ -202,17 +203,16 @@ void Potential::evaluate_trailing(const VectorXd& q, Index held, unsigned want,
   kernel.contract_cubic(w.point.data(), static_cast<std::size_t>(held), r, first, w.cubic.data());
   if (want & kWantForce) {
     const Index trailing = size() - held;
-    TREMOLO_BEST(combine)
-    (3.0, w.cubic.data(), 4.0, w.quartic.data(), first, pair_count(r), w.triangle.data());
-    TREMOLO_BEST(multiply_packed)
-    (w.triangle.data(), r, w.point.data(), coefficients_->masks.data(), w.product.data());
+    (*TREMOLO_BEST(combine))(3.0, w.cubic.data(), 4.0, w.quartic.data(), first, pair_count(r),
+                             w.triangle.data());
+    (*TREMOLO_BEST(multiply_packed))(w.triangle.data(), r, w.point.data(),
+                                     coefficients_->masks.data(), w.product.data());
     out.force.tail(trailing) = lambda_.tail(trailing).cwiseProduct(q.tail(trailing)) +
                                Eigen::Map<const VectorXd>(w.product.data() + held, trailing);
   }
   if (want & kWantTangent)
-    TREMOLO_BEST(fill_tangent)
-    (w.cubic.data(), w.quartic.data(), lambda_.data(), static_cast<std::size_t>(held), r,
-     out.tangent.data());
+    (*TREMOLO_BEST(fill_tangent))(w.cubic.data(), w.quartic.data(), lambda_.data(),
+                                  static_cast<std::size_t>(held), r, out.tangent.data());
 }
 
 void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1, PotentialWorkspace& w,
@@ -245,15 +245,15 @@ void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1, Potent
   std::fill_n(w.quartic.begin(), kernel.padded_pairs(), 0.0);
   kernel.multiply(w.pairs.data(), 0, w.quartic.data());
   kernel.contract_cubic_twice(mean.data(), half.data(), w.cubic.data(), w.held_cubic.data());
-  TREMOLO_BEST(combine)(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs, w.triangle.data());
-  TREMOLO_BEST(multiply_packed)
-  (w.triangle.data(), r, mean.data(), coefficients_->masks.data(), product.data());
+  (*TREMOLO_BEST(combine))(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs, w.triangle.data());
+  (*TREMOLO_BEST(multiply_packed))(w.triangle.data(), r, mean.data(), coefficients_->masks.data(),
+                                   product.data());
   out = lambda_.cwiseProduct(mean) + product;
   if (tangent != nullptr)
-    TREMOLO_BEST(fill_tangent)
-    (w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, tangent->data());
-  TREMOLO_BEST(multiply_packed)
-  (w.held_cubic.data(), r, half.data(), coefficients_->masks.data(), product.data());
+    (*TREMOLO_BEST(fill_tangent))(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r,
+                                  tangent->data());
+  (*TREMOLO_BEST(multiply_packed))(w.held_cubic.data(), r, half.data(), coefficients_->masks.data(),
+                                   product.data());
   out += product;
 }
 
@@ -275,7 +275,7 @@ void Potential::averaged_jacobian(const VectorXd& q0, const VectorXd& q1, Potent
   std::fill_n(w.cubic.begin(), kernel.padded_pairs(), 0.0);
   kernel.multiply(w.pairs.data(), 0, w.quartic.data());
   kernel.contract_cubic(mean.data(), 0, r, 0, w.cubic.data());
-  TREMOLO_BEST(fill_tangent)(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, out.data());
+  (*TREMOLO_BEST(fill_tangent))(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, out.data());
   out *= 0.5;
 }
 

@@ -6,80 +6,34 @@
 #include <numeric>
 
 #include "runtime/clones.h"
+#include "runtime/lanes.h"
+
+#define TREMOLO_KERNEL "runtime/surface.inc"
+#include "runtime/every_machine.inc"
 
 namespace tremolo {
 namespace {
 
-constexpr std::size_t kLane = 16;   // rows a line
-constexpr std::size_t kBlock = 64;  // rows a block
+constexpr std::size_t kLane = 16;              // rows a line
+constexpr std::size_t kBlock = kSurfaceBlock;  // rows
 
 // Name these types where they are used: `auto` forgets their alignment and aliasing.
-typedef float Floats __attribute__((vector_size(64), may_alias));
-typedef float LooseFloats __attribute__((vector_size(64), aligned(4), may_alias));
-typedef std::int32_t Integers __attribute__((vector_size(64), may_alias));
 typedef float Four __attribute__((vector_size(16), may_alias));
 typedef float LooseFour __attribute__((vector_size(16), aligned(4), may_alias));
 
-using FloatLine = SurfaceBasis::FloatLine;
-using PairLine = SurfaceBasis::PairLine;
 using Sum = SurfaceWorkspace::Sum;
 
-// out: whole blocks.
-TREMOLO_CLONES
-void multiply_floats(const FloatLine* __restrict rows, const FloatLine* __restrict rest,
-                     const float* __restrict q, std::size_t blocks, std::size_t modes,
-                     float* __restrict out) {
-  const Floats* u = reinterpret_cast<const Floats*>(rows);
-  const Floats* x = reinterpret_cast<const Floats*>(rest);
-  for (std::size_t block = 0; block < blocks; ++block, x += 4) {
-    Floats x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
-    for (std::size_t i = 0; i < modes; ++i, u += 4) {
-      const float qi = q[i];
-      x0 += u[0] * qi;
-      x1 += u[1] * qi;
-      x2 += u[2] * qi;
-      x3 += u[3] * qi;
-    }
-    LooseFloats* to = reinterpret_cast<LooseFloats*>(out + kBlock * block);
-    to[0] = x0;
-    to[1] = x1;
-    to[2] = x2;
-    to[3] = x3;
-  }
-}
-
-// The two halves of a lane become floats as integers times 2^16: exact, and cheaper than widening.
-TREMOLO_CLONES
-void multiply_pairs(const PairLine* __restrict pairs, const FloatLine* __restrict rest,
-                    const float* __restrict q, std::size_t blocks, std::size_t modes,
-                    float* __restrict out) {
-  constexpr auto kHigh = static_cast<std::int32_t>(0xffff0000u);
-  const Integers* u = reinterpret_cast<const Integers*>(pairs);
-  const Floats* x = reinterpret_cast<const Floats*>(rest);
-  for (std::size_t block = 0; block < blocks; ++block, x += 4) {
-    Floats x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
-    for (std::size_t i = 0; i < modes; ++i, u += 2) {
-      const float qi = q[i];
-      x0 += __builtin_convertvector(u[0] << 16, Floats) * qi;
-      x1 += __builtin_convertvector(u[0] & kHigh, Floats) * qi;
-      x2 += __builtin_convertvector(u[1] << 16, Floats) * qi;
-      x3 += __builtin_convertvector(u[1] & kHigh, Floats) * qi;
-    }
-    LooseFloats* to = reinterpret_cast<LooseFloats*>(out + kBlock * block);
-    to[0] = x0;
-    to[1] = x1;
-    to[2] = x2;
-    to[3] = x3;
-  }
-}
-
-void multiply(const SurfaceBasis& rows, std::size_t first, std::size_t blocks, const float* q,
-              float* out) {
-  const FloatLine* rest = rows.rest.data() + 4 * first;
+// Positions of `count` bodies on the blocks [first, first + blocks): out[b] begins with the first
+// of them. q[b]: scaled coordinates of the leading `modes`.
+void multiply(const SurfaceBasis& rows, std::size_t first, std::size_t blocks, std::size_t modes,
+              std::size_t count, const float* const* q, float* const* out) {
+  const float* rest = rows.rest[0].value + kBlock * first;
   if (rows.pairs.empty())
-    multiply_floats(rows.rows.data() + 4 * rows.modes * first, rest, q, blocks, rows.modes, out);
+    (*TREMOLO_BEST(multiply_floats))(rows.rows[0].value + kBlock * rows.modes * first, rest,
+                                     rows.modes, modes, blocks, count, q, out);
   else
-    multiply_pairs(rows.pairs.data() + 2 * rows.modes * first, rest, q, blocks, rows.modes, out);
+    (*TREMOLO_BEST(multiply_pairs))(rows.pairs[0].value + kBlock / 2 * rows.modes * first, rest,
+                                    rows.modes, modes, blocks, count, q, out);
 }
 
 // normals: z, x, y of each triangle's (b - a) x (c - a); the fourth number means nothing.
@@ -144,11 +98,10 @@ void write_unit_normals(const SurfaceBasis& basis, const Sum* triangle_normals, 
   }
 }
 
-const float* scaled_coordinates(const SurfaceBasis& rows, const Eigen::VectorXd& q,
-                                SurfaceWorkspace& workspace) {
+const float* coordinates_of(const SurfaceBasis& rows, const Eigen::VectorXd& q,
+                            SurfaceWorkspace& workspace) {
   workspace.coordinates.resize(rows.modes);
-  for (std::size_t i = 0; i < rows.modes; ++i)
-    workspace.coordinates[i] = static_cast<float>(rows.scales[i] * q[static_cast<Eigen::Index>(i)]);
+  scale_coordinates(rows, {q.data(), rows.modes}, workspace.coordinates);
   return workspace.coordinates.data();
 }
 
@@ -217,23 +170,39 @@ SurfaceBasis make_surface_basis(const VertexBlock& surface,
   return rows;
 }
 
+void scale_coordinates(const SurfaceBasis& rows, std::span<const double> q,
+                       std::span<float> coordinates) {
+  for (std::size_t i = 0; i < q.size(); ++i)
+    coordinates[i] = static_cast<float>(rows.scales[i] * q[i]);
+}
+
+void write_surfaces(const SurfaceBasis& rows, std::size_t modes, std::size_t count,
+                    const float* const* coordinates, float* const* out) {
+  if (rows.blocks() > 0) multiply(rows, 0, rows.blocks(), modes, count, coordinates, out);
+}
+
 void surface_positions(const SurfaceBasis& rows, const Eigen::VectorXd& q,
                        SurfaceWorkspace& workspace, std::span<float> positions) {
-  const float* coordinates = scaled_coordinates(rows, q, workspace);
+  if (rows.blocks() == 0) return;
+  const float* coordinates = coordinates_of(rows, q, workspace);
+  float* to = positions.data();
   const std::size_t whole = positions.size() / kBlock;
-  multiply(rows, 0, whole, coordinates, positions.data());
+  multiply(rows, 0, whole, rows.modes, 1, &coordinates, &to);
   if (whole == rows.blocks()) return;
   float last[kBlock];
-  multiply(rows, whole, 1, coordinates, last);
-  std::copy_n(last, positions.size() - kBlock * whole, positions.data() + kBlock * whole);
+  float* rest = last;
+  multiply(rows, whole, 1, rows.modes, 1, &coordinates, &rest);
+  std::copy_n(last, positions.size() - kBlock * whole, to + kBlock * whole);
 }
 
 void surface_with_normals(const SurfaceBasis& rows, const std::vector<Triangle>& triangles,
                           const Eigen::VectorXd& q, SurfaceWorkspace& workspace,
                           std::span<float> positions, std::span<float> normals) {
-  const float* coordinates = scaled_coordinates(rows, q, workspace);
+  if (rows.blocks() == 0) return;
+  const float* coordinates = coordinates_of(rows, q, workspace);
   workspace.positions.resize(kBlock * rows.blocks() + 1);
-  multiply(rows, 0, rows.blocks(), coordinates, workspace.positions.data());
+  float* to = workspace.positions.data();
+  write_surfaces(rows, rows.modes, 1, &coordinates, &to);
   std::copy_n(workspace.positions.data(), positions.size(), positions.data());
   workspace.triangle_normals.resize(triangles.size());
   write_triangle_normals(triangles.data(), triangles.size(), workspace.positions.data(),

@@ -18,6 +18,10 @@
 
 namespace tremolo {
 
+inline constexpr std::size_t kSurfaceBlock = 64;  // rows
+// Bodies that write_surfaces() takes together: a block of U is then read once for all of them.
+inline constexpr std::size_t kSurfaceBodies = 4;
+
 // Rows of the surface in blocks of 64 (x, y, z of a vertex are three rows; the last block is padded
 // with zeros). Column by column within a block, so that 64 sums are kept in registers while the
 // block streams by.
@@ -62,6 +66,16 @@ struct SurfaceWorkspace {
   std::vector<float> positions;       // padded to whole blocks and one number more
   std::vector<Sum> triangle_normals;  // t
 };
+
+// coordinates_i = scales_i q_i for the leading q.size(): what write_surfaces() takes.
+void scale_coordinates(const SurfaceBasis& rows, std::span<const double> q,
+                       std::span<float> coordinates);
+
+// X + U q of `count` <= kSurfaceBodies bodies with the leading `modes` coordinates, the others
+// zero. out[b]: whole blocks, kSurfaceBlock * blocks() numbers. A body's result does not depend on
+// which others are written with it. Nothing is allocated.
+void write_surfaces(const SurfaceBasis& rows, std::size_t modes, std::size_t count,
+                    const float* const* coordinates, float* const* out);
 
 // positions: 3s, x y z x y z ..., m; q: r. The error is that of float sums: below
 // (r + 2) 2^-24 (|X| + sum_i |q_i U_i|) in a component, about 1e-6 of the size in practice.

@@ -87,9 +87,9 @@ SymmetricKernel::Workspace SymmetricKernel::make_workspace() const {
 }
 
 double SymmetricKernel::gradient(const double* q, Workspace& w, double* gradient) const {
-  return TREMOLO_BEST(evaluate_gradient)(rows_.data(), r_, q, w.point.data(), w.pairs.data(),
-                                         w.folded.data(), w.sums.data(), w.last.data(),
-                                         masks_.data(), w.column.data(), gradient);
+  return (*TREMOLO_BEST(evaluate_gradient))(rows_.data(), r_, q, w.point.data(), w.pairs.data(),
+                                            w.folded.data(), w.sums.data(), w.last.data(),
+                                            masks_.data(), w.column.data(), gradient);
 }
 
 void SymmetricKernel::gradient_pair(const double* q0, const double* q1, Workspace& w0,
@@ -98,20 +98,20 @@ void SymmetricKernel::gradient_pair(const double* q0, const double* q1, Workspac
     return Point{w.point.data(), w.pairs.data(), w.folded.data(), w.sums.data(), w.last.data()};
   };
   const auto finish = [this](Workspace& w, double* gradient) {
-    TREMOLO_BEST(finish_gradient)
-    (r_, w.point.data(), w.pairs.data(), w.folded.data(), w.sums.data(), w.last.data(),
-     masks_.data(), w.column.data(), gradient);
+    (*TREMOLO_BEST(finish_gradient))(r_, w.point.data(), w.pairs.data(), w.folded.data(),
+                                     w.sums.data(), w.last.data(), masks_.data(), w.column.data(),
+                                     gradient);
   };
-  TREMOLO_BEST(prepare_point)(q0, r_, w0.point.data(), w0.pairs.data());
-  TREMOLO_BEST(prepare_point)(q1, r_, w1.point.data(), w1.pairs.data());
-  TREMOLO_BEST(gradient_sums_twice)(rows_.data(), r_, point(w0), point(w1));
+  (*TREMOLO_BEST(prepare_point))(q0, r_, w0.point.data(), w0.pairs.data());
+  (*TREMOLO_BEST(prepare_point))(q1, r_, w1.point.data(), w1.pairs.data());
+  (*TREMOLO_BEST(gradient_sums_twice))(rows_.data(), r_, point(w0), point(w1));
   finish(w0, gradient0);
   finish(w1, gradient1);
 }
 
 double SymmetricKernel::hessian(const double* q, Workspace& w, double* gradient,
                                 double* hessian) const {
-  const double value = TREMOLO_BEST(evaluate_hessian)(
+  const double value = (*TREMOLO_BEST(evaluate_hessian))(
       rows_.data(), r_, stride_, q, w.point.data(), w.pairs.data(), w.folded.data(), w.sums.data(),
       w.last.data(), w.thirds.data(), masks_.data(), w.column.data(), gradient, hessian);
   // What lies behind each Z^k must stay zero.

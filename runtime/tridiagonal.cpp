@@ -31,23 +31,22 @@ void Tridiagonal::compute(const Eigen::MatrixXd& a) {
   for (size_t j = 0; j < r_; ++j)
     for (size_t i = j; i < r_; ++i)
       work_[i * stride_ + j] = work_[j * stride_ + i] = a.data()[j * r_ + i];
-  TREMOLO_BEST(reduce)
-  (work_.data(), r_, stride_, masks_.data(), diagonal_.data(), off_.data(), reflections_.data(),
-   factors_.data(), image_.data());
-  TREMOLO_BEST(accumulate)
-  (reflections_.data(), factors_.data(), r_, stride_, basis_.data(), image_.data());
+  (*TREMOLO_BEST(reduce))(work_.data(), r_, stride_, masks_.data(), diagonal_.data(), off_.data(),
+                          reflections_.data(), factors_.data(), image_.data());
+  (*TREMOLO_BEST(accumulate))(reflections_.data(), factors_.data(), r_, stride_, basis_.data(),
+                              image_.data());
 }
 
 void Tridiagonal::to_basis(Eigen::VectorXd& x) const {
   std::copy(x.data(), x.data() + r_, vector_.begin());
-  TREMOLO_BEST(multiply)(basis_.data(), r_, stride_, vector_.data(), vector_.data() + stride_);
+  (*TREMOLO_BEST(multiply))(basis_.data(), r_, stride_, vector_.data(), vector_.data() + stride_);
   std::copy_n(vector_.data() + stride_, r_, x.data());
 }
 
 void Tridiagonal::from_basis(Eigen::VectorXd& x) const {
   std::copy(x.data(), x.data() + r_, vector_.begin());
-  TREMOLO_BEST(multiply_transposed)
-  (basis_.data(), r_, stride_, vector_.data(), vector_.data() + stride_);
+  (*TREMOLO_BEST(multiply_transposed))(basis_.data(), r_, stride_, vector_.data(),
+                                       vector_.data() + stride_);
   std::copy_n(vector_.data() + stride_, r_, x.data());
 }
 

@@ -247,7 +247,7 @@ Result<SurfaceView> World::surface(BodyId id) const {
   const WorldBody& body = contents_->bodies[id];
   if (!body.shown) return usage_error("body " + std::to_string(id) + " is not shown");
   const std::size_t count = 3 * contents_->groups[body.group].model->surface().vertex_ids.size();
-  return SurfaceView{{reinterpret_cast<const float*>(body.surface.data()), count}, body.version};
+  return SurfaceView{{body.surface.data(), count}, body.version};
 }
 
 }  // namespace tremolo

@@ -4,7 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "runtime/surface_rows.h"
+#include "runtime/aligned.h"
+#include "runtime/surface.h"
 #include "runtime/thread_pool.h"
 #include "runtime/world.h"
 
@@ -33,7 +34,7 @@ struct WorldBody {
   bool touched = false;       // moved since its surface was built, other than by being awake
   std::int64_t built_at = 0;  // the group's steps then
   std::uint64_t version = 0;  // of the surface
-  std::vector<SurfaceTile> surface;
+  AlignedFloats surface;      // whole blocks
 };
 
 // Either `lanes` and `homes`, or `bodies`.
@@ -60,7 +61,6 @@ struct WorldGroup {
   std::vector<std::size_t> free_places;
   std::vector<BodyId> awake;  // by slot
 
-  SurfaceRows rows;  // made when the first body is shown
   std::size_t shown = 0;
   std::vector<BodyId> touched;  // shown, see WorldBody
 

@@ -23,8 +23,7 @@ void World::Contents::show(BodyId id, bool shown) {
     --group.shown;
     return;
   }
-  if (group.rows.values.empty()) group.rows = make_surface_rows(*group.model, group.modes);
-  body.surface.resize(group.rows.tiles);
+  body.surface.resize(kSurfaceBlock * group.model->surface_basis().blocks());
   body.shown = true;
   ++group.shown;
   // Room for what update_surfaces() lists, so that it allocates nothing.
@@ -58,19 +57,20 @@ void World::Contents::list_stale() {
 void World::Contents::build(const SurfaceBatch& batch, WorldScratch& mine) {
   const WorldGroup& group = groups[batch.group];
   const float* q[kSurfaceBodies] = {};
-  SurfaceTile* out[kSurfaceBodies] = {};
+  const SurfaceBasis& rows = group.model->surface_basis();
+  float* out[kSurfaceBodies] = {};
   for (std::size_t b = 0; b < batch.count; ++b) {
     WorldBody& body = bodies[stale[batch.first + b]];
     read_state(body, mine.q.data(), mine.p.data());
     float* mine_q = mine.q_float.data() + b * group.modes;
-    for (std::size_t i = 0; i < group.modes; ++i) mine_q[i] = static_cast<float>(mine.q[i]);
+    scale_coordinates(rows, std::span(mine.q).first(group.modes), {mine_q, group.modes});
     q[b] = mine_q;
     out[b] = body.surface.data();
     body.touched = false;
     body.built_at = group.steps;
     ++body.version;
   }
-  write_surfaces(group.rows, batch.count, q, out);
+  write_surfaces(rows, group.modes, batch.count, q, out);
 }
 
 std::size_t World::update_surfaces() {

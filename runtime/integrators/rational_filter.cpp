@@ -109,23 +109,24 @@ RationalFilter::RationalFilter(Eigen::Index size, const FilterShape& shape)
 void RationalFilter::compute(const Eigen::MatrixXd& z) {
   tridiagonal_.compute(z);
   if (z.rows() > 0)
-    TREMOLO_BEST(factor_poles)
-    (tridiagonal_.diagonal().data(), tridiagonal_.off().data(), static_cast<std::size_t>(z.rows()),
-     poles_.data(), inverse_re_.data(), inverse_im_.data(), ratio_re_.data(), ratio_im_.data());
+    (*TREMOLO_BEST(factor_poles))(tridiagonal_.diagonal().data(), tridiagonal_.off().data(),
+                                  static_cast<std::size_t>(z.rows()), poles_.data(),
+                                  inverse_re_.data(), inverse_im_.data(), ratio_re_.data(),
+                                  ratio_im_.data());
 }
 
 void RationalFilter::apply(Eigen::VectorXd& x) {
-  TREMOLO_BEST(sum_fractions)
-  (static_cast<std::size_t>(x.size()), apply_weights_.data(), limit_, inverse_re_.data(),
-   inverse_im_.data(), ratio_re_.data(), ratio_im_.data(), scratch_re_.data(), scratch_im_.data(),
-   x.data());
+  (*TREMOLO_BEST(sum_fractions))(static_cast<std::size_t>(x.size()), apply_weights_.data(), limit_,
+                                 inverse_re_.data(), inverse_im_.data(), ratio_re_.data(),
+                                 ratio_im_.data(), scratch_re_.data(), scratch_im_.data(),
+                                 x.data());
 }
 
 void RationalFilter::solve(Eigen::VectorXd& x) {
-  TREMOLO_BEST(sum_fractions)
-  (static_cast<std::size_t>(x.size()), solve_weights_.data(), 0.0, inverse_re_.data(),
-   inverse_im_.data(), ratio_re_.data(), ratio_im_.data(), scratch_re_.data(), scratch_im_.data(),
-   x.data());
+  (*TREMOLO_BEST(sum_fractions))(static_cast<std::size_t>(x.size()), solve_weights_.data(), 0.0,
+                                 inverse_re_.data(), inverse_im_.data(), ratio_re_.data(),
+                                 ratio_im_.data(), scratch_re_.data(), scratch_im_.data(),
+                                 x.data());
 }
 
 void RationalFilter::multiply(Eigen::VectorXd& x) const {

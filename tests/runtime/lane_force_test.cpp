@@ -30,7 +30,7 @@ struct LaneResult {
 template <class Real>
 LaneResult<Real> by_lanes(const LaneCoefficients<Real>& lanes,
                           const std::vector<Eigen::VectorXd>& states,
-                          LaneVectors vectors = widest_lane_vectors()) {
+                          Machine vectors = this_machine()) {
   std::vector<Row<Real>> x(lanes.modes), gradient(lanes.modes), energy(1);
   for (std::size_t i = 0; i < lanes.modes; ++i)
     for (std::size_t lane = 0; lane < states.size(); ++lane)
@@ -79,8 +79,7 @@ std::vector<double> sizes(std::vector<double> values) {
 // Compares with Potential, row by row, relative to the sum of the sizes of the row's terms (which
 // the potential of absolute coefficients at |q| gives). Returns the largest such error.
 template <class Real>
-double largest_error(const BasisData& data, double amplitude,
-                     LaneVectors vectors = widest_lane_vectors()) {
+double largest_error(const BasisData& data, double amplitude, Machine vectors = this_machine()) {
   const Eigen::Index r = data.lambda.size();
   const Potential potential = *Potential::create(data.lambda, data.cubic, data.quartic);
   const Potential absolute =
@@ -121,8 +120,8 @@ TEST_P(LaneForceSize, FloatLanesEqualThePotentialToFloatRounding) {
 }
 
 TEST(LaneForce, NarrowerVectorsGiveTheSameToRounding) {
-  for (const LaneVectors vectors : {LaneVectors::kPlain, LaneVectors::kAvx2}) {
-    if (vectors > widest_lane_vectors()) continue;
+  for (const Machine vectors : {Machine::kPlain, Machine::kAvx2}) {
+    if (vectors > this_machine()) continue;
     EXPECT_LE(largest_error<double>(basis_of(11), 0.5, vectors), 1e-14);
     EXPECT_LE(largest_error<float>(basis_of(11), 0.5, vectors), 5e-7);
   }

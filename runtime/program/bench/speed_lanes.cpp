@@ -52,7 +52,7 @@ struct LaneField {
         x[b / kLanes<Real> * r + i].value[b % kLanes<Real>] = static_cast<Real>(
             states[b][static_cast<Eigen::Index>(i)] / coefficients.coordinate_scale);
   }
-  void evaluate(LaneVectors vectors = widest_lane_vectors()) {
+  void evaluate(Machine vectors = this_machine()) {
     for (std::size_t at = 0; at < x.size(); at += coefficients.modes)
       evaluate_lanes(coefficients, x[at].value, gradient[at].value, nullptr, vectors);
   }
@@ -140,14 +140,14 @@ void measure_lane_force(const Model& model, const MachineProbe& probe, SpeedSect
 }
 
 void measure_narrower_lanes(const Model& model, SpeedSection& section) {
-  if (widest_lane_vectors() != LaneVectors::kAvx512) return;
+  if (this_machine() != Machine::kAvx512) return;
   const std::vector<Eigen::VectorXd> states = random_states(model, kBodies);
   LaneField<float> floats(model, states);
   LaneField<double> doubles(model, states);
-  const std::vector<double> seconds = by_turns(
-      {[&] { floats.evaluate(LaneVectors::kAvx2); }, [&] { doubles.evaluate(LaneVectors::kAvx2); },
-       [&] { floats.evaluate(); }, [&] { doubles.evaluate(); }},
-      1, 20);
+  const std::vector<double> seconds =
+      by_turns({[&] { floats.evaluate(Machine::kAvx2); }, [&] { doubles.evaluate(Machine::kAvx2); },
+                [&] { floats.evaluate(); }, [&] { doubles.evaluate(); }},
+               1, 20);
   const char* names[] = {"f32", "f64"};
   for (std::size_t w = 0; w < 2; ++w) {
     SpeedRow row;
