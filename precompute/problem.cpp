@@ -8,8 +8,10 @@
 #include "common/packed_index.h"
 #include "formats/mesh_reader.h"
 #include "formats/selector_reader.h"
+#include "formats/surface_reader.h"
 #include "precompute/failure.h"
 #include "precompute/rigid_motion.h"
+#include "precompute/surface_sets.h"
 
 namespace tremolo {
 namespace {
@@ -68,7 +70,26 @@ DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) 
   return load;
 }
 
+void read_render(const PrecomputeOptions& options, Problem& problem) {
+  SurfaceFile file =
+      unwrap(read_surface(options.render_path, {.metres_per_unit = options.render_unit}));
+  problem.notes.push_back("render surface: " + options.render_path + ", " + file.format +
+                          ", unit: " + file.unit);
+  problem.notes.insert(problem.notes.end(), file.notes.begin(), file.notes.end());
+  attach_render(problem, std::move(file.surface), options.threads);
+}
+
 }  // namespace
+
+void attach_render(Problem& problem, RenderSurface surface, unsigned threads) {
+  const auto note = [&problem](std::vector<std::string> notes) {
+    for (std::string& each : notes) problem.notes.push_back(std::move(each));
+  };
+  problem.embedding = embed(surface.vertices, problem.mesh, threads);
+  note(describe(problem.embedding, problem.mesh));
+  note(add_surface_sets(surface, problem.mesh));
+  problem.render = std::move(surface);
+}
 
 Problem load_problem(const PrecomputeOptions& options) {
   unwrap(check_material(options.material));
@@ -91,6 +112,8 @@ Problem load_problem(const PrecomputeOptions& options) {
   problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
                        problem.report.notes.end());
   problem.mesh_hash = hash_mesh(problem.mesh);
+  if (!options.render_path.empty()) read_render(options, problem);
+  if (!options.select.empty()) return problem;
   problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
   if (!problem.free_body) {
     problem.fixed = select_fixed(options, problem.mesh);

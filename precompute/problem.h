@@ -9,6 +9,7 @@
 #include "formats/basis_data.h"
 #include "formats/basis_writer.h"
 #include "precompute/assembly.h"
+#include "precompute/embedding.h"
 
 namespace tremolo {
 
@@ -29,6 +30,9 @@ struct PrecomputeOptions {
   unsigned threads = 1;
   bool limits = false;       // measure the machine, print each stage's shortest possible time
   std::string command_line;  // for the file's provenance
+  std::string render_path;   // surface to be carried along; empty: none
+  double render_unit = 0;    // metres in one of its units; 0: what the file says
+  std::string select;        // selector to be shown; nothing is computed then
 };
 
 struct Problem {
@@ -37,14 +41,22 @@ struct Problem {
   std::vector<VertexId> fixed;  // ascending
   bool free_body = false;
   DefaultLoad load;
+  std::optional<RenderSurface> render;  // what is drawn; none: the boundary of the tetrahedra
+  Embedding embedding;                  // of its vertices
   std::string mesh_format;
   std::string mesh_hash;           // XXH3-64 of vertices and tetrahedra, after repair
   std::vector<std::string> notes;  // for the user: repairs, oddities
 };
 
-// Reads, checks and selects. Throws Failure: kSystem for unreadable files, kContent and kUsage for
-// everything that is wrong in them or in the options.
+// Reads, checks and selects; with options.select nothing is fixed or loaded yet. Throws Failure:
+// kSystem for unreadable files, kContent and kUsage for everything that is wrong in them or in the
+// options.
 Problem load_problem(const PrecomputeOptions& options);
+
+// Makes the surface (m, in the mesh's place) what is drawn: embeds its vertices, adds its colours,
+// objects and materials to the mesh for selectors, and tells in problem.notes. To be called once
+// the mesh is checked and before anything is selected; load_problem does for options.render_path.
+void attach_render(Problem& problem, RenderSurface surface, unsigned threads);
 
 // k and r, defaults cut to what `free_dofs` (rigid motions taken off) allows; what was asked for
 // explicitly and is not there is a Failure (kContent).
