@@ -97,6 +97,9 @@ Problem load_problem(const PrecomputeOptions& options) {
   if (std::filesystem::equivalent(options.mesh_path, options.output_path, ignored))
     throw Failure(
         {ErrorKind::kUsage, options.output_path + ": the output would overwrite the mesh"});
+  if (std::filesystem::equivalent(options.render_path, options.output_path, ignored))
+    throw Failure({ErrorKind::kUsage,
+                   options.output_path + ": the output would overwrite the render surface"});
   if (options.fix.size() > 1 &&
       std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
     throw Failure({ErrorKind::kUsage, "--fix none and another --fix contradict each other"});
