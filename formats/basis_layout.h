@@ -99,17 +99,17 @@ inline constexpr std::string_view kCoefficientScales = "coef_scales";  // f64, 2
 inline constexpr std::string_view kBasisScales = "basis_scales";       // f64, r x 1
 
 // Version 1.2, the render surface: the first eight are there together or not at all.
-inline constexpr std::string_view kRenderRest = "render_rest";            // f64, v x 3
-inline constexpr std::string_view kRenderBasis = "render_basis";          // f64 or i16, 3v x r
-inline constexpr std::string_view kRenderAnchors = "render_anchors";      // u32, v x 1
-inline constexpr std::string_view kRenderTriangles = "render_triangles";  // u32, w x 3
-inline constexpr std::string_view kRenderObjects = "render_objects";      // u32, w x 1
-inline constexpr std::string_view kRenderMaterials = "render_materials";  // u32, w x 1
-inline constexpr std::string_view kObjectNames = "object_names";          // u8, bytes x 1
-inline constexpr std::string_view kMaterialNames = "material_names";      // u8, bytes x 1
-inline constexpr std::string_view kRenderNormals = "render_normals";      // f32, v x 3
-inline constexpr std::string_view kRenderUvs = "render_uvs";              // f32, v x 2
-inline constexpr std::string_view kRenderColours = "render_colours";      // u8, v x 4
+inline constexpr std::string_view kRenderRest = "render_rest";           // f64, v x 3
+inline constexpr std::string_view kRenderBasis = "render_basis";         // f64 or i16, 3v x r
+inline constexpr std::string_view kRenderAnchors = "render_anchors";     // u32, v x 1
+inline constexpr std::string_view kRenderTriangles = "render_faces";     // u32, w x 3
+inline constexpr std::string_view kRenderObjects = "render_object";      // u32, w x 1
+inline constexpr std::string_view kRenderMaterials = "render_material";  // u32, w x 1
+inline constexpr std::string_view kObjectNames = "object_names";         // u8, bytes x 1
+inline constexpr std::string_view kMaterialNames = "material_names";     // u8, bytes x 1
+inline constexpr std::string_view kRenderNormals = "render_normals";     // f32, v x 3
+inline constexpr std::string_view kRenderUvs = "render_uvs";             // f32, v x 2
+inline constexpr std::string_view kRenderColours = "render_colours";     // u8, v x 4
 
 // Entries of the section `coef_scales`, in this order.
 namespace coefficient_scale {

@@ -17,9 +17,10 @@ struct Boundary {
   std::uint64_t vertex_count;
 };
 
-// Ids in the source mesh, ascending, of vertices on the boundary, and where they are at rest, m.
-// The sets are `fixed` (vertices that do not move), `loaded` (of the default load) and the objects
-// and materials of the render surface; the colours are its colours. Errors as select_vertices.
+// Ids in the source mesh, ascending, of vertices on the boundary, and where they are at rest, m. The
+// sets are `fixed` (vertices that do not move), `loaded` (of the default load) and, for each object
+// and material of the render surface, the anchors of its vertices; they take its colours. Errors as
+// select_vertices.
 struct Selection {
   std::vector<VertexId> ids;
   std::vector<Eigen::Vector3d> places;
