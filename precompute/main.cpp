@@ -99,6 +99,7 @@ void find_encoding_error(PrecomputeResult& result, StageLog& log) {
 // --select: what it chooses, and nothing else.
 void print_selection(const PrecomputeOptions& options) {
   const Problem problem = load_problem(options);
+  for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
   const std::vector<VertexId> ids = unwrap(resolve_selector(options.select, problem.mesh));
   std::vector<Eigen::Vector3d> places;
   for (const VertexId id : ids) places.push_back(problem.mesh.vertices[id]);

@@ -33,7 +33,8 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
                       {"density_kg_m3", options.material.density}};
   if (const auto& render = result.problem.render) {
     const Embedding& embedding = result.problem.embedding;
-    json["render"] = {{"file", std::filesystem::path(options.render_path).filename().string()},
+    const std::string& path = options.render_path.empty() ? options.mesh_path : options.render_path;
+    json["render"] = {{"file", std::filesystem::path(path).filename().string()},
                       {"vertices", render->vertices.size()},
                       {"triangles", render->triangles.size()},
                       {"outside", embedding.outside},

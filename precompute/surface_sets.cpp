@@ -87,7 +87,15 @@ std::vector<std::string> add_surface_sets(const RenderSurface& surface, TetMesh&
   const auto add = [&](const std::vector<std::string>& names,
                        const std::vector<std::uint32_t>& marks, const char* kind) {
     std::vector<std::vector<VertexId>> sets(names.size());
-    for (const Contact& contact : contacts) sets[marks[contact.triangle]].push_back(contact.vertex);
+    std::vector<bool> met(names.size(), false);
+    for (const Contact& contact : contacts) {
+      sets[marks[contact.triangle]].push_back(contact.vertex);
+      met[marks[contact.triangle]] = true;
+    }
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+      if (!met[marks[t]])
+        for (const Eigen::Vector3d& x : corners_of(surface, t))
+          sets[marks[t]].push_back(nearest(x));
     for (std::size_t mark = 0; mark < names.size(); ++mark) {
       if (names[mark].empty()) continue;
       if (mesh.node_sets.contains(names[mark])) {

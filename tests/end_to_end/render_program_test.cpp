@@ -134,8 +134,10 @@ TEST_F(RenderProgram, ItMovesWithTheSolid) {
   double lowest = 0;
   for (const Eigen::Vector3d& x : points(slurp(folder_ + "/moved/surface-0000.obj"))) {
     lowest = std::min(lowest, x.z() + 0.001);
-    if (x.x() < 0)  // the foot, half a millimetre outside what is fixed
+    // The foot, half a millimetre outside what is fixed.
+    if (x.x() < 0) {
       EXPECT_LE(std::abs(x.z() - (x.z() > 0.03 ? 0.061 : -0.001)), 2e-3);
+    }
   }
   EXPECT_LT(lowest, -1e-3) << "the tip goes down";
 }
