@@ -1,7 +1,8 @@
-// tremolo-mesh: recipe in, tetrahedral mesh out.
+// tremolo-mesh: surface or recipe in, tetrahedral mesh out.
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <optional>
@@ -9,23 +10,26 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/length_unit.h"
 #include "common/mesh_quality.h"
 #include "common/surface_mesh.h"
 #include "formats/atomic_file.h"
 #include "formats/msh_writer.h"
+#include "formats/surface_reader.h"
 #include "formats/surface_writer.h"
 #include "precompute/mesher/cgal_mesher.h"
 #include "precompute/mesher/recipe_list.h"
+#include "precompute/mesher/surface_mesher.h"
 
 namespace tremolo {
 namespace {
 
 struct Options {
-  std::string recipe;
+  std::string input;  // a recipe's name or a surface file
   std::string output;
   std::string surface;
-  double size = 0;  // m; 0: the recipe's own
-  int tets = 0;     // 0: as many as come out
+  std::string unit;
+  SurfaceMeshOptions mesh;  // size and tets hold for recipes too
 };
 
 // --tets is met to this share, in at most so many tries.
@@ -52,12 +56,41 @@ Result<TetMesh> mesh_to_count(const Recipe& recipe, int wanted) {
                        " tetrahedra within 10 % came out in " + std::to_string(kTries) + " tries");
 }
 
-Result<TetMesh> make_mesh(const Options& options) {
-  Result<Recipe> recipe = find_recipe(options.recipe);
-  if (!recipe) return recipe.error();
+Result<TetMesh> mesh_sample(Recipe recipe, const SurfaceMeshOptions& options) {
   if (options.size > 0.0)
-    recipe->size = [size = options.size](const Eigen::Vector3d&) { return size; };
-  return options.tets > 0 ? mesh_to_count(*recipe, options.tets) : mesh_recipe(*recipe);
+    recipe.size = [size = options.size](const Eigen::Vector3d&) { return size; };
+  return options.tets > 0 ? mesh_to_count(recipe, options.tets) : mesh_recipe(recipe);
+}
+
+void say(const std::string& line) {
+  std::fprintf(stderr, "  %s\n", line.c_str());
+}
+
+Result<TetMesh> mesh_file(const Options& options) {
+  SurfaceReadOptions reading;
+  if (!options.unit.empty()) {
+    const Result<double> unit = metres_per_unit(options.unit);
+    if (!unit) return unit.error();
+    reading.metres_per_unit = *unit;
+  }
+  const Result<SurfaceFile> file = read_surface(options.input, reading);
+  if (!file) return file.error();
+  say(options.input + ": " + file->format + ", " + std::to_string(file->surface.vertices.size()) +
+      " vertices, " + std::to_string(file->surface.triangles.size()) + " triangles, " +
+      std::to_string(file->surface.objects.size()) + " objects; unit: " + file->unit);
+  for (const std::string& note : file->notes) say(note);
+  Result<MeshedSurface> meshed = mesh_surface(file->surface, options.mesh);
+  if (!meshed) return Error{meshed.error().kind, options.input + ": " + meshed.error().message};
+  for (const std::string& line : describe(meshed->report)) say(line);
+  return std::move(meshed->mesh);
+}
+
+Result<TetMesh> make_mesh(const Options& options) {
+  Result<Recipe> recipe = find_recipe(options.input);
+  if (recipe) return mesh_sample(std::move(*recipe), options.mesh);
+  if (is_surface_file(options.input) || std::filesystem::exists(options.input))
+    return mesh_file(options);
+  return recipe.error();
 }
 
 SurfaceMesh compact_boundary(const TetMesh& mesh) {
@@ -95,20 +128,35 @@ Status run(const Options& options) {
 
 // The exit code when there is nothing more to do.
 std::optional<int> parse(int count, char** words, Options& options) {
-  CLI::App app{"Cuts one of the sample solids into tetrahedra. Units are SI."};
+  CLI::App app{
+      "Cuts a surface, or one of the sample solids, into tetrahedra. Holes, crossings, repeats "
+      "and\n"
+      "turned triangles are found, mended and told; what cannot be meshed is told with what to "
+      "do."};
   app.name("tremolo-mesh");
   app.set_version_flag("--version", std::string("tremolo-mesh ") + TREMOLO_VERSION);
-  app.add_option("recipe", options.recipe, "one of: " + recipe_names())->required();
+  SurfaceMeshOptions& mesh = options.mesh;
+  app.add_option(
+         "input", options.input,
+         "a surface file (obj ply stl off gltf glb fbx dae 3ds ...), or one of: " + recipe_names())
+      ->required();
   app.add_option("-o,--output", options.output, "the mesh to write, MSH 2.2 binary (.msh)")
       ->required();
   CLI::Option* size =
-      app.add_option("--size", options.size,
-                     "longest wanted edge everywhere, m (the surface may ask for less)")
+      app.add_option("--size", mesh.size, "longest wanted edge, m (thin walls may ask for less)")
           ->check(CLI::PositiveNumber);
-  app.add_option("--tets", options.tets,
-                 "wanted number of tetrahedra, met within 10 %: all sizes of the recipe are scaled")
+  app.add_option("--tets", mesh.tets,
+                 "wanted number of tetrahedra, met within 10 % (default 10 000)")
       ->check(CLI::PositiveNumber)
       ->excludes(size);
+  app.add_option("--error", mesh.error,
+                 "wanted distance to the surface, m (default 0.3 % of the diagonal)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--unit", options.unit, std::string("of the file's coordinates: ") + kLengthUnits);
+  app.add_option("--thicken", mesh.thicken, "take the surface for a sheet so thick, m")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--fill-holes", mesh.fill_holes, "close holes however large they are");
+  app.add_flag("--keep-crumbs", mesh.keep_crumbs, "keep parts far smaller than the largest");
   app.add_option("--surface", options.surface,
                  "also write the boundary, as .obj, .ply or .inc (POV-Ray)");
   try {
