@@ -17,7 +17,7 @@ constexpr int kCells = 72;  // along the longest side
 constexpr int kConeRays = 4;
 constexpr double kCone = 30.0 * std::numbers::pi / 180.0;
 // Volume of a tetrahedron over the cube of the wanted edge, as the mesher fills space; measured.
-constexpr double kVolumePerCube = 0.12;
+constexpr double kVolumePerCube = 0.2;
 // Triangles within the solid that a ray passes, and how far behind one it goes on; surfaces are
 // scaled to a diagonal of 1.
 constexpr int kMostHits = 8;
@@ -134,6 +134,10 @@ double SizeField::at(const Point& x) const {
                    static_cast<std::size_t>(cell[0] + di)];
   }
   return sum;
+}
+
+double size_for_count(double volume, double count) {
+  return std::cbrt(volume / (kVolumePerCube * count));
 }
 
 double estimated_count(const std::vector<WallSample>& walls, double volume, double coarse,

@@ -45,6 +45,9 @@ class SizeField {
   std::vector<float> values_;  // x fastest
 };
 
+// The size everywhere with which a compact solid of that volume becomes so many tetrahedra.
+double size_for_count(double volume, double count);
+
 // Tetrahedra that a solid of that volume would be cut into, to a factor of two or so.
 double estimated_count(const std::vector<WallSample>& walls, double volume, double coarse,
                        double fine);

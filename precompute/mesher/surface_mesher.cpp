@@ -182,7 +182,7 @@ Result<Plan> make_plan(const Solid& solid, bool clean, const SurfaceMeshOptions&
     plan.coarse = options.size / scaling.diagonal;
     plan.fine = 0.25 * plan.coarse;
   } else {
-    plan.coarse = std::cbrt(plan.volume / (0.12 * wanted));
+    plan.coarse = size_for_count(plan.volume, wanted);
     plan.fine = fine_enough(plan, most);
   }
   plan.error = options.error > 0 ? options.error / scaling.diagonal
@@ -395,35 +395,60 @@ SurfaceMesh boundary_of(const TetMesh& mesh) {
   return surface;
 }
 
-// The triangles of the surface that the mesh was to follow.
-SurfaceMesh followed(const Solid& solid, bool clean) {
-  if (clean || solid.half_thickness > 0) return solid.surface;
-  constexpr double kStep = 1e-4;
-  SurfaceMesh kept;
-  kept.vertices = solid.surface.vertices;
-  for (const Triangle& t : solid.surface.triangles) {
-    const Point normal = doubled_area(solid.surface, t).normalized();
-    const Point middle = (kept.vertices[static_cast<std::size_t>(t[0])] +
-                          kept.vertices[static_cast<std::size_t>(t[1])] +
-                          kept.vertices[static_cast<std::size_t>(t[2])]) /
-                         3.0;
-    if (!solid.inside(middle + kStep * normal) && solid.inside(middle - kStep * normal))
-      kept.triangles.push_back(t);
+// The largest distance from the mesh's boundary to the surface. Where a hole was closed there is no
+// surface: there the solid angle goes steadily through one half, and only there.
+double mesh_to_surface(const Solid& solid, bool clean, const SurfaceMesh& boundary, double error,
+                       double& largest_cap) {
+  const double step = 3.0 * error;
+  double largest = 0;
+  for (const SurfacePoint& at : spread_points(boundary, kDistanceSamples)) {
+    const double distance = solid.tree.nearest(at.point).distance;
+    if (!clean && distance > error) {
+      const Point normal = doubled_area(boundary, boundary.triangles[at.triangle]).normalized();
+      const double before = solid.winding.at(at.point + step * normal);
+      const double behind = solid.winding.at(at.point - step * normal);
+      constexpr double kSteady = 0.25;
+      if (std::abs(before - 0.5) < kSteady && std::abs(behind - 0.5) < kSteady) {
+        largest_cap = std::max(largest_cap, distance);
+        continue;
+      }
+    }
+    largest = std::max(largest, distance);
   }
-  return kept;
+  return largest;
 }
 
-void measure(const Solid& solid, bool clean, const TetMesh& mesh, SurfaceMeshReport& report) {
+// The way back, from those points of the surface that part inside from outside.
+double surface_to_mesh(const Solid& solid, bool clean, const TriangleTree& boundary) {
+  constexpr double kStep = 1e-4;
+  double largest = 0;
+  for (const SurfacePoint& at : spread_points(solid.surface, kDistanceSamples)) {
+    const Point normal =
+        doubled_area(solid.surface, solid.surface.triangles[at.triangle]).normalized();
+    const bool border =
+        solid.inside(at.point - kStep * normal) && !solid.inside(at.point + kStep * normal);
+    if (clean || border) largest = std::max(largest, boundary.nearest(at.point).distance);
+  }
+  return largest;
+}
+
+// In units of the diagonal.
+void measure(const Solid& solid, bool clean, double error, const TetMesh& mesh,
+             SurfaceMeshReport& report) {
   report.quality = mesh_quality(mesh);
   const SurfaceMesh boundary = boundary_of(mesh);
-  report.mesh_to_surface = distance_from(boundary, solid.tree, kDistanceSamples);
-  report.surface_to_mesh =
-      distance_from(followed(solid, clean), TriangleTree(boundary), kDistanceSamples);
-  // The faces of a sheet are half its thickness off on purpose.
+  const TriangleTree tree(boundary);
+  report.cap_to_surface = 0;
   if (solid.half_thickness > 0) {
-    report.mesh_to_surface -= solid.half_thickness;
-    report.surface_to_mesh -= solid.half_thickness;
+    // The faces of a sheet are half its thickness off on purpose.
+    report.mesh_to_surface =
+        distance_from(boundary, solid.tree, kDistanceSamples) - solid.half_thickness;
+    report.surface_to_mesh =
+        distance_from(solid.surface, tree, kDistanceSamples) - solid.half_thickness;
+    return;
   }
+  report.mesh_to_surface = mesh_to_surface(solid, clean, boundary, error, report.cap_to_surface);
+  report.surface_to_mesh = surface_to_mesh(solid, clean, tree);
 }
 
 Status refuse_hopeless(const RepairedSurface& repaired, const SurfaceMeshOptions& options,
@@ -481,7 +506,7 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMesh
           "no tetrahedra came out: the solid is far thinner than the size. Ask for "
           "smaller ones by --size, or for more by --tets");
     const Parts parts = drop_crumbs(done->mesh, options.keep_crumbs);
-    measure(solid, clean, done->mesh, report);
+    measure(solid, clean, plan->error, done->mesh, report);
     report.method = done->method;
     result.mesh = std::move(done->mesh);
     report.notes.clear();
@@ -513,6 +538,7 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMesh
              report.quality.min_dihedral_deg));
   report.mesh_to_surface *= scaling.diagonal;
   report.surface_to_mesh *= scaling.diagonal;
+  report.cap_to_surface *= scaling.diagonal;
   for (Point& x : result.mesh.vertices) x = scaling.out(x);
   report.quality = mesh_quality(result.mesh);
   return result;

@@ -6,12 +6,14 @@
 #include <cstdio>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <queue>
 #include <random>
 #include <span>
 #include <tuple>
 
 #include "precompute/mesher/crossings.h"
+#include "precompute/mesher/surface_union.h"
 #include "precompute/mesher/surface_weld.h"
 #include "precompute/mesher/triangle_tree.h"
 #include "precompute/mesher/winding_number.h"
@@ -303,6 +305,31 @@ void settle_closed_shells(SurfaceMesh& surface, const std::vector<Patch>& patche
   }
 }
 
+// Closed shells that only cross each other become one surface, of one patch.
+bool unite(SurfaceMesh& surface, const std::vector<Patch>& patches,
+           std::vector<std::size_t>& patch_of, SurfaceFindings& findings) {
+  SurfaceMesh outwards = surface;
+  SurfaceFindings turned = findings;
+  std::size_t inwards = 0;
+  for (const Patch& patch : patches) {
+    double volume = 0;
+    for (const std::size_t t : patch.triangles)
+      volume += volume_below(surface, surface.triangles[t]);
+    inwards += volume < 0;
+    if (volume < 0) turn(outwards, patch, turned);
+  }
+  // Some of each: cavities, perhaps.
+  if (inwards > 0 && inwards < patches.size()) return false;
+  std::optional<SurfaceMesh> united = unite_shells(outwards, patch_of);
+  if (!united) return false;
+  findings.turned = turned.turned;
+  findings.united = patches.size();
+  findings.crossings = 0;
+  surface = std::move(*united);
+  patch_of.assign(surface.triangles.size(), 0);
+  return true;
+}
+
 }  // namespace
 
 RepairedSurface repair_surface(const SurfaceMesh& given) {
@@ -324,8 +351,10 @@ RepairedSurface repair_surface(const SurfaceMesh& given) {
   if (findings.branching_edges == 0 && findings.one_sided_edges == 0)
     findings.crossings = count_crossings(surface);
   std::vector<bool> dropped(patches.size(), false);
-  // Shells that cross each other are not inside one another.
-  if (findings.crossings == 0) settle_closed_shells(surface, patches, findings, dropped);
+  if (findings.crossings == 0)
+    settle_closed_shells(surface, patches, findings, dropped);
+  else if (findings.holes == 0 && unite(surface, patches, patch_of, findings))
+    dropped.assign(1, false);
   if (!findings.clean()) {
     for (Patch& patch : patches) patch.branching = patch.branching || findings.crossings > 0;
     orient_open_patches(surface, patches, findings);
@@ -336,6 +365,7 @@ RepairedSurface repair_surface(const SurfaceMesh& given) {
     result.mesh.triangles.push_back(surface.triangles[t]);
     result.shell_of.push_back(patch_of[t]);
   }
+  drop_unused_vertices(result.mesh);
   return result;
 }
 
@@ -350,6 +380,7 @@ std::vector<std::string> describe(const SurfaceFindings& f) {
   say(f.repeated, " repeated triangle left out", " repeated triangles left out");
   say(f.cancelled, "", " triangles that lay back to back in pairs left out: an inner wall");
   say(f.turned, " triangle turned to face outwards", " triangles turned to face outwards");
+  say(f.united, "", " shells that overlapped united");
   say(f.inner_shells, " inner shell left out (it faces the same way as the one around it)",
       " inner shells left out (they face the same way as those around them)");
   say(f.cavities, " cavity kept", " cavities kept");

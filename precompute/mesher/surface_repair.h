@@ -18,6 +18,7 @@ struct SurfaceFindings {
   std::size_t repeated = 0;
   std::size_t cancelled = 0;  // back to back with another: both were taken out
   std::size_t turned = 0;     // orientation
+  std::size_t united = 0;     // closed shells that overlapped
 
   std::size_t holes = 0;            // closed chains of edges with one triangle
   double hole_share = 0;            // area of the flattest caps over that of the surface

@@ -31,21 +31,6 @@ void renumber(SurfaceMesh& surface, const std::vector<VertexId>& place_of) {
     for (VertexId& v : t) v = place_of[static_cast<std::size_t>(v)];
 }
 
-// Vertices that no triangle uses go; the order of the others stays.
-void drop_unused(SurfaceMesh& surface) {
-  std::vector<VertexId> place_of(surface.vertices.size(), -1);
-  for (const Triangle& t : surface.triangles)
-    for (const VertexId v : t) place_of[static_cast<std::size_t>(v)] = 0;
-  std::vector<Point> kept;
-  for (std::size_t v = 0; v < place_of.size(); ++v)
-    if (place_of[v] == 0) {
-      place_of[v] = static_cast<VertexId>(kept.size());
-      kept.push_back(surface.vertices[v]);
-    }
-  surface.vertices = std::move(kept);
-  renumber(surface, place_of);
-}
-
 std::size_t merge_equal(SurfaceMesh& surface) {
   std::map<std::array<double, 3>, VertexId> first;
   std::vector<VertexId> place_of(surface.vertices.size());
@@ -161,6 +146,20 @@ Faces sort_out(const SurfaceMesh& surface) {
 
 }  // namespace
 
+void drop_unused_vertices(SurfaceMesh& surface) {
+  std::vector<VertexId> place_of(surface.vertices.size(), -1);
+  for (const Triangle& t : surface.triangles)
+    for (const VertexId v : t) place_of[static_cast<std::size_t>(v)] = 0;
+  std::vector<Point> kept;
+  for (std::size_t v = 0; v < place_of.size(); ++v)
+    if (place_of[v] == 0) {
+      place_of[v] = static_cast<VertexId>(kept.size());
+      kept.push_back(surface.vertices[v]);
+    }
+  surface.vertices = std::move(kept);
+  renumber(surface, place_of);
+}
+
 std::size_t odd_edges(const SurfaceMesh& surface) {
   std::vector<std::pair<VertexId, VertexId>> edges;
   edges.reserve(3 * surface.triangles.size());
@@ -179,10 +178,10 @@ std::size_t odd_edges(const SurfaceMesh& surface) {
 
 WeldCounts weld(SurfaceMesh& surface) {
   WeldCounts counts;
-  drop_unused(surface);
+  drop_unused_vertices(surface);
   counts.welded = merge_equal(surface);
   counts.degenerate = drop_flat(surface);
-  drop_unused(surface);
+  drop_unused_vertices(surface);
   const std::size_t open = odd_edges(surface);
   if (open > 0) {
     SurfaceMesh closed = surface;
@@ -209,7 +208,7 @@ WeldCounts weld(SurfaceMesh& surface) {
       counts.cancelled = 2 * faces.back_to_back.size();
     }
   }
-  drop_unused(surface);
+  drop_unused_vertices(surface);
   return counts;
 }
 

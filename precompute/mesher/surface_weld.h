@@ -19,6 +19,9 @@ struct WeldCounts {
 // are both taken out if that leaves fewer open edges than keeping one of them.
 WeldCounts weld(SurfaceMesh& surface);
 
+// Vertices that no triangle uses go; the order of the others stays.
+void drop_unused_vertices(SurfaceMesh& surface);
+
 // Edges with an odd number of triangles.
 std::size_t odd_edges(const SurfaceMesh& surface);
 
