@@ -10,7 +10,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/length_unit.h"
 #include "common/mesh_quality.h"
 #include "common/surface_mesh.h"
 #include "formats/atomic_file.h"
@@ -19,7 +18,8 @@
 #include "formats/surface_writer.h"
 #include "precompute/mesher/cgal_mesher.h"
 #include "precompute/mesher/recipe_list.h"
-#include "precompute/mesher/surface_mesher.h"
+#include "precompute/mesher/surface_input.h"
+#include "precompute/mesher/surface_options.h"
 
 namespace tremolo {
 namespace {
@@ -62,27 +62,11 @@ Result<TetMesh> mesh_sample(Recipe recipe, const SurfaceMeshOptions& options) {
   return options.tets > 0 ? mesh_to_count(recipe, options.tets) : mesh_recipe(recipe);
 }
 
-void say(const std::string& line) {
-  std::fprintf(stderr, "  %s\n", line.c_str());
-}
-
 Result<TetMesh> mesh_file(const Options& options) {
-  SurfaceReadOptions reading;
-  if (!options.unit.empty()) {
-    const Result<double> unit = metres_per_unit(options.unit);
-    if (!unit) return unit.error();
-    reading.metres_per_unit = *unit;
-  }
-  const Result<SurfaceFile> file = read_surface(options.input, reading);
-  if (!file) return file.error();
-  say(options.input + ": " + file->format + ", " + std::to_string(file->surface.vertices.size()) +
-      " vertices, " + std::to_string(file->surface.triangles.size()) + " triangles, " +
-      std::to_string(file->surface.objects.size()) + " objects; unit: " + file->unit);
-  for (const std::string& note : file->notes) say(note);
-  Result<MeshedSurface> meshed = mesh_surface(file->surface, options.mesh);
-  if (!meshed) return Error{meshed.error().kind, options.input + ": " + meshed.error().message};
-  for (const std::string& line : describe(meshed->report)) say(line);
-  return std::move(meshed->mesh);
+  Result<SurfaceInput> input = load_surface(options.input, options.unit, options.mesh);
+  if (!input) return input.error();
+  for (const std::string& note : input->notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  return std::move(input->mesh);
 }
 
 Result<TetMesh> make_mesh(const Options& options) {
@@ -135,28 +119,13 @@ std::optional<int> parse(int count, char** words, Options& options) {
       "do."};
   app.name("tremolo-mesh");
   app.set_version_flag("--version", std::string("tremolo-mesh ") + TREMOLO_VERSION);
-  SurfaceMeshOptions& mesh = options.mesh;
   app.add_option(
          "input", options.input,
          "a surface file (obj ply stl off gltf glb fbx dae 3ds ...), or one of: " + recipe_names())
       ->required();
   app.add_option("-o,--output", options.output, "the mesh to write, MSH 2.2 binary (.msh)")
       ->required();
-  CLI::Option* size =
-      app.add_option("--size", mesh.size, "longest wanted edge, m (thin walls may ask for less)")
-          ->check(CLI::PositiveNumber);
-  app.add_option("--tets", mesh.tets,
-                 "wanted number of tetrahedra, met within 10 % (default 10 000)")
-      ->check(CLI::PositiveNumber)
-      ->excludes(size);
-  app.add_option("--error", mesh.error,
-                 "wanted distance to the surface, m (default 0.3 % of the diagonal)")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--unit", options.unit, std::string("of the file's coordinates: ") + kLengthUnits);
-  app.add_option("--thicken", mesh.thicken, "take the surface for a sheet so thick, m")
-      ->check(CLI::PositiveNumber);
-  app.add_flag("--fill-holes", mesh.fill_holes, "close holes however large they are");
-  app.add_flag("--keep-crumbs", mesh.keep_crumbs, "keep parts far smaller than the largest");
+  add_surface_options(app, options.mesh, options.unit);
   app.add_option("--surface", options.surface,
                  "also write the boundary, as .obj, .ply or .inc (POV-Ray)");
   try {
