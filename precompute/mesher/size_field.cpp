@@ -71,7 +71,7 @@ std::vector<WallSample> wall_samples(const SurfaceMesh& surface, const TriangleT
 
 SizeField::SizeField(const BoundingBox& box, const std::vector<WallSample>& walls, double coarse,
                      double fine)
-    : coarse_(coarse), smallest_(coarse) {
+    : coarse_(coarse) {
   step_ = (box.high - box.low).maxCoeff() / kCells;
   low_ = box.low - Point::Constant(step_);
   count_ = ((box.high - box.low) / step_).array().ceil().cast<int>() + 4;
@@ -84,7 +84,6 @@ SizeField::SizeField(const BoundingBox& box, const std::vector<WallSample>& wall
   };
   for (const WallSample& wall : walls) {
     const double size = std::clamp(wall.thickness, fine, coarse);
-    smallest_ = std::min(smallest_, size);
     const Eigen::Vector3i cell = ((wall.point - low_) / step_).array().floor().cast<int>();
     for (int corner = 0; corner < 8; ++corner) {
       float& value =

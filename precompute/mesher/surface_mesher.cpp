@@ -76,12 +76,14 @@ SurfaceMesh scale(const RenderSurface& given, Scaling& scaling) {
 // The solid that a surface stands for.
 struct Solid {
   SurfaceMesh surface;
+  std::vector<std::size_t> shell_of;  // a triangle
   TriangleTree tree;
   WindingNumber winding;
   double half_thickness = 0;  // above 0: a sheet
 
-  explicit Solid(SurfaceMesh mesh, double thickness)
+  Solid(SurfaceMesh mesh, std::vector<std::size_t> shells, double thickness)
       : surface(std::move(mesh)),
+        shell_of(std::move(shells)),
         tree(surface),
         winding(surface),
         half_thickness(0.5 * thickness) {}
@@ -203,42 +205,60 @@ Result<Plan> make_plan(const Solid& solid, bool clean, const SurfaceMeshOptions&
   return plan;
 }
 
-// Points that keep a distance from each other, on the border of the solid.
-std::vector<Point> border_points(const Solid& solid, const SizeField& sizes, bool clean) {
+// Points on the border of the solid that keep a distance from each other: 1.2 times the size, less
+// on shells that would get only a few.
+std::vector<Seed> border_points(const Solid& solid, const SizeField& sizes, bool clean) {
   constexpr double kSpacing = 1.2;
   constexpr std::size_t kPoints = 60'000;
+  constexpr std::size_t kLeast = 12;
   constexpr double kStep = 1e-4;
-  std::vector<Point> kept;
-  // The coarsest size is as wide as a cell, so only neighbours count.
-  const double width = kSpacing * sizes.at(Point::Constant(10.0));
-  std::map<std::array<int, 3>, std::vector<std::size_t>> cells;
+  std::vector<Seed> candidates;
+  std::vector<std::size_t> shell_of;
   for (const SurfacePoint& at : spread_points(solid.surface, kPoints)) {
-    Point x = at.point;
     const Point normal =
         doubled_area(solid.surface, solid.surface.triangles[at.triangle]).normalized();
     if (solid.half_thickness > 0) {
-      x += solid.half_thickness * normal;
-      if (std::abs(solid.tree.nearest(x).distance - solid.half_thickness) > 1e-9) continue;
-    } else if (!clean && (solid.inside(x + kStep * normal) || !solid.inside(x - kStep * normal))) {
-      continue;
+      for (const double side : {1.0, -1.0}) {
+        const Point x = at.point + side * solid.half_thickness * normal;
+        if (std::abs(solid.tree.nearest(x).distance - solid.half_thickness) > 1e-9) continue;
+        candidates.push_back({x, 0.0});
+        shell_of.push_back(solid.shell_of[at.triangle]);
+      }
+    } else if (clean || (!solid.inside(at.point + kStep * normal) &&
+                         solid.inside(at.point - kStep * normal))) {
+      candidates.push_back({at.point, 0.0});
+      shell_of.push_back(solid.shell_of[at.triangle]);
     }
-    const double apart = kSpacing * sizes.at(x);
-    const Eigen::Array3i cell = (x / width).array().floor().cast<int>();
-    bool free = true;
-    for (int i = 0; i < 27 && free; ++i) {
-      const auto near =
-          cells.find({cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1});
-      if (near == cells.end()) continue;
-      for (const std::size_t other : near->second)
-        if ((kept[other] - x).squaredNorm() < apart * apart) {
-          free = false;
-          break;
-        }
-    }
-    if (!free) continue;
-    cells[{cell[0], cell[1], cell[2]}].push_back(kept.size());
-    kept.push_back(x);
   }
+  std::vector<Seed> kept;
+  // The coarsest size is as wide as a cell, so only neighbours count.
+  const double width = kSpacing * sizes.coarsest();
+  std::map<std::array<int, 3>, std::vector<std::size_t>> cells;
+  std::map<std::size_t, std::size_t> count;
+  double factor = kSpacing;
+  for (int pass = 0; pass < 3; ++pass, factor *= 0.5)
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      std::size_t& here = count[shell_of[i]];
+      if (pass > 0 && here >= kLeast) continue;
+      const Point& x = candidates[i].point;
+      const double apart = factor * sizes.at(x);
+      const Eigen::Array3i cell = (x / width).array().floor().cast<int>();
+      bool free = true;
+      for (int n = 0; n < 27 && free; ++n) {
+        const auto near =
+            cells.find({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
+        if (near == cells.end()) continue;
+        for (const std::size_t other : near->second)
+          if ((kept[other].point - x).squaredNorm() < apart * apart) {
+            free = false;
+            break;
+          }
+      }
+      if (!free) continue;
+      ++here;
+      cells[{cell[0], cell[1], cell[2]}].push_back(kept.size());
+      kept.push_back({x, apart});
+    }
   return kept;
 }
 
@@ -288,7 +308,8 @@ Result<TetMesh> mesh_as_field(const Solid& solid, const Plan& plan, const SizeFi
   request.inside = [&solid](const Point& x) { return solid.inside(x); };
   request.size = [&sizes](const Point& x) { return sizes.at(x); };
   request.surface_error = plan.error;
-  request.first_points = border_points(solid, sizes, false);
+  for (const Seed& seed : border_points(solid, sizes, false))
+    request.first_points.push_back(seed.point);
   request.most_queries = 10 * query_budget(plan);
   request.onto_surface = [&](Point& x) {
     const NearestPoint near = solid.tree.nearest(x);
@@ -418,17 +439,28 @@ double mesh_to_surface(const Solid& solid, bool clean, const SurfaceMesh& bounda
   return largest;
 }
 
-// The way back, from those points of the surface that part inside from outside.
+// The way back, from those points of the surface that part inside from outside. Shells that were
+// left out as a whole do not count.
 double surface_to_mesh(const Solid& solid, bool clean, const TriangleTree& boundary) {
   constexpr double kStep = 1e-4;
-  double largest = 0;
+  struct Range {
+    double least = HUGE_VAL, most = 0;
+  };
+  std::map<std::size_t, Range> shells;
   for (const SurfacePoint& at : spread_points(solid.surface, kDistanceSamples)) {
     const Point normal =
         doubled_area(solid.surface, solid.surface.triangles[at.triangle]).normalized();
     const bool border =
         solid.inside(at.point - kStep * normal) && !solid.inside(at.point + kStep * normal);
-    if (clean || border) largest = std::max(largest, boundary.nearest(at.point).distance);
+    if (!clean && !border) continue;
+    const double distance = boundary.nearest(at.point).distance;
+    Range& range = shells[solid.shell_of[at.triangle]];
+    range.least = std::min(range.least, distance);
+    range.most = std::max(range.most, distance);
   }
+  double largest = 0;
+  for (const auto& [shell, range] : shells)
+    if (range.least < kWorstError) largest = std::max(largest, range.most);
   return largest;
 }
 
@@ -488,7 +520,8 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMesh
   if (Status status = refuse_hopeless(repaired, options, scaling); !status) return status.error();
 
   const bool clean = report.findings.clean();
-  const Solid solid(std::move(repaired.mesh), options.thicken / scaling.diagonal);
+  const Solid solid(std::move(repaired.mesh), std::move(repaired.shell_of),
+                    options.thicken / scaling.diagonal);
   constexpr double kLeastBacked = 0.3;
   if (solid.half_thickness == 0 && backed_share(solid) < kLeastBacked)
     return content_error(
