@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "common/length_unit.h"
+#include "precompute/mesher/surface_options.h"
 
 namespace tremolo {
 namespace {
@@ -64,16 +64,15 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   app.set_version_flag("--version", std::string("tremolo-precompute ") + TREMOLO_VERSION);
   app.allow_config_extras(CLI::config_extras_mode::error);
   app.set_config("--config", "", "read options from a TOML file (keys are the long flag names)");
-  app.add_option("mesh", options.mesh_path, "tetrahedral mesh: .msh .vtk .vtu .veg .node .ele")
+  app.add_option("mesh", options.mesh_path,
+                 "tetrahedral mesh (.msh .vtk .vtu .veg .node .ele), or a surface (.obj .ply .stl\n"
+                 ".gltf .glb .fbx .dae ...), which is meshed first")
       ->required();
   app.add_option("-o,--output", options.output_path, "the basis file to write");
   app.add_option(
       "--render", options.render_path,
       "surface that is drawn in place of the mesh's boundary and moves with it: .obj .ply "
-      ".stl .gltf .glb .fbx ...");
-  std::string unit;
-  app.add_option("--unit", unit, "of --render: mm, cm, m, in, ft, or metres in one unit")
-      ->needs("--render");
+      ".stl .gltf .glb .fbx ... (default: the surface that was meshed)");
   app.add_option("--select", options.select,
                  "print the vertices that a selector chooses, and compute nothing");
   app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
@@ -102,6 +101,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
                  "full (f64), or compact: coefficients f32, basis rows 16 bits; the error is told")
       ->check(CLI::IsMember({"full", "compact"}))
       ->capture_default_str();
+  add_surface_options(app, options.meshing, options.unit);
   options.threads = std::max(1u, std::thread::hardware_concurrency());
   app.add_option("--threads", options.threads, "threads of a rank")->check(CLI::PositiveNumber);
   app.add_flag("--limits", options.limits,
@@ -118,14 +118,6 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   if (options.output_path.empty() && options.select.empty()) {
     std::cerr << "tremolo-precompute: --output is required\n";
     return exit_code({ErrorKind::kUsage, ""});
-  }
-  if (!unit.empty()) {
-    const Result<double> metres = parse_length_unit(unit);
-    if (!metres) {
-      std::cerr << "tremolo-precompute: --" << metres.error().message << "\n";
-      return exit_code(metres.error());
-    }
-    options.render_unit = *metres;
   }
   options.encoding = encoding == "compact" ? BasisEncoding::kCompact : BasisEncoding::kFull;
   options.mass = mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;

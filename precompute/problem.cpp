@@ -5,11 +5,13 @@
 #include <filesystem>
 
 #include "common/hash.h"
+#include "common/length_unit.h"
 #include "common/packed_index.h"
 #include "formats/mesh_reader.h"
 #include "formats/selector_reader.h"
 #include "formats/surface_reader.h"
 #include "precompute/failure.h"
+#include "precompute/mesher/surface_input.h"
 #include "precompute/rigid_motion.h"
 #include "precompute/surface_sets.h"
 
@@ -71,8 +73,9 @@ DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) 
 }
 
 void read_render(const PrecomputeOptions& options, Problem& problem) {
-  SurfaceFile file =
-      unwrap(read_surface(options.render_path, {.metres_per_unit = options.render_unit}));
+  SurfaceReadOptions reading;
+  if (!options.unit.empty()) reading.metres_per_unit = unwrap(metres_per_unit(options.unit));
+  SurfaceFile file = unwrap(read_surface(options.render_path, reading));
   problem.notes.push_back("render surface: " + options.render_path + ", " + file.format +
                           ", unit: " + file.unit);
   problem.notes.insert(problem.notes.end(), file.notes.begin(), file.notes.end());
@@ -103,19 +106,31 @@ Problem load_problem(const PrecomputeOptions& options) {
   if (options.fix.size() > 1 &&
       std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
     throw Failure({ErrorKind::kUsage, "--fix none and another --fix contradict each other"});
-  MeshFile file = unwrap(read_tet_mesh(options.mesh_path));
   Problem problem;
-  problem.mesh = std::move(file.mesh);
-  problem.mesh_format = std::move(file.format);
+  std::optional<RenderSurface> meshed;
+  if (is_surface_file(options.mesh_path)) {
+    SurfaceInput input = unwrap(load_surface(options.mesh_path, options.unit, options.meshing));
+    problem.mesh = std::move(input.mesh);
+    meshed = std::move(input.render);
+    problem.mesh_format = std::move(input.format);
+    problem.notes = std::move(input.notes);
+  } else {
+    MeshFile file = unwrap(read_tet_mesh(options.mesh_path));
+    problem.mesh = std::move(file.mesh);
+    problem.mesh_format = std::move(file.format);
+    problem.notes = std::move(file.notes);
+  }
   Result<MeshReport> report = check_mesh(problem.mesh);
   if (!report)
     throw Failure({report.error().kind, options.mesh_path + ": " + report.error().message});
   problem.report = std::move(*report);
-  problem.notes = std::move(file.notes);
   problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
                        problem.report.notes.end());
   problem.mesh_hash = hash_mesh(problem.mesh);
-  if (!options.render_path.empty()) read_render(options, problem);
+  if (!options.render_path.empty())
+    read_render(options, problem);
+  else if (meshed)
+    attach_render(problem, std::move(*meshed), options.threads);
   if (!options.select.empty()) return problem;
   problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
   if (!problem.free_body) {

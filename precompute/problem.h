@@ -10,6 +10,7 @@
 #include "formats/basis_writer.h"
 #include "precompute/assembly.h"
 #include "precompute/embedding.h"
+#include "precompute/mesher/surface_mesher.h"
 
 namespace tremolo {
 
@@ -17,6 +18,8 @@ namespace tremolo {
 struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
+  std::string unit;            // of surfaces' coordinates; empty: what their files say
+  SurfaceMeshOptions meshing;  // of a surface
   Material material;
   std::vector<std::string> fix;                          // selectors; {"none"} asks for a free body
   std::string load_at;                                   // selector; empty: no default load
@@ -30,8 +33,7 @@ struct PrecomputeOptions {
   unsigned threads = 1;
   bool limits = false;       // measure the machine, print each stage's shortest possible time
   std::string command_line;  // for the file's provenance
-  std::string render_path;   // surface to be carried along; empty: none
-  double render_unit = 0;    // metres in one of its units; 0: what the file says
+  std::string render_path;   // surface that is drawn; empty: the one that was meshed, if one was
   std::string select;        // selector to be shown; nothing is computed then
 };
 
@@ -55,7 +57,7 @@ Problem load_problem(const PrecomputeOptions& options);
 
 // Makes the surface (m, in the mesh's place) what is drawn: embeds its vertices, adds its colours,
 // objects and materials to the mesh for selectors, and tells in problem.notes. To be called once
-// the mesh is checked and before anything is selected; load_problem does for options.render_path.
+// the mesh is checked and before anything is selected; load_problem does.
 void attach_render(Problem& problem, RenderSurface surface, unsigned threads);
 
 // k and r, defaults cut to what `free_dofs` (rigid motions taken off) allows; what was asked for
