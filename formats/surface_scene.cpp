@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -394,7 +394,9 @@ void set_up(Assimp::Importer& importer) {
 }  // namespace
 
 Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes) {
-  Assimp::Importer importer;
+  // Never deleted: a scene of deeply nested nodes takes itself apart by recursion, and the process
+  // ends soon.
+  Assimp::Importer& importer = *new Assimp::Importer;
   auto* files = new FolderFiles(path);
   importer.SetIOHandler(files);  // which deletes it
   set_up(importer);
