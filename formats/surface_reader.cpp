@@ -142,7 +142,8 @@ Result<SurfaceFile> read_surface(const std::string& path, const SurfaceReadOptio
       answer_of_child(work, {.seconds = options.seconds, .memory = memory, .answer = memory});
   if (!answer) {
     if (answer.error().kind != ErrorKind::kContent) return prefixed(answer.error());
-    return content_error(path + ": reading it " + answer.error().message);
+    return content_error(path + ": reading it " + answer.error().message + " (the file has " +
+                         std::to_string(*size) + " bytes)");
   }
   Result<SurfaceFile> file = decode_surface(*answer);
   if (!file)

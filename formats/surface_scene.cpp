@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <unordered_map>
 #include <unordered_set>
@@ -379,6 +380,15 @@ std::string lower_extension(const std::string& path) {
   return extension;
 }
 
+// assimp 5.2.5 looks for the end of a header for ever where there is none.
+bool lacks_ply_header_end(const std::string& path) {
+  std::string start(std::size_t{1} << 20, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(stream.gcount()));
+  return start.find("end_header") == std::string::npos;
+}
+
 void set_up(Assimp::Importer& importer) {
   // Triangles for bones, where a file has bones alone, are not the author's.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
@@ -394,6 +404,9 @@ void set_up(Assimp::Importer& importer) {
 }  // namespace
 
 Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes) {
+  const std::string extension = lower_extension(path);
+  if (extension == "ply" && lacks_ply_header_end(path))
+    return content_error("its header has no end_header; the file may be cut off");
   // Never deleted: a scene of deeply nested nodes takes itself apart by recursion, and the process
   // ends soon.
   Assimp::Importer& importer = *new Assimp::Importer;
@@ -416,7 +429,6 @@ Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes)
       message = "it is not of the format that its extension says";
     return content_error(message);
   }
-  const std::string extension = lower_extension(path);
   const Unit unit = unit_of(*scene, extension);
   SurfaceFile file;
   file.format = format_name(*scene, extension);

@@ -73,6 +73,13 @@ TEST_F(HostileSurface, CutFilesAreRefusedOrGiveLess) {
     }
 }
 
+// Where assimp 5.2.5 looks for the end for ever.
+TEST_F(HostileSurface, APlyWithoutAnEndOfItsHeaderIsRefusedAtOnce) {
+  const std::string ply = box_ply(false);
+  expect_refused(folder.write("cut.ply", ply.substr(0, ply.find("end_header"))),
+                 ErrorKind::kContent, "end_header");
+}
+
 TEST_F(HostileSurface, CountsThatTheFileCannotHoldAreRefused) {
   std::string stl = box_stl_binary();
   const std::uint32_t many = 0xfffffff0;
@@ -86,7 +93,9 @@ TEST_F(HostileSurface, CountsThatTheFileCannotHoldAreRefused) {
       ply.replace(ply.find(element), std::strlen(element), huge);
       // What assimp makes of it is its own affair; that it comes back is ours.
       const Result<SurfaceFile> file = read_surface(folder.write("many.ply", ply));
-      if (file) EXPECT_LE(file->surface.triangles.size(), 12U);
+      if (file) {
+        EXPECT_LE(file->surface.triangles.size(), 12U);
+      }
     }
   }
   std::string off = box_off();
@@ -127,9 +136,12 @@ TEST_F(HostileSurface, FilesElsewhereAreNotOpened) {
   ASSERT_EQ(::mkfifo(folder.file("inside/pipe.bin").c_str(), 0600), 0);
   for (const std::string& uri :
        {std::string("../secret.bin"), std::string("deeper/../../secret.bin"),
-        folder.file("secret.bin"), std::string("link.bin"), std::string("pipe.bin")})
+        std::string("link.bin"), std::string("pipe.bin")})
     expect_refused(folder.write("inside/scene.gltf", box_gltf(uri)), ErrorKind::kContent,
                    "no file in this folder: ");
+  // Which assimp looks for below the folder.
+  expect_refused(folder.write("inside/scene.gltf", box_gltf(folder.file("secret.bin"))),
+                 ErrorKind::kContent);
   EXPECT_TRUE(read_surface(folder.write("inside/scene.gltf", box_gltf("deeper/good.bin"))));
 }
 
@@ -150,14 +162,15 @@ TEST_F(HostileSurface, ReadingTakesNoMoreMemoryThanItMay) {
 #if defined(TREMOLO_SANITIZED)
   GTEST_SKIP() << "the address space of a sanitized process is not limited";
 #endif
+  // Far more than the heap of this process may have free, which the child may use too.
   std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  for (int i = 0; i < 100'000; ++i) text += "f 1 2 3\n";
+  for (int i = 0; i < 200'000; ++i) text += "f 1 2 3\n";
   const std::string path = folder.write("large.obj", text);
   const Error error = refusal(path, {.bytes = 8'000'000});
   EXPECT_NE(error.message.find("needs more than 8 MB"), std::string::npos) << error.message;
   const Result<SurfaceFile> file = read_surface(path);
   ASSERT_TRUE(file) << file.error().message;
-  EXPECT_EQ(file->surface.triangles.size(), 100'000U);
+  EXPECT_EQ(file->surface.triangles.size(), 200'000U);
 }
 
 }  // namespace
