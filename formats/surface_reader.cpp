@@ -89,7 +89,7 @@ std::string advice(const std::string& path) {
 void note_size(SurfaceFile& file, bool unit_given) {
   const BoundingBox box = bounding_box(file.surface.vertices);
   const double diagonal = box.diagonal();
-  if (!unit_given && (diagonal > kLarge || diagonal < kSmall))
+  if (!unit_given && diagonal > 0 && (diagonal > kLarge || diagonal < kSmall))
     file.notes.push_back("the surface is " + number_text(diagonal) +
                          " m across: if its unit is not " + number_text(file.metres_per_unit) +
                          " m, say so, as in --unit mm or --unit cm");

@@ -389,6 +389,17 @@ bool lacks_ply_header_end(const std::string& path) {
   return start.find("end_header") == std::string::npos;
 }
 
+// What assimp says, or what it means by it.
+std::string reason(const std::string& said, const std::string& extension) {
+  if (said.empty() || said.starts_with("No suitable reader"))
+    return "it is not of the format that its extension says";
+  if (extension == "stl" && said.starts_with("Failed to determine"))
+    return "it is neither STL as text nor binary STL of as many triangles as it says; it may be "
+           "cut "
+           "off";
+  return said;
+}
+
 void set_up(Assimp::Importer& importer) {
   // Triangles for bones, where a file has bones alone, are not the author's.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
@@ -420,13 +431,10 @@ Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes)
       notes.push_back("not opened, since it is no file in this folder: " + name);
   };
   if (scene == nullptr || scene->mRootNode == nullptr) {
-    std::vector<std::string> reasons = {importer.GetErrorString()};
-    note_refused(reasons);
-    std::string message;
-    for (const std::string& reason : reasons)
-      if (!reason.empty()) message += (message.empty() ? "" : "; ") + reason;
-    if (message.empty() || message.starts_with("No suitable reader"))
-      message = "it is not of the format that its extension says";
+    std::string message = reason(importer.GetErrorString(), extension);
+    std::vector<std::string> refused;
+    note_refused(refused);
+    for (const std::string& note : refused) message += "; " + note;
     return content_error(message);
   }
   const Unit unit = unit_of(*scene, extension);
@@ -446,7 +454,7 @@ Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes)
   note_refused(file.notes);
   file.surface = std::move(flattener.surface);
   if (file.surface.triangles.empty()) {
-    std::string message = "it holds no triangles";
+    std::string message = "it holds no triangles: export the shape as a mesh of polygons";
     for (const std::string& note : file.notes) message += "; " + note;
     return content_error(message);
   }
