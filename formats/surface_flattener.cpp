@@ -25,10 +25,12 @@ constexpr std::uint64_t kTriangleBytes = 20;
 constexpr VertexId kNotTaken = -1;
 constexpr VertexId kNotFinite = -2;
 
-// Empty if an importer made it up: "<OFFRoot>".
+// Empty if an importer made it up: "<OFFRoot>", "$ColladaAutoName$_0".
 std::string_view given_name(const aiString& text) {
   const std::string_view name = text_of(text);
-  return name.starts_with('<') && name.ends_with('>') ? std::string_view() : name;
+  const bool made_up =
+      (name.starts_with('<') && name.ends_with('>')) || name.starts_with("$ColladaAutoName$");
+  return made_up ? std::string_view() : name;
 }
 
 Matrix4d matrix_of(const aiMatrix4x4& m) {

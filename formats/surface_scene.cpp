@@ -76,7 +76,7 @@ Unit unit_of(const aiScene& scene, const std::string& extension) {
     }
   } else if (extension == "3mf" || extension == "amf") {
     unit.metres = 1e-3;
-    unit.words = "millimetres, as the format has it where a file does not say (not looked at)";
+    unit.words = "millimetres, as the format has it; what the file says of it is not read";
   }
   return unit;
 }
