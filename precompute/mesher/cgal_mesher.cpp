@@ -88,8 +88,10 @@ void refine(const ImplicitRequest& request, const Domain& domain, Complex& compl
   if (request.perturb)
     CGAL::refine_mesh_3(complex, domain, criteria, manifold(),
                         perturb(sliver_bound = kSliverBound, time_limit = 0), exuding);
-  else
+  else if (request.manifold)
     CGAL::refine_mesh_3(complex, domain, criteria, manifold(), no_perturb(), exuding);
+  else
+    CGAL::refine_mesh_3(complex, domain, criteria, non_manifold(), no_perturb(), exuding);
 }
 
 // Newton's steps along the gradient of the distance; false if they do not arrive.

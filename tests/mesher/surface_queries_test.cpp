@@ -62,9 +62,9 @@ TEST(TriangleTree, FindsTheNearestPointAndTheFirstHit) {
     EXPECT_NEAR(near.distance, expected, 1e-12);
     EXPECT_NEAR(near.point.cwiseAbs().maxCoeff(), 1.0, 1e-12);
   }
-  EXPECT_NEAR(tree.first_hit({0.1, 0.2, 0.3}, {1, 0, 0}, 99), 0.9, 1e-12);
-  EXPECT_NEAR(tree.first_hit({-4.0, 0.2, 0.3}, {1, 0, 0}, 99), 3.0, 1e-12);
-  EXPECT_TRUE(std::isinf(tree.first_hit({0.1, 0.2, 3.0}, {0, 0, 1}, 99)));
+  EXPECT_NEAR(tree.first_hit({0.1, 0.2, 0.3}, {1, 0, 0}, 99).distance, 0.9, 1e-12);
+  EXPECT_NEAR(tree.first_hit({-4.0, 0.2, 0.3}, {1, 0, 0}, 99).distance, 3.0, 1e-12);
+  EXPECT_TRUE(std::isinf(tree.first_hit({0.1, 0.2, 3.0}, {0, 0, 1}, 99).distance));
 }
 
 TEST(WallSamples, FindTheThicknessOfAPlate) {
