@@ -122,8 +122,9 @@ TEST_F(RenderProgram, AnObjComesOutWithAllThatItHad) {
   EXPECT_EQ(lines_with(obj, "vt").size(), lines_with(obj, "v").size());
   EXPECT_EQ(lines_with(obj, "vn").size(), lines_with(obj, "v").size());
   const BoundingBox box = bounding_box(points(obj));
-  EXPECT_LE((box.low - Eigen::Vector3d(-0.0005, -0.001, -0.001)).norm(), 1e-9);
-  EXPECT_LE((box.high - Eigen::Vector3d(0.4005, 0.051, 0.061)).norm(), 1e-9);
+  // assimp's coordinates are floats: 40.05 is off by up to 2e-6.
+  EXPECT_LE((box.low - Eigen::Vector3d(-0.0005, -0.001, -0.001)).norm(), 5e-8);
+  EXPECT_LE((box.high - Eigen::Vector3d(0.4005, 0.051, 0.061)).norm(), 5e-8);
 }
 
 TEST_F(RenderProgram, ItMovesWithTheSolid) {
@@ -209,8 +210,8 @@ TEST_F(RenderProgram, PaintSelects) {
   const ProgramResult red = run(kPrecompute + paint + "'colour:red'");
   // Vertices look at the paint above them, the two inside are bare; 64 of 255 are a quarter of 0.4
   // m.
-  EXPECT_EQ(red.out.substr(0, 62),
-            "25 vertices from (0, 0, 0) to (0.1, 0.05, 0.06) m: 0 1 2 9 10 1")
+  EXPECT_TRUE(
+      red.out.starts_with("25 vertices from (0, 0, 0) to (0.1, 0.05, 0.06) m: 0 1 2 9 10 11 "))
       << red.out << red.err;
   expect_failure(run(kPrecompute + paint + "'colour:green'"), 3, {"#ff0000", "#0000ff"});
 }
