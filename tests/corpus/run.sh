@@ -20,16 +20,14 @@ one() {
   local name=$1 expected=$2 seconds code wrong='' found=(- - - -) distance=- message
   local log=$out/$name.log mesh=$out/$name.msh
   rm -f "$mesh" "$out/$name.wrong"
+  ulimit -t $((most + 5))  # of this background job alone
   {
     TIMEFORMAT='%U %S'
-    time (
-      ulimit -t $((most + 5))
-      exec timeout --kill-after=5 $((10 * most)) "$bin/tremolo-mesh" "$out/surfaces/$name" \
-        -o "$mesh" >"$out/$name.stdout" 2>"$log" </dev/null
-    )
+    time timeout --kill-after=5 $((10 * most)) "$bin/tremolo-mesh" "$out/surfaces/$name" \
+      -o "$mesh" >"$out/$name.stdout" 2>"$log" </dev/null
     code=$?
   } 2>"$out/$name.time"
-  seconds=$(awk '{ printf "%.1f", $1 + $2 }' "$out/$name.time")
+  seconds=$(awk 'NF == 2 { printf "%.1f", $1 + $2 }' "$out/$name.time")
   message=$(tail -n 1 "$log" | tr '\t' ' ')
   awk -v s="$seconds" -v most=$most 'BEGIN { exit !(s > most) }' && wrong="takes $seconds s"
   case $code in
