@@ -103,6 +103,11 @@ void add_geometry(const Problem& problem, const BasisRows& basis, BasisData& dat
   data.surface = make_block(mesh, boundary.vertex_ids, basis);
   data.interior = make_block(mesh, interior, basis);
   data.triangles = boundary.triangles;
+  if (problem.render)
+    data.render = RenderBlock{*problem.render,
+                              embedded_rows(problem.embedding, mesh, basis),
+                              heaviest_vertices(problem.embedding, mesh),
+                              {}};
   data.vertex_count = mesh.vertices.size();
   data.tetrahedron_count = mesh.tetrahedra.size();
   data.fixed_vertices = problem.fixed;
