@@ -7,6 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "precompute/material_rules.h"
+
 namespace tremolo {
 namespace {
 
@@ -68,6 +70,12 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
   app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
   app.add_option("--density", options.material.density, "density, kg/m^3")->capture_default_str();
+  app.add_option(
+      "--material", options.materials,
+      std::string("a material of a region of the mesh, later ones decide; may be repeated: ") +
+          kMaterialGrammar);
+  app.add_option("--point-mass", options.point_masses,
+                 "SELECTOR=KG: a mass shared by the selected vertices; may be repeated");
   app.add_option("--fix", options.fix,
                  "vertices that do not move: x<0.01, y>=1.2, box:x0,y0,z0,x1,y1,z1, vertex:ID, "
                  "file:ids.txt, a set of the mesh, or none for a free body; may be repeated");

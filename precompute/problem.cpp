@@ -9,6 +9,7 @@
 #include "formats/mesh_reader.h"
 #include "formats/selector_reader.h"
 #include "precompute/failure.h"
+#include "precompute/material_rules.h"
 #include "precompute/rigid_motion.h"
 
 namespace tremolo {
@@ -52,6 +53,30 @@ void require_held(const Problem& problem) {
   }
 }
 
+MaterialTable make_materials(const PrecomputeOptions& options,
+                             const std::vector<MaterialRule>& rules, const MeshFile& file,
+                             Problem& problem) {
+  MaterialTable table =
+      unwrap(assign_materials(rules, options.material, problem.mesh, file.materials));
+  if (!file.materials.empty() && rules.empty())
+    problem.notes.push_back("the file's materials (" + std::to_string(file.materials.size()) +
+                            ") are not used: --material file takes them");
+  return table;
+}
+
+std::vector<PointMass> make_point_masses(const PrecomputeOptions& options, Problem& problem) {
+  std::vector<PointMass> masses;
+  for (const std::string& text : options.point_masses) {
+    masses.push_back(unwrap(read_point_mass(text, problem.mesh, problem.fixed)));
+    const PointMass& mass = masses.back();
+    if (mass.fixed > 0)
+      problem.notes.push_back("--point-mass " + text + ": " + std::to_string(mass.fixed) +
+                              " of its " + std::to_string(mass.vertices.size()) +
+                              " vertices are fixed, where a mass does nothing");
+  }
+  return masses;
+}
+
 DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) {
   DefaultLoad load;
   if (options.load_at.empty()) return load;
@@ -72,6 +97,9 @@ DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) 
 
 Problem load_problem(const PrecomputeOptions& options) {
   unwrap(check_material(options.material));
+  std::vector<MaterialRule> rules;
+  for (const std::string& text : options.materials)
+    rules.push_back(unwrap(parse_material_rule(text, options.material)));
   std::error_code ignored;
   if (std::filesystem::equivalent(options.mesh_path, options.output_path, ignored))
     throw Failure(
@@ -90,6 +118,7 @@ Problem load_problem(const PrecomputeOptions& options) {
   problem.notes = std::move(file.notes);
   problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
                        problem.report.notes.end());
+  problem.materials = make_materials(options, rules, file, problem);
   problem.mesh_hash = hash_mesh(problem.mesh);
   problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
   if (!problem.free_body) {
@@ -97,6 +126,7 @@ Problem load_problem(const PrecomputeOptions& options) {
     require_held(problem);
   }
   problem.load = make_load(options, problem);
+  problem.point_masses = make_point_masses(options, problem);
   return problem;
 }
 

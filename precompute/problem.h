@@ -9,6 +9,7 @@
 #include "formats/basis_data.h"
 #include "formats/basis_writer.h"
 #include "precompute/assembly.h"
+#include "precompute/point_mass.h"
 
 namespace tremolo {
 
@@ -16,7 +17,9 @@ namespace tremolo {
 struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
-  Material material;
+  Material material;                                     // of what no entry of `materials` is of
+  std::vector<std::string> materials;                    // material_rules.h, in order
+  std::vector<std::string> point_masses;                 // SELECTOR=KG
   std::vector<std::string> fix;                          // selectors; {"none"} asks for a free body
   std::string load_at;                                   // selector; empty: no default load
   Eigen::Vector3d load_force = Eigen::Vector3d::Zero();  // N, shared by the selected vertices
@@ -37,6 +40,8 @@ struct Problem {
   std::vector<VertexId> fixed;  // ascending
   bool free_body = false;
   DefaultLoad load;
+  MaterialTable materials;
+  std::vector<PointMass> point_masses;
   std::string mesh_format;
   std::string mesh_hash;           // XXH3-64 of vertices and tetrahedra, after repair
   std::vector<std::string> notes;  // for the user: repairs, oddities
