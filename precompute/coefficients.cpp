@@ -84,8 +84,9 @@ template <class Put>
 TREMOLO_CLONES void strain_rows(const ElementGroup& group, const ElasticityRoot& root, double* rows,
                                 std::size_t stride) {
   const double half_root2 = std::sqrt(0.5);
-  const auto put = [&](std::size_t column, Lanes xx, Lanes yy, Lanes zz, Lanes yz, Lanes xz,
-                       Lanes xy) __attribute__((always_inline)) {
+  const auto put = [&](std::size_t column, const Lanes& xx, const Lanes& yy, const Lanes& zz,
+                       const Lanes& yz, const Lanes& xz, const Lanes& xy)
+      __attribute__((always_inline)) {
     const Lanes mean = root.spread * (xx + yy + zz);
     auto* out = reinterpret_cast<Lanes*>(rows + column * stride);
     out[0] = xx + mean;
@@ -101,8 +102,9 @@ TREMOLO_CLONES void strain_rows(const ElementGroup& group, const ElasticityRoot&
 TREMOLO_CLONES void general_strain_rows(const ElementGroup& group, double* rows,
                                         std::size_t stride) {
   const double half_root2 = std::sqrt(0.5);
-  const auto put = [&](std::size_t column, Lanes xx, Lanes yy, Lanes zz, Lanes yz, Lanes xz,
-                       Lanes xy) __attribute__((always_inline)) {
+  const auto put = [&](std::size_t column, const Lanes& xx, const Lanes& yy, const Lanes& zz,
+                       const Lanes& yz, const Lanes& xz, const Lanes& xy)
+      __attribute__((always_inline)) {
     const Lanes strain[6] = {xx, yy, zz, half_root2 * yz, half_root2 * xz, half_root2 * xy};
     auto* out = reinterpret_cast<Lanes*>(rows + column * stride);
     for (int k = 0; k < 6; ++k) {

@@ -17,8 +17,9 @@ struct UniformLaw {
   explicit UniformLaw(const Solid& solid)
       : lambda(solid.elasticities.front().lambda), mu(solid.elasticities.front().mu) {}
   void load(const Solid&, const int*, std::size_t) {}
-  [[gnu::always_inline]] inline LaneStress stress(Lanes xx, Lanes yy, Lanes zz, Lanes yz, Lanes xz,
-                                                  Lanes xy) const {
+  [[gnu::always_inline]] inline LaneStress stress(const Lanes& xx, const Lanes& yy, const Lanes& zz,
+                                                  const Lanes& yz, const Lanes& xz,
+                                                  const Lanes& xy) const {
     const Lanes mean = lambda * (xx + yy + zz);
     return {{mean + 2.0 * mu * xx, mean + 2.0 * mu * yy, mean + 2.0 * mu * zz, 2.0 * mu * yz,
              2.0 * mu * xz, 2.0 * mu * xy}};
@@ -40,8 +41,9 @@ struct alignas(8 * kLanes) GeneralLaw {
               c(k, l) * (l < 3 ? 1.0 : std::numbers::sqrt2) / (k < 3 ? 1.0 : std::numbers::sqrt2);
     }
   }
-  [[gnu::always_inline]] inline LaneStress stress(Lanes xx, Lanes yy, Lanes zz, Lanes yz, Lanes xz,
-                                                  Lanes xy) const {
+  [[gnu::always_inline]] inline LaneStress stress(const Lanes& xx, const Lanes& yy, const Lanes& zz,
+                                                  const Lanes& yz, const Lanes& xz,
+                                                  const Lanes& xy) const {
     LaneStress s;
     for (int k = 0; k < 6; ++k)
       s.at[k] = tensor[k][0] * xx + tensor[k][1] * yy + tensor[k][2] * zz + tensor[k][3] * yz +

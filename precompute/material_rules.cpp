@@ -121,11 +121,17 @@ Result<std::vector<std::size_t>> covered(const std::string& where, const TetMesh
   }
   std::vector<bool> selected(mesh.vertices.size(), false);
   for (VertexId v : *vertices) selected[static_cast<std::size_t>(v)] = true;
-  for (std::size_t t = 0; t < chosen.size(); ++t) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     const Tetrahedron& tet = mesh.tetrahedra[t];
-    chosen[t] = std::all_of(tet.begin(), tet.end(),
-                            [&](VertexId v) { return selected[static_cast<std::size_t>(v)]; });
+    if (std::all_of(tet.begin(), tet.end(),
+                    [&](VertexId v) { return selected[static_cast<std::size_t>(v)]; }))
+      chosen.push_back(t);
   }
+  if (chosen.empty())
+    return content_error("--material `" + where +
+                         "` is of no tetrahedron: a selector takes those all of whose vertices it "
+                         "selects");
   return chosen;
 }
 
