@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <map>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +7,7 @@
 #include "formats/mesh_formats.h"
 #include "formats/veg_input.h"
 #include "formats/veg_material.h"
+#include "formats/veg_regions.h"
 
 namespace tremolo {
 namespace {
@@ -18,9 +17,7 @@ struct VegFile {
   std::int64_t first_element = 0;  // id of the first: 0 or 1
   bool has_vertices = false;
   bool has_elements = false;
-  std::map<std::string, std::vector<std::int32_t>> sets;  // elements from 0
-  std::vector<FileMaterial> materials;
-  std::vector<std::pair<std::string, std::string>> regions;  // set, material
+  VegRegions regions;
 };
 
 // How many items of `bytes` each this file can hold: the count may be a lie, and the items may
@@ -110,7 +107,7 @@ Result<bool> read_set(VegInput& input, VegFile& file) {
   if (!input.line().read_word(name, "the name of a set")) return input.error();
   const std::vector<Tetrahedron>& tets = file.builder.mesh().tetrahedra;
   const auto count = static_cast<std::int64_t>(tets.size());
-  std::vector<std::int32_t>& elements = file.sets[name];
+  std::vector<std::int32_t>& elements = file.regions.sets[name];
   bool more = input.next_line();
   for (; more && !input.line().peek().starts_with('*'); more = input.next_line()) {
     while (!input.line().at_line_end()) {
@@ -166,7 +163,7 @@ Result<bool> read_material(VegInput& input, VegFile& file) {
     else
       found.material = *material;
   }
-  file.materials.push_back(std::move(found));
+  file.regions.materials.push_back(std::move(found));
   return skip_rows(input, more);
 }
 
@@ -175,54 +172,9 @@ Result<bool> read_region(VegInput& input, VegFile& file) {
   const bool more = input.next_line();
   if (more && !input.line().peek().starts_with('*')) {
     std::string set(input.line().token());
-    file.regions.emplace_back(std::move(set), joined_rest(input));
+    file.regions.regions.emplace_back(std::move(set), joined_rest(input));
   }
   return skip_rows(input, more);
-}
-
-// A region of the mesh is what has one material, and has its name. As in VegaFEM, the last region
-// that lists an element decides.
-void set_regions(VegFile& file) {
-  constexpr const char* kAll = "allElements";
-  std::map<std::string_view, std::size_t> material_of_name;
-  for (std::size_t i = 0; i < file.materials.size(); ++i)
-    if (material_of_name.try_emplace(file.materials[i].region, i).second)
-      file.builder.add_material(file.materials[i]);
-  std::vector<std::int64_t> material_of(file.builder.mesh().tetrahedra.size(), -1);
-  // From the last on, and of regions of one set the last alone: the work is bounded by the file.
-  std::set<std::string_view> done;
-  std::vector<bool> shared(material_of.size(), false);
-  std::size_t unknown = 0;
-  for (auto region = file.regions.rbegin(); region != file.regions.rend(); ++region) {
-    const auto& [set, material] = *region;
-    const auto found = material_of_name.find(material);
-    const auto elements = file.sets.find(set);
-    if (found == material_of_name.end() || (elements == file.sets.end() && set != kAll)) {
-      ++unknown;
-      continue;
-    }
-    if (!done.insert(set).second) continue;
-    const auto put = [&, label = static_cast<std::int64_t>(found->second)](std::size_t element) {
-      if (material_of[element] < 0)
-        material_of[element] = label;
-      else if (material_of[element] != label)
-        shared[element] = true;
-    };
-    if (elements == file.sets.end())
-      for (std::size_t element = 0; element < material_of.size(); ++element) put(element);
-    else
-      for (std::int32_t element : elements->second) put(static_cast<std::size_t>(element));
-  }
-  if (unknown > 0)
-    file.builder.add_note(std::to_string(unknown) +
-                          " regions name a set or a material that the file does not have");
-  const auto several = std::count(shared.begin(), shared.end(), true);
-  if (several > 0)
-    file.builder.add_note(std::to_string(several) +
-                          " tetrahedra are in several regions: the last decides");
-  file.builder.set_regions(material_of, [&file](std::int64_t label) {
-    return label < 0 ? std::string() : file.materials[static_cast<std::size_t>(label)].region;
-  });
 }
 
 Result<bool> read_section(VegInput& input, VegFile& file) {
@@ -246,7 +198,7 @@ Result<bool> read_section(VegInput& input, VegFile& file) {
 
 Result<MeshFile> read_veg(std::string_view text, const std::string& path) {
   VegInput input(text, path);
-  VegFile file{MeshBuilder(path), 0, false, false, {}, {}, {}};
+  VegFile file{MeshBuilder(path), 0, false, false, {}};
   for (Result<bool> more = input.next_line(); *more;) {
     more = read_section(input, file);
     if (!more) return more.error();
@@ -256,7 +208,7 @@ Result<MeshFile> read_veg(std::string_view text, const std::string& path) {
     input.line().fail(file.has_vertices ? "*ELEMENTS" : "*VERTICES", "");
     return input.error();
   }
-  set_regions(file);
+  set_veg_regions(file.regions, file.builder);
   return file.builder.finish("VegaFEM");
 }
 

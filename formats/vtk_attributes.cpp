@@ -55,9 +55,11 @@ bool read_scalars(VtkInput& input, Attributes& found) {
   std::uint64_t components = 1;
   if (!input.text().read_word(name, "the name of an array") ||
       !input.text().read_word(type, "the type of an array") ||
-      (!input.text().at_line_end() && !input.text().read(components, "a number of components")) ||
-      !input.text().expect("LOOKUP_TABLE") ||
-      !input.text().read_word(table, "the name of a lookup table"))
+      (!input.text().at_line_end() && !input.text().read(components, "a number of components")))
+    return false;
+  if (input.text().peek() == "LOOKUP_TABLE" &&
+      (!input.text().expect("LOOKUP_TABLE") ||
+       !input.text().read_word(table, "the name of a lookup table")))
     return false;
   return read_array(input, name, type, found.count, components, found);
 }
@@ -66,6 +68,37 @@ bool read_scalars(VtkInput& input, Attributes& found) {
 bool read_fixed(VtkInput& input, std::uint64_t components, Attributes& found) {
   std::string name, type;
   return input.text().read_word(name, "the name of an array") &&
+         input.text().read_word(type, "the type of an array") &&
+         read_array(input, name, type, found.count, components, found);
+}
+
+// Colours: bytes in a binary file, numbers from 0 to 1 in a text.
+bool skip_colours(VtkInput& input, std::uint64_t tuples, std::uint64_t components) {
+  Attributes ignored;
+  return read_array(input, "", input.binary() ? "unsigned_char" : "float", tuples, components,
+                    ignored);
+}
+
+bool skip_lookup_table(VtkInput& input) {
+  std::string name;
+  std::uint64_t size = 0;
+  return input.text().read_word(name, "the name of a lookup table") &&
+         input.text().read(size, "the size of a lookup table") && skip_colours(input, size, 4);
+}
+
+bool skip_color_scalars(VtkInput& input, const Attributes& found) {
+  std::string name;
+  std::uint64_t components = 0;
+  return input.text().read_word(name, "the name of an array") &&
+         input.text().read(components, "a number of components") &&
+         skip_colours(input, found.count, components);
+}
+
+bool read_texture_coordinates(VtkInput& input, Attributes& found) {
+  std::string name, type;
+  std::uint64_t components = 0;
+  return input.text().read_word(name, "the name of an array") &&
+         input.text().read(components, "a number of components") &&
          input.text().read_word(type, "the type of an array") &&
          read_array(input, name, type, found.count, components, found);
 }
@@ -81,6 +114,9 @@ bool read_attribute(VtkInput& input, const std::string& keyword, Attributes& fou
   if (keyword == "VECTORS" || keyword == "NORMALS") return read_fixed(input, 3, found);
   if (keyword == "TENSORS") return read_fixed(input, 9, found);
   if (keyword == "GLOBAL_IDS" || keyword == "PEDIGREE_IDS") return read_fixed(input, 1, found);
+  if (keyword == "TEXTURE_COORDINATES") return read_texture_coordinates(input, found);
+  if (keyword == "COLOR_SCALARS") return skip_color_scalars(input, found);
+  if (keyword == "LOOKUP_TABLE") return skip_lookup_table(input);
   if (keyword == "METADATA") {
     skip_vtk_metadata(input);
     return true;

@@ -72,6 +72,10 @@ TEST(Regions, OfALegacyVtkFileAreItsCellData) {
         "POINT_DATA 5\nSCALARS region int 1\nLOOKUP_TABLE default\n1 2 3 4 5\nVECTORS v float\n"
         "1 2 3 4 5 6 7 8 9 10 11 12 13 14 15\nCELL_DATA 3\nNORMALS n float\n1 2 3 4 5 6 7 8 9\n"
         "FIELD FieldData 2\nother 1 3 int\n1 1 1\ngmsh:physical 1 3 int\n9 3 -4\n",
+        "CELL_DATA 3\nCOLOR_SCALARS c 2\n0 0 1 0.5 0 0\nTEXTURE_COORDINATES t 2 float\n1 2 3 4 5 "
+        "6\n"
+        "SCALARS s float\n1 2 3\nLOOKUP_TABLE mine 2\n0 0 0 1 1 1 1 1\nSCALARS material int\n9 3 "
+        "-4\n",
         // A better name wins, wherever it stands.
         "CELL_DATA 3\nSCALARS CellEntityIds int 1\nLOOKUP_TABLE default\n1 1 1\n"
         "SCALARS Region int 1\nLOOKUP_TABLE default\n9 3 -4\nMETADATA\nINFORMATION 0\n\n"}) {
