@@ -37,6 +37,9 @@ Result<MaterialTable> assign_materials(const std::vector<MaterialRule>& rules,
                                        const Material& usual, const TetMesh& mesh,
                                        const std::vector<FileMaterial>& of_file);
 
+// "the regions of the mesh are `grip`, `blade`", the first twenty by name.
+std::string list_regions(const TetMesh& mesh);
+
 // What a material of the table is of.
 struct MaterialShare {
   std::size_t tetrahedra = 0;

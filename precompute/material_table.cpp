@@ -10,17 +10,6 @@
 namespace tremolo {
 namespace {
 
-std::string list_regions(const TetMesh& mesh) {
-  if (mesh.region_names.empty()) return "the mesh has no regions";
-  std::string text = "the regions of the mesh are";
-  const char* separator = " ";
-  for (const std::string& name : mesh.region_names) {
-    text += separator + ("`" + name + "`");
-    separator = ", ";
-  }
-  return text;
-}
-
 // The tetrahedra all of whose vertices a selector selects.
 Result<std::vector<std::size_t>> covered(const std::string& where, const TetMesh& mesh) {
   const Result<std::vector<VertexId>> vertices = resolve_selector(where, mesh);
@@ -81,6 +70,20 @@ MaterialTable compacted(MaterialTable table) {
 }
 
 }  // namespace
+
+std::string list_regions(const TetMesh& mesh) {
+  constexpr std::size_t kNamed = 20;
+  if (mesh.region_names.empty()) return "the mesh has no regions";
+  std::string text = "the regions of the mesh are";
+  const char* separator = " ";
+  for (std::size_t i = 0; i < std::min(kNamed, mesh.region_names.size()); ++i) {
+    text += separator + ("`" + mesh.region_names[i] + "`");
+    separator = ", ";
+  }
+  if (mesh.region_names.size() > kNamed)
+    text += " and " + std::to_string(mesh.region_names.size() - kNamed) + " more";
+  return text;
+}
 
 Result<MaterialTable> assign_materials(const std::vector<MaterialRule>& rules,
                                        const Material& usual, const TetMesh& mesh,

@@ -58,9 +58,13 @@ MaterialTable make_materials(const PrecomputeOptions& options,
                              Problem& problem) {
   MaterialTable table =
       unwrap(assign_materials(rules, options.material, problem.mesh, file.materials));
-  if (!file.materials.empty() && rules.empty())
-    problem.notes.push_back("the file's materials (" + std::to_string(file.materials.size()) +
-                            ") are not used: --material file takes them");
+  const bool several = problem.mesh.region_names.size() > 1;
+  if (rules.empty() && (several || !file.materials.empty()))
+    problem.notes.push_back(list_regions(problem.mesh) +
+                            ": all of one material without --material" +
+                            (file.materials.empty() ? ""
+                                                    : "; the file's own are not used without "
+                                                      "--material file"));
   return table;
 }
 

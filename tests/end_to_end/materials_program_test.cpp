@@ -113,6 +113,8 @@ TEST_F(Materials, OfAVegFileAreTakenWhenAskedFor) {
   EXPECT_NE(last_err_.find("are not used"), std::string::npos) << last_err_;
   EXPECT_EQ(unused["materials"].size(), 1u);
   EXPECT_EQ(unused["materials"][0]["young_pa"], 1e6);
+  good("block.msh");
+  EXPECT_NE(last_err_.find("`grip`, `blade`: all of one material"), std::string::npos) << last_err_;
   // A later entry decides.
   const Json lighter = good("block.veg --material file --material 'grip: density=100'");
   EXPECT_NEAR(lighter["total_mass_kg"], kHalf * (100 + 600), 1e-9);
