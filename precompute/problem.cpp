@@ -8,8 +8,10 @@
 #include "common/packed_index.h"
 #include "formats/mesh_reader.h"
 #include "formats/selector_reader.h"
+#include "formats/surface_reader.h"
 #include "precompute/failure.h"
 #include "precompute/material_rules.h"
+#include "precompute/mesher/surface_input.h"
 #include "precompute/rigid_motion.h"
 
 namespace tremolo {
@@ -54,17 +56,16 @@ void require_held(const Problem& problem) {
 }
 
 MaterialTable make_materials(const PrecomputeOptions& options,
-                             const std::vector<MaterialRule>& rules, const MeshFile& file,
-                             Problem& problem) {
-  MaterialTable table =
-      unwrap(assign_materials(rules, options.material, problem.mesh, file.materials));
+                             const std::vector<MaterialRule>& rules,
+                             const std::vector<FileMaterial>& of_file, Problem& problem) {
+  MaterialTable table = unwrap(assign_materials(rules, options.material, problem.mesh, of_file));
   const bool several = problem.mesh.region_names.size() > 1;
-  if (rules.empty() && (several || !file.materials.empty()))
+  if (rules.empty() && (several || !of_file.empty()))
     problem.notes.push_back(list_regions(problem.mesh) +
                             ": all of one material without --material" +
-                            (file.materials.empty() ? ""
-                                                    : "; the file's own are not used without "
-                                                      "--material file"));
+                            (of_file.empty() ? ""
+                                             : "; the file's own are not used without "
+                                               "--material file"));
   return table;
 }
 
@@ -111,18 +112,27 @@ Problem load_problem(const PrecomputeOptions& options) {
   if (options.fix.size() > 1 &&
       std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
     throw Failure({ErrorKind::kUsage, "--fix none and another --fix contradict each other"});
-  MeshFile file = unwrap(read_tet_mesh(options.mesh_path));
   Problem problem;
-  problem.mesh = std::move(file.mesh);
-  problem.mesh_format = std::move(file.format);
+  std::vector<FileMaterial> of_file;
+  if (is_surface_file(options.mesh_path)) {
+    SurfaceInput input = unwrap(load_surface(options.mesh_path, options.unit, options.meshing));
+    problem.mesh = std::move(input.mesh);
+    problem.mesh_format = std::move(input.format);
+    problem.notes = std::move(input.notes);
+  } else {
+    MeshFile file = unwrap(read_tet_mesh(options.mesh_path));
+    problem.mesh = std::move(file.mesh);
+    problem.mesh_format = std::move(file.format);
+    problem.notes = std::move(file.notes);
+    of_file = std::move(file.materials);
+  }
   Result<MeshReport> report = check_mesh(problem.mesh);
   if (!report)
     throw Failure({report.error().kind, options.mesh_path + ": " + report.error().message});
   problem.report = std::move(*report);
-  problem.notes = std::move(file.notes);
   problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
                        problem.report.notes.end());
-  problem.materials = make_materials(options, rules, file, problem);
+  problem.materials = make_materials(options, rules, of_file, problem);
   problem.mesh_hash = hash_mesh(problem.mesh);
   problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
   if (!problem.free_body) {

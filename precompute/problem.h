@@ -9,6 +9,7 @@
 #include "formats/basis_data.h"
 #include "formats/basis_writer.h"
 #include "precompute/assembly.h"
+#include "precompute/mesher/surface_mesher.h"
 #include "precompute/point_mass.h"
 
 namespace tremolo {
@@ -17,11 +18,13 @@ namespace tremolo {
 struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
-  Material material;                                     // of what no entry of `materials` is of
-  std::vector<std::string> materials;                    // material_rules.h, in order
-  std::vector<std::string> point_masses;                 // SELECTOR=KG
-  std::vector<std::string> fix;                          // selectors; {"none"} asks for a free body
-  std::string load_at;                                   // selector; empty: no default load
+  std::string unit;                       // of a surface's coordinates; empty: what its file says
+  SurfaceMeshOptions meshing;             // of a surface
+  Material material;                      // of what no entry of `materials` is of
+  std::vector<std::string> materials;     // material_rules.h, in order
+  std::vector<std::string> point_masses;  // SELECTOR=KG
+  std::vector<std::string> fix;           // selectors; {"none"} asks for a free body
+  std::string load_at;                    // selector; empty: no default load
   Eigen::Vector3d load_force = Eigen::Vector3d::Zero();  // N, shared by the selected vertices
   std::optional<int> linear_modes;                       // k; default 20 or what the mesh has
   std::optional<int> modes;                              // r; default 30 or what k allows

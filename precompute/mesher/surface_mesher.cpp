@@ -1,0 +1,136 @@
+#include "precompute/mesher/surface_mesher.h"
+
+#include <algorithm>
+
+#include "precompute/mesher/report_text.h"
+#include "precompute/mesher/surface_attempt.h"
+#include "precompute/mesher/surface_outcome.h"
+#include "precompute/mesher/surface_plan.h"
+#include "precompute/mesher/surface_solid.h"
+
+namespace tremolo {
+namespace {
+
+// Surfaces more open than that are not closed without being asked to.
+constexpr double kMostLacking = 0.09;
+// More open than that, it is a sheet.
+constexpr double kSheet = 0.4;
+// A solid lies behind at least this share of its surface.
+constexpr double kLeastBacked = 0.3;
+constexpr double kGoodAngle = 8.0;
+
+// What is no solid, and what its maker can do.
+Status refuse_hopeless(const SurfaceSolid& solid, const SurfaceFindings& findings,
+                       const SurfaceMeshOptions& options, const Scaling& scaling) {
+  if (solid.half_thickness > 0) return Success{};
+  const std::string thicken =
+      text("If it is a sheet, give it a thickness by --thicken, say --thicken %.2g (m)",
+           0.02 * scaling.diagonal);
+  const Openness open = openness(solid);
+  fprintf(stderr, "OPEN backed %.3f lacking %.3f holes %.3f onesided %zu\n", open.backed,
+          open.lacking, findings.hole_share, findings.one_sided_edges);
+  if (open.lacking <= kMostLacking && open.backed >= kLeastBacked) return Success{};
+  if (findings.one_sided_edges > 0)
+    return content_error("the surface is one-sided, like a Moebius strip: it has no inside. " +
+                         thicken);
+  if (open.backed < kLeastBacked || (open.lacking > kSheet && !options.fill_holes))
+    return content_error("the surface encloses no volume. " + thicken);
+  if (options.fill_holes) return Success{};
+  if (findings.holes == 0)
+    return content_error(
+        "the surface runs through itself so that much of it faces inwards. Take "
+        "its parts apart in the modelling program, or mesh where the solid angle "
+        "says inside, by --fill-holes. " +
+        thicken);
+  return content_error(text("the surface is open: its holes (%zu) are %.0f %% of its area. Close "
+                            "them in the modelling program, or by --fill-holes. ",
+                            findings.holes, 100.0 * findings.hole_share) +
+                       thicken);
+}
+
+}  // namespace
+
+Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMeshOptions& options) {
+  MeshedSurface result;
+  SurfaceMeshReport& report = result.report;
+  Scaling scaling;
+  RepairedSurface repaired = repair_surface(scale(given, scaling));
+  report.findings = repaired.findings;
+  report.diagonal = scaling.diagonal;
+  if (repaired.mesh.triangles.empty())
+    return content_error(
+        "no triangle of the surface has an area: is it a drawing of points or "
+        "lines? Export faces");
+
+  const SurfaceSolid solid(std::move(repaired), options.thicken / scaling.diagonal);
+  if (Status status = refuse_hopeless(solid, report.findings, options, scaling); !status)
+    return status.error();
+  Result<MeshPlan> plan = make_plan(solid, options, scaling);
+  if (!plan) return plan.error();
+
+  SurfaceDistances distances;
+  for (int pass = 0;; ++pass) {
+    Result<MeshAttempt> done = attempt_mesh_to_count(solid, *plan, options.tets);
+    if (!done)
+      return Error{done.error().kind,
+                   done.error().message +
+                       ". Ask for larger tetrahedra by --size or --tets, or clean "
+                       "the surface in a modelling program"};
+    if (done->mesh.tetrahedra.empty())
+      return content_error(
+          "no tetrahedra came out: the solid is far thinner than the size. Ask for "
+          "smaller ones by --size, or for more by --tets");
+    const PartCounts parts = drop_crumbs(done->mesh, options.keep_crumbs);
+    distances = measure_distances(solid, plan->error, done->mesh);
+    report.method = done->method;
+    result.mesh = std::move(done->mesh);
+    report.notes.clear();
+    if (parts.dropped > 0)
+      report.notes.push_back(
+          text("%zu part%s of less than 1 %% of the largest one's volume left "
+               "out; --keep-crumbs keeps them",
+               parts.dropped, parts.dropped == 1 ? "" : "s"));
+    if (parts.kept > 1)
+      report.notes.push_back(
+          text("%zu separate bodies: each must be held, or none (--fix none)", parts.kept));
+    constexpr int kRefinements = 2;
+    const bool asked = options.size > 0 || options.tets > 0 || options.error > 0;
+    if (asked || distances.mesh_to_surface <= kWorstError || pass == kRefinements) break;
+    plan->error *= 0.6;
+    plan->coarse *= 0.75;
+    plan->fine *= 0.75;
+  }
+  const double far = std::max(distances.mesh_to_surface, distances.surface_to_mesh);
+  if (far > kWorstError)
+    report.notes.push_back(
+        text("the surfaces are up to %.2g %% of the diagonal apart: details below the size; more "
+             "tetrahedra (--tets) help",
+             100.0 * far));
+  report.quality = mesh_quality(result.mesh);
+  if (report.quality.min_dihedral_deg < kGoodAngle)
+    report.notes.push_back(
+        text("the smallest dihedral angle is %.2g degrees: thin walls or edges; "
+             "more tetrahedra (--tets) help",
+             report.quality.min_dihedral_deg));
+  report.mesh_to_surface = scaling.diagonal * distances.mesh_to_surface;
+  report.surface_to_mesh = scaling.diagonal * distances.surface_to_mesh;
+  report.cap_to_surface = scaling.diagonal * distances.cap_to_surface;
+  for (Eigen::Vector3d& x : result.mesh.vertices) x = scaling.out(x);
+  report.quality = mesh_quality(result.mesh);
+  return result;
+}
+
+std::vector<std::string> describe(const SurfaceMeshReport& report) {
+  std::vector<std::string> lines = describe(report.findings);
+  lines.push_back(std::string(report.findings.clean() ? "closed and without crossings: " : "") +
+                  "meshed " + report.method);
+  lines.insert(lines.end(), report.notes.begin(), report.notes.end());
+  lines.push_back(
+      text("mesh to surface at most %.3g m (%.2g %% of the diagonal), surface to mesh "
+           "%.3g m (%.2g %%)",
+           report.mesh_to_surface, 100.0 * report.mesh_to_surface / report.diagonal,
+           report.surface_to_mesh, 100.0 * report.surface_to_mesh / report.diagonal));
+  return lines;
+}
+
+}  // namespace tremolo
