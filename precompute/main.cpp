@@ -40,6 +40,9 @@ void print_json(const PrecomputeResult& result, const StageLog& log) {
                               static_cast<std::ptrdiff_t>(std::min(r, data.singular_values.size())),
                           data.singular_values.end());
   const Json provenance = Json::parse(data.provenance);
+  Json materials = Json::array();
+  if (provenance.contains("materials")) materials = provenance["materials"];
+  if (provenance.contains("material")) materials.push_back(provenance["material"]);
   const Json json = {
       {"n", data.vertex_count},
       {"m", data.tetrahedron_count},
@@ -49,6 +52,8 @@ void print_json(const PrecomputeResult& result, const StageLog& log) {
       {"frequencies_hz", frequencies},
       {"explicit_step_limit_s", 2.0 / std::sqrt(data.lambda[data.lambda.size() - 1])},
       {"total_mass_kg", data.total_mass},
+      {"materials", materials},
+      {"point_masses", provenance.value("point_masses", Json::array())},
       {"factorisation", result.findings.factorisation},
       {"mode_residuals", result.findings.mode_residuals},
       {"derivative_residual", result.findings.derivative_residual},

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "precompute/material_rules.h"
 #include "precompute/mesher/surface_options.h"
 
 namespace tremolo {
@@ -78,6 +79,12 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
   app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
   app.add_option("--density", options.material.density, "density, kg/m^3")->capture_default_str();
+  app.add_option(
+      "--material", options.materials,
+      std::string("a material of a region of the mesh, later ones decide; may be repeated: ") +
+          kMaterialGrammar);
+  app.add_option("--point-mass", options.point_masses,
+                 "SELECTOR=KG: a mass shared by the selected vertices; may be repeated");
   app.add_option("--fix", options.fix,
                  "vertices that do not move: x<0.01, y>=90%, box:x0,y0,z0,x1,y1,z1, "
                  "sphere:x,y,z,r, plane:x,y,z,nx,ny,nz, near:x,y,z,k, vertex:ID, file:ids.txt, "

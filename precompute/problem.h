@@ -11,6 +11,7 @@
 #include "precompute/assembly.h"
 #include "precompute/embedding.h"
 #include "precompute/mesher/surface_mesher.h"
+#include "precompute/point_mass.h"
 
 namespace tremolo {
 
@@ -18,11 +19,13 @@ namespace tremolo {
 struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
-  std::string unit;            // of surfaces' coordinates; empty: what their files say
-  SurfaceMeshOptions meshing;  // of a surface
-  Material material;
-  std::vector<std::string> fix;                          // selectors; {"none"} asks for a free body
-  std::string load_at;                                   // selector; empty: no default load
+  std::string unit;                       // of surfaces' coordinates; empty: what their files say
+  SurfaceMeshOptions meshing;             // of a surface
+  Material material;                      // of what no entry of `materials` is of
+  std::vector<std::string> materials;     // material_rules.h, in order
+  std::vector<std::string> point_masses;  // SELECTOR=KG
+  std::vector<std::string> fix;           // selectors; {"none"} asks for a free body
+  std::string load_at;                    // selector; empty: no default load
   Eigen::Vector3d load_force = Eigen::Vector3d::Zero();  // N, shared by the selected vertices
   std::optional<int> linear_modes;                       // k; default 20 or what the mesh has
   std::optional<int> modes;                              // r; default 30 or what k allows
@@ -45,6 +48,8 @@ struct Problem {
   DefaultLoad load;
   std::optional<RenderSurface> render;  // what is drawn; none: the boundary of the tetrahedra
   Embedding embedding;                  // of its vertices
+  MaterialTable materials;
+  std::vector<PointMass> point_masses;
   std::string mesh_format;
   std::string mesh_hash;           // XXH3-64 of vertices and tetrahedra, after repair
   std::vector<std::string> notes;  // for the user: repairs, oddities
