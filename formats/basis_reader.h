@@ -110,7 +110,10 @@ Result<Eigen::VectorXd> read_lambda(BasisReader& reader);
 Result<std::vector<Triangle>> read_triangles(BasisReader& reader);
 Result<DefaultLoad> read_default_load(BasisReader& reader);
 
-// Everything in the file.
+// The files of an imported model; empty when it is none.
+Result<VegaFiles> read_vega_files(BasisReader& reader);
+
+// Everything in the file but the files of an imported model, which only an export wants.
 Result<BasisData> read_basis(BasisReader& reader);
 Result<BasisData> read_basis(const std::string& path);
 

@@ -52,6 +52,8 @@ void require_held(const Problem& problem) {
   }
 }
 
+}  // namespace
+
 DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) {
   DefaultLoad load;
   if (options.load_at.empty()) return load;
@@ -67,8 +69,6 @@ DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) 
                      options.load_force / static_cast<double>(load.vertices.size()));
   return load;
 }
-
-}  // namespace
 
 Problem load_problem(const PrecomputeOptions& options) {
   unwrap(check_material(options.material));
@@ -94,7 +94,8 @@ Problem load_problem(const PrecomputeOptions& options) {
   problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
   if (!problem.free_body) {
     problem.fixed = select_fixed(options, problem.mesh);
-    require_held(problem);
+    // An imported basis says itself what it holds.
+    if (options.import_basis.empty()) require_held(problem);
   }
   problem.load = make_load(options, problem);
   return problem;

@@ -25,6 +25,10 @@ struct PrecomputeOptions {
   bool linear = false;  // the linear modes are the basis; no derivatives, no C, no Q
   BasisEncoding encoding = BasisEncoding::kFull;
   MassKind mass = MassKind::kConsistent;
+  bool mass_given = false;   // by the user: an import then makes its basis orthonormal in it
+  std::string import_basis;  // VegaFEM's .U and .cub: nothing is solved (precompute/import.h)
+  std::string import_cubic;
+  std::string modes_vtu;  // the modes on the tetrahedra, for ParaView; empty: not written
   bool certify = true;
   unsigned threads = 1;
   bool limits = false;       // measure the machine, print each stage's shortest possible time
@@ -45,6 +49,9 @@ struct Problem {
 // Reads, checks and selects. Throws Failure: kSystem for unreadable files, kContent and kUsage for
 // everything that is wrong in them or in the options.
 Problem load_problem(const PrecomputeOptions& options);
+
+// The default load that the options ask for; free vertices only. Throws Failure (kContent).
+DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem);
 
 // k and r, defaults cut to what `free_dofs` (rigid motions taken off) allows; what was asked for
 // explicitly and is not there is a Failure (kContent).
