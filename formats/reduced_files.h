@@ -44,7 +44,7 @@ Result<ReducedForces> read_cub(std::string_view bytes, const std::string& path);
 Result<Eigen::MatrixXd> read_basis_matrix(std::string_view bytes, const std::string& path);
 
 // Values -> bytes of a file. kContent when a count does not fit 32 bits; for .cub that is where
-// VegaFEM's own product r x C ends, r = 335.
+// VegaFEM's own product r x C ends, r = 336.
 Result<std::string> cub_bytes(const ReducedForces& forces);
 Result<std::string> basis_matrix_bytes(const Eigen::MatrixXd& basis);
 

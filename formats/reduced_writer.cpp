@@ -73,7 +73,7 @@ Result<std::string> cub_bytes(const ReducedForces& forces) {
   const std::size_t r = forces.size;
   if (r == 0 || r > kMost || r * triple_count(r) > kMost)
     return content_error(std::to_string(r) +
-                         " coordinates: VegaFEM's .cub holds from 1 to 335, since it counts "
+                         " coordinates: VegaFEM's .cub holds from 1 to 336, since it counts "
                          "coefficients with 32 bits");
   std::string bytes;
   bytes.reserve(16 + sizeof(double) *
