@@ -108,7 +108,7 @@ TEST_F(Vega, AModelExportedAndImportedIsTheSameModelAndGivesTheSameBytes) {
   expect_success(kTremolo + "export again.tremolo --cub again.cub --U again.U");
   EXPECT_EQ(bytes("again.cub"), bytes("model.cub"));
   EXPECT_EQ(bytes("again.U"), bytes("model.U"));
-  expect_success(kTremolo + "run again.tremolo --duration 0.01");
+  expect_success(kTremolo + "run again.tremolo --at 4 --force 0,0,1 --duration 0.01");
   expect_success(kTremolo + "inspect again.tremolo");
 }
 
