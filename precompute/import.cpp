@@ -10,6 +10,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "common/hash.h"
+#include "formats/surface_reader.h"
 #include "formats/whole_file.h"
 #include "precompute/failure.h"
 #include "precompute/pipeline.h"
@@ -209,37 +210,34 @@ void require_finite(const BasisData& data, const BasisRows& basis) {
     refuse("the numbers of the imported files are too large to compute with");
 }
 
-}  // namespace
+// The files as values; both also whole, for the export.
+struct Source {
+  Eigen::MatrixXd basis;
+  ReducedForces forces;
+};
 
-ImportResult import_reduced(const PrecomputeOptions& options, StageLog& log) {
-  ImportResult result;
-  Problem& problem = result.problem;
-  ImportFindings& findings = result.findings;
-  BasisData& data = result.data;
-
-  log.begin("mesh");
-  problem = load_problem(options);
-  log.end(text("%zu vertices, %zu tetrahedra", problem.mesh.vertices.size(),
-               problem.mesh.tetrahedra.size()));
-
-  log.begin("import");
+Source read_source(const PrecomputeOptions& options, BasisData& data, ImportFindings& findings) {
   data.vega.basis = unwrap(read_whole_file(options.import_basis));
   data.vega.cubic = unwrap(read_whole_file(options.import_cubic));
   findings.basis_hash = hash_file(data.vega.basis);
   findings.cubic_hash = hash_file(data.vega.cubic);
-  const Eigen::MatrixXd stored = unwrap(read_basis_matrix(data.vega.basis, options.import_basis));
-  const ReducedForces forces = unwrap(read_cub(data.vega.cubic, options.import_cubic));
-  if (static_cast<std::size_t>(stored.cols()) != forces.size)
-    refuse(options.import_basis + " has " + std::to_string(stored.cols()) + " columns, " +
-           options.import_cubic + " is of " + std::to_string(forces.size) + " coordinates");
-  BasisRows basis = place_rows(options, problem, stored);
-  settle_fixed(options, basis, problem);
-  log.end(text("%zu coordinates, %zu fixed vertices", forces.size, problem.fixed.size()));
+  Source source{unwrap(read_basis_matrix(data.vega.basis, options.import_basis)),
+                unwrap(read_cub(data.vega.cubic, options.import_cubic))};
+  if (static_cast<std::size_t>(source.basis.cols()) != source.forces.size)
+    refuse(options.import_basis + " has " + std::to_string(source.basis.cols()) + " columns, " +
+           options.import_cubic + " is of " + std::to_string(source.forces.size) + " coordinates");
+  return source;
+}
 
-  log.begin("coordinates");
-  const std::vector<double> density = element_densities(options, problem.mesh);
+// Lambda, C and Q of `data`; `basis`, which comes in as U, becomes U R.
+void compute_model(const PrecomputeOptions& options, const ReducedForces& forces, BasisRows& basis,
+                   ImportResult& result) {
+  BasisData& data = result.data;
+  const TetMesh& mesh = result.problem.mesh;
+  ImportFindings& findings = result.findings;
+  const std::vector<double> density = element_densities(options, mesh);
   const std::optional<Eigen::MatrixXd> mass =
-      settle_mass(options, problem.mesh, density, basis, findings, problem.notes);
+      settle_mass(options, mesh, density, basis, findings, result.problem.notes);
   const SymmetrisedForces symmetric = symmetrise(forces);
   findings.asymmetry = symmetric.asymmetry;
   if (!(findings.asymmetry <= kAsymmetry))
@@ -253,17 +251,43 @@ ImportResult import_reduced(const PrecomputeOptions& options, StageLog& log) {
   tensors.quadratic = coordinates.lambda.asDiagonal();
   basis = basis * coordinates.change;
   findings.orthonormality_error =
-      distance_from_identity(reduced_mass(problem.mesh, density, basis, findings.mass));
+      distance_from_identity(reduced_mass(mesh, density, basis, findings.mass));
   findings.force_error = measure_force_error(forces, coordinates, tensors, basis,
-                                             0.1 * bounding_box(problem.mesh.vertices).diagonal());
+                                             0.1 * bounding_box(mesh.vertices).diagonal());
   data.lambda = coordinates.lambda;
   data.cubic = std::move(tensors.cubic);
   data.quartic = std::move(tensors.quartic);
   require_finite(data, basis);
-  log.end(text("forces equal to those of the .cub within %.1e", findings.force_error));
-
   for (std::size_t e = 0; e < density.size(); ++e)
-    data.total_mass += density[e] * signed_volume(problem.mesh, problem.mesh.tetrahedra[e]);
+    data.total_mass += density[e] * signed_volume(mesh, mesh.tetrahedra[e]);
+}
+
+}  // namespace
+
+ImportResult import_reduced(const PrecomputeOptions& options, StageLog& log) {
+  if (is_surface_file(options.mesh_path))
+    throw Failure({ErrorKind::kUsage, options.mesh_path +
+                                          ": an imported basis needs the tetrahedral mesh that it "
+                                          "was made for, not a surface"});
+  ImportResult result;
+  Problem& problem = result.problem;
+  BasisData& data = result.data;
+
+  log.begin("mesh");
+  problem = load_problem(options);
+  log.end(text("%zu vertices, %zu tetrahedra", problem.mesh.vertices.size(),
+               problem.mesh.tetrahedra.size()));
+
+  log.begin("import");
+  const Source source = read_source(options, data, result.findings);
+  BasisRows basis = place_rows(options, problem, source.basis);
+  settle_fixed(options, basis, problem);
+  log.end(text("%zu coordinates, %zu fixed vertices", source.forces.size, problem.fixed.size()));
+
+  log.begin("coordinates");
+  compute_model(options, source.forces, basis, result);
+  log.end(text("forces equal to those of the .cub within %.1e", result.findings.force_error));
+
   data.rigid_mode_count = problem.free_body ? 6 * problem.report.parts : 0;
   add_geometry(problem, basis, data);
   if (problem.free_body) problem.notes.emplace_back("a free body: no vertex is fixed");
