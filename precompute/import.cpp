@@ -99,10 +99,12 @@ std::optional<Eigen::MatrixXd> settle_mass(const PrecomputeOptions& options, con
   const Eigen::MatrixXd consistent = reduced_mass(mesh, density, basis, MassKind::kConsistent);
   findings.lumped_error = distance_from_identity(lumped);
   findings.consistent_error = distance_from_identity(consistent);
-  findings.mass = options.mass_given                          ? options.mass
-                  : findings.lumped_error <= kOrthonormal     ? MassKind::kLumped
-                  : findings.consistent_error <= kOrthonormal ? MassKind::kConsistent
-                                                              : MassKind::kLumped;
+  // On a fine mesh the two masses hardly differ: the better one.
+  const bool consistent_fits = findings.consistent_error <= kOrthonormal &&
+                               findings.consistent_error < findings.lumped_error;
+  findings.mass = options.mass_given ? options.mass
+                  : consistent_fits  ? MassKind::kConsistent
+                                     : MassKind::kLumped;
   const bool is_lumped = findings.mass == MassKind::kLumped;
   const double error = is_lumped ? findings.lumped_error : findings.consistent_error;
   const Eigen::MatrixXd& gram = is_lumped ? lumped : consistent;
