@@ -1,4 +1,4 @@
-// Physical groups of an MSH file -> node sets.
+// Physical groups of an MSH file -> node sets and regions.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,10 @@ class MshGroups {
   bool read_names(MshInput& input);
   // Signs of tags are orientations and do not matter; tag 0 is no group.
   void add(int dimension, std::int64_t tag, std::span<const VertexId> vertices);
-  void give_to(MeshBuilder& builder) const;
+  // The name of a group.
+  std::string name(int dimension, std::int64_t tag) const;
+  // volume_of_tet: the tag of each tetrahedron's volume group, 0 for none: the regions.
+  void give_to(MeshBuilder& builder, std::span<const std::int64_t> volume_of_tet) const;
 
  private:
   using Key = std::pair<int, std::int64_t>;

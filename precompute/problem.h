@@ -11,6 +11,7 @@
 #include "precompute/assembly.h"
 #include "precompute/embedding.h"
 #include "precompute/mesher/surface_mesher.h"
+#include "precompute/point_mass.h"
 
 namespace tremolo {
 
@@ -18,17 +19,23 @@ namespace tremolo {
 struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
-  std::string unit;            // of surfaces' coordinates; empty: what their files say
-  SurfaceMeshOptions meshing;  // of a surface
-  Material material;
-  std::vector<std::string> fix;                          // selectors; {"none"} asks for a free body
-  std::string load_at;                                   // selector; empty: no default load
+  std::string unit;                       // of surfaces' coordinates; empty: what their files say
+  SurfaceMeshOptions meshing;             // of a surface
+  Material material;                      // of what no entry of `materials` is of
+  std::vector<std::string> materials;     // material_rules.h, in order
+  std::vector<std::string> point_masses;  // SELECTOR=KG
+  std::vector<std::string> fix;           // selectors; {"none"} asks for a free body
+  std::string load_at;                    // selector; empty: no default load
   Eigen::Vector3d load_force = Eigen::Vector3d::Zero();  // N, shared by the selected vertices
   std::optional<int> linear_modes;                       // k; default 20 or what the mesh has
   std::optional<int> modes;                              // r; default 30 or what k allows
   bool linear = false;  // the linear modes are the basis; no derivatives, no C, no Q
   BasisEncoding encoding = BasisEncoding::kFull;
   MassKind mass = MassKind::kConsistent;
+  bool mass_given = false;   // by the user: an import then makes its basis orthonormal in it
+  std::string import_basis;  // VegaFEM's .U and .cub: nothing is solved (precompute/import.h)
+  std::string import_cubic;
+  std::string modes_vtu;  // the modes on the tetrahedra, for ParaView; empty: not written
   bool certify = true;
   unsigned threads = 1;
   bool limits = false;       // measure the machine, print each stage's shortest possible time
@@ -45,6 +52,8 @@ struct Problem {
   DefaultLoad load;
   std::optional<RenderSurface> render;  // what is drawn; none: the boundary of the tetrahedra
   Embedding embedding;                  // of its vertices
+  MaterialTable materials;
+  std::vector<PointMass> point_masses;
   std::string mesh_format;
   std::string mesh_hash;           // XXH3-64 of vertices and tetrahedra, after repair
   std::vector<std::string> notes;  // for the user: repairs, oddities
@@ -59,6 +68,9 @@ Problem load_problem(const PrecomputeOptions& options);
 // objects and materials to the mesh for selectors, and tells in problem.notes. To be called once
 // the mesh is checked and before anything is selected; load_problem does.
 void attach_render(Problem& problem, RenderSurface surface, unsigned threads);
+
+// The default load that the options ask for; free vertices only. Throws Failure (kContent).
+DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem);
 
 // k and r, defaults cut to what `free_dofs` (rigid motions taken off) allows; what was asked for
 // explicitly and is not there is a Failure (kContent).
