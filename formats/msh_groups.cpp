@@ -52,14 +52,15 @@ void MshGroups::add(int dimension, std::int64_t tag, std::span<const VertexId> v
   members.insert(members.end(), vertices.begin(), vertices.end());
 }
 
-void MshGroups::give_to(MeshBuilder& builder) const {
-  for (const auto& [key, members] : members_) {
+void MshGroups::give_to(MeshBuilder& builder) {
+  for (auto& [key, members] : members_) {
     const auto name = names_.find(key);
     const auto& [dimension, tag] = key;
     builder.add_to_set(name != names_.end()
                            ? name->second
                            : std::string(kDimensionNames[dimension]) + " " + std::to_string(tag),
                        members);
+    std::vector<VertexId>().swap(members);
   }
 }
 

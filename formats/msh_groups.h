@@ -21,7 +21,8 @@ class MshGroups {
   bool read_names(MshInput& input);
   // Signs of tags are orientations and do not matter; tag 0 is no group.
   void add(int dimension, std::int64_t tag, std::span<const VertexId> vertices);
-  void give_to(MeshBuilder& builder) const;
+  // Keeps nothing of it: large sets shall not be in memory twice.
+  void give_to(MeshBuilder& builder);
 
  private:
   using Key = std::pair<int, std::int64_t>;

@@ -3,10 +3,10 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include <toml++/toml.h>
+
+#include "formats/whole_file.h"
 
 namespace tremolo {
 namespace {
@@ -113,11 +113,15 @@ Result<Eigen::Vector3d> parse_force(const std::string& text) {
 }
 
 Result<std::vector<RunOptions>> read_scene(const std::string& path) {
-  std::ifstream stream(path);
-  if (!stream) return system_error(path + ": cannot open");
+  const Result<std::string> text = read_whole_file(path);
+  if (!text) return text.error();
+  return parse_scene(*text, path);
+}
+
+Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path) {
   toml::table scene;
   try {
-    scene = toml::parse(stream, path);
+    scene = toml::parse(text, path);
   } catch (const toml::parse_error& error) {
     return error_at(path, error.source(), std::string(error.description()));
   }
