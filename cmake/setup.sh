@@ -5,11 +5,11 @@ say() { printf '\n== %s\n' "$*"; }
 give_up() { printf '%s: %s\n' "${0##*/}" "$*" >&2; exit 1; }
 
 packages_build="g++ cmake make ninja-build pkg-config libeigen3-dev libxxhash-dev libcli11-dev
-  libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libpugixml-dev
+  libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libpugixml-dev libassimp-dev libcgal-dev
   libpetsc-real-dev libslepc-real-dev libopenmpi-dev openmpi-bin libmetis-dev libopenblas-dev
   libsuitesparse-dev"
 packages_show="gnuplot-nox povray"
-packages_test="libgtest-dev libcgal-dev clang libclang-rt-14-dev"
+packages_test="libgtest-dev clang libclang-rt-14-dev"
 
 # need PACKAGE...: installs those that are missing.
 need() {

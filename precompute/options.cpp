@@ -7,6 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "precompute/mesher/surface_options.h"
+
 namespace tremolo {
 namespace {
 
@@ -62,7 +64,9 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   app.set_version_flag("--version", std::string("tremolo-precompute ") + TREMOLO_VERSION);
   app.allow_config_extras(CLI::config_extras_mode::error);
   app.set_config("--config", "", "read options from a TOML file (keys are the long flag names)");
-  app.add_option("mesh", options.mesh_path, "tetrahedral mesh: .msh .vtk .vtu .veg .node .ele")
+  app.add_option("mesh", options.mesh_path,
+                 "tetrahedral mesh (.msh .vtk .vtu .veg .node .ele), or a surface (.obj .ply .stl\n"
+                 ".gltf .glb .fbx .dae ...), which is meshed first")
       ->required();
   app.add_option("-o,--output", options.output_path, "the basis file to write")->required();
   app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
@@ -90,6 +94,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
                  "full (f64), or compact: coefficients f32, basis rows 16 bits; the error is told")
       ->check(CLI::IsMember({"full", "compact"}))
       ->capture_default_str();
+  add_surface_options(app, options.meshing, options.unit);
   options.threads = std::max(1u, std::thread::hardware_concurrency());
   app.add_option("--threads", options.threads, "threads of a rank")->check(CLI::PositiveNumber);
   app.add_flag("--limits", options.limits,

@@ -72,7 +72,6 @@ void require_accurate(const PrecomputeFindings& findings) {
                       findings.polynomial_error)});
 }
 
-// The first mode's coordinate when it moves some vertex by `reach` metres.
 // Of what vibrates: vertices of no tetrahedron may lie anywhere.
 double body_size(const Problem& problem) {
   std::vector<Eigen::Vector3d> used;
@@ -81,6 +80,7 @@ double body_size(const Problem& problem) {
   return bounding_box(used).diagonal();
 }
 
+// The first mode's coordinate when it moves some vertex by `reach` metres.
 double amplitude_of_first_mode(const Eigen::MatrixXd& psi, double reach) {
   double largest = 0;
   for (Eigen::Index row = 0; row < psi.rows(); row += 3)

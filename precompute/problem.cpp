@@ -8,7 +8,9 @@
 #include "common/packed_index.h"
 #include "formats/mesh_reader.h"
 #include "formats/selector_reader.h"
+#include "formats/surface_reader.h"
 #include "precompute/failure.h"
+#include "precompute/mesher/surface_input.h"
 #include "precompute/rigid_motion.h"
 
 namespace tremolo {
@@ -79,15 +81,22 @@ Problem load_problem(const PrecomputeOptions& options) {
   if (options.fix.size() > 1 &&
       std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
     throw Failure({ErrorKind::kUsage, "--fix none and another --fix contradict each other"});
-  MeshFile file = unwrap(read_tet_mesh(options.mesh_path));
   Problem problem;
-  problem.mesh = std::move(file.mesh);
-  problem.mesh_format = std::move(file.format);
+  if (is_surface_file(options.mesh_path)) {
+    SurfaceInput input = unwrap(load_surface(options.mesh_path, options.unit, options.meshing));
+    problem.mesh = std::move(input.mesh);
+    problem.mesh_format = std::move(input.format);
+    problem.notes = std::move(input.notes);
+  } else {
+    MeshFile file = unwrap(read_tet_mesh(options.mesh_path));
+    problem.mesh = std::move(file.mesh);
+    problem.mesh_format = std::move(file.format);
+    problem.notes = std::move(file.notes);
+  }
   Result<MeshReport> report = check_mesh(problem.mesh);
   if (!report)
     throw Failure({report.error().kind, options.mesh_path + ": " + report.error().message});
   problem.report = std::move(*report);
-  problem.notes = std::move(file.notes);
   problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
                        problem.report.notes.end());
   problem.mesh_hash = hash_mesh(problem.mesh);

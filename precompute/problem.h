@@ -9,6 +9,7 @@
 #include "formats/basis_data.h"
 #include "formats/basis_writer.h"
 #include "precompute/assembly.h"
+#include "precompute/mesher/surface_mesher.h"
 
 namespace tremolo {
 
@@ -16,6 +17,8 @@ namespace tremolo {
 struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
+  std::string unit;            // of a surface's coordinates; empty: what its file says
+  SurfaceMeshOptions meshing;  // of a surface
   Material material;
   std::vector<std::string> fix;                          // selectors; {"none"} asks for a free body
   std::string load_at;                                   // selector; empty: no default load

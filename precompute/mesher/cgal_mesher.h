@@ -4,6 +4,7 @@
 #include "assets/recipes/recipe.h"
 #include "common/result.h"
 #include "common/tet_mesh.h"
+#include "precompute/mesher/sliver_repair.h"
 
 namespace tremolo {
 
@@ -11,5 +12,20 @@ namespace tremolo {
 // recipe gives the same mesh. Errors: kContent if the solid is empty or not in one piece at the
 // wanted size; kSolver if the mesher fails.
 Result<TetMesh> mesh_recipe(const Recipe& recipe);
+
+// The same for any implicit solid. inside: called very often. first_points: on the surface, at
+// least one for each of its parts. onto_surface: for the repair of slivers. size: as in Recipe.
+struct ImplicitRequest {
+  BoundingBox bounds;
+  std::function<bool(const Eigen::Vector3d&)> inside;
+  std::function<double(const Eigen::Vector3d&)> size;
+  double surface_error = 0;
+  std::vector<Eigen::Vector3d> first_points;
+  OntoSurface onto_surface;
+  std::size_t most_queries = 0;  // of `inside`; the mesher gives up behind them
+};
+
+// The mesh may be empty or in several parts. Errors: kSolver if the mesher fails or gives up.
+Result<TetMesh> mesh_implicit(const ImplicitRequest& request);
 
 }  // namespace tremolo

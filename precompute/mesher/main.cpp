@@ -1,7 +1,8 @@
-// tremolo-mesh: recipe in, tetrahedral mesh out.
+// tremolo-mesh: surface or recipe in, tetrahedral mesh out.
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <optional>
@@ -13,19 +14,22 @@
 #include "common/surface_mesh.h"
 #include "formats/atomic_file.h"
 #include "formats/msh_writer.h"
+#include "formats/surface_reader.h"
 #include "formats/surface_writer.h"
 #include "precompute/mesher/cgal_mesher.h"
 #include "precompute/mesher/recipe_list.h"
+#include "precompute/mesher/surface_input.h"
+#include "precompute/mesher/surface_options.h"
 
 namespace tremolo {
 namespace {
 
 struct Options {
-  std::string recipe;
+  std::string input;  // a recipe's name or a surface file
   std::string output;
   std::string surface;
-  double size = 0;  // m; 0: the recipe's own
-  int tets = 0;     // 0: as many as come out
+  std::string unit;
+  SurfaceMeshOptions mesh;  // size and tets hold for recipes too
 };
 
 // --tets is met to this share, in at most so many tries.
@@ -52,12 +56,25 @@ Result<TetMesh> mesh_to_count(const Recipe& recipe, int wanted) {
                        " tetrahedra within 10 % came out in " + std::to_string(kTries) + " tries");
 }
 
-Result<TetMesh> make_mesh(const Options& options) {
-  Result<Recipe> recipe = find_recipe(options.recipe);
-  if (!recipe) return recipe.error();
+Result<TetMesh> mesh_sample(Recipe recipe, const SurfaceMeshOptions& options) {
   if (options.size > 0.0)
-    recipe->size = [size = options.size](const Eigen::Vector3d&) { return size; };
-  return options.tets > 0 ? mesh_to_count(*recipe, options.tets) : mesh_recipe(*recipe);
+    recipe.size = [size = options.size](const Eigen::Vector3d&) { return size; };
+  return options.tets > 0 ? mesh_to_count(recipe, options.tets) : mesh_recipe(recipe);
+}
+
+Result<TetMesh> mesh_file(const Options& options) {
+  Result<SurfaceInput> input = load_surface(options.input, options.unit, options.mesh);
+  if (!input) return input.error();
+  for (const std::string& note : input->notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  return std::move(input->mesh);
+}
+
+Result<TetMesh> make_mesh(const Options& options) {
+  Result<Recipe> recipe = find_recipe(options.input);
+  if (recipe) return mesh_sample(std::move(*recipe), options.mesh);
+  if (is_surface_file(options.input) || std::filesystem::exists(options.input))
+    return mesh_file(options);
+  return recipe.error();
 }
 
 SurfaceMesh compact_boundary(const TetMesh& mesh) {
@@ -95,20 +112,20 @@ Status run(const Options& options) {
 
 // The exit code when there is nothing more to do.
 std::optional<int> parse(int count, char** words, Options& options) {
-  CLI::App app{"Cuts one of the sample solids into tetrahedra. Units are SI."};
+  CLI::App app{
+      "Cuts a surface, or one of the sample solids, into tetrahedra. Holes, crossings, repeats "
+      "and\n"
+      "turned triangles are found, mended and told; what cannot be meshed is told with what to "
+      "do."};
   app.name("tremolo-mesh");
   app.set_version_flag("--version", std::string("tremolo-mesh ") + TREMOLO_VERSION);
-  app.add_option("recipe", options.recipe, "one of: " + recipe_names())->required();
+  app.add_option(
+         "input", options.input,
+         "a surface file (obj ply stl off gltf glb fbx dae 3ds ...), or one of: " + recipe_names())
+      ->required();
   app.add_option("-o,--output", options.output, "the mesh to write, MSH 2.2 binary (.msh)")
       ->required();
-  CLI::Option* size =
-      app.add_option("--size", options.size,
-                     "longest wanted edge everywhere, m (the surface may ask for less)")
-          ->check(CLI::PositiveNumber);
-  app.add_option("--tets", options.tets,
-                 "wanted number of tetrahedra, met within 10 %: all sizes of the recipe are scaled")
-      ->check(CLI::PositiveNumber)
-      ->excludes(size);
+  add_surface_options(app, options.mesh, options.unit);
   app.add_option("--surface", options.surface,
                  "also write the boundary, as .obj, .ply or .inc (POV-Ray)");
   try {

@@ -28,8 +28,9 @@ std::string recipe_names() {
 Result<Recipe> find_recipe(std::string_view name) {
   for (const Entry& entry : kRecipes)
     if (entry.name == name) return entry.make();
-  return Error{ErrorKind::kUsage, "'" + std::string(name) + "' is no recipe; there are: " +
-                                      recipe_names() + " (surface files are not read)"};
+  return Error{
+      ErrorKind::kUsage,
+      "'" + std::string(name) + "' is neither a file nor a recipe; recipes are: " + recipe_names()};
 }
 
 }  // namespace tremolo

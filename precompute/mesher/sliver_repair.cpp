@@ -18,9 +18,6 @@ constexpr int kPasses = 60;
 constexpr int kTrials = 40;            // places tried for a vertex in a pass
 constexpr double kLargestMove = 0.35;  // over the mean edge around the vertex
 constexpr double kSmallestMove = 0.01;
-constexpr int kProjections = 6;
-// A boundary vertex may come to lie so far off the surface, over the recipe's surface error.
-constexpr double kOffSurface = 0.05;
 
 // Smallest dihedral angle in radians; -1 for one that is flat or inverted.
 double smallest_angle(const std::array<Point, 4>& x) {
@@ -44,9 +41,11 @@ double smallest_angle(const std::array<Point, 4>& x) {
 
 class Repair {
  public:
-  Repair(TetMesh& mesh, const Recipe& recipe, double wanted)
+  Repair(TetMesh& mesh, const OntoSurface& onto_surface, const std::vector<bool>& held,
+         double wanted)
       : mesh_(mesh),
-        recipe_(recipe),
+        onto_surface_(onto_surface),
+        held_(held),
         wanted_(wanted),
         around_(mesh.vertices.size()),
         on_boundary_(mesh.vertices.size(), false) {
@@ -87,22 +86,8 @@ class Repair {
     return sum / static_cast<double>(3 * around_[v].size());
   }
 
-  // Newton's steps along the gradient of the distance; false if they do not arrive.
-  bool project(Point& x) const {
-    const double h = 1e-3 * recipe_.surface_error;
-    for (int i = 0; i < kProjections; ++i) {
-      const double value = recipe_.distance(x);
-      if (std::abs(value) < kOffSurface * recipe_.surface_error) return true;
-      Point gradient;
-      for (int axis = 0; axis < 3; ++axis)
-        gradient[axis] = (recipe_.distance(x + h * Point::Unit(axis)) - value) / h;
-      if (gradient.squaredNorm() < 0.01) return false;
-      x -= value / gradient.squaredNorm() * gradient;
-    }
-    return false;
-  }
-
   void move(VertexId v) {
+    if (!held_.empty() && held_[static_cast<std::size_t>(v)]) return;
     double best = worst_around(v);
     if (best >= wanted_) return;
     const double edge = mean_edge(v);
@@ -112,7 +97,7 @@ class Repair {
       const double share = static_cast<double>(trial) / (kTrials - 1);
       const double reach = edge * kLargestMove * std::pow(kSmallestMove / kLargestMove, share);
       Point place = before + reach * Point(uniform(random_), uniform(random_), uniform(random_));
-      if (on_boundary_[v] && !project(place)) continue;
+      if (on_boundary_[v] && !onto_surface_(place)) continue;
       mesh_.vertices[v] = place;
       const double now = worst_around(v);
       if (now > best)
@@ -123,7 +108,8 @@ class Repair {
   }
 
   TetMesh& mesh_;
-  const Recipe& recipe_;
+  const OntoSurface& onto_surface_;
+  const std::vector<bool>& held_;
   double wanted_;
   std::vector<std::vector<std::size_t>> around_;
   std::vector<bool> on_boundary_;
@@ -132,8 +118,9 @@ class Repair {
 
 }  // namespace
 
-std::size_t repair_slivers(TetMesh& mesh, const Recipe& recipe, double wanted) {
-  Repair repair(mesh, recipe, wanted * std::numbers::pi / 180.0);
+std::size_t repair_slivers(TetMesh& mesh, const OntoSurface& onto_surface,
+                           const std::vector<bool>& held, double wanted) {
+  Repair repair(mesh, onto_surface, held, wanted * std::numbers::pi / 180.0);
   std::vector<std::size_t> bad = repair.bad();
   for (int pass = 0; pass < kPasses && !bad.empty(); ++pass) {
     for (std::size_t t : bad) repair.improve(t);

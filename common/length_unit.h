@@ -1,0 +1,31 @@
+// Units that people's files are in.
+#pragma once
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <utility>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+inline constexpr const char* kLengthUnits =
+    "um, mm, cm, m, km, in, ft, or metres a unit as a number";
+
+// "mm" -> 0.001. Errors: kUsage for what is no unit and no positive finite number.
+inline Result<double> metres_per_unit(const std::string& text) {
+  constexpr std::pair<const char*, double> kUnits[] = {{"um", 1e-6},  {"mm", 1e-3}, {"cm", 1e-2},
+                                                       {"m", 1.0},    {"km", 1e3},  {"in", 0.0254},
+                                                       {"ft", 0.3048}};
+  for (const auto& [name, metres] : kUnits)
+    if (text == name) return metres;
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(value) || !(value > 0))
+    return Error{ErrorKind::kUsage,
+                 "'" + text + "' is no unit of length; there are " + kLengthUnits};
+  return value;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,36 @@
+// The files that assimp may open: those of one folder.
+#pragma once
+
+#include <assimp/IOSystem.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tremolo {
+
+// Opens the file `path`, and what lies in its folder or below it, for reading; only regular files.
+// A link that leads out of the folder is followed for `path` alone.
+class FolderFiles : public Assimp::IOSystem {
+ public:
+  explicit FolderFiles(const std::string& path);
+
+  bool Exists(const char* name) const override;
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* name, const char* mode) override;
+  void Close(Assimp::IOStream* stream) override;
+
+  // Names that were asked for and lie outside, or are no regular files; each once, at most ten.
+  const std::vector<std::string>& refused() const { return refused_; }
+
+ private:
+  // Empty if there is no such file here.
+  std::filesystem::path resolve(const std::string& name) const;
+  void refuse(const std::string& name);
+
+  std::filesystem::path file_;
+  std::filesystem::path real_file_;
+  std::filesystem::path folder_;
+  std::vector<std::string> refused_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,33 @@
+// A closed surface without crossings -> tetrahedral mesh, by CGAL's Mesh_3.
+#pragma once
+
+#include <functional>
+
+#include "common/result.h"
+#include "common/surface_mesh.h"
+#include "common/tet_mesh.h"
+#include "precompute/mesher/triangle_tree.h"
+
+namespace tremolo {
+
+// size: wanted edge length at a point. surface_error: wanted distance to the surface.
+// sharp_angle: edges at which the surface bends by more degrees are kept as edges of the mesh; 0:
+// none are. seeds: points of the surface, at least one a shell. most_queries: of the size; the
+// mesher gives up behind them.
+struct PolyhedralRequest {
+  std::function<double(const Eigen::Vector3d&)> size;
+  double surface_error = 0;
+  double sharp_angle = 0;
+  std::vector<Eigen::Vector3d> seeds;
+  std::size_t most_queries = 0;
+};
+
+// surface: a closed two-manifold, oriented outwards, without crossings; tree: over it. The same
+// input gives the same mesh. Errors: kSolver if the mesher fails or gives up.
+Result<TetMesh> mesh_polyhedron(const SurfaceMesh& surface, const TriangleTree& tree,
+                                const PolyhedralRequest& request);
+
+// Total length of the edges at which the surface bends by more than `angle` degrees.
+double sharp_length(const SurfaceMesh& surface, double angle);
+
+}  // namespace tremolo
