@@ -6,6 +6,7 @@
 #include <string>
 
 #include "formats/basis_writer.h"
+#include "formats/surface_answer.h"
 #include "tests/support/mesh_variants.h"
 #include "tests/support/tiny_basis.h"
 
@@ -51,6 +52,29 @@ void save_bases(const fs::path& root) {
       save(root, entry.path().stem().string(), file_contents(entry.path()));
 }
 
+void save_surfaces(const fs::path& root) {
+  const auto text = [](const std::vector<std::byte>& bytes) {
+    return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  SurfaceFile file;
+  file.unit = "metres";
+  file.format = "Wavefront OBJ";
+  file.notes = {"2 points left out"};
+  RenderSurface& surface = file.surface;
+  surface.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  surface.triangles = {{0, 1, 2}, {1, 2, 3}};
+  surface.objects = {"a", "b"};
+  surface.materials = {"wood"};
+  surface.object_of = {0, 1};
+  surface.material_of = {0, 0};
+  save(root, "plain", text(encode_surface(file)));
+  surface.normals.assign(4, Eigen::Vector3f(0, 0, 1));
+  surface.uvs.assign(4, Eigen::Vector2f(0.25F, 0.5F));
+  surface.colours.assign(4, Colour{255, 128, 0, 255});
+  save(root, "full", text(encode_surface(file)));
+  save(root, "refusal", text(encode_refusal("no triangles")));
+}
+
 void save_texts(const fs::path& root) {
   int number = 0;
   for (const char* text : {"x<0.01", "y>=1.2", "box:0,0,0,1,1,1", "vertex:1,2", "file:a", "none",
@@ -79,6 +103,7 @@ int main(int count, char** words) {
   tremolo::save_meshes(words[1]);
   tremolo::save_bases(std::filesystem::path(words[1]) / "basis");
   tremolo::save_bases(std::filesystem::path(words[1]) / "model");
+  tremolo::save_surfaces(std::filesystem::path(words[1]) / "surface");
   tremolo::save_texts(words[1]);
   return 0;
 }
