@@ -3,7 +3,7 @@ add_library(tremolo_flags INTERFACE)
 target_compile_options(tremolo_flags INTERFACE
   -Wall -Wextra -Wconversion -Wno-sign-conversion -Wshadow -Wpedantic
   $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
-  -Wno-restrict)  # g++ 12 warns falsely on every "literal" + std::string
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # g++ 12 warns falsely on every "literal" + std::string
 # Honour `#pragma omp simd` (reductions vectorise without -ffast-math); no OpenMP runtime is linked.
 target_compile_options(tremolo_flags INTERFACE -fopenmp-simd)
 if(TREMOLO_SANITIZE)
