@@ -62,7 +62,7 @@ BasisData precompute(const Model& model, bool linear = false) {
 }
 
 // The eigensolver works to a residual of 1e-10 and better; eigenvalues err by its square over the
-// gap. What is left is rounding in K and M, some 1e-12 with these condition numbers.
+// gap. What is left is rounding in K and M: 1e-12 is not reached.
 void expect_same_spectrum(const BasisData& a, const BasisData& b, double scale = 1) {
   ASSERT_EQ(a.lambda.size(), b.lambda.size());
   for (Eigen::Index i = 0; i < a.lambda.size(); ++i)
@@ -77,7 +77,7 @@ void expect_same_quartic(const BasisData& a, const BasisData& b, double scale = 
   for (std::size_t j = 0; j < r; ++j)
     for (std::size_t i = 0; i <= j; ++i) {
       const double expected = scale * a.quartic[quad_index(i, i, j, j)];
-      // Columns turn by the residual over the gap between neighbours.
+      // Columns turn by the residual over the gap between neighbours: 1e-9 is not reached.
       EXPECT_NEAR(b.quartic[quad_index(i, i, j, j)], expected, 1e-6 * std::abs(expected))
           << i << " " << j;
     }
