@@ -89,7 +89,7 @@ std::string advice(const std::string& path) {
 void note_size(SurfaceFile& file, bool unit_given) {
   const BoundingBox box = bounding_box(file.surface.vertices);
   const double diagonal = box.diagonal();
-  if (!unit_given && (diagonal > kLarge || diagonal < kSmall))
+  if (!unit_given && diagonal > 0 && (diagonal > kLarge || diagonal < kSmall))
     file.notes.push_back("the surface is " + number_text(diagonal) +
                          " m across: if its unit is not " + number_text(file.metres_per_unit) +
                          " m, say so, as in --unit mm or --unit cm");
@@ -142,7 +142,8 @@ Result<SurfaceFile> read_surface(const std::string& path, const SurfaceReadOptio
       answer_of_child(work, {.seconds = options.seconds, .memory = memory, .answer = memory});
   if (!answer) {
     if (answer.error().kind != ErrorKind::kContent) return prefixed(answer.error());
-    return content_error(path + ": reading it " + answer.error().message);
+    return content_error(path + ": reading it " + answer.error().message + " (the file has " +
+                         std::to_string(*size) + " bytes)");
   }
   Result<SurfaceFile> file = decode_surface(*answer);
   if (!file)

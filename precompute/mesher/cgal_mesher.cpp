@@ -84,9 +84,14 @@ void refine(const ImplicitRequest& request, const Domain& domain, Complex& compl
   const Criteria criteria(facet_angle = kFacetAngle, facet_size = sizing,
                           facet_distance = request.surface_error,
                           cell_radius_edge_ratio = kRadiusEdge, cell_size = sizing);
-  CGAL::refine_mesh_3(complex, domain, criteria, manifold(),
-                      perturb(sliver_bound = kSliverBound, time_limit = 0),
-                      exude(sliver_bound = kSliverBound, time_limit = 0));
+  const auto exuding = exude(sliver_bound = kSliverBound, time_limit = 0);
+  if (request.perturb)
+    CGAL::refine_mesh_3(complex, domain, criteria, manifold(),
+                        perturb(sliver_bound = kSliverBound, time_limit = 0), exuding);
+  else if (request.manifold)
+    CGAL::refine_mesh_3(complex, domain, criteria, manifold(), no_perturb(), exuding);
+  else
+    CGAL::refine_mesh_3(complex, domain, criteria, non_manifold(), no_perturb(), exuding);
 }
 
 // Newton's steps along the gradient of the distance; false if they do not arrive.
@@ -133,6 +138,7 @@ Result<TetMesh> mesh_recipe(const Recipe& recipe) {
   request.first_points = surface_points(recipe, kFirstSpacing, kFirstCells);
   request.onto_surface = [&recipe](Eigen::Vector3d& x) { return step_onto(recipe, x); };
   request.most_queries = static_cast<std::size_t>(-1);
+  request.perturb = true;  // as when the sample meshes were made
   Result<TetMesh> mesh = mesh_implicit(request);
   if (!mesh) return Error{mesh.error().kind, name + ": " + mesh.error().message};
   if (mesh->tetrahedra.empty())

@@ -23,6 +23,11 @@ struct ImplicitRequest {
   std::vector<Eigen::Vector3d> first_points;
   OntoSurface onto_surface;
   std::size_t most_queries = 0;  // of `inside`; the mesher gives up behind them
+  // CGAL's perturbation of slivers before ours: up to thirty times the time for the same angles.
+  bool perturb = false;
+  // Whether the boundary must be a two-manifold. Where a solid touches itself in an edge or a point
+  // it cannot be.
+  bool manifold = true;
 };
 
 // The mesh may be empty or in several parts. Errors: kSolver if the mesher fails or gives up.

@@ -29,9 +29,9 @@ using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, Domain::C
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 constexpr unsigned kSeed = 1;
-// Seeds stand so many wanted sizes from what is there already.
-constexpr double kSeedSpacing = 1.2;
-// Half the length of the segment that finds a seed's place on the surface, over the wanted size.
+// Seeds keep this share of their distance from vertices on sharp edges.
+constexpr double kNearSeed = 0.8;
+// Half the length of the segment that finds a seed's place on the surface, over that distance.
 constexpr double kProbe = 0.05;
 
 struct Sizing {
@@ -47,22 +47,22 @@ struct Sizing {
   }
 };
 
-double squared_distance_to_vertices(const Triangulation& triangulation, const Kernel::Point_3& p) {
-  if (triangulation.number_of_vertices() == 0) return HUGE_VAL;
-  const auto vertex = triangulation.nearest_power_vertex(Triangulation::Bare_point(p));
-  return CGAL::squared_distance(vertex->point().point(), p);
+// Whether a point is too near to a vertex that is there, or in the ball that keeps a sharp edge.
+bool is_taken(const Triangulation& triangulation, const Kernel::Point_3& p, double apart) {
+  if (triangulation.number_of_vertices() == 0) return false;
+  const auto& near = triangulation.nearest_power_vertex(Triangulation::Bare_point(p))->point();
+  constexpr double kOverBall = 1.2;
+  return CGAL::squared_distance(near.point(), p) <
+         std::max(kNearSeed * kNearSeed * apart * apart, kOverBall * near.weight());
 }
 
 void insert_seeds(const PolyhedralRequest& request, const Domain& domain, Complex& complex) {
   const auto intersect = domain.construct_intersection_object();
-  for (const Eigen::Vector3d& x : request.seeds) {
-    const double size = request.size(x);
+  for (const auto& [x, apart] : request.seeds) {
     const Kernel::Point_3 p(x[0], x[1], x[2]);
-    if (squared_distance_to_vertices(complex.triangulation(), p) <
-        kSeedSpacing * kSeedSpacing * size * size)
-      continue;
+    if (is_taken(complex.triangulation(), p, apart)) continue;
     // A skew segment meets a surface along any axis.
-    const Eigen::Vector3d half = kProbe * size * Eigen::Vector3d(0.53, 0.61, 0.59);
+    const Eigen::Vector3d half = kProbe * apart * Eigen::Vector3d(0.53, 0.61, 0.59);
     for (const double sign : {1.0, -1.0}) {
       const Eigen::Vector3d other(half[0], sign * half[1], half[2]);
       const Eigen::Vector3d from = x - other, to = x + other;
@@ -95,8 +95,7 @@ TetMesh refine(const cgal::SurfaceMesh& polyhedron, const PolyhedralRequest& req
   Complex complex;
   if (edges) CGAL::Mesh_3::internal::init_c3t3_with_features(complex, domain, criteria);
   insert_seeds(request, domain, complex);
-  CGAL::refine_mesh_3(complex, domain, criteria, manifold(),
-                      perturb(sliver_bound = kSliverBound, time_limit = 0),
+  CGAL::refine_mesh_3(complex, domain, criteria, manifold(), no_perturb(),
                       exude(sliver_bound = kSliverBound, time_limit = 0));
   return extract(complex, &on_edge);
 }

@@ -10,15 +10,20 @@
 
 namespace tremolo {
 
+struct Seed {
+  Eigen::Vector3d point;  // of the surface
+  double apart = 0;       // from the others
+};
+
 // size: wanted edge length at a point. surface_error: wanted distance to the surface.
 // sharp_angle: edges at which the surface bends by more degrees are kept as edges of the mesh; 0:
-// none are. seeds: points of the surface, at least one a shell. most_queries: of the size; the
-// mesher gives up behind them.
+// none are. seeds: first points, some on every shell. most_queries: of the size; the mesher gives
+// up behind them.
 struct PolyhedralRequest {
   std::function<double(const Eigen::Vector3d&)> size;
   double surface_error = 0;
   double sharp_angle = 0;
-  std::vector<Eigen::Vector3d> seeds;
+  std::vector<Seed> seeds;
   std::size_t most_queries = 0;
 };
 

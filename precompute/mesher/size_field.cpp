@@ -15,6 +15,8 @@ constexpr double kGrowth = 0.5;
 constexpr int kCells = 72;  // along the longest side
 // Rays behind a sample: one straight in, the others on a cone, so that a nick does not count.
 constexpr int kConeRays = 4;
+// Cosine between the normals of two sides of a wall.
+constexpr double kParallel = 0.8;
 constexpr double kCone = 30.0 * std::numbers::pi / 180.0;
 // Volume of a tetrahedron over the cube of the wanted edge, as the mesher fills space; measured.
 constexpr double kVolumePerCube = 0.2;
@@ -24,28 +26,36 @@ constexpr int kMostHits = 8;
 constexpr double kStep = 1e-6;
 constexpr std::size_t kNoTriangle = static_cast<std::size_t>(-1);
 
-// How far a ray stays in the solid: it goes on behind triangles that lie within.
-double way_inside(const TriangleTree& tree, const Inside& inside, const Point& x,
-                  const Point& direction, std::size_t triangle) {
-  double way = tree.first_hit(x, direction, triangle);
-  for (int hit = 0; inside && hit < kMostHits && std::isfinite(way); ++hit) {
-    const Point behind = x + (way + kStep) * direction;
+// Where a ray leaves the solid: it goes on behind triangles that lie within.
+Hit way_out(const TriangleTree& tree, const Inside& inside, const Point& x, const Point& direction,
+            std::size_t triangle) {
+  Hit way = tree.first_hit(x, direction, triangle);
+  for (int hit = 0; inside && hit < kMostHits && std::isfinite(way.distance); ++hit) {
+    const Point behind = x + (way.distance + kStep) * direction;
     if (!inside(behind)) break;
-    way += kStep + tree.first_hit(behind, direction, kNoTriangle);
+    const Hit next = tree.first_hit(behind, direction, kNoTriangle);
+    way = {way.distance + kStep + next.distance, next.triangle};
   }
   return way;
 }
 
-double thickness_behind(const TriangleTree& tree, const Inside& inside, const Point& x,
-                        const Point& inwards, std::size_t triangle) {
-  std::vector<double> lengths{way_inside(tree, inside, x, inwards, triangle)};
+// Infinite where the solid does not end behind the point, or ends at no wall: at the edge of a
+// wedge the two sides are near each other but not parallel.
+double thickness_behind(const SurfaceMesh& surface, const TriangleTree& tree, const Inside& inside,
+                        const SurfacePoint& at, const Point& inwards) {
+  const Hit straight = way_out(tree, inside, at.point, inwards, at.triangle);
+  if (!std::isfinite(straight.distance)) return straight.distance;
+  const Point far = doubled_area(surface, surface.triangles[straight.triangle]).normalized();
+  if (std::abs(far.dot(inwards)) < kParallel) return HUGE_VAL;
+  std::vector<double> lengths{straight.distance};
   const Point side = inwards.unitOrthogonal();
   const Point other = inwards.cross(side);
   for (int i = 0; i < kConeRays; ++i) {
     const double turn = 2.0 * std::numbers::pi * i / kConeRays;
     const Point direction = std::cos(kCone) * inwards +
                             std::sin(kCone) * (std::cos(turn) * side + std::sin(turn) * other);
-    lengths.push_back(std::cos(kCone) * way_inside(tree, inside, x, direction, triangle));
+    lengths.push_back(std::cos(kCone) *
+                      way_out(tree, inside, at.point, direction, at.triangle).distance);
   }
   std::nth_element(lengths.begin(), lengths.begin() + 2, lengths.end());
   return lengths[2];
@@ -62,7 +72,7 @@ std::vector<WallSample> wall_samples(const SurfaceMesh& surface, const TriangleT
     const Point normal = doubled_area(surface, surface.triangles[at.triangle]).normalized();
     if (inside && (inside(at.point + kStep * normal) || !inside(at.point - kStep * normal)))
       continue;
-    const double thickness = thickness_behind(tree, inside, at.point, -normal, at.triangle);
+    const double thickness = thickness_behind(surface, tree, inside, at, -normal);
     if (std::isfinite(thickness) && thickness > 0)
       samples.push_back({at.point, thickness, area / static_cast<double>(count)});
   }
@@ -71,7 +81,7 @@ std::vector<WallSample> wall_samples(const SurfaceMesh& surface, const TriangleT
 
 SizeField::SizeField(const BoundingBox& box, const std::vector<WallSample>& walls, double coarse,
                      double fine)
-    : coarse_(coarse), smallest_(coarse) {
+    : coarse_(coarse) {
   step_ = (box.high - box.low).maxCoeff() / kCells;
   low_ = box.low - Point::Constant(step_);
   count_ = ((box.high - box.low) / step_).array().ceil().cast<int>() + 4;
@@ -84,7 +94,6 @@ SizeField::SizeField(const BoundingBox& box, const std::vector<WallSample>& wall
   };
   for (const WallSample& wall : walls) {
     const double size = std::clamp(wall.thickness, fine, coarse);
-    smallest_ = std::min(smallest_, size);
     const Eigen::Vector3i cell = ((wall.point - low_) / step_).array().floor().cast<int>();
     for (int corner = 0; corner < 8; ++corner) {
       float& value =

@@ -34,13 +34,12 @@ class SizeField {
   SizeField(const BoundingBox& box, const std::vector<WallSample>& walls, double coarse,
             double fine);
   double at(const Eigen::Vector3d& x) const;
-  double smallest() const { return smallest_; }
+  double coarsest() const { return coarse_; }
 
  private:
   Eigen::Vector3d low_;
   double step_ = 0;
   double coarse_ = 0;
-  double smallest_ = 0;
   Eigen::Vector3i count_;
   std::vector<float> values_;  // x fastest
 };

@@ -27,7 +27,7 @@ struct SurfaceMeshOptions {
 
 // Distances in metres, each the largest from 20 000 points of the one surface to the other. Points
 // where a hole was closed count apart, and the way back leaves out what is not the solid's border:
-// inner walls and shells.
+// inner walls, inner shells and crumbs.
 struct SurfaceMeshReport {
   SurfaceFindings findings;
   std::string method;              // "as a polyhedron with sharp edges kept"

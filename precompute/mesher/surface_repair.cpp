@@ -28,6 +28,7 @@ constexpr std::size_t kSamples = 40'000;
 constexpr std::size_t kMostSamples = 64;
 constexpr std::size_t kLeastSamples = 2;
 constexpr int kRays = 4;  // a side of a sample
+constexpr double kOff = 1e-6;
 
 struct Edge {
   VertexId low, high;
@@ -204,8 +205,9 @@ Votes vote(const SurfaceMesh& surface, const TriangleTree& tree, const Patch& pa
     for (int ray = 0; ray < kRays; ++ray) {
       Point direction = Point(normal(random), normal(random), normal(random)).normalized();
       if (direction.dot(up) < 0) direction = -direction;
-      votes.front += std::isinf(tree.first_hit(x, direction, t));
-      votes.back += std::isinf(tree.first_hit(x, -direction, t));
+      // Off the surface: another triangle may lie in the same plane.
+      votes.front += std::isinf(tree.first_hit(x + kOff * direction, direction, t).distance);
+      votes.back += std::isinf(tree.first_hit(x - kOff * direction, -direction, t).distance);
     }
   }
   return votes;

@@ -1,5 +1,7 @@
 #include "precompute/mesher/triangle_tree.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -54,19 +56,21 @@ NearestPoint TriangleTree::nearest(const Eigen::Vector3d& x) const {
   return result;
 }
 
-double TriangleTree::first_hit(const Eigen::Vector3d& x, const Eigen::Vector3d& direction,
-                               std::size_t skipped) const {
-  const Kernel::Ray_3 ray(cgal(x), Kernel::Vector_3(direction[0], direction[1], direction[2]));
+Hit TriangleTree::first_hit(const Eigen::Vector3d& x, const Eigen::Vector3d& direction,
+                            std::size_t skipped) const {
+  const Kernel::Point_3 from = cgal(x);
+  const Kernel::Ray_3 ray(from, Kernel::Vector_3(direction[0], direction[1], direction[2]));
   const auto skip = [&](const Primitive::Id& id) { return contents_->index(id) == skipped; };
-  const auto hit = contents_->tree.first_intersection(ray, skip);
-  double distance = std::numeric_limits<double>::infinity();
-  if (!hit) return distance;
-  if (const auto* point = boost::get<Kernel::Point_3>(&hit->first))
-    distance = (Eigen::Vector3d(point->x(), point->y(), point->z()) - x).norm();
-  else if (const auto* segment = boost::get<Kernel::Segment_3>(&hit->first))
-    distance = std::sqrt(std::min(CGAL::squared_distance(segment->source(), cgal(x)),
-                                  CGAL::squared_distance(segment->target(), cgal(x))));
-  return distance;
+  const auto met = contents_->tree.first_intersection(ray, skip);
+  Hit hit{std::numeric_limits<double>::infinity(), 0};
+  if (!met) return hit;
+  hit.triangle = contents_->index(met->second);
+  if (const auto* point = boost::get<Kernel::Point_3>(&met->first))
+    hit.distance = std::sqrt(CGAL::squared_distance(*point, from));
+  else if (const auto* segment = boost::get<Kernel::Segment_3>(&met->first))
+    hit.distance = std::sqrt(std::min(CGAL::squared_distance(segment->source(), from),
+                                      CGAL::squared_distance(segment->target(), from)));
+  return hit;
 }
 
 }  // namespace tremolo

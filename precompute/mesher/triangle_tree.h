@@ -16,6 +16,11 @@ struct NearestPoint {
   double distance = 0;
 };
 
+struct Hit {
+  double distance = 0;
+  std::size_t triangle = 0;
+};
+
 // Over CGAL's AABB tree. Copies the triangles, of which none may be degenerate. Queries may run in
 // several threads.
 class TriangleTree {
@@ -27,10 +32,10 @@ class TriangleTree {
 
   // The tree must not be empty.
   NearestPoint nearest(const Eigen::Vector3d& x) const;
-  // Distance to the first triangle that the ray from `x` along `direction` (of length 1) meets,
-  // `skipped` left out; infinity if there is none.
-  double first_hit(const Eigen::Vector3d& x, const Eigen::Vector3d& direction,
-                   std::size_t skipped) const;
+  // The first triangle that the ray from `x` along `direction` (of length 1) meets, `skipped` left
+  // out; at infinity if there is none.
+  Hit first_hit(const Eigen::Vector3d& x, const Eigen::Vector3d& direction,
+                std::size_t skipped) const;
 
  private:
   struct Contents;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kLeaf = 8;
 // A node is far when its centre is so many radii away.
-constexpr double kFar = 2.3;
+constexpr double kFar = 2.5;
 
 Eigen::Vector3d area_vector(const Eigen::Matrix3d& t) {
   return 0.5 * (t.col(1) - t.col(0)).cross(t.col(2) - t.col(0));

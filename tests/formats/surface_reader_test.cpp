@@ -177,6 +177,44 @@ TEST_F(SurfaceReader, TransformsAddUpAlongTheTree) {
   EXPECT_NEAR(enclosed_volume(file.surface), 24, 1e-4);
 }
 
+// One triangle with the normal (1, 1, 1), stretched, mirrored, flattened.
+std::string scaled_triangle_dae(const std::string& scale) {
+  const auto source = [](const std::string& id, const std::string& values, int count) {
+    return "<source id=\"" + id + "\"><float_array id=\"" + id + "a\" count=\"" +
+           std::to_string(3 * count) + "\">" + values +
+           "</float_array><technique_common><accessor source=\"#" + id + "a\" count=\"" +
+           std::to_string(count) +
+           "\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"
+           "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source>";
+  };
+  return R"(<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="1"/><up_axis>Y_UP</up_axis></asset>
+<library_geometries><geometry id="g" name="shape"><mesh>)" +
+         source("p", "1 0 0 0 1 0 0 0 1", 3) + source("n", "0.57735 0.57735 0.57735", 1) +
+         R"(<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/>
+<input semantic="NORMAL" source="#n" offset="1"/><p>0 0 1 0 2 0</p></triangles></mesh></geometry>
+</library_geometries><library_visual_scenes><visual_scene id="s"><node id="n1"><scale>)" +
+         scale + R"(</scale><instance_geometry url="#g"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
+}
+
+TEST_F(SurfaceReader, NormalsStandOnTheirTriangleWhateverTheTransform) {
+  for (const char* scale : {"1 1 1", "2 1 0.5", "-2 1 3", "-1 -3 -0.2", "1 -1e-3 1"}) {
+    const RenderSurface surface = read("one.dae", scaled_triangle_dae(scale)).surface;
+    ASSERT_EQ(surface.triangles.size(), 1U) << scale;
+    ASSERT_EQ(surface.normals.size(), 3U) << scale;
+    const Triangle& t = surface.triangles[0];
+    const Eigen::Vector3d normal = (surface.vertices[t[1]] - surface.vertices[t[0]])
+                                       .cross(surface.vertices[t[2]] - surface.vertices[t[0]])
+                                       .normalized();
+    // The file has five digits.
+    for (const Eigen::Vector3f& n : surface.normals)
+      EXPECT_LT((n.cast<double>() - normal).norm(), 1e-5) << scale;
+  }
+}
+
 TEST_F(SurfaceReader, ConcavePolygonsAreCutInsideTheirOutline) {
   // An L of area 3, and a star of five points.
   std::string text = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n";

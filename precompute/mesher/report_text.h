@@ -1,0 +1,16 @@
+// printf into a string, for reports.
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+namespace tremolo {
+
+template <class... Values>
+std::string text(const char* format, Values... values) {
+  char buffer[400];
+  std::snprintf(buffer, sizeof(buffer), format, values...);
+  return buffer;
+}
+
+}  // namespace tremolo

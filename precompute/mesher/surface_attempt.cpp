@@ -1,0 +1,188 @@
+#include "precompute/mesher/surface_attempt.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "common/mesh_quality.h"
+#include "precompute/mesher/cgal_mesher.h"
+#include "precompute/mesher/polyhedral_mesher.h"
+#include "precompute/mesher/surface_distance.h"
+
+namespace tremolo {
+namespace {
+
+using Point = Eigen::Vector3d;
+
+constexpr double kCountTolerance = 0.1;
+constexpr int kTries = 6;
+// An edge is sharp if the surface bends by more degrees there.
+constexpr double kSharp = 45.0;
+// Sharp edges are kept if they are few: length times size over area.
+constexpr double kMostSharp = 1.2;
+constexpr double kGoodAngle = 8.0;
+// Questions that a mesh of so many tetrahedra may ask: about the size, of which 4 a tetrahedron are
+// usual, and about the solid, of which up to 80 are.
+constexpr double kSizesPerTet = 40, kSizesAtLeast = 2e5;
+constexpr double kSidesPerTet = 200, kSidesAtLeast = 1e6;
+
+// Points on the border of the solid that keep a distance from each other: 1.2 times the size, less
+// on shells that would get only a few.
+std::vector<Seed> border_points(const SurfaceSolid& solid, const SizeField& sizes) {
+  constexpr double kSpacing = 1.2;
+  constexpr std::size_t kPoints = 60'000;
+  constexpr std::size_t kLeast = 12;
+  constexpr double kStep = 1e-4;
+  std::vector<Seed> candidates;
+  std::vector<std::size_t> shell_of;
+  for (const SurfacePoint& at : spread_points(solid.surface, kPoints)) {
+    const Point normal =
+        doubled_area(solid.surface, solid.surface.triangles[at.triangle]).normalized();
+    if (solid.half_thickness > 0) {
+      for (const double side : {1.0, -1.0}) {
+        const Point x = at.point + side * solid.half_thickness * normal;
+        if (std::abs(solid.tree.nearest(x).distance - solid.half_thickness) > 1e-9) continue;
+        candidates.push_back({x, 0.0});
+        shell_of.push_back(solid.shell_of[at.triangle]);
+      }
+    } else if (solid.closed || (!solid.inside(at.point + kStep * normal) &&
+                                solid.inside(at.point - kStep * normal))) {
+      candidates.push_back({at.point, 0.0});
+      shell_of.push_back(solid.shell_of[at.triangle]);
+    }
+  }
+  std::vector<Seed> kept;
+  // The coarsest size is as wide as a cell, so only neighbours count.
+  const double width = kSpacing * sizes.coarsest();
+  std::map<std::array<int, 3>, std::vector<std::size_t>> cells;
+  std::map<std::size_t, std::size_t> count;
+  double factor = kSpacing;
+  for (int pass = 0; pass < 3; ++pass, factor *= 0.5)
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      std::size_t& here = count[shell_of[i]];
+      if (pass > 0 && here >= kLeast) continue;
+      const Point& x = candidates[i].point;
+      const double apart = factor * sizes.at(x);
+      const Eigen::Array3i cell = (x / width).array().floor().cast<int>();
+      bool free = true;
+      for (int n = 0; n < 27 && free; ++n) {
+        const auto near =
+            cells.find({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
+        if (near == cells.end()) continue;
+        for (const std::size_t other : near->second)
+          if ((kept[other].point - x).squaredNorm() < apart * apart) {
+            free = false;
+            break;
+          }
+      }
+      if (!free) continue;
+      ++here;
+      cells[{cell[0], cell[1], cell[2]}].push_back(kept.size());
+      kept.push_back({x, apart});
+    }
+  return kept;
+}
+
+std::size_t budget(const MeshPlan& plan, double a_tet, double at_least) {
+  return static_cast<std::size_t>(at_least + a_tet * estimated_count(plan));
+}
+
+Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& plan,
+                                   const SizeField& sizes, std::string& method) {
+  PolyhedralRequest request;
+  request.size = [&sizes](const Point& x) { return sizes.at(x); };
+  request.surface_error = plan.error;
+  request.seeds = border_points(solid, sizes);
+  request.most_queries = budget(plan, kSizesPerTet, kSizesAtLeast);
+  double area = 0;
+  for (const Triangle& t : solid.surface.triangles)
+    area += 0.5 * doubled_area(solid.surface, t).norm();
+  const double sharp = sharp_length(solid.surface, kSharp);
+  std::optional<Result<TetMesh>> with_edges;
+  if (sharp > 0 && sharp * plan.coarse < kMostSharp * area) {
+    method = "as a polyhedron, its sharp edges kept";
+    request.sharp_angle = kSharp;
+    with_edges = mesh_polyhedron(solid.surface, solid.tree, request);
+    if (*with_edges && mesh_quality(**with_edges).min_dihedral_deg >= kGoodAngle)
+      return *with_edges;
+  }
+  request.sharp_angle = 0;
+  Result<TetMesh> smooth = mesh_polyhedron(solid.surface, solid.tree, request);
+  const bool better = smooth && (!with_edges || !*with_edges ||
+                                 mesh_quality(*smooth).min_dihedral_deg >
+                                     mesh_quality(**with_edges).min_dihedral_deg);
+  if (better || !with_edges || !*with_edges) {
+    method = sharp > 0 ? "as a polyhedron, its sharp edges rounded" : "as a polyhedron";
+    return smooth;
+  }
+  return *with_edges;
+}
+
+Result<TetMesh> mesh_as_field(const SurfaceSolid& solid, const MeshPlan& plan,
+                              const SizeField& sizes) {
+  ImplicitRequest request;
+  request.bounds = bounding_box(solid.surface.vertices);
+  const double margin = solid.half_thickness + 0.02;
+  request.bounds.low.array() -= margin;
+  request.bounds.high.array() += margin;
+  request.inside = [&solid](const Point& x) { return solid.inside(x); };
+  request.size = [&sizes](const Point& x) { return sizes.at(x); };
+  request.surface_error = plan.error;
+  for (const Seed& seed : border_points(solid, sizes)) request.first_points.push_back(seed.point);
+  request.most_queries = budget(plan, kSidesPerTet, kSidesAtLeast);
+  request.onto_surface = [&](Point& x) {
+    const NearestPoint near = solid.tree.nearest(x);
+    if (solid.half_thickness > 0) {
+      if (!(near.distance > 0)) return false;
+      x = near.point + solid.half_thickness * (x - near.point) / near.distance;
+      return true;
+    }
+    // Over a hole the border is no triangle's.
+    if (near.distance > 0.25 * sizes.at(x)) return false;
+    x = near.point;
+    return true;
+  };
+  Result<TetMesh> mesh = mesh_implicit(request);
+  if (mesh) return mesh;
+  request.manifold = false;
+  request.surface_error *= 2.0;
+  return mesh_implicit(request);
+}
+
+}  // namespace
+
+Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan) {
+  const SizeField sizes(bounding_box(solid.surface.vertices), plan.walls, plan.coarse, plan.fine);
+  MeshAttempt done;
+  if (solid.closed && solid.half_thickness == 0) {
+    Result<TetMesh> mesh = mesh_as_polyhedron(solid, plan, sizes, done.method);
+    if (mesh && !mesh->tetrahedra.empty()) {
+      done.mesh = std::move(*mesh);
+      return done;
+    }
+  }
+  Result<TetMesh> mesh = mesh_as_field(solid, plan, sizes);
+  if (!mesh) return mesh.error();
+  done.mesh = std::move(*mesh);
+  done.method = solid.half_thickness > 0 ? "as a sheet of the thickness asked for"
+                                         : "by solid angle: inside is where it is above one half";
+  return done;
+}
+
+// Meshes until the number of tetrahedra asked for is met.
+Result<MeshAttempt> attempt_mesh_to_count(const SurfaceSolid& solid, MeshPlan plan, int wanted) {
+  Result<MeshAttempt> best = attempt_mesh(solid, plan);
+  for (int i = 1; i < kTries && wanted > 0 && best; ++i) {
+    const double share = static_cast<double>(best->mesh.tetrahedra.size()) / wanted;
+    if (share > 0 && std::abs(share - 1.0) <= kCountTolerance) break;
+    const double factor = share > 0 ? std::clamp(std::cbrt(share), 0.4, 2.5) : 0.5;
+    plan.coarse *= factor;
+    plan.fine *= factor;
+    best = attempt_mesh(solid, plan);
+  }
+  return best;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,25 @@
+// One try to mesh a solid by a plan: as a polyhedron if its surface is closed, else as a field.
+#pragma once
+
+#include <string>
+
+#include "common/result.h"
+#include "common/tet_mesh.h"
+#include "precompute/mesher/surface_plan.h"
+
+namespace tremolo {
+
+// method: "as a polyhedron, its sharp edges kept".
+struct MeshAttempt {
+  TetMesh mesh;
+  std::string method;
+};
+
+// The mesh may be empty. Errors: kSolver if the mesher does not come to an end.
+Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan);
+
+// Scales the plan's sizes until `wanted` tetrahedra are met within 10 %, in at most six tries; 0:
+// one try.
+Result<MeshAttempt> attempt_mesh_to_count(const SurfaceSolid& solid, MeshPlan plan, int wanted);
+
+}  // namespace tremolo

@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# run.sh BIN_DIR OUT_DIR [NAME...]: makes the corpus of awkward surfaces, gives each (or those named)
+# to tremolo-mesh and prints a table. Exit code 1 if one of them crashes, takes over 60 s of
+# processor time or 180 s in all, succeeds with a mesh that nobody can use, fails without a message,
+# or does other than its manifest expects.
+# JOBS=2 runs two at a time.
+set -u
+[ $# -ge 2 ] || { echo "usage: run.sh BIN_DIR OUT_DIR [NAME...]" >&2; exit 2; }
+bin=$(cd "$1" && pwd) || exit 2
+out=$2
+shift 2
+mkdir -p "$out" || exit 1
+out=$(cd "$out" && pwd)
+most=60
+
+"$bin/tremolo_make_surfaces" "$out/surfaces" >/dev/null || exit 1
+
+# one NAME EXPECTED: its line of the table into NAME.row, and what is wrong into NAME.wrong.
+one() {
+  local name=$1 expected=$2 seconds code wrong='' found=(- - - -) distance=- message
+  local log=$out/$name.log mesh=$out/$name.msh
+  rm -f "$mesh" "$out/$name.wrong"
+  {
+    TIMEFORMAT='%U %S'
+    time timeout --kill-after=5 $((3 * most)) "$bin/tremolo-mesh" "$out/surfaces/$name" -o "$mesh" \
+      >"$out/$name.stdout" 2>"$log" </dev/null
+    code=$?
+  } 2>"$out/$name.time"
+  seconds=$(awk '{ printf "%.1f", $1 + $2 }' "$out/$name.time")
+  message=$(tail -n 1 "$log" | tr '\t' ' ')
+  awk -v s="$seconds" -v most=$most 'BEGIN { exit !(s > most) }' && wrong="takes $seconds s"
+  case $code in
+    0)
+      if read -r -a found < <("$bin/tremolo_check_mesh" "$mesh" 2>"$out/$name.check") &&
+        [ "${found[0]}" -gt 0 ]; then :; else
+        wrong="no usable mesh: $(cat "$out/$name.check")"
+        found=(- - - -)
+      fi
+      distance=$(grep -o 'mesh to surface .*' "$log" | grep -o '([0-9.e+-]* %' | tr -d '(% ' | sort -g | tail -n 1)
+      [ "$expected" = message ] && wrong='meshed, where only a message makes sense'
+      ;;
+    3)
+      [ -n "$message" ] || wrong='no message'
+      [ -e "$mesh" ] && wrong='a mesh in spite of the error'
+      [ "$expected" = mesh ] && wrong='should be meshed'
+      ;;
+    124 | 137) wrong="takes over $((3 * most)) s" ;;
+    *) wrong="exit code $code" ;;
+  esac
+  [ -n "$wrong" ] && printf '%s: %s\n' "$name" "$wrong" >"$out/$name.wrong"
+  printf '%-26s %4s %6s %8s %6s %9s %5s %6s  %s\n' "$name" "$code" "$seconds" "${found[@]}" \
+    "${distance:--}" "${message:0:160}" >"$out/$name.row"
+}
+
+printf '%-26s %4s %6s %8s %6s %9s %5s %6s  %s\n' \
+  file code s tets angle volume parts 'off %' 'last line of the log'
+names=()
+while IFS=$'\t' read -r name what expected; do
+  if [ $# -gt 0 ]; then
+    case " $* " in *" $name "*) ;; *) continue ;; esac
+  fi
+  names+=("$name")
+  while [ "$(jobs -rp | wc -l)" -ge "${JOBS:-1}" ]; do wait -n; done
+  one "$name" "$expected" &
+done <"$out/surfaces/manifest.tsv"
+wait
+for name in "${names[@]}"; do cat "$out/$name.row"; done
+wrong=0
+for name in "${names[@]}"; do
+  [ -e "$out/$name.wrong" ] || continue
+  wrong=$((wrong + 1))
+  cat "$out/$name.wrong"
+done
+echo "${#names[@]} surfaces, $wrong not as they should"
+[ ${#names[@]} -gt 0 ] && [ $wrong = 0 ]
