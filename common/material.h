@@ -1,21 +1,41 @@
-// An isotropic St. Venant-Kirchhoff material.
+// A St. Venant-Kirchhoff material, isotropic or orthotropic.
 #pragma once
 
-#include <cmath>
-#include <string>
+#include <optional>
+
+#include <Eigen/Core>
 
 #include "common/result.h"
 
 namespace tremolo {
 
-// young: Pa; poisson: dimensionless; density: kg/m^3.
+// Nine constants along three directions. Pulling along direction i shrinks direction j by nu_ij of
+// the stretch, so nu_ij / E_i = nu_ji / E_j; G_ij is stress over twice the strain. axes: the
+// columns are the three directions, orthonormal; a mirrored triple is the same material.
+struct OrthotropicElasticity {
+  Eigen::Vector3d young = Eigen::Vector3d::Zero();    // E1, E2, E3, Pa
+  Eigen::Vector3d poisson = Eigen::Vector3d::Zero();  // nu12, nu23, nu31
+  Eigen::Vector3d shear = Eigen::Vector3d::Zero();    // G12, G23, G31, Pa
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+
+  bool operator==(const OrthotropicElasticity& other) const {
+    return young == other.young && poisson == other.poisson && shear == other.shear &&
+           axes == other.axes;
+  }
+};
+
+// young: Pa; poisson: dimensionless; density: kg/m^3. With `orthotropic`, young and poisson mean
+// nothing.
 struct Material {
   double young = 1e6;
   double poisson = 0.45;
   double density = 1000.0;
+  std::optional<OrthotropicElasticity> orthotropic = std::nullopt;
+
+  bool operator==(const Material& other) const = default;
 };
 
-// First and second Lame constants, Pa.
+// First and second Lame constants of an isotropic material, Pa.
 inline double lame_lambda(const Material& material) {
   return material.young * material.poisson /
          ((1.0 + material.poisson) * (1.0 - 2.0 * material.poisson));
@@ -24,18 +44,14 @@ inline double lame_mu(const Material& material) {
   return material.young / (2.0 * (1.0 + material.poisson));
 }
 
-// The energy is positive exactly for E > 0 and -1 < nu < 1/2; the mass for rho > 0.
-inline Status check_material(const Material& material) {
-  const auto refuse = [](const char* what, double value, const char* range) {
-    return content_error(std::string(what) + " is " + std::to_string(value) + ", must be " + range);
-  };
-  if (!(material.young > 0.0) || !std::isfinite(material.young))
-    return refuse("Young's modulus", material.young, "positive and finite (Pa)");
-  if (!(material.poisson > -1.0 && material.poisson < 0.5))
-    return refuse("Poisson's ratio", material.poisson, "above -1 and below 0.5");
-  if (!(material.density > 0.0) || !std::isfinite(material.density))
-    return refuse("the density", material.density, "positive and finite (kg/m^3)");
-  return Success{};
-}
+// The energy is positive exactly for E > 0 and -1 < nu < 1/2, of an orthotropic material for
+// E_i, G_ij > 0, nu_ij^2 < E_i / E_j and
+// 1 - nu12^2 E2/E1 - nu23^2 E3/E2 - nu31^2 E1/E3 - 2 nu12 nu23 nu31 > 0; the mass for rho > 0.
+// Errors (kContent) name the constant and its range.
+Status check_material(const Material& material);
+
+// Columns: `first` made a unit vector, what of `second` is perpendicular to it, and their cross
+// product. Errors (kContent): not finite, zero, or parallel.
+Result<Eigen::Matrix3d> material_axes(const Eigen::Vector3d& first, const Eigen::Vector3d& second);
 
 }  // namespace tremolo

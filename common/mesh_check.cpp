@@ -67,6 +67,13 @@ Status check_indices(const TetMesh& mesh) {
     return outside.error("vertex index out of range, the mesh has " +
                          std::to_string(mesh.vertices.size()) + " vertices");
   if (repeated.any()) return repeated.error("a vertex is repeated within a tetrahedron");
+  if (!mesh.region_of.empty() && mesh.region_of.size() != mesh.tetrahedra.size())
+    return content_error("the mesh has " + std::to_string(mesh.tetrahedra.size()) +
+                         " tetrahedra and regions of " + std::to_string(mesh.region_of.size()));
+  for (std::int32_t region : mesh.region_of)
+    if (region < -1 || region >= static_cast<std::int64_t>(mesh.region_names.size()))
+      return content_error("a tetrahedron is in region " + std::to_string(region) +
+                           ", the mesh has " + std::to_string(mesh.region_names.size()));
   for (const auto& [name, ids] : mesh.node_sets)
     for (VertexId id : ids)
       if (!is_vertex(mesh, id))

@@ -28,9 +28,9 @@ struct MeshReport {
 // Afterwards all tetrahedra are positively oriented (the last two vertices of inverted ones are
 // swapped). Parts are numbered by their first vertex. Errors (kContent; the mesh is as it was) name
 // the first few elements or vertices and how many there are: no tetrahedra, coordinates that are
-// not finite, indices out of range (also in node sets), repeated vertices in a tetrahedron,
-// degenerate tetrahedra, two tetrahedra with the same four vertices. Elements and vertices count
-// from 0.
+// not finite, indices out of range (also in node sets and regions), repeated vertices in a
+// tetrahedron, degenerate tetrahedra, two tetrahedra with the same four vertices. Elements and
+// vertices count from 0.
 Result<MeshReport> check_mesh(TetMesh& mesh);
 
 }  // namespace tremolo

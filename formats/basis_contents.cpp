@@ -97,6 +97,9 @@ Result<BasisData> read_basis(BasisReader& reader) {
   Result<DefaultLoad> load = read_default_load(reader);
   if (!load) return load.error();
   data.load = std::move(*load);
+  Result<std::optional<RenderBlock>> render = read_render(reader);
+  if (!render) return render.error();
+  data.render = std::move(*render);
   if (Status s = read_optional(reader, data); !s) return s.error();
   return data;
 }

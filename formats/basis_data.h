@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "common/render_surface.h"
 #include "common/surface_mesh.h"
 #include "common/tet_mesh.h"
 
@@ -26,6 +28,22 @@ struct VertexBlock {
   BasisRows rows;
   Eigen::VectorXd column_scales;
 };
+
+// A surface that follows the solid without being its boundary: what is drawn in its place.
+// surface: its rest shape, m. rows: 3*s x r, row-major, kg^-1/2, W U: the weights with which each of
+// its vertices hangs on the mesh's, times their rows of the basis.
+// anchors: s, for each of its vertices the mesh's vertex that weighs most.
+// column_scales: as in VertexBlock.
+struct RenderBlock {
+  RenderSurface surface;
+  BasisRows rows;
+  std::vector<VertexId> anchors;
+  Eigen::VectorXd column_scales;
+};
+
+// Sizes fit each other, r coordinates and n vertices; every index names something; names have no
+// zero byte and there is one of each kind.
+bool fits(const RenderBlock& render, Eigen::Index r, std::uint64_t n);
 
 // The load that a scene uses when it names none: a force on each of the vertices, N.
 struct DefaultLoad {
@@ -53,6 +71,7 @@ struct BasisData {
   std::vector<Triangle> triangles;       // boundary, indices into surface.vertex_ids
   std::vector<VertexId> fixed_vertices;  // ascending ids in the source mesh
   DefaultLoad load;                      // may be empty
+  std::optional<RenderBlock> render;
 
   std::string provenance;  // a JSON object, UTF-8
 };

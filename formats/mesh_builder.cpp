@@ -94,6 +94,29 @@ void MeshBuilder::add_to_set(const std::string& name, std::span<const VertexId> 
   set.insert(set.end(), vertices.begin(), vertices.end());
 }
 
+void MeshBuilder::set_regions(std::span<const std::int64_t> label_of_tet,
+                              const std::function<std::string(std::int64_t)>& name) {
+  std::map<std::int64_t, std::int32_t> region_of_label;
+  std::map<std::string, std::int32_t> region_of_name;
+  mesh_.region_names.clear();
+  mesh_.region_of.clear();
+  mesh_.region_of.reserve(label_of_tet.size());
+  for (std::int64_t label : label_of_tet) {
+    const auto [known, fresh] = region_of_label.try_emplace(label, -1);
+    if (fresh) {
+      const std::string text = name(label);
+      if (!text.empty()) {
+        const auto count = static_cast<std::int32_t>(mesh_.region_names.size());
+        const auto [entry, unknown] = region_of_name.try_emplace(text, count);
+        if (unknown) mesh_.region_names.push_back(text);
+        known->second = entry->second;
+      }
+    }
+    mesh_.region_of.push_back(known->second);
+  }
+  if (mesh_.region_names.empty()) mesh_.region_of.clear();
+}
+
 Result<MeshFile> MeshBuilder::finish(std::string format) {
   std::string others;
   for (const auto& [plural, count] : skipped_) {
@@ -109,7 +132,7 @@ Result<MeshFile> MeshBuilder::finish(std::string format) {
     std::sort(set.begin(), set.end());
     set.erase(std::unique(set.begin(), set.end()), set.end());
   }
-  return MeshFile{std::move(mesh_), std::move(format), std::move(notes_)};
+  return MeshFile{std::move(mesh_), std::move(format), std::move(notes_), std::move(materials_)};
 }
 
 }  // namespace tremolo

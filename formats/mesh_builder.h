@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -40,6 +41,11 @@ class MeshBuilder {
   bool add_cell(std::int64_t cell, const CellKind& kind, std::span<const VertexId> vertices);
 
   void add_to_set(const std::string& name, std::span<const VertexId> vertices);
+  // The regions, from a label of each tetrahedron kept so far, in order. name: of a label; labels
+  // of one name are one region, an empty name is none.
+  void set_regions(std::span<const std::int64_t> label_of_tet,
+                   const std::function<std::string(std::int64_t)>& name);
+  void add_material(FileMaterial material) { materials_.push_back(std::move(material)); }
   void add_note(std::string note) { notes_.push_back(std::move(note)); }
 
   const TetMesh& mesh() const { return mesh_; }
@@ -65,6 +71,7 @@ class MeshBuilder {
   std::vector<std::pair<std::int64_t, VertexId>> index_of_id_;
   std::map<std::string_view, std::size_t> skipped_;
   std::vector<std::string> notes_;
+  std::vector<FileMaterial> materials_;
   std::string complaint_;
 };
 

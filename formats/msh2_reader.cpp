@@ -17,7 +17,7 @@ struct Reading {
   MshGroups& groups;
   std::vector<std::int64_t> nodes;
   std::vector<VertexId> vertices;
-  std::vector<std::int64_t> physical_of_tet;
+  std::vector<std::int64_t>& physical_of_tet;
 };
 
 const CellKind* read_type(Reading& reading, std::int64_t& type, Status& status) {
@@ -99,7 +99,7 @@ Result<std::uint64_t> read_binary_block(Reading& reading, std::uint64_t left) {
 // nothing but the group the first stays.
 void drop_repeats_of_groups(Reading& reading) {
   std::vector<Tetrahedron>& tets = reading.builder.mesh().tetrahedra;
-  const std::vector<std::int64_t>& physical = reading.physical_of_tet;
+  std::vector<std::int64_t>& physical = reading.physical_of_tet;
   std::vector<std::size_t> order(tets.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -114,13 +114,18 @@ void drop_repeats_of_groups(Reading& reading) {
       drop[order[n]] = true;
   }
   std::size_t kept = 0;
-  for (std::size_t t = 0; t < tets.size(); ++t)
-    if (!drop[t]) tets[kept++] = tets[t];
+  for (std::size_t t = 0; t < tets.size(); ++t) {
+    if (drop[t]) continue;
+    tets[kept] = tets[t];
+    physical[kept++] = physical[t];
+  }
   const std::size_t dropped = tets.size() - kept;
   tets.resize(kept);
+  physical.resize(kept);
   if (dropped > 0)
     reading.builder.add_note(std::to_string(dropped) +
-                             " tetrahedra of several physical groups are taken once");
+                             " tetrahedra of several physical groups are taken once, in the region "
+                             "of the first");
 }
 
 }  // namespace
@@ -145,12 +150,13 @@ Status read_msh2_nodes(MshInput& input, MeshBuilder& builder) {
   return Success{};
 }
 
-Status read_msh2_elements(MshInput& input, MeshBuilder& builder, MshGroups& groups) {
+Status read_msh2_elements(MshInput& input, MeshBuilder& builder, MshGroups& groups,
+                          std::vector<std::int64_t>& volume_of_tet) {
   std::uint64_t count = 0;
   if (!input.text().read(count, "the number of elements") || !input.begin_data() ||
       !input.fits(count, {.integers = 2}, "elements"))
     return input.error();
-  Reading reading{input, builder, groups, {}, {}, {}};
+  Reading reading{input, builder, groups, {}, {}, volume_of_tet};
   for (std::uint64_t done = 0; done < count;) {
     if (input.binary()) {
       const Result<std::uint64_t> block = read_binary_block(reading, count - done);

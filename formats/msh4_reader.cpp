@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -136,6 +137,13 @@ bool read_totals(MshInput& input, std::string_view items, std::uint64_t& blocks,
          input.fits(count, {.sizes = 1}, items);
 }
 
+// Tag 0 is no group.
+std::int64_t first_group(const std::vector<std::int64_t>& tags) {
+  const auto found =
+      std::find_if(tags.begin(), tags.end(), [](std::int64_t tag) { return tag != 0; });
+  return found != tags.end() ? *found : 0;
+}
+
 Error missing(const MshInput& input, std::string_view items, std::uint64_t count,
               std::uint64_t left) {
   return input.problem("expected " + std::to_string(count) + " " + std::string(items) +
@@ -187,12 +195,13 @@ Status read_msh4_nodes(MshInput& input, MeshBuilder& builder) {
 }
 
 Status read_msh4_elements(MshInput& input, const MshEntities& entities, MeshBuilder& builder,
-                          MshGroups& groups) {
+                          MshGroups& groups, std::vector<std::int64_t>& volume_of_tet) {
   std::uint64_t blocks = 0;
   std::uint64_t count = 0;
   if (!read_totals(input, "elements", blocks, count)) return input.error();
   Elements elements;
   std::uint64_t left = count;
+  std::size_t shared = 0;
   for (std::uint64_t n = 0; n < blocks; ++n) {
     Block block;
     Status status = read_block(input, left, "elements", block);
@@ -201,12 +210,20 @@ Status read_msh4_elements(MshInput& input, const MshEntities& entities, MeshBuil
     left -= block.count;
     const int dimension = static_cast<int>(block.dimension);
     const auto entity = entities.find({dimension, block.entity});
-    if (entity == entities.end()) continue;
+    const bool grouped = entity != entities.end();
+    const std::size_t before = volume_of_tet.size();
+    volume_of_tet.resize(builder.mesh().tetrahedra.size(),
+                         grouped && dimension == 3 ? first_group(entity->second) : 0);
+    if (!grouped) continue;
+    if (dimension == 3 && entity->second.size() > 1) shared += volume_of_tet.size() - before;
     for (std::int64_t physical : entity->second) groups.add(dimension, physical, elements.of_block);
   }
   if (left > 0) return missing(input, "elements", count, left);
   input.end_data();
   if (!input.end_section("Elements")) return input.error();
+  if (shared > 0)
+    builder.add_note(std::to_string(shared) +
+                     " tetrahedra of several physical groups are in the region of the first");
   return Success{};
 }
 

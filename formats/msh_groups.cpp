@@ -52,16 +52,20 @@ void MshGroups::add(int dimension, std::int64_t tag, std::span<const VertexId> v
   members.insert(members.end(), vertices.begin(), vertices.end());
 }
 
-void MshGroups::give_to(MeshBuilder& builder) {
+std::string MshGroups::name(int dimension, std::int64_t tag) const {
+  const auto found = names_.find({dimension, magnitude(tag)});
+  return found != names_.end()
+             ? found->second
+             : std::string(kDimensionNames[dimension]) + " " + std::to_string(magnitude(tag));
+}
+
+void MshGroups::give_to(MeshBuilder& builder, std::span<const std::int64_t> volume_of_tet) {
   for (auto& [key, members] : members_) {
-    const auto name = names_.find(key);
-    const auto& [dimension, tag] = key;
-    builder.add_to_set(name != names_.end()
-                           ? name->second
-                           : std::string(kDimensionNames[dimension]) + " " + std::to_string(tag),
-                       members);
+    builder.add_to_set(name(key.first, key.second), members);
     std::vector<VertexId>().swap(members);
   }
+  builder.set_regions(volume_of_tet,
+                      [this](std::int64_t tag) { return tag == 0 ? std::string() : name(3, tag); });
 }
 
 }  // namespace tremolo

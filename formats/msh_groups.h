@@ -1,4 +1,4 @@
-// Physical groups of an MSH file -> node sets.
+// Physical groups of an MSH file -> node sets and regions.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,11 @@ class MshGroups {
   bool read_names(MshInput& input);
   // Signs of tags are orientations and do not matter; tag 0 is no group.
   void add(int dimension, std::int64_t tag, std::span<const VertexId> vertices);
-  // Keeps nothing of it: large sets shall not be in memory twice.
-  void give_to(MeshBuilder& builder);
+  // The name of a group.
+  std::string name(int dimension, std::int64_t tag) const;
+  // volume_of_tet: the tag of each tetrahedron's volume group, 0 for none: the regions. Keeps none
+  // of the members: large sets shall not be in memory twice.
+  void give_to(MeshBuilder& builder, std::span<const std::int64_t> volume_of_tet);
 
  private:
   using Key = std::pair<int, std::int64_t>;

@@ -8,6 +8,7 @@ struct MshFile {
   MeshBuilder builder;
   MshGroups groups;
   MshEntities entities;
+  std::vector<std::int64_t> volume_of_tet;
   bool has_nodes = false;
   bool has_elements = false;
 };
@@ -29,8 +30,9 @@ Status read_elements(MshInput& input, MshFile& file) {
   if (file.has_elements) return out_of_order(input, "a second section $Elements");
   file.has_elements = true;
   return input.version() == "4.1"
-             ? read_msh4_elements(input, file.entities, file.builder, file.groups)
-             : read_msh2_elements(input, file.builder, file.groups);
+             ? read_msh4_elements(input, file.entities, file.builder, file.groups,
+                                  file.volume_of_tet)
+             : read_msh2_elements(input, file.builder, file.groups, file.volume_of_tet);
 }
 
 Status read_section(MshInput& input, std::string_view name, MshFile& file) {
@@ -55,7 +57,7 @@ Result<MeshFile> read_msh(std::string_view text, const std::string& path) {
   Result<MshInput> opened = MshInput::open(text, path);
   if (!opened) return opened.error();
   MshInput& input = *opened;
-  MshFile file{MeshBuilder(path), {}, {}, false, false};
+  MshFile file{MeshBuilder(path), {}, {}, {}, false, false};
   for (std::string_view name = input.next_section(); !name.empty(); name = input.next_section()) {
     const Status status = read_section(input, name, file);
     if (!status) return status.error();
@@ -65,7 +67,7 @@ Result<MeshFile> read_msh(std::string_view text, const std::string& path) {
                          ": expected sections $Nodes and $Elements, found the end of the "
                          "file without " +
                          (file.has_nodes ? "$Elements" : "$Nodes"));
-  file.groups.give_to(file.builder);
+  file.groups.give_to(file.builder, file.volume_of_tet);
   return file.builder.finish(input.format());
 }
 

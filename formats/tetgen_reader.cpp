@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -9,6 +10,7 @@
 namespace tremolo {
 namespace {
 
+constexpr double kMostExact = 9007199254740992.0;  // 2^53: beyond, doubles skip integers
 constexpr TextStyle kTetgenStyle{.comment = '#', .lines = true};
 
 // The first line of either file: a count, a width, and what each line has behind it.
@@ -66,6 +68,7 @@ Status read_nodes(TextScanner scanner, MeshBuilder& builder) {
   return Success{};
 }
 
+// The last attribute numbers regions: TetGen puts it there.
 Status read_elements(TextScanner scanner, MeshBuilder& builder) {
   Header header;
   if (!read_header(scanner, "tetrahedra", "the number of nodes of a tetrahedron", header))
@@ -78,16 +81,27 @@ Status read_elements(TextScanner scanner, MeshBuilder& builder) {
   constexpr CellKind kKind{"tetrahedra", 4, CellKind::Role::kTetrahedron};
   std::vector<std::int64_t> nodes(4);
   std::vector<VertexId> vertices;
+  std::vector<std::int64_t> regions;
+  bool whole = header.attributes > 0;
   for (std::uint64_t e = 0; e < header.count; ++e) {
     std::int64_t id = 0;
     scanner.next_line();
     if (!scanner.read(id, "an element id")) return scanner.error();
     for (std::int64_t& node : nodes)
       if (!scanner.read(node, "a node of an element")) return scanner.error();
-    if (!skip_attributes(scanner, header.attributes)) return scanner.error();
+    double attribute = 0;
+    for (std::uint64_t a = 0; a < header.attributes; ++a)
+      if (!scanner.read(attribute, "an attribute")) return scanner.error();
+    whole = whole && std::abs(attribute) <= kMostExact && attribute == std::floor(attribute);
+    if (whole) regions.push_back(static_cast<std::int64_t>(attribute));
     if (!builder.resolve(id, nodes, vertices) || !builder.add_cell(id, kKind, vertices))
       return scanner.problem(builder.complaint());
   }
+  if (whole)
+    builder.set_regions(regions,
+                        [](std::int64_t label) { return "region " + std::to_string(label); });
+  else if (header.attributes > 0)
+    builder.add_note("the attributes of the tetrahedra are not integers: they name no regions");
   return Success{};
 }
 

@@ -6,6 +6,8 @@
 #include "formats/mesh_builder.h"
 #include "formats/mesh_formats.h"
 #include "formats/veg_input.h"
+#include "formats/veg_material.h"
+#include "formats/veg_regions.h"
 
 namespace tremolo {
 namespace {
@@ -13,9 +15,9 @@ namespace {
 struct VegFile {
   MeshBuilder builder;
   std::int64_t first_element = 0;  // id of the first: 0 or 1
-  std::size_t materials = 0;
   bool has_vertices = false;
   bool has_elements = false;
+  VegRegions regions;
 };
 
 // How many items of `bytes` each this file can hold: the count may be a lie, and the items may
@@ -105,6 +107,7 @@ Result<bool> read_set(VegInput& input, VegFile& file) {
   if (!input.line().read_word(name, "the name of a set")) return input.error();
   const std::vector<Tetrahedron>& tets = file.builder.mesh().tetrahedra;
   const auto count = static_cast<std::int64_t>(tets.size());
+  std::vector<std::int32_t>& elements = file.regions.sets[name];
   bool more = input.next_line();
   for (; more && !input.line().peek().starts_with('*'); more = input.next_line()) {
     while (!input.line().at_line_end()) {
@@ -115,10 +118,63 @@ Result<bool> read_set(VegInput& input, VegFile& file) {
                                     std::to_string(id) + ", expected an id from " +
                                     std::to_string(file.first_element) + " to " +
                                     std::to_string(file.first_element + count - 1));
-      file.builder.add_to_set(name, tets[static_cast<std::size_t>(id - file.first_element)]);
+      const std::int64_t element = id - file.first_element;
+      file.builder.add_to_set(name, tets[static_cast<std::size_t>(element)]);
+      elements.push_back(static_cast<std::int32_t>(element));
     }
   }
   return more;
+}
+
+// Goes to the line of the next keyword.
+bool skip_rows(VegInput& input, bool more) {
+  while (more && !input.line().peek().starts_with('*')) more = input.next_line();
+  return more;
+}
+
+// The rest of a line without its blanks: VegaFEM takes them out of names.
+std::string joined_rest(VegInput& input) {
+  std::string text;
+  while (!input.line().at_line_end()) text += input.line().token();
+  return text;
+}
+
+// Kind and numbers of a material on one line. What is wrong with it matters only to who wants it.
+Result<bool> read_material(VegInput& input, VegFile& file) {
+  FileMaterial found;
+  found.region = joined_rest(input);
+  const bool more = input.next_line();
+  if (!more || input.line().peek().starts_with('*')) {
+    found.problem = input.line().problem("expected a material's constants").message;
+  } else {
+    const std::string kind(input.line().token());
+    std::vector<double> numbers;
+    bool good = true;
+    while (good && !input.line().at_line_end()) {
+      double number = 0;
+      good = input.line().read(number, "a number of a material");
+      numbers.push_back(number);
+    }
+    Result<Material> material = veg_material(kind, numbers);
+    if (!good)
+      found.problem = input.line().error().message;
+    else if (!material)
+      found.problem = input.line().problem(material.error().message).message;
+    else
+      found.material = *material;
+  }
+  file.regions.materials.push_back(std::move(found));
+  return skip_rows(input, more);
+}
+
+// A set and the material of its elements.
+Result<bool> read_region(VegInput& input, VegFile& file) {
+  const bool more = input.next_line();
+  if (more && !input.line().peek().starts_with('*')) {
+    std::string set(input.line().token());
+    file.regions.regions.emplace_back(std::move(set), joined_rest(input));
+  }
+  return skip_rows(input, more);
 }
 
 Result<bool> read_section(VegInput& input, VegFile& file) {
@@ -135,17 +191,14 @@ Result<bool> read_section(VegInput& input, VegFile& file) {
         "expected *VERTICES, *ELEMENTS, *SET, *MATERIAL, *REGION or "
         "*INCLUDE, found " +
         quoted_text(keyword));
-  if (keyword == "*MATERIAL") ++file.materials;
-  bool more = input.next_line();
-  while (more && !input.line().peek().starts_with('*')) more = input.next_line();
-  return more;
+  return keyword == "*MATERIAL" ? read_material(input, file) : read_region(input, file);
 }
 
 }  // namespace
 
 Result<MeshFile> read_veg(std::string_view text, const std::string& path) {
   VegInput input(text, path);
-  VegFile file{MeshBuilder(path), 0, 0, false, false};
+  VegFile file{MeshBuilder(path), 0, false, false, {}};
   for (Result<bool> more = input.next_line(); *more;) {
     more = read_section(input, file);
     if (!more) return more.error();
@@ -155,9 +208,7 @@ Result<MeshFile> read_veg(std::string_view text, const std::string& path) {
     input.line().fail(file.has_vertices ? "*ELEMENTS" : "*VERTICES", "");
     return input.error();
   }
-  if (file.materials > 0)
-    file.builder.add_note("materials of the file are not used (" + std::to_string(file.materials) +
-                          ")");
+  set_veg_regions(file.regions, file.builder);
   return file.builder.finish("VegaFEM");
 }
 

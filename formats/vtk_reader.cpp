@@ -1,9 +1,10 @@
 #include <cstddef>
-#include <limits>
 
 #include "formats/mesh_formats.h"
+#include "formats/vtk_attributes.h"
 #include "formats/vtk_cells.h"
 #include "formats/vtk_input.h"
+#include "formats/vtk_regions.h"
 
 namespace tremolo {
 namespace {
@@ -97,44 +98,14 @@ bool read_types(VtkInput& input, VtkFile& file) {
          input.read_list("int", count, "cell types", file.cells.types);
 }
 
-// Arrays that belong to no point or cell.
-bool skip_field(VtkInput& input) {
-  std::string word;
-  std::uint64_t arrays = 0;
-  if (!input.text().read_word(word, "the name of a field") ||
-      !input.text().read(arrays, "the number of arrays"))
-    return false;
-  std::vector<double> ignored;
-  for (std::uint64_t a = 0; a < arrays; ++a) {
-    std::uint64_t components = 0;
-    std::uint64_t tuples = 0;
-    if (!input.text().read_word(word, "the name of an array") ||
-        !input.text().read(components, "a number of components") ||
-        !input.text().read(tuples, "a number of tuples") ||
-        !input.text().read_word(word, "the type of an array"))
-      return false;
-    if (components != 0 && tuples > std::numeric_limits<std::uint64_t>::max() / components)
-      return input.fail("expected an array that fits in the file, found " + std::to_string(tuples) +
-                        " tuples");
-    if (!input.read_list(word, components * tuples, "numbers of an array", ignored)) return false;
-  }
-  return true;
-}
-
-void skip_metadata(VtkInput& input) {
-  input.text().rest_of_line();
-  while (input.text().remaining() > 0 && !input.text().rest_of_line().empty()) {
-  }
-}
-
 bool read_part(VtkInput& input, const std::string& keyword, VtkFile& file) {
   input.begin_part(keyword);
   if (keyword == "POINTS") return read_points(input, file);
   if (keyword == "CELLS") return read_cells(input, file);
   if (keyword == "CELL_TYPES") return read_types(input, file);
-  if (keyword == "FIELD") return skip_field(input);
+  if (keyword == "FIELD") return skip_vtk_field(input);
   if (keyword == "METADATA") {
-    skip_metadata(input);
+    skip_vtk_metadata(input);
     return true;
   }
   return input.text().fail("POINTS, CELLS, CELL_TYPES, FIELD or POINT_DATA", keyword);
@@ -148,11 +119,13 @@ Result<MeshFile> read_vtk(std::string_view text, const std::string& path) {
       !input.text().expect("UNSTRUCTURED_GRID"))
     return input.error();
   VtkFile file{MeshBuilder(path), {}, "", false, false, false};
-  while (!input.text().at_end()) {
+  std::string data;  // the keyword with which the data of points and cells begin
+  while (data.empty() && !input.text().at_end()) {
     const std::string keyword(input.text().token());
-    // What belongs to points and cells follows the mesh and is not needed.
-    if (keyword == "POINT_DATA" || keyword == "CELL_DATA") break;
-    if (!read_part(input, keyword, file)) return input.error();
+    if (keyword == "POINT_DATA" || keyword == "CELL_DATA")
+      data = keyword;
+    else if (!read_part(input, keyword, file))
+      return input.error();
   }
   if (!file.has_points || !file.has_cells || !file.has_types)
     return input.text().problem(
@@ -161,9 +134,17 @@ Result<MeshFile> read_vtk(std::string_view text, const std::string& path) {
         std::string(!file.has_points  ? "POINTS"
                     : !file.has_cells ? "CELLS"
                                       : "CELL_TYPES"));
+  const std::string format = std::string("VTK legacy ") + (input.binary() ? "binary" : "text");
+  VtkCellArray array;
+  if (!data.empty()) {
+    std::string unread;
+    array = read_region_array(input, data, unread);
+    if (!unread.empty()) file.builder.add_note("the data of points and cells end here: " + unread);
+  }
   const std::string complaint = add_vtk_cells(file.cells, file.builder);
   if (!complaint.empty()) return content_error(file.cells_part + ": " + complaint);
-  return file.builder.finish(std::string("VTK legacy ") + (input.binary() ? "binary" : "text"));
+  if (!array.name.empty()) set_vtk_regions(file.cells, array.name, array.values, file.builder);
+  return file.builder.finish(format);
 }
 
 }  // namespace tremolo

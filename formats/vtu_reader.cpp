@@ -1,6 +1,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <pugixml.hpp>
 #include <string>
 #include <type_traits>
@@ -11,6 +12,7 @@
 #include "formats/mesh_formats.h"
 #include "formats/text_scanner.h"
 #include "formats/vtk_cells.h"
+#include "formats/vtk_regions.h"
 
 namespace tremolo {
 namespace {
@@ -166,6 +168,32 @@ Status read_points(pugi::xml_node piece, const VtuBytes& bytes, const std::strin
   return Success{};
 }
 
+// The cell array that numbers regions, if there is one. What is wrong with it is noted: the mesh
+// does not need it.
+void read_regions(pugi::xml_node piece, const VtuBytes& bytes, const std::string& path,
+                  const VtkCells& cells, MeshBuilder& builder) {
+  int best = std::numeric_limits<int>::max();
+  pugi::xml_node chosen;
+  for (const pugi::xml_node array : piece.child("CellData").children("DataArray")) {
+    const int rank = region_rank(array.attribute("Name").value());
+    if (rank < 0 || rank >= best || array.attribute("NumberOfComponents").as_int(1) > 1) continue;
+    best = rank;
+    chosen = array;
+  }
+  if (!chosen) return;
+  const std::string name = chosen.attribute("Name").value();
+  const VtuArray array{chosen,
+                       path + ", array " + quoted_text(name) + " (element at byte " +
+                           std::to_string(chosen.offset_debug()) + ")",
+                       bytes};
+  std::vector<double> values;
+  const Status status = read_array(array, cells.types.size(), values);
+  if (status)
+    set_vtk_regions(cells, name, values, builder);
+  else
+    builder.add_note("the regions are not read: " + status.error().message);
+}
+
 Status read_cells(pugi::xml_node piece, const VtuBytes& bytes, const std::string& path,
                   std::size_t count, std::size_t limit, MeshBuilder& builder) {
   const pugi::xml_node cells = piece.child("Cells");
@@ -185,6 +213,7 @@ Status read_cells(pugi::xml_node piece, const VtuBytes& bytes, const std::string
   if (!status) return status;
   const std::string complaint = add_vtk_cells(found, builder);
   if (!complaint.empty()) return content_error(path + ": " + complaint);
+  read_regions(piece, bytes, path, found, builder);
   return Success{};
 }
 

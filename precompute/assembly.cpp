@@ -1,11 +1,16 @@
 #include "precompute/assembly.h"
 
+#include <numeric>
+
 namespace tremolo {
 
 double total_mass(const Solid& solid) {
-  double volume = 0;
-  for (const StrainSample& sample : solid.samples) volume += sample.weight;
-  return solid.material.density * volume;
+  std::vector<double> volumes(solid.densities.size(), 0.0);
+  for (std::size_t e = 0; e < solid.samples.size(); ++e)
+    volumes[solid.material(e)] += solid.samples[e].weight;
+  double mass = 0;
+  for (std::size_t i = 0; i < volumes.size(); ++i) mass += solid.densities[i] * volumes[i];
+  return std::accumulate(solid.point_mass.begin(), solid.point_mass.end(), mass);
 }
 
 }  // namespace tremolo

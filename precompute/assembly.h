@@ -11,7 +11,7 @@ enum class MassKind { kConsistent, kLumped };
 
 // Mass of vertex pair (a, b) of an element: rho V/20 (1 + delta_ab), or rho V/4 delta_ab lumped.
 inline double element_mass(const Solid& solid, std::size_t element, int a, int b, MassKind kind) {
-  const double mass = solid.material.density * solid.samples[element].weight;
+  const double mass = solid.density(element) * solid.samples[element].weight;
   if (kind == MassKind::kLumped) return a == b ? mass / 4.0 : 0.0;
   return a == b ? mass / 10.0 : mass / 20.0;
 }
@@ -25,7 +25,7 @@ void for_each_stiffness_block(const Solid& solid, const DofMap& map, const Local
     const auto e = static_cast<std::size_t>(element);
     const Tetrahedron& tet = solid.mesh.tetrahedra[e];
     const Eigen::Matrix<double, 12, 12> stiffness =
-        rest_stiffness(solid.material, solid.samples[e]);
+        rest_stiffness(solid.elasticity(e), solid.samples[e]);
     for (int a = 0; a < 4; ++a) {
       if (local.row_of_vertex[tet[a]] < 0) continue;
       for (int b = 0; b < 4; ++b)
@@ -36,7 +36,8 @@ void for_each_stiffness_block(const Solid& solid, const DofMap& map, const Local
   }
 }
 
-// The same for the mass: add(row node, column node, value); the block is value times identity.
+// The same for the mass, point masses included: add(row node, column node, value); the block is
+// value times identity.
 template <class Add>
 void for_each_mass_entry(const Solid& solid, const DofMap& map, const LocalDofs& local,
                          MassKind kind, const Add& add) {
@@ -52,9 +53,12 @@ void for_each_mass_entry(const Solid& solid, const DofMap& map, const LocalDofs&
       }
     }
   }
+  for (std::size_t v = 0; v < solid.point_mass.size(); ++v)
+    if (solid.point_mass[v] != 0 && local.row_of_vertex[v] >= 0)
+      add(map.node_of_vertex[v], map.node_of_vertex[v], solid.point_mass[v]);
 }
 
-// Mass of the whole mesh, kg.
+// Mass of the whole mesh with its point masses, kg.
 double total_mass(const Solid& solid);
 
 }  // namespace tremolo

@@ -19,54 +19,48 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
 namespace tremolo {
 namespace {
 
-// The square root of the isotropic elasticity tensor: sqrt(2 mu) on deviators, sqrt(2 mu +
+// The square root of one isotropic elasticity tensor: sqrt(2 mu) on deviators, sqrt(2 mu +
 // 3 lambda) on the volumetric direction. On a strain in Mandel's notation (|v|^2 = E:E) it is
 // shear * (v + spread * tr(E) (1,1,1,0,0,0)).
 struct ElasticityRoot {
   double shear;
   double spread;
 
-  explicit ElasticityRoot(const Material& material)
-      : shear(std::sqrt(2.0 * lame_mu(material))),
-        spread((std::sqrt(2.0 * lame_mu(material) + 3.0 * lame_lambda(material)) / shear - 1.0) /
-               3.0) {}
+  explicit ElasticityRoot(const Elasticity& elasticity)
+      : shear(std::sqrt(2.0 * elasticity.mu)),
+        spread((std::sqrt(2.0 * elasticity.mu + 3.0 * elasticity.lambda) / shear - 1.0) / 3.0) {}
 };
 
 // At most eight consecutive elements with each basis column's displacement gradients; lanes left
-// over are zero. scale: sqrt(weight) * shear.
+// over are zero. scale: sqrt(weight), of one isotropic material times shear. root: of each
+// element's tensor, else.
 struct alignas(8 * kLanes) ElementGroup {
   std::vector<LaneGradient> gradients;  // r
   Lanes scale;
+  Lanes root[6][6] = {};
 };
 
-void load_group(const Solid& solid, const BasisRows& basis, const ElasticityRoot& root,
-                std::size_t first, std::size_t count, ElementGroup& group) {
+void load_group(const Solid& solid, const BasisRows& basis, std::size_t first, std::size_t count,
+                double shear, ElementGroup& group) {
   int elements[kLanes];
   group.scale = Lanes{};
   for (std::size_t lane = 0; lane < count; ++lane) {
     elements[lane] = static_cast<int>(first + lane);
-    group.scale[lane] = std::sqrt(solid.samples[first + lane].weight) * root.shear;
+    group.scale[lane] = std::sqrt(solid.samples[first + lane].weight) * shear;
   }
   load_gradients(solid, basis, elements, count, group.gradients);
+  if (solid.uniform()) return;
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    const Matrix6& root = solid.elasticity(first + lane).root;
+    for (int k = 0; k < 6; ++k)
+      for (int l = k; l < 6; ++l) group.root[k][l][lane] = root(k, l);
+  }
 }
 
-// Six rows of B_e for each of the group's elements: 48 rows of all columns, `stride` apart, eight
-// elements' first components first.
-TREMOLO_CLONES void strain_rows(const ElementGroup& group, const ElasticityRoot& root, double* rows,
-                                std::size_t stride) {
-  const double half_root2 = std::sqrt(0.5);
+// Strains of all columns: put(column, xx, yy, zz, twice yz, xz, xy).
+template <class Put>
+[[gnu::always_inline]] inline void strain_rows_with(const ElementGroup& group, const Put& put) {
   const std::size_t r = group.gradients.size();
-  const auto put = [&](std::size_t column, Lanes xx, Lanes yy, Lanes zz, Lanes yz, Lanes xz,
-                       Lanes xy) __attribute__((always_inline)) {
-    const Lanes mean = root.spread * (xx + yy + zz);
-    auto* out = reinterpret_cast<Lanes*>(rows + column * stride);
-    out[0] = xx + mean;
-    out[1] = yy + mean;
-    out[2] = zz + mean;
-    out[3] = half_root2 * yz;  // Mandel: sqrt(2) times half the sum of both
-    out[4] = half_root2 * xz;
-    out[5] = half_root2 * xy;
-  };
   for (std::size_t j = 0; j < r; ++j) {
     Lanes h[9];
     for (std::size_t c = 0; c < 9; ++c) h[c] = group.scale * group.gradients[j].at[c];
@@ -85,6 +79,43 @@ TREMOLO_CLONES void strain_rows(const ElementGroup& group, const ElasticityRoot&
   }
 }
 
+// Six rows of B_e for each of the group's elements: 48 rows of all columns, `stride` apart, eight
+// elements' first components first.
+TREMOLO_CLONES void strain_rows(const ElementGroup& group, const ElasticityRoot& root, double* rows,
+                                std::size_t stride) {
+  const double half_root2 = std::sqrt(0.5);
+  const auto put = [&](std::size_t column, const Lanes& xx, const Lanes& yy, const Lanes& zz,
+                       const Lanes& yz, const Lanes& xz, const Lanes& xy)
+      __attribute__((always_inline)) {
+    const Lanes mean = root.spread * (xx + yy + zz);
+    auto* out = reinterpret_cast<Lanes*>(rows + column * stride);
+    out[0] = xx + mean;
+    out[1] = yy + mean;
+    out[2] = zz + mean;
+    out[3] = half_root2 * yz;  // Mandel: sqrt(2) times half the sum of both
+    out[4] = half_root2 * xz;
+    out[5] = half_root2 * xy;
+  };
+  strain_rows_with(group, put);
+}
+
+TREMOLO_CLONES void general_strain_rows(const ElementGroup& group, double* rows,
+                                        std::size_t stride) {
+  const double half_root2 = std::sqrt(0.5);
+  const auto put = [&](std::size_t column, const Lanes& xx, const Lanes& yy, const Lanes& zz,
+                       const Lanes& yz, const Lanes& xz, const Lanes& xy)
+      __attribute__((always_inline)) {
+    const Lanes strain[6] = {xx, yy, zz, half_root2 * yz, half_root2 * xz, half_root2 * xy};
+    auto* out = reinterpret_cast<Lanes*>(rows + column * stride);
+    for (int k = 0; k < 6; ++k) {
+      Lanes sum = group.root[k][k] * strain[k];
+      for (int l = k + 1; l < 6; ++l) sum += group.root[k][l] * strain[l];
+      out[k] = sum;
+    }
+  };
+  strain_rows_with(group, put);
+}
+
 }  // namespace
 
 Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::size_t first,
@@ -94,7 +125,8 @@ Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::siz
   constexpr std::size_t kBatch = kGroups * kLanes;
   const auto r = static_cast<std::size_t>(basis.cols());
   const auto columns = static_cast<int>(r + pair_count(r));
-  const ElasticityRoot root(solid.material);
+  const bool uniform = solid.uniform();
+  const ElasticityRoot root(solid.elasticities.front());
   const BlasThreads single(1);  // our threads are outside: BLAS's would fight them
   std::array<Eigen::MatrixXd, kParts> sums;
   parallel_for(kParts, threads, [&](std::size_t part) {
@@ -111,8 +143,12 @@ Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::siz
       const std::size_t count = std::min(kBatch, end - e);
       const std::size_t groups = (count + kLanes - 1) / kLanes;
       for (std::size_t g = 0; g < groups; ++g) {
-        load_group(solid, basis, root, e + g * kLanes, std::min(kLanes, count - g * kLanes), group);
-        strain_rows(group, root, values + 6 * kLanes * g, kStride);
+        load_group(solid, basis, e + g * kLanes, std::min(kLanes, count - g * kLanes),
+                   uniform ? root.shear : 1.0, group);
+        if (uniform)
+          strain_rows(group, root, values + 6 * kLanes * g, kStride);
+        else
+          general_strain_rows(group, values + 6 * kLanes * g, kStride);
       }
       const int depth = static_cast<int>(6 * kLanes * groups);
       const int stride = static_cast<int>(kStride);

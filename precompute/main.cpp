@@ -10,6 +10,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/basis_writer.h"
+#include "formats/selector_reader.h"
 #include "precompute/failure.h"
 #include "precompute/options.h"
 #include "precompute/petsc.h"
@@ -39,6 +40,9 @@ void print_json(const PrecomputeResult& result, const StageLog& log) {
                               static_cast<std::ptrdiff_t>(std::min(r, data.singular_values.size())),
                           data.singular_values.end());
   const Json provenance = Json::parse(data.provenance);
+  Json materials = Json::array();
+  if (provenance.contains("materials")) materials = provenance["materials"];
+  if (provenance.contains("material")) materials.push_back(provenance["material"]);
   const Json json = {
       {"n", data.vertex_count},
       {"m", data.tetrahedron_count},
@@ -48,6 +52,8 @@ void print_json(const PrecomputeResult& result, const StageLog& log) {
       {"frequencies_hz", frequencies},
       {"explicit_step_limit_s", 2.0 / std::sqrt(data.lambda[data.lambda.size() - 1])},
       {"total_mass_kg", data.total_mass},
+      {"materials", materials},
+      {"point_masses", provenance.value("point_masses", Json::array())},
       {"factorisation", result.findings.factorisation},
       {"mode_residuals", result.findings.mode_residuals},
       {"derivative_residual", result.findings.derivative_residual},
@@ -95,8 +101,23 @@ void find_encoding_error(PrecomputeResult& result, StageLog& log) {
   log.end(detail);
 }
 
+// --select: what it chooses, and nothing else.
+void print_selection(const PrecomputeOptions& options) {
+  const Problem problem = load_problem(options);
+  for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  const std::vector<VertexId> ids = unwrap(resolve_selector(options.select, problem.mesh));
+  std::vector<Eigen::Vector3d> places;
+  for (const VertexId id : ids) places.push_back(problem.mesh.vertices[id]);
+  std::cout << describe_vertices(ids, places) << "\n";
+  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
+}
+
 void run(const CommandLine& line) {
   const bool speak = mpi_rank() == 0;
+  if (!line.options.select.empty()) {
+    if (speak) print_selection(line.options);
+    return;
+  }
   StageLog log(!speak);
   // An output that cannot be written is told before the work, not after it.
   if (speak) unwrap(AtomicFile::create(line.options.output_path));

@@ -117,30 +117,34 @@ void copy_pairs(EPS solver, const Matrices& matrices, int count, Modes& modes) {
   }
 }
 
+Eigen::ArrayXd local_diagonal(Mat matrix, Eigen::Index rows) {
+  PetscVector diagonal;
+  require(MatCreateVecs(matrix, diagonal.out(), nullptr));
+  require(MatGetDiagonal(matrix, diagonal.get()));
+  const double* values = nullptr;
+  require(VecGetArrayRead(diagonal.get(), &values));
+  Eigen::ArrayXd entries = Eigen::Map<const Eigen::ArrayXd>(values, rows);
+  require(VecRestoreArrayRead(diagonal.get(), &values));
+  return entries;
+}
+
 void measure_residuals(const Matrices& matrices, Modes& modes) {
   const Columns inertia =
       multiply(matrices.mass.get(), modes.vectors) * modes.squared_frequencies.asDiagonal();
   const Columns residual = multiply(matrices.stiffness.get(), modes.vectors) - inertia;
-  Eigen::MatrixXd squares(2, modes.vectors.cols());
+  const Eigen::ArrayXd diagonal = local_diagonal(matrices.stiffness.get(), modes.vectors.rows());
+  const Eigen::VectorXd scale = diagonal.rsqrt();
+  Eigen::MatrixXd squares(5, modes.vectors.cols());
   squares.row(0) = residual.colwise().squaredNorm();
   squares.row(1) = inertia.colwise().squaredNorm();
+  squares.row(2) = (scale.asDiagonal() * residual).colwise().squaredNorm();
+  squares.row(3) = (scale.asDiagonal() * inertia).colwise().squaredNorm();
+  // Of the first mode: the terms that cancel each other in psi^T K psi.
+  squares.row(4).setConstant((diagonal * modes.vectors.col(0).array().square()).sum());
   sum_over_ranks(squares);
   modes.residuals = (squares.row(0).array() / squares.row(1).array()).sqrt().matrix().transpose();
-}
-
-double measure_cancellation(const Matrices& matrices, const Modes& modes) {
-  PetscVector diagonal;
-  require(MatCreateVecs(matrices.stiffness.get(), diagonal.out(), nullptr));
-  require(MatGetDiagonal(matrices.stiffness.get(), diagonal.get()));
-  const double* values = nullptr;
-  require(VecGetArrayRead(diagonal.get(), &values));
-  Eigen::MatrixXd terms(1, 1);
-  terms << (Eigen::Map<const Eigen::ArrayXd>(values, modes.vectors.rows()) *
-            modes.vectors.col(0).array().square())
-               .sum();
-  require(VecRestoreArrayRead(diagonal.get(), &values));
-  sum_over_ranks(terms);
-  return modes.squared_frequencies[0] / terms(0);
+  modes.scaled_residual = std::sqrt((squares.row(2).array() / squares.row(3).array()).maxCoeff());
+  modes.cancellation = modes.squared_frequencies[0] / squares(4, 0);
 }
 
 void keep_factor(Modes& modes) {
@@ -254,7 +258,6 @@ Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, d
   modes.squared_frequencies.conservativeResize(count);
   modes.vectors.conservativeResize(Eigen::NoChange, count);
   measure_residuals(matrices, modes);
-  modes.cancellation = measure_cancellation(matrices, modes);
   return modes;
 }
 

@@ -14,6 +14,7 @@ struct Modes {
   Eigen::VectorXd squared_frequencies;  // k, (rad/s)^2, ascending
   Columns vectors;                      // local dofs x k, M-orthonormal, kg^-1/2
   Eigen::VectorXd residuals;            // |K psi - w2 M psi| / |w2 M psi|, 2-norms
+  double scaled_residual = 0;           // the largest, rows divided by sqrt(K_ii)
   double next_squared_frequency = 0;    // the first one left out; 0 if there is none
   double cancellation = 1;              // omega_1^2 / sum K_ii psi_i^2: what is left of the terms
   double shift = 0;                     // sigma of the factorisation, <= 0

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "precompute/material_rules.h"
 #include "precompute/mesher/surface_options.h"
 
 namespace tremolo {
@@ -68,13 +69,26 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
                  "tetrahedral mesh (.msh .vtk .vtu .veg .node .ele), or a surface (.obj .ply .stl\n"
                  ".gltf .glb .fbx .dae ...), which is meshed first")
       ->required();
-  app.add_option("-o,--output", options.output_path, "the basis file to write")->required();
+  app.add_option("-o,--output", options.output_path, "the basis file to write");
+  app.add_option(
+      "--render", options.render_path,
+      "surface that is drawn in place of the mesh's boundary and moves with it: .obj .ply "
+      ".stl .gltf .glb .fbx ... (default: the surface that was meshed)");
+  app.add_option("--select", options.select,
+                 "print the vertices that a selector chooses, and compute nothing");
   app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
   app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
   app.add_option("--density", options.material.density, "density, kg/m^3")->capture_default_str();
+  app.add_option(
+      "--material", options.materials,
+      std::string("a material of a region of the mesh, later ones decide; may be repeated: ") +
+          kMaterialGrammar);
+  app.add_option("--point-mass", options.point_masses,
+                 "SELECTOR=KG: a mass shared by the selected vertices; may be repeated");
   app.add_option("--fix", options.fix,
-                 "vertices that do not move: x<0.01, y>=1.2, box:x0,y0,z0,x1,y1,z1, vertex:ID, "
-                 "file:ids.txt, a set of the mesh, or none for a free body; may be repeated");
+                 "vertices that do not move: x<0.01, y>=90%, box:x0,y0,z0,x1,y1,z1, "
+                 "sphere:x,y,z,r, plane:x,y,z,nx,ny,nz, near:x,y,z,k, vertex:ID, file:ids.txt, "
+                 "colour:red, a set of the mesh, or none for a free body; may be repeated");
   app.add_option("--load-at", options.load_at, "vertices that the default load acts on (selector)");
   std::string force;
   app.add_option("--load-force", force, "the default load, X,Y,Z in N, shared among them")
@@ -107,6 +121,10 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error, std::cout, std::cerr);
     return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});
+  }
+  if (options.output_path.empty() && options.select.empty()) {
+    std::cerr << "tremolo-precompute: --output is required\n";
+    return exit_code({ErrorKind::kUsage, ""});
   }
   options.encoding = encoding == "compact" ? BasisEncoding::kCompact : BasisEncoding::kFull;
   options.mass = mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;

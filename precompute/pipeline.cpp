@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 
 #include "common/packed_index.h"
@@ -13,6 +14,7 @@
 #include "precompute/derivatives.h"
 #include "precompute/failure.h"
 #include "precompute/limits.h"
+#include "precompute/material_rules.h"
 #include "precompute/modes.h"
 #include "precompute/polynomial_check.h"
 #include "precompute/rigid_motion.h"
@@ -32,16 +34,43 @@ double hertz(double squared_frequency) {
 }
 
 // A free body's K is singular: a small negative shift, far below the first elastic mode of a
-// compact body, makes it definite.
-double choose_shift(const Problem& problem, const Material& material) {
+// compact body, makes it definite. Of several materials the softest and the densest count, and
+// point masses as if the densest carried them.
+double choose_shift(const Problem& problem, const Solid& solid) {
   if (!problem.free_body) return 0.0;
   const double size = bounding_box(problem.mesh.vertices).diagonal();
-  return -1e-3 * material.young / (material.density * size * size);
+  double softest = std::numeric_limits<double>::max();
+  for (const NamedMaterial& named : problem.materials.materials) {
+    const Material& material = named.material;
+    softest = std::min(softest, !material.orthotropic
+                                    ? material.young
+                                    : std::min(material.orthotropic->young.minCoeff(),
+                                               2.0 * material.orthotropic->shear.minCoeff()));
+  }
+  double points = 0;
+  for (const PointMass& mass : problem.point_masses) points += mass.kilograms;
+  const double density = *std::max_element(solid.densities.begin(), solid.densities.end()) *
+                         (1.0 + points / (total_mass(solid) - points));
+  return -1e-3 * softest / (density * size * size);
+}
+
+// From here on materials differ so much that rounding in the stiff ones is felt in the soft ones.
+constexpr double kContrast = 1e6;
+
+// How many times stiffer the stiffest material is than the softest.
+double stiffness_ratio(const Solid& solid) {
+  double low = std::numeric_limits<double>::max(), high = 0;
+  for (const Elasticity& elasticity : solid.elasticities) {
+    low = std::min(low, elasticity.tensor.norm());
+    high = std::max(high, elasticity.tensor.norm());
+  }
+  return high / low;
 }
 
 // A hinge or a joint of one vertex lets a part move without strain: K is singular although enough
 // vertices are fixed, and what a factorisation then returns is noise.
-void require_no_mechanism(const Problem& problem, const Modes& modes, const Eigen::MatrixXd& psi) {
+void require_no_mechanism(const Problem& problem, const Solid& solid, const Modes& modes,
+                          const Eigen::MatrixXd& psi) {
   // psi^T K psi is a sum in which terms cancel. A double has 2e-16, the factorisation loses some; a
   // cantilever a thousand times as long as thick keeps 1e-13.
   constexpr double kNoise = 2e-14;
@@ -52,24 +81,33 @@ void require_no_mechanism(const Problem& problem, const Modes& modes, const Eige
     const Eigen::Vector3d& x = problem.mesh.vertices[static_cast<std::size_t>(row / 3)];
     where = text(" near vertex %d at %g, %g, %g", static_cast<int>(row / 3), x.x(), x.y(), x.z());
   }
+  // Of a stiff part on a soft one rounding leaves as little.
+  if (const double ratio = stiffness_ratio(solid); ratio > kContrast)
+    where += text(
+        " (or: the materials differ %.0e times in stiffness, too much for this machine's numbers)",
+        ratio);
   throw Failure(content_error(
       "a part of the mesh" + where +
       " moves without strain: it hangs by a vertex or an edge only. Join it by faces, or fix it"));
 }
 
-void require_accurate(const PrecomputeFindings& findings) {
-  const double residual =
-      *std::max_element(findings.mode_residuals.begin(), findings.mode_residuals.end());
-  // Far above what a sound mesh gives (1e-9, 1e-14 and 1e-12), far below what harms.
-  if (residual <= 1e-6 && findings.orthonormality_error <= 1e-9 &&
+// residual: of the modes, what they are judged by.
+void require_accurate(const PrecomputeFindings& findings, const Solid& solid, double residual) {
+  // Far above what a sound mesh gives (1e-9, 1e-14 and 1e-12), far below what harms. Of a beam, one
+  // half a million times as stiff as the other, 4e-6 is left.
+  const double tolerance = solid.uniform() ? 1e-6 : 1e-4;
+  if (residual <= tolerance && findings.orthonormality_error <= 1e-9 &&
       findings.polynomial_error <= 1e-9)
     return;
+  std::string question = "is the mesh extremely thin or uneven";
+  if (const double ratio = stiffness_ratio(solid); ratio > kContrast)
+    question += text(", do the materials differ too much (%.0e times in stiffness)", ratio);
   throw Failure({ErrorKind::kSolver,
                  text("the result is not accurate: residual of the modes %.1e, of the derivatives "
-                      "%.1e, |U^T M U - I| %.1e, polynomial %.1e; is the mesh extremely thin or "
-                      "uneven, or does a PETSc option change the factorisation?",
+                      "%.1e, |U^T M U - I| %.1e, polynomial %.1e; ",
                       residual, findings.derivative_residual, findings.orthonormality_error,
-                      findings.polynomial_error)});
+                      findings.polynomial_error) +
+                     question + ", or does a PETSc option change the factorisation?"});
 }
 
 // Of what vibrates: vertices of no tetrahedron may lie anywhere.
@@ -111,6 +149,11 @@ void add_geometry(const Problem& problem, const BasisRows& basis, BasisData& dat
   data.surface = make_block(mesh, boundary.vertex_ids, basis);
   data.interior = make_block(mesh, interior, basis);
   data.triangles = boundary.triangles;
+  if (problem.render)
+    data.render = RenderBlock{*problem.render,
+                              embedded_rows(problem.embedding, mesh, basis),
+                              heaviest_vertices(problem.embedding, mesh),
+                              {}};
   data.vertex_count = mesh.vertices.size();
   data.tetrahedron_count = mesh.tetrahedra.size();
   data.fixed_vertices = problem.fixed;
@@ -147,6 +190,26 @@ void set_limit(const MachineLimits& machine, const StageWork& work, StageLog& lo
   if (limit.seconds > 0) log.limit(limit.seconds, limit.reason);
 }
 
+// One material is what the user asked for; several are told.
+void note_materials(const Problem& problem, const Solid& solid, StageLog& log) {
+  const MaterialTable& table = problem.materials;
+  const std::vector<MaterialShare> shares = material_shares(table, problem.mesh);
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const NamedMaterial& named = table.materials[i];
+    if (shares.size() == 1 && !named.material.orthotropic) break;
+    log.note(
+        named.name + ": " + std::to_string(shares[i].tetrahedra) + " tetrahedra, " +
+        text("%.4g m^3, %.4g kg", shares[i].volume, shares[i].volume * named.material.density) +
+        ", " + describe(named.material));
+  }
+  if (const double ratio = stiffness_ratio(solid); ratio > kContrast)
+    log.note(text("the stiffest material is %.0e times as stiff as the softest: digits are lost",
+                  ratio));
+  for (const PointMass& mass : problem.point_masses)
+    log.note(text("%.4g kg on %zu vertices: ", mass.kilograms, mass.vertices.size()) +
+             mass.selector);
+}
+
 }  // namespace
 
 PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log) {
@@ -179,28 +242,34 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   }
 
   log.begin("matrices");
-  const Solid solid = make_solid(problem.mesh, options.material);
+  Solid solid = make_solid(problem.mesh, problem.materials);
+  solid.point_mass = mass_of_vertices(problem.point_masses, problem.mesh.vertices.size());
   const Matrices matrices = assemble(solid, map, local, options.mass);
   data.total_mass = total_mass(solid);
   log.end(text("%d dofs, %.6g kg", 3 * map.nodes(), data.total_mass));
+  note_materials(problem, solid, log);
 
   log.begin("modes");
   const Columns rigid = problem.free_body ? rigid_modes(problem.mesh, problem.report.part_of_vertex,
                                                         parts, local, matrices.mass.get())
                                           : Columns(local.dofs(), 0);
-  Modes modes = compute_modes(matrices, counts.linear, rigid,
-                              choose_shift(problem, options.material), options.threads);
-  // A thin free body is far softer than a compact one: its derivatives want a smaller shift.
-  if (problem.free_body && -modes.shift > 0.1 * modes.squared_frequencies[0] &&
-      modes.squared_frequencies[0] > 0)
-    modes = compute_modes(matrices, counts.linear, rigid, -0.02 * modes.squared_frequencies[0],
-                          options.threads);
+  Modes modes =
+      compute_modes(matrices, counts.linear, rigid, choose_shift(problem, solid), options.threads);
+  // A thin free body is far softer than a compact one: its derivatives want a smaller shift. One
+  // with a small soft part is far stiffer than that part: so near to zero, K loses its digits.
+  const double lowest = modes.squared_frequencies[0];
+  if (problem.free_body && lowest > 0 &&
+      (-modes.shift > 0.1 * lowest || -modes.shift < 1e-7 * lowest))
+    modes = compute_modes(matrices, counts.linear, rigid, -0.02 * lowest, options.threads);
   Eigen::MatrixXd psi = expand_to_vertices(map, local, modes.vectors);
-  require_no_mechanism(problem, modes, psi);
+  require_no_mechanism(problem, solid, modes, psi);
   fix_signs(modes.vectors, psi);
   findings.factorisation = modes.factorisation;
   findings.mode_solver = modes.solver;
   findings.mode_residuals.assign(modes.residuals.begin(), modes.residuals.end());
+  // Where stiff and soft parts meet, the rounding of large forces that balance in the stiff ones
+  // would drown the small ones: rows are compared in units of their own stiffness.
+  const double mode_residual = solid.uniform() ? modes.residuals.maxCoeff() : modes.scaled_residual;
   data.linear_mode_count = static_cast<std::uint64_t>(counts.linear);
   data.rigid_mode_count = static_cast<std::uint64_t>(rigid_count);
   double factor_flops = 0;
@@ -290,7 +359,7 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
                  data.cubic.size() + data.quartic.size(), findings.polynomial_error));
   }
 
-  require_accurate(findings);
+  require_accurate(findings, solid, mode_residual);
 
   add_geometry(problem, rows, data);
   return result;

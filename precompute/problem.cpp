@@ -5,13 +5,16 @@
 #include <filesystem>
 
 #include "common/hash.h"
+#include "common/length_unit.h"
 #include "common/packed_index.h"
 #include "formats/mesh_reader.h"
 #include "formats/selector_reader.h"
 #include "formats/surface_reader.h"
 #include "precompute/failure.h"
+#include "precompute/material_rules.h"
 #include "precompute/mesher/surface_input.h"
 #include "precompute/rigid_motion.h"
+#include "precompute/surface_sets.h"
 
 namespace tremolo {
 namespace {
@@ -54,6 +57,33 @@ void require_held(const Problem& problem) {
   }
 }
 
+MaterialTable make_materials(const PrecomputeOptions& options,
+                             const std::vector<MaterialRule>& rules,
+                             const std::vector<FileMaterial>& of_file, Problem& problem) {
+  MaterialTable table = unwrap(assign_materials(rules, options.material, problem.mesh, of_file));
+  const bool several = problem.mesh.region_names.size() > 1;
+  if (rules.empty() && (several || !of_file.empty()))
+    problem.notes.push_back(list_regions(problem.mesh) +
+                            ": all of one material without --material" +
+                            (of_file.empty() ? ""
+                                             : "; the file's own are not used without "
+                                               "--material file"));
+  return table;
+}
+
+std::vector<PointMass> make_point_masses(const PrecomputeOptions& options, Problem& problem) {
+  std::vector<PointMass> masses;
+  for (const std::string& text : options.point_masses) {
+    masses.push_back(unwrap(read_point_mass(text, problem.mesh, problem.fixed)));
+    const PointMass& mass = masses.back();
+    if (mass.fixed > 0)
+      problem.notes.push_back("--point-mass " + text + ": " + std::to_string(mass.fixed) +
+                              " of its " + std::to_string(mass.vertices.size()) +
+                              " vertices are fixed, where a mass does nothing");
+  }
+  return masses;
+}
+
 DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) {
   DefaultLoad load;
   if (options.load_at.empty()) return load;
@@ -70,21 +100,50 @@ DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) 
   return load;
 }
 
+void read_render(const PrecomputeOptions& options, Problem& problem) {
+  SurfaceReadOptions reading;
+  if (!options.unit.empty()) reading.metres_per_unit = unwrap(metres_per_unit(options.unit));
+  SurfaceFile file = unwrap(read_surface(options.render_path, reading));
+  problem.notes.push_back("render surface: " + options.render_path + ", " + file.format +
+                          ", unit: " + file.unit);
+  problem.notes.insert(problem.notes.end(), file.notes.begin(), file.notes.end());
+  attach_render(problem, std::move(file.surface), options.threads);
+}
+
 }  // namespace
+
+void attach_render(Problem& problem, RenderSurface surface, unsigned threads) {
+  const auto note = [&problem](std::vector<std::string> notes) {
+    for (std::string& each : notes) problem.notes.push_back(std::move(each));
+  };
+  problem.embedding = embed(surface.vertices, problem.mesh, threads);
+  note(describe(problem.embedding, problem.mesh));
+  note(add_surface_sets(surface, problem.mesh));
+  problem.render = std::move(surface);
+}
 
 Problem load_problem(const PrecomputeOptions& options) {
   unwrap(check_material(options.material));
+  std::vector<MaterialRule> rules;
+  for (const std::string& text : options.materials)
+    rules.push_back(unwrap(parse_material_rule(text, options.material)));
   std::error_code ignored;
   if (std::filesystem::equivalent(options.mesh_path, options.output_path, ignored))
     throw Failure(
         {ErrorKind::kUsage, options.output_path + ": the output would overwrite the mesh"});
+  if (std::filesystem::equivalent(options.render_path, options.output_path, ignored))
+    throw Failure({ErrorKind::kUsage,
+                   options.output_path + ": the output would overwrite the render surface"});
   if (options.fix.size() > 1 &&
       std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
     throw Failure({ErrorKind::kUsage, "--fix none and another --fix contradict each other"});
   Problem problem;
+  std::optional<RenderSurface> meshed;
+  std::vector<FileMaterial> of_file;
   if (is_surface_file(options.mesh_path)) {
     SurfaceInput input = unwrap(load_surface(options.mesh_path, options.unit, options.meshing));
     problem.mesh = std::move(input.mesh);
+    meshed = std::move(input.render);
     problem.mesh_format = std::move(input.format);
     problem.notes = std::move(input.notes);
   } else {
@@ -92,6 +151,7 @@ Problem load_problem(const PrecomputeOptions& options) {
     problem.mesh = std::move(file.mesh);
     problem.mesh_format = std::move(file.format);
     problem.notes = std::move(file.notes);
+    of_file = std::move(file.materials);
   }
   Result<MeshReport> report = check_mesh(problem.mesh);
   if (!report)
@@ -99,13 +159,20 @@ Problem load_problem(const PrecomputeOptions& options) {
   problem.report = std::move(*report);
   problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
                        problem.report.notes.end());
+  problem.materials = make_materials(options, rules, of_file, problem);
   problem.mesh_hash = hash_mesh(problem.mesh);
+  if (!options.render_path.empty())
+    read_render(options, problem);
+  else if (meshed)
+    attach_render(problem, std::move(*meshed), options.threads);
+  if (!options.select.empty()) return problem;
   problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
   if (!problem.free_body) {
     problem.fixed = select_fixed(options, problem.mesh);
     require_held(problem);
   }
   problem.load = make_load(options, problem);
+  problem.point_masses = make_point_masses(options, problem);
   return problem;
 }
 

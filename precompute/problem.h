@@ -9,7 +9,9 @@
 #include "formats/basis_data.h"
 #include "formats/basis_writer.h"
 #include "precompute/assembly.h"
+#include "precompute/embedding.h"
 #include "precompute/mesher/surface_mesher.h"
+#include "precompute/point_mass.h"
 
 namespace tremolo {
 
@@ -17,11 +19,13 @@ namespace tremolo {
 struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
-  std::string unit;            // of a surface's coordinates; empty: what its file says
-  SurfaceMeshOptions meshing;  // of a surface
-  Material material;
-  std::vector<std::string> fix;                          // selectors; {"none"} asks for a free body
-  std::string load_at;                                   // selector; empty: no default load
+  std::string unit;                       // of surfaces' coordinates; empty: what their files say
+  SurfaceMeshOptions meshing;             // of a surface
+  Material material;                      // of what no entry of `materials` is of
+  std::vector<std::string> materials;     // material_rules.h, in order
+  std::vector<std::string> point_masses;  // SELECTOR=KG
+  std::vector<std::string> fix;           // selectors; {"none"} asks for a free body
+  std::string load_at;                    // selector; empty: no default load
   Eigen::Vector3d load_force = Eigen::Vector3d::Zero();  // N, shared by the selected vertices
   std::optional<int> linear_modes;                       // k; default 20 or what the mesh has
   std::optional<int> modes;                              // r; default 30 or what k allows
@@ -32,6 +36,8 @@ struct PrecomputeOptions {
   unsigned threads = 1;
   bool limits = false;       // measure the machine, print each stage's shortest possible time
   std::string command_line;  // for the file's provenance
+  std::string render_path;   // surface that is drawn; empty: the one that was meshed, if one was
+  std::string select;        // selector to be shown; nothing is computed then
 };
 
 struct Problem {
@@ -40,14 +46,24 @@ struct Problem {
   std::vector<VertexId> fixed;  // ascending
   bool free_body = false;
   DefaultLoad load;
+  std::optional<RenderSurface> render;  // what is drawn; none: the boundary of the tetrahedra
+  Embedding embedding;                  // of its vertices
+  MaterialTable materials;
+  std::vector<PointMass> point_masses;
   std::string mesh_format;
   std::string mesh_hash;           // XXH3-64 of vertices and tetrahedra, after repair
   std::vector<std::string> notes;  // for the user: repairs, oddities
 };
 
-// Reads, checks and selects. Throws Failure: kSystem for unreadable files, kContent and kUsage for
-// everything that is wrong in them or in the options.
+// Reads, checks and selects; with options.select nothing is fixed or loaded yet. Throws Failure:
+// kSystem for unreadable files, kContent and kUsage for everything that is wrong in them or in the
+// options.
 Problem load_problem(const PrecomputeOptions& options);
+
+// Makes the surface (m, in the mesh's place) what is drawn: embeds its vertices, adds its colours,
+// objects and materials to the mesh for selectors, and tells in problem.notes. To be called once
+// the mesh is checked and before anything is selected; load_problem does.
+void attach_render(Problem& problem, RenderSurface surface, unsigned threads);
 
 // k and r, defaults cut to what `free_dofs` (rigid motions taken off) allows; what was asked for
 // explicitly and is not there is a Failure (kContent).

@@ -4,6 +4,7 @@
 #include <metis.h>
 #include <nlohmann/json.hpp>
 
+#include "precompute/material_rules.h"
 #include "precompute/petsc.h"
 #include "precompute/pipeline.h"
 
@@ -14,10 +15,56 @@ std::string version_of(int major, int minor, int subminor) {
   return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(subminor);
 }
 
+using Json = nlohmann::ordered_json;
+
+Json material_json(const Material& material) {
+  Json json{{"model", "St. Venant-Kirchhoff"}};
+  if (!material.orthotropic) {
+    json["young_pa"] = material.young;
+    json["poisson"] = material.poisson;
+  } else {
+    const OrthotropicElasticity& o = *material.orthotropic;
+    const auto list = [](const Eigen::Vector3d& v) { return Json::array({v[0], v[1], v[2]}); };
+    json["model"] = "St. Venant-Kirchhoff, orthotropic";
+    json["young_123_pa"] = list(o.young);
+    json["poisson_12_23_31"] = list(o.poisson);
+    json["shear_12_23_31_pa"] = list(o.shear);
+    json["axes"] = Json::array({list(o.axes.col(0)), list(o.axes.col(1)), list(o.axes.col(2))});
+  }
+  json["density_kg_m3"] = material.density;
+  return json;
+}
+
+// `material` if there is one, else `materials`; `point_masses` if there are any.
+void add_materials(const Problem& problem, Json& json) {
+  const MaterialTable& table = problem.materials;
+  if (table.materials.size() == 1) {
+    json["material"] = material_json(table.materials.front().material);
+  } else {
+    const std::vector<MaterialShare> shares = material_shares(table, problem.mesh);
+    Json list = Json::array();
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      Json entry{{"region", table.materials[i].name},
+                 {"tetrahedra", shares[i].tetrahedra},
+                 {"volume_m3", shares[i].volume}};
+      entry.update(material_json(table.materials[i].material));
+      list.push_back(std::move(entry));
+    }
+    json["materials"] = std::move(list);
+  }
+  if (problem.point_masses.empty()) return;
+  Json list = Json::array();
+  for (const PointMass& mass : problem.point_masses)
+    list.push_back({{"selector", mass.selector},
+                    {"kg", mass.kilograms},
+                    {"vertices", mass.vertices.size()},
+                    {"fixed_vertices", mass.fixed}});
+  json["point_masses"] = std::move(list);
+}
+
 }  // namespace
 
 std::string provenance_json(const PrecomputeOptions& options, const PrecomputeResult& result) {
-  using Json = nlohmann::ordered_json;
   const PrecomputeFindings& findings = result.findings;
   const auto r = static_cast<std::size_t>(result.data.lambda.size());
   Json json;
@@ -27,10 +74,17 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
   json["mesh"] = {{"file", std::filesystem::path(options.mesh_path).filename().string()},
                   {"format", result.problem.mesh_format},
                   {"xxh3_64", result.problem.mesh_hash}};
-  json["material"] = {{"model", "St. Venant-Kirchhoff"},
-                      {"young_pa", options.material.young},
-                      {"poisson", options.material.poisson},
-                      {"density_kg_m3", options.material.density}};
+  add_materials(result.problem, json);
+  if (const auto& render = result.problem.render) {
+    const Embedding& embedding = result.problem.embedding;
+    const std::string& path = options.render_path.empty() ? options.mesh_path : options.render_path;
+    json["render"] = {{"file", std::filesystem::path(path).filename().string()},
+                      {"vertices", render->vertices.size()},
+                      {"triangles", render->triangles.size()},
+                      {"outside", embedding.outside},
+                      {"largest_distance_m", embedding.largest_distance},
+                      {"clamped", embedding.clamped}};
+  }
   json["mass"] = options.mass == MassKind::kConsistent ? "consistent" : "lumped";
   json["fix"] = options.fix;
   json["modes"] = {{"solver", findings.mode_solver},

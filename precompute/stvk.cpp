@@ -1,5 +1,7 @@
 #include "precompute/stvk.h"
 
+#include <numbers>
+
 #include <Eigen/LU>
 
 namespace tremolo {
@@ -11,6 +13,19 @@ Eigen::Matrix3d symmetric_part(const Eigen::Matrix3d& a) {
 
 Eigen::Matrix3d green_strain(const Eigen::Matrix3d& g) {
   return symmetric_part(g) + 0.5 * g.transpose() * g;
+}
+
+// V B^T C B, where B takes the corners' displacements to the strain in Mandel's notation.
+Eigen::Matrix<double, 12, 12> general_stiffness(const Elasticity& elasticity,
+                                                const StrainSample& sample) {
+  Eigen::Matrix<double, 6, 12> b;
+  for (int a = 0; a < 4; ++a) {
+    const Eigen::Vector3d g = sample.gradients.col(a);
+    const double h = std::numbers::sqrt2 / 2.0;
+    b.middleCols<3>(3 * a) << g.x(), 0, 0, 0, g.y(), 0, 0, 0, g.z(), 0, h * g.z(), h * g.y(),
+        h * g.z(), 0, h * g.x(), h * g.y(), h * g.x(), 0;
+  }
+  return sample.weight * b.transpose() * elasticity.tensor * b;
 }
 
 }  // namespace
@@ -31,7 +46,16 @@ std::vector<StrainSample> strain_samples(const TetMesh& mesh) {
 }
 
 Solid make_solid(const TetMesh& mesh, const Material& material) {
-  return {mesh, material, strain_samples(mesh)};
+  return make_solid(mesh, MaterialTable{{{"", material}}, {}});
+}
+
+Solid make_solid(const TetMesh& mesh, const MaterialTable& table) {
+  Solid solid{mesh, strain_samples(mesh), {}, {}, table.of_tet, {}};
+  for (const NamedMaterial& named : table.materials) {
+    solid.elasticities.push_back(make_elasticity(named.material));
+    solid.densities.push_back(named.material.density);
+  }
+  return solid;
 }
 
 Eigen::Matrix3d displacement_gradient(const Solid& solid, std::size_t element, const FieldRef& u) {
@@ -41,18 +65,12 @@ Eigen::Matrix3d displacement_gradient(const Solid& solid, std::size_t element, c
   return corners * solid.samples[element].gradients.transpose();
 }
 
-Eigen::Matrix3d stress(const Material& material, const Eigen::Matrix3d& strain) {
-  Eigen::Matrix3d s = 2.0 * lame_mu(material) * strain;
-  s.diagonal().array() += lame_lambda(material) * strain.trace();
-  return s;
-}
-
 double strain_energy(const Solid& solid, const FieldRef& u) {
   double energy = 0;
   for (std::size_t e = 0; e < solid.samples.size(); ++e) {
     const Eigen::Matrix3d strain = green_strain(displacement_gradient(solid, e, u));
-    energy +=
-        0.5 * solid.samples[e].weight * stress(solid.material, strain).cwiseProduct(strain).sum();
+    energy += 0.5 * solid.samples[e].weight *
+              stress(solid.elasticity(e), strain).cwiseProduct(strain).sum();
   }
   return energy;
 }
@@ -62,7 +80,7 @@ Field internal_force(const Solid& solid, const FieldRef& u) {
   for (std::size_t e = 0; e < solid.samples.size(); ++e) {
     const Eigen::Matrix3d g = displacement_gradient(solid, e, u);
     const Eigen::Matrix3d piola =
-        (Eigen::Matrix3d::Identity() + g) * stress(solid.material, green_strain(g));
+        (Eigen::Matrix3d::Identity() + g) * stress(solid.elasticity(e), green_strain(g));
     const Eigen::Matrix<double, 3, 4> corners =
         solid.samples[e].weight * piola * solid.samples[e].gradients;
     for (int a = 0; a < 4; ++a)
@@ -73,14 +91,14 @@ Field internal_force(const Solid& solid, const FieldRef& u) {
 
 void add_second_derivative(const Solid& solid, const std::vector<int>& elements, const FieldRef& a,
                            const FieldRef& b, const std::vector<int>& row_of_vertex, double* out) {
-  const Material& material = solid.material;
   for (int element : elements) {
     const auto e = static_cast<std::size_t>(element);
+    const Elasticity& elasticity = solid.elasticity(e);
     const Eigen::Matrix3d ga = displacement_gradient(solid, e, a);
     const Eigen::Matrix3d gb = displacement_gradient(solid, e, b);
-    const Eigen::Matrix3d piola = stress(material, symmetric_part(ga.transpose() * gb)) +
-                                  ga * stress(material, symmetric_part(gb)) +
-                                  gb * stress(material, symmetric_part(ga));
+    const Eigen::Matrix3d piola = stress(elasticity, symmetric_part(ga.transpose() * gb)) +
+                                  ga * stress(elasticity, symmetric_part(gb)) +
+                                  gb * stress(elasticity, symmetric_part(ga));
     const Eigen::Matrix<double, 3, 4> corners =
         solid.samples[e].weight * piola * solid.samples[e].gradients;
     for (int corner = 0; corner < 4; ++corner) {
@@ -90,9 +108,11 @@ void add_second_derivative(const Solid& solid, const std::vector<int>& elements,
   }
 }
 
-Eigen::Matrix<double, 12, 12> rest_stiffness(const Material& material, const StrainSample& sample) {
-  const double lambda = lame_lambda(material);
-  const double mu = lame_mu(material);
+Eigen::Matrix<double, 12, 12> rest_stiffness(const Elasticity& elasticity,
+                                             const StrainSample& sample) {
+  if (!elasticity.isotropic) return general_stiffness(elasticity, sample);
+  const double lambda = elasticity.lambda;
+  const double mu = elasticity.mu;
   Eigen::Matrix<double, 12, 12> stiffness;
   for (int a = 0; a < 4; ++a)
     for (int b = 0; b < 4; ++b) {

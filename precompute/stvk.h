@@ -3,7 +3,7 @@
 // An element is a set of strain samples; a linear tetrahedron needs one, because the displacement
 // gradient G = sum_a u_a (grad N_a)^T is constant in it. With F = I + G,
 //   E = sym(G) + 1/2 G^T G           Green strain
-//   S(E) = lambda tr(E) I + 2 mu E   second Piola-Kirchhoff stress
+//   S(E) = C E                      second Piola-Kirchhoff stress (elasticity.h)
 //   energy = volume * 1/2 S(E):E     force on vertex a = volume * F S grad N_a
 #pragma once
 
@@ -11,8 +11,8 @@
 
 #include <Eigen/Core>
 
-#include "common/material.h"
 #include "common/tet_mesh.h"
+#include "precompute/elasticity.h"
 
 namespace tremolo {
 
@@ -25,20 +25,35 @@ struct StrainSample {
 // One sample a tetrahedron, in order. The mesh must have passed check_mesh.
 std::vector<StrainSample> strain_samples(const TetMesh& mesh);
 
-// The mesh with its material, ready for element loops. Borrows the mesh.
+// The mesh with its materials, ready for element loops. Borrows the mesh. elasticities, densities
+// (kg/m^3): of each material. material_of: an index into them for each element; empty: all the
+// first. point_mass: of each vertex, kg; empty: none.
 struct Solid {
   const TetMesh& mesh;
-  Material material;
   std::vector<StrainSample> samples;
+  std::vector<Elasticity> elasticities;
+  std::vector<double> densities;
+  std::vector<std::int32_t> material_of;
+  std::vector<double> point_mass = {};
+
+  std::size_t material(std::size_t element) const {
+    return material_of.empty() ? 0 : static_cast<std::size_t>(material_of[element]);
+  }
+  const Elasticity& elasticity(std::size_t element) const {
+    return elasticities[material(element)];
+  }
+  double density(std::size_t element) const { return densities[material(element)]; }
+  // One isotropic material: the loops over elements have a shorter way for it.
+  bool uniform() const { return elasticities.size() == 1 && elasticities.front().isotropic; }
 };
 Solid make_solid(const TetMesh& mesh, const Material& material);
+Solid make_solid(const TetMesh& mesh, const MaterialTable& table);
 
 // Displacements and forces are 3n vectors, x y z of vertex 0 first.
 using Field = Eigen::VectorXd;
 using FieldRef = Eigen::Ref<const Eigen::VectorXd>;
 
 Eigen::Matrix3d displacement_gradient(const Solid& solid, std::size_t element, const FieldRef& u);
-Eigen::Matrix3d stress(const Material& material, const Eigen::Matrix3d& strain);
 
 double strain_energy(const Solid& solid, const FieldRef& u);  // J
 Field internal_force(const Solid& solid, const FieldRef& u);  // N, the gradient of the energy
@@ -52,6 +67,7 @@ void add_second_derivative(const Solid& solid, const std::vector<int>& elements,
                            const FieldRef& b, const std::vector<int>& row_of_vertex, double* out);
 
 // 12x12 stiffness at rest, rows and columns 3*a + axis.
-Eigen::Matrix<double, 12, 12> rest_stiffness(const Material& material, const StrainSample& sample);
+Eigen::Matrix<double, 12, 12> rest_stiffness(const Elasticity& elasticity,
+                                             const StrainSample& sample);
 
 }  // namespace tremolo

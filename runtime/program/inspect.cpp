@@ -7,8 +7,10 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "common/selector.h"
 #include "formats/basis_reader.h"
 #include "runtime/program/commands.h"
+#include "runtime/program/selection.h"
 
 namespace tremolo {
 namespace {
@@ -20,6 +22,7 @@ struct Contents {
   std::vector<double> frequencies;  // Hz
   Json provenance;                  // null if the file has none or it is no JSON
   DefaultLoad load;
+  std::optional<RenderBlock> render;
 };
 
 // What anybody may have written into the file's provenance. Copies and prints of a value go down by
@@ -56,6 +59,9 @@ Result<Contents> read_contents(BasisReader& reader) {
   Result<DefaultLoad> load = read_default_load(reader);
   if (!load) return load.error();
   contents.load = std::move(*load);
+  Result<std::optional<RenderBlock>> render = read_render(reader);
+  if (!render) return render.error();
+  contents.render = std::move(*render);
   if (reader.has(layout::kProvenance)) {
     Result<std::string_view> text = reader.text(layout::kProvenance);
     if (!text) return text.error();
@@ -112,6 +118,51 @@ std::string encoding_text(const Json& encoding) {
   return text;
 }
 
+Json render_json(const std::optional<RenderBlock>& render) {
+  if (!render) return nullptr;
+  const RenderSurface& surface = render->surface;
+  return {{"vertices", surface.vertices.size()}, {"triangles", surface.triangles.size()},
+          {"objects", surface.objects},          {"materials", surface.materials},
+          {"normals", !surface.normals.empty()}, {"uvs", !surface.uvs.empty()},
+          {"colours", !surface.colours.empty()}};
+}
+
+void print_render(const RenderSurface& surface) {
+  std::string with;
+  if (!surface.normals.empty()) with += ", normals";
+  if (!surface.uvs.empty()) with += ", texture coordinates";
+  if (!surface.colours.empty()) with += ", colours";
+  fmt::print("  render surface: {} vertices, {} triangles{}\n", surface.vertices.size(),
+             surface.triangles.size(), with);
+  fmt::print("    objects: {}\n    materials: {}\n", fmt::join(surface.objects, ", "),
+             fmt::join(surface.materials, ", "));
+}
+
+// What --select asks for.
+int print_selection(BasisReader& reader, const Contents& contents, const std::string& select,
+                    bool json) {
+  const Result<VertexBlock> surface =
+      reader.vertex_block(layout::kSurfaceIds, layout::kSurfaceRest, layout::kSurfaceBasis);
+  if (!surface) return report_error(surface.error());
+  const Result<Selection> chosen =
+      select_on_boundary(select, {*surface, contents.render ? &*contents.render : nullptr,
+                                  contents.load, reader.dimensions().vertices});
+  if (!chosen) return report_error(chosen.error());
+  if (json) {
+    const BoundingBox box = bounding_box(chosen->places);
+    std::cout << Json{{"selector", select},
+                      {"vertices", chosen->ids},
+                      {"low", {box.low.x(), box.low.y(), box.low.z()}},
+                      {"high", {box.high.x(), box.high.y(), box.high.z()}}}
+                     .dump(2, ' ', false, Json::error_handler_t::replace)
+              << "\n";
+  } else {
+    std::cout << describe_vertices(chosen->ids, chosen->places) << "\n";
+  }
+  if (!std::cout.flush()) return report_error(system_error("standard output cannot be written"));
+  return 0;
+}
+
 Json to_json(const std::string& path, const BasisReader& reader, const Contents& contents) {
   const BasisDimensions& d = reader.dimensions();
   const Json& provenance = contents.provenance;
@@ -128,6 +179,7 @@ Json to_json(const std::string& path, const BasisReader& reader, const Contents&
   json["fixed_vertices"] = d.fixed;
   json["surface_vertices"] = d.surface_vertices;
   json["triangles"] = d.triangles;
+  json["render"] = render_json(contents.render);
   json["frequencies_hz"] = contents.frequencies;
   json["explicit_step_limit_s"] = step_limit(contents);
   json["mass_orthonormality_error"] =
@@ -144,6 +196,7 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
              reader.minor_version());
   fmt::print("  {} vertices ({} on the surface, {} fixed), {} tetrahedra, {} triangles\n",
              d.vertices, d.surface_vertices, d.fixed, d.tetrahedra, d.triangles);
+  if (contents.render) print_render(contents.render->surface);
   fmt::print("  {} coordinates from {} linear modes{}\n", d.modes, d.linear_modes,
              d.rigid > 0 ? fmt::format("; a free body, {} rigid motions left out", d.rigid) : "");
   fmt::print("  {}\n", encoding_text(encoding_json(reader, contents.provenance)));
@@ -164,12 +217,13 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
 
 }  // namespace
 
-int inspect_command(const std::string& path, bool json) {
+int inspect_command(const std::string& path, const std::string& select, bool json) {
   Result<BasisReader> reader = BasisReader::open(path);
   if (!reader) return report_error(reader.error());
   Result<Contents> contents = read_contents(*reader);
   if (!contents)
     return report_error({contents.error().kind, path + ": " + contents.error().message});
+  if (!select.empty()) return print_selection(*reader, *contents, select, json);
   if (json)
     std::cout
         << to_json(path, *reader, *contents).dump(2, ' ', false, Json::error_handler_t::replace)

@@ -37,6 +37,17 @@ bool store_list(const toml::node& node, std::vector<int>& target) {
   return true;
 }
 
+// A vertex or a selector.
+bool store_at(const toml::node& node, std::string& target) {
+  if (const auto vertex = node.value_exact<std::int64_t>()) {
+    target = std::to_string(*vertex);
+    return true;
+  }
+  const auto selector = node.value_exact<std::string>();
+  if (selector) target = *selector;
+  return selector.has_value();
+}
+
 struct Key {
   std::string_view name;
   Store store;
@@ -50,7 +61,7 @@ constexpr Key kKeys[] = {
     {"modes", [](const toml::node& n, RunOptions& o) { return store(n, o.modes); }},
     {"linear", [](const toml::node& n, RunOptions& o) { return store(n, o.linear); }},
     {"load", [](const toml::node& n, RunOptions& o) { return store(n, o.load); }},
-    {"at", [](const toml::node& n, RunOptions& o) { return store(n, o.at); }},
+    {"at", [](const toml::node& n, RunOptions& o) { return store_at(n, o.at); }},
     {"force", [](const toml::node& n, RunOptions& o) { return store(n, o.force); }},
     {"scale", [](const toml::node& n, RunOptions& o) { return store(n, o.scale); }},
     {"alpha", [](const toml::node& n, RunOptions& o) { return store(n, o.alpha); }},
@@ -70,6 +81,7 @@ constexpr Key kKeys[] = {
     {"surfaces", [](const toml::node& n, RunOptions& o) { return store(n, o.surfaces); }},
     {"surface-format",
      [](const toml::node& n, RunOptions& o) { return store(n, o.surface_format); }},
+    {"hull", [](const toml::node& n, RunOptions& o) { return store(n, o.hull); }},
 };
 
 Error error_at(const std::string& path, const toml::source_region& where, const std::string& what) {

@@ -1,6 +1,7 @@
 #include "runtime/program/simulate.h"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -9,10 +10,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "formats/render_writer.h"
 #include "formats/surface_writer.h"
 #include "runtime/program/energy_bound.h"
 #include "runtime/program/plot.h"
 #include "runtime/program/recorder.h"
+#include "runtime/program/selection.h"
 
 namespace tremolo {
 namespace {
@@ -49,18 +52,35 @@ Status check(const RunOptions& options) {
   if (options.surfaces < 0) return content_error("--surfaces must not be negative");
   if ((options.surfaces > 0 || options.plot) && options.out.empty())
     return usage_error("--surfaces and --plot need --out DIR");
-  if (options.at < -1) return content_error("--at must not be negative");
-  if ((options.at >= 0) != !options.force.empty())
+  if (options.at.empty() != options.force.empty())
     return usage_error("--at and --force belong together");
   if (!std::isfinite(options.scale)) return content_error("--scale must be finite");
   return Success{};
+}
+
+// --at and --force: on one vertex, or shared by those of a selector.
+Result<DefaultLoad> spread_force(const RunOptions& options, const Model& model,
+                                 const Eigen::Vector3d& force) {
+  VertexId vertex = 0;
+  const char* end = options.at.data() + options.at.size();
+  const auto [stop, code] = std::from_chars(options.at.data(), end, vertex);
+  if (stop == end && code == std::errc{}) {
+    if (vertex < 0) return content_error("--at must not be negative");
+    return DefaultLoad{{vertex}, {force}};
+  }
+  const Result<Selection> chosen = select_on_boundary(
+      options.at, {model.surface(), model.render(), model.default_load(), model.vertex_count()});
+  if (!chosen) return chosen.error();
+  const Eigen::Vector3d share =
+      force / static_cast<double>(std::max<std::size_t>(1, chosen->ids.size()));
+  return DefaultLoad{chosen->ids, std::vector<Eigen::Vector3d>(chosen->ids.size(), share)};
 }
 
 Status add_load(const RunOptions& options, Body& body) {
   Result<Signal> signal = parse_signal(options.load);
   if (!signal) return signal.error();
   if (signal->kind == SignalKind::kNone) return Success{};
-  if (options.at < 0) {
+  if (options.at.empty()) {
     if (body.model().default_load().vertices.empty())
       return usage_error(options.model +
                          ": the model has no default load; name one with --at and --force, or "
@@ -69,13 +89,15 @@ Status add_load(const RunOptions& options, Body& body) {
   }
   Result<Eigen::Vector3d> force = parse_force(options.force);
   if (!force) return force.error();
-  Result<Eigen::VectorXd> reduced = reduce_force(body.model(), options.at, *force);
+  const Result<DefaultLoad> load = spread_force(options, body.model(), *force);
+  if (!load) return load.error();
+  Result<Eigen::VectorXd> reduced = reduce_load(body.model(), *load, options.scale);
   if (!reduced) return value_error(reduced.error());
-  if (reduced->isZero(0.0))
-    return content_error("--at " + std::to_string(options.at) +
-                         ": the vertex does not move (it is "
-                         "fixed or belongs to no tetrahedron), or the force is zero");
-  return body.add_load(*signal, options.at, options.scale * *force);
+  if (options.scale != 0.0 && reduced->isZero(0.0))
+    return content_error("--at " + options.at +
+                         ": no vertex there moves (they are fixed or belong to no tetrahedron), or "
+                         "the force is zero");
+  return body.add_load({*signal, std::move(*reduced)});
 }
 
 Result<Body> make_body(const RunOptions& options) {
@@ -83,7 +105,8 @@ Result<Body> make_body(const RunOptions& options) {
   if (std::find(names.begin(), names.end(), options.integrator) == names.end())
     return usage_error(fmt::format("unknown integrator '{}'; there are {}", options.integrator,
                                    fmt::join(names, ", ")));
-  Result<Model::Pointer> model = Model::load(options.model, {options.modes, options.linear});
+  Result<Model::Pointer> model =
+      Model::load(options.model, {options.modes, options.linear, options.hull});
   if (!model) return value_error(model.error());
   IntegratorOptions settings;
   settings.step = options.step;
@@ -103,7 +126,21 @@ Result<Body> make_body(const RunOptions& options) {
   return body;
 }
 
+// The author's surface where the body is now.
+Status write_render_shape(const Body& body, const std::string& path) {
+  RenderSurface surface = body.model().render()->surface;
+  const std::size_t count = 3 * surface.vertices.size();
+  surface.normals.resize(surface.vertices.size());
+  std::vector<float> positions(count);  // of the normals; those that are written are exact
+  const Status normals = body.surface(positions, std::span(surface.normals[0].data(), count));
+  if (!normals) return normals;
+  const Status exact = body.surface_positions(std::span<double>(surface.vertices[0].data(), count));
+  if (!exact) return exact;
+  return write_render_surface(path, surface);
+}
+
 Status write_shape(const Body& body, const std::string& path) {
+  if (body.model().render() != nullptr) return write_render_shape(body, path);
   SurfaceMesh surface;
   surface.vertices.resize(body.model().surface().vertex_ids.size());
   surface.triangles = body.model().triangles();

@@ -45,14 +45,6 @@ TEST(MshGroups, ATetrahedronOfTwoGroupsIsTakenOnce) {
   EXPECT_EQ(doubled->mesh.tetrahedra.size(), 3u);
 }
 
-TEST(Veg, MaterialsAreNotedAndNotUsed) {
-  const TemporaryFolder folder;
-  const Result<MeshFile> file = read_tet_mesh(folder.write("a.veg", testing::veg_text(1)));
-  ASSERT_TRUE(file);
-  ASSERT_EQ(file->notes.size(), 1u);
-  EXPECT_NE(file->notes[0].find("materials"), std::string::npos);
-}
-
 TEST(IdList, TakesAnySeparatorsAndComments) {
   const TemporaryFolder folder;
   const Result<Ids> ids =

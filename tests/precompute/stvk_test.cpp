@@ -91,7 +91,7 @@ TEST(Elements, RestStiffnessIsTheDerivativeOfTheForce) {
   const Field u = random_field(mesh, 1e-3, 5);
   Field product = Field::Zero(u.size());
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
-    const auto stiffness = rest_stiffness(kMaterial, solid.samples[e]);
+    const auto stiffness = rest_stiffness(solid.elasticity(e), solid.samples[e]);
     Eigen::Matrix<double, 12, 1> corners;
     for (int a = 0; a < 4; ++a)
       corners.segment<3>(3 * a) = u.segment<3>(3 * Eigen::Index{mesh.tetrahedra[e][a]});

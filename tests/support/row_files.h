@@ -18,7 +18,7 @@ inline std::string veg_rows(int base, bool vertices) {
 }
 
 inline std::string veg_tail(int base) {
-  return "*MATERIAL wood # not used\nENU, 1000, 1e6, 0.45\n*REGION\nallElements, wood\n*SET "
+  return "*MATERIAL wood # a comment\nENU, 1000, 1e6, 0.45\n*REGION\nallElements, wood\n*SET "
          "first\n" +
          std::to_string(base) + ",\n";
 }

@@ -1,0 +1,92 @@
+#include "common/material.h"
+
+#include <cmath>
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "common/number_text.h"
+
+namespace tremolo {
+namespace {
+
+constexpr const char* kYoung[] = {"E1", "E2", "E3"};
+constexpr const char* kPoisson[] = {"nu12", "nu23", "nu31"};
+constexpr const char* kShear[] = {"G12", "G23", "G31"};
+
+bool is_positive(double value) {
+  return value > 0.0 && std::isfinite(value);
+}
+
+Error refuse(const std::string& what, const std::string& value, const std::string& range) {
+  return content_error(what + " is " + value + ", must be " + range);
+}
+
+Status check_orthotropic(const OrthotropicElasticity& elasticity) {
+  for (int i = 0; i < 3; ++i) {
+    if (!is_positive(elasticity.young[i]))
+      return refuse(kYoung[i], number_text(elasticity.young[i]), "positive and finite (Pa)");
+    if (!is_positive(elasticity.shear[i]))
+      return refuse(kShear[i], number_text(elasticity.shear[i]), "positive and finite (Pa)");
+  }
+  // The upper left block of the compliance, scaled to a unit diagonal, has -nu_ij sqrt(E_j / E_i)
+  // beside it: its minors are what is asked for.
+  double determinant = 1.0 - 2.0 * elasticity.poisson.prod();
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const double ratio = elasticity.young[j] / elasticity.young[i];
+    const double squared = elasticity.poisson[i] * elasticity.poisson[i] * ratio;
+    if (!(squared < 1.0))
+      return refuse(kPoisson[i], number_text(elasticity.poisson[i]),
+                    "below sqrt(" + std::string(kYoung[i]) + "/" + kYoung[j] +
+                        ") = " + number_text(std::sqrt(1.0 / ratio)) +
+                        " in magnitude, or the energy is not positive");
+    determinant -= squared;
+  }
+  if (!(determinant > 0.0))
+    return refuse("1 - nu12^2 E2/E1 - nu23^2 E3/E2 - nu31^2 E1/E3 - 2 nu12 nu23 nu31",
+                  number_text(determinant),
+                  "positive: nu12, nu23 and nu31 are too large together, the energy of the "
+                  "orthotropic material is not positive");
+  const double skew = (elasticity.axes.transpose() * elasticity.axes - Eigen::Matrix3d::Identity())
+                          .cwiseAbs()
+                          .maxCoeff();
+  constexpr double kDigits = 1e-9;  // material_axes() leaves 1e-15
+  if (!(skew <= kDigits)) return content_error("the three axes are not orthonormal");
+  return Success{};
+}
+
+}  // namespace
+
+Status check_material(const Material& material) {
+  if (!is_positive(material.density))
+    return refuse("the density", number_text(material.density), "positive and finite (kg/m^3)");
+  if (material.orthotropic) return check_orthotropic(*material.orthotropic);
+  if (!is_positive(material.young))
+    return refuse("Young's modulus", number_text(material.young), "positive and finite (Pa)");
+  if (!(material.poisson > -1.0 && material.poisson < 0.5))
+    return refuse("Poisson's ratio", number_text(material.poisson), "above -1 and below 0.5");
+  return Success{};
+}
+
+Result<Eigen::Matrix3d> material_axes(const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
+  const auto text = [](const Eigen::Vector3d& v) {
+    return number_text(v.x()) + " " + number_text(v.y()) + " " + number_text(v.z());
+  };
+  for (const Eigen::Vector3d& v : {first, second})
+    if (!v.allFinite() || !is_positive(v.norm()))
+      return content_error("the direction " + text(v) + " must be finite and other than zero");
+  Eigen::Matrix3d axes;
+  axes.col(0) = first.normalized();
+  const Eigen::Vector3d unit = second.normalized();
+  const Eigen::Vector3d rest = unit - axes.col(0) * axes.col(0).dot(unit);
+  constexpr double kParallel = 1e-6;  // closer, the third direction would be rounding
+  if (rest.norm() < kParallel)
+    return content_error("the directions " + text(first) + " and " + text(second) +
+                         " must not be parallel");
+  axes.col(1) = (rest - axes.col(0) * axes.col(0).dot(rest)).normalized();
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  return axes;
+}
+
+}  // namespace tremolo
