@@ -77,6 +77,15 @@ Result<DefaultLoad> read_default_load(BasisReader& reader) {
   return load;
 }
 
+Result<VegaFiles> read_vega_files(BasisReader& reader) {
+  VegaFiles files;
+  if (reader.has(kVegaBasis))
+    if (Status s = take(files.basis, reader.text(kVegaBasis)); !s) return s.error();
+  if (reader.has(kVegaCubic))
+    if (Status s = take(files.cubic, reader.text(kVegaCubic)); !s) return s.error();
+  return files;
+}
+
 Result<BasisData> read_basis(BasisReader& reader) {
   const BasisDimensions& d = reader.dimensions();
   BasisData data;

@@ -51,12 +51,19 @@ struct DefaultLoad {
   std::vector<Eigen::Vector3d> forces;  // one a vertex; their sum is what the user asked for
 };
 
+// The files that an imported model was made of (formats/reduced_files.h), byte for byte; empty for
+// a model that Tremolo made.
+struct VegaFiles {
+  std::string basis;  // .U
+  std::string cubic;  // .cub
+};
+
 // One precomputed model (docs/theory.md, section "Reduced energy"):
 //   V(q) = 1/2 q^T diag(lambda) q + C[q,q,q] + Q[q,q,q,q]     J, mass matrix = identity
 struct BasisData {
   std::uint64_t vertex_count = 0;       // n of the whole mesh
   std::uint64_t tetrahedron_count = 0;  // m
-  std::uint64_t linear_mode_count = 0;  // k
+  std::uint64_t linear_mode_count = 0;  // k; 0: not known, an imported basis
   std::uint64_t fixed_vertex_count = 0;
   std::uint64_t rigid_mode_count = 0;  // left out of the basis: six for each free part
   double total_mass = 0;               // kg
@@ -74,6 +81,7 @@ struct BasisData {
   std::optional<RenderBlock> render;
 
   std::string provenance;  // a JSON object, UTF-8
+  VegaFiles vega;          // read_basis() leaves them in the file: read_vega_files()
 };
 
 }  // namespace tremolo

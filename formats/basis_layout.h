@@ -93,6 +93,9 @@ inline constexpr std::string_view kLoadIds = "load_ids";              // u32, l 
 inline constexpr std::string_view kLoadForces = "load_forces";        // f64, l x 3
 inline constexpr std::string_view kSingularValues = "singular_values";  // f64, c x 1
 inline constexpr std::string_view kProvenance = "provenance";           // u8, bytes x 1
+// Of an imported model: the files it was made of, byte for byte.
+inline constexpr std::string_view kVegaBasis = "vega_basis";  // u8, bytes x 1: a .U
+inline constexpr std::string_view kVegaCubic = "vega_cubic";  // u8, bytes x 1: a .cub
 
 // Version 1.1, compact: both are there, `cubic` and `quartic` are f32, the two bases i16.
 inline constexpr std::string_view kCoefficientScales = "coef_scales";  // f64, 2 x 1

@@ -234,6 +234,8 @@ Status BasisReader::check_shapes() const {
       {kLoadForces, ElementType::kF64, kAnyRows, 3, false},
       {kSingularValues, ElementType::kF64, kAnyRows, 1, false},
       {kProvenance, ElementType::kU8, kAnyRows, 1, false},
+      {kVegaBasis, ElementType::kU8, kAnyRows, 1, false},
+      {kVegaCubic, ElementType::kU8, kAnyRows, 1, false},
   };
   for (const Shape& shape : shapes) {
     const BasisSection* section = find(shape.name);

@@ -121,7 +121,10 @@ Result<DefaultLoad> read_default_load(BasisReader& reader);
 // end.
 Result<std::optional<RenderBlock>> read_render(BasisReader& reader);
 
-// Everything in the file.
+// The files of an imported model; empty when it is none.
+Result<VegaFiles> read_vega_files(BasisReader& reader);
+
+// Everything in the file but the files of an imported model, which only an export wants.
 Result<BasisData> read_basis(BasisReader& reader);
 Result<BasisData> read_basis(const std::string& path);
 

@@ -209,6 +209,11 @@ std::vector<Section> list_sections(const BasisData& data, const std::uint64_t* d
        bytes_of(data.provenance.data(), data.provenance.size())},
   };
   sections.insert(sections.end(), others.begin(), others.end());
+  for (const auto& [name, bytes] :
+       {std::pair{kVegaBasis, &data.vega.basis}, {kVegaCubic, &data.vega.cubic}})
+    if (!bytes->empty())
+      sections.push_back({name, ElementType::kU8, false, bytes->size(), 1,
+                          bytes_of(bytes->data(), bytes->size())});
   return sections;
 }
 

@@ -139,6 +139,8 @@ VertexBlock make_block(const TetMesh& mesh, const std::vector<VertexId>& ids,
   return block;
 }
 
+}  // namespace
+
 void add_geometry(const Problem& problem, const BasisRows& basis, BasisData& data) {
   const TetMesh& mesh = problem.mesh;
   const BoundarySurface boundary = boundary_surface(mesh);
@@ -160,6 +162,8 @@ void add_geometry(const Problem& problem, const BasisRows& basis, BasisData& dat
   data.fixed_vertex_count = problem.fixed.size();
   data.load = problem.load;
 }
+
+namespace {
 
 Coefficients compute_coefficients(const Solid& solid, const BasisRows& basis, unsigned threads) {
   // Ranks share the elements; every rank ends up with the sum.

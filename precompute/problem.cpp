@@ -84,6 +84,8 @@ std::vector<PointMass> make_point_masses(const PrecomputeOptions& options, Probl
   return masses;
 }
 
+}  // namespace
+
 DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) {
   DefaultLoad load;
   if (options.load_at.empty()) return load;
@@ -99,6 +101,8 @@ DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) 
                      options.load_force / static_cast<double>(load.vertices.size()));
   return load;
 }
+
+namespace {
 
 void read_render(const PrecomputeOptions& options, Problem& problem) {
   SurfaceReadOptions reading;
@@ -169,7 +173,8 @@ Problem load_problem(const PrecomputeOptions& options) {
   problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
   if (!problem.free_body) {
     problem.fixed = select_fixed(options, problem.mesh);
-    require_held(problem);
+    // An imported basis says itself what it holds.
+    if (options.import_basis.empty()) require_held(problem);
   }
   problem.load = make_load(options, problem);
   problem.point_masses = make_point_masses(options, problem);

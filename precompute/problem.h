@@ -32,6 +32,10 @@ struct PrecomputeOptions {
   bool linear = false;  // the linear modes are the basis; no derivatives, no C, no Q
   BasisEncoding encoding = BasisEncoding::kFull;
   MassKind mass = MassKind::kConsistent;
+  bool mass_given = false;   // by the user: an import then makes its basis orthonormal in it
+  std::string import_basis;  // VegaFEM's .U and .cub: nothing is solved (precompute/import.h)
+  std::string import_cubic;
+  std::string modes_vtu;  // the modes on the tetrahedra, for ParaView; empty: not written
   bool certify = true;
   unsigned threads = 1;
   bool limits = false;       // measure the machine, print each stage's shortest possible time
@@ -64,6 +68,9 @@ Problem load_problem(const PrecomputeOptions& options);
 // objects and materials to the mesh for selectors, and tells in problem.notes. To be called once
 // the mesh is checked and before anything is selected; load_problem does.
 void attach_render(Problem& problem, RenderSurface surface, unsigned threads);
+
+// The default load that the options ask for; free vertices only. Throws Failure (kContent).
+DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem);
 
 // k and r, defaults cut to what `free_dofs` (rigid motions taken off) allows; what was asked for
 // explicitly and is not there is a Failure (kContent).

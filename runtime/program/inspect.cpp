@@ -197,7 +197,8 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
   fmt::print("  {} vertices ({} on the surface, {} fixed), {} tetrahedra, {} triangles\n",
              d.vertices, d.surface_vertices, d.fixed, d.tetrahedra, d.triangles);
   if (contents.render) print_render(contents.render->surface);
-  fmt::print("  {} coordinates from {} linear modes{}\n", d.modes, d.linear_modes,
+  fmt::print("  {} coordinates{}{}\n", d.modes,
+             d.linear_modes > 0 ? fmt::format(" from {} linear modes", d.linear_modes) : "",
              d.rigid > 0 ? fmt::format("; a free body, {} rigid motions left out", d.rigid) : "");
   fmt::print("  {}\n", encoding_text(encoding_json(reader, contents.provenance)));
   if (reader.linear()) fmt::print("  a linear model: no cubic, no quartic terms\n");

@@ -10,6 +10,7 @@
 #include "runtime/integrators/integrator.h"
 #include "runtime/program/bench/bench.h"
 #include "runtime/program/commands.h"
+#include "runtime/program/export.h"
 #include "runtime/program/reproduce/reproduce.h"
 
 namespace tremolo {
@@ -93,7 +94,19 @@ void add_reproduce_flags(CLI::App& reproduce, ReproduceOptions& o) {
   reproduce.add_flag("--json", o.json, "print the criteria as one JSON object on stdout");
 }
 
+void add_export_flags(CLI::App& app, ExportOptions& o) {
+  app.add_option("file", o.model, "basis file")->required();
+  app.add_option("--cub", o.cub, "VegaFEM's reduced forces, .cub");
+  app.add_option("--U", o.u,
+                 "VegaFEM's basis, .U, over all vertices in the mesh's order. Tremolo's is "
+                 "orthonormal in the consistent mass unless it was made with --mass lumped");
+  app.add_option("--vtu", o.vtu,
+                 "the modes as point data of the surface, .vtu (tremolo-precompute --modes-vtu "
+                 "writes them on the tetrahedra)");
+}
+
 struct Request {
+  ExportOptions exported;
   ReproduceOptions reproduce;
   std::string file;
   std::string select;
@@ -111,6 +124,7 @@ struct Parser {
   CLI::App* inspect = nullptr;
   CLI::App* run = nullptr;
   CLI::App* plot = nullptr;
+  CLI::App* exporter = nullptr;
   CLI::App* bench = nullptr;
   CLI::App* reproduce = nullptr;
 
@@ -130,6 +144,8 @@ struct Parser {
     plot = app.add_subcommand("plot", "energy over time of several runs in one picture");
     plot->add_option("runs", request.directories, "directories of tremolo run --out")->required();
     plot->add_option("-o,--output", request.picture, ".svg or .png")->required();
+    exporter = app.add_subcommand("export", "write a model in the formats of VegaFEM and ParaView");
+    add_export_flags(*exporter, request.exported);
     bench = app.add_subcommand("bench", "run time against error and stability of all methods");
     add_bench_flags(*bench, request.bench, request.quick);
     reproduce =
@@ -169,6 +185,7 @@ int run_program(int count, char** words) {
   }
   if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
+  if (*parser.exporter) return export_command(request.exported);
   if (*parser.bench) {
     if (request.quick) shorten(*parser.bench, request.bench);
     return bench::run(request.bench);

@@ -303,5 +303,36 @@ TEST(MeshErrors, QuadraticTetrahedraAreRefusedByName) {
                {"line 10", "element 7", "10-node tetrahedra", "linear"});
 }
 
+// Places in vegb_bytes(small_mesh()): 8 of the version, 4 of the type, 4 and 5 vertices of 24
+// bytes, 4, 4 and 2 elements of 16, then the materials.
+std::string vegb_with(std::size_t at, std::int32_t value) {
+  return testing::vegb_bytes(testing::small_mesh()).replace(at, 4, bytes_of(value));
+}
+
+TEST(VegbErrors, NameByteExpectedAndFound) {
+  const std::string good = testing::vegb_bytes(testing::small_mesh());
+  expect_error("a.vegb", "hello, it is no mesh", {"byte 0", "version 1"});
+  expect_error("a.vegb", vegb_with(8, 2), {"byte 8", "type 1, tetrahedra", "2, cubes"});
+  expect_error("a.vegb", vegb_with(12, -5), {"byte 12", "number of vertices", "-5"});
+  expect_error("a.vegb", vegb_with(12, 0x7fffffff), {"byte 16", "2147483647", "24 bytes each"});
+  expect_error("a.vegb", std::string(good).replace(16 + 8, 8, bytes_of(std::nan(""))),
+               {"byte 32", "vertex 0", "y", "nan"});
+  expect_error("a.vegb", vegb_with(136, 0x7fffffff), {"byte 144", "elements", "16 bytes each"});
+  expect_error("a.vegb", vegb_with(140, 8), {"byte 140", "4 nodes", "8"});
+  expect_error("a.vegb", vegb_with(144, 5), {"byte 156", "element 0", "vertex 5", "0 to 4"});
+  expect_error("a.vegb", vegb_with(144, -1), {"element 0", "vertex -1"});
+  expect_error("a.vegb", vegb_with(176, -1), {"byte 176", "number of materials", "-1"});
+  expect_error("a.vegb", vegb_with(180, 0x7fffffff), {"byte 184", "name of a material"});
+  expect_error("a.vegb", vegb_with(194, 4), {"byte 194", "type 1, 2 or 3", "4", "material 0"});
+  expect_error("a.vegb", good + "x", {"end of the file", "1 more bytes"});
+  // From the end: two regions of 8 bytes, their number, the element of the set, its number.
+  const std::size_t end = good.size();
+  expect_error("a.vegb", vegb_with(end - 4, 2), {"region 1", "set 2", "below 2"});
+  expect_error("a.vegb", vegb_with(end - 8, 3), {"region 1", "material 3", "below 3"});
+  expect_error("a.vegb", vegb_with(end - 20, 0x7fffffff), {"number of regions", "8 bytes each"});
+  expect_error("a.vegb", vegb_with(end - 24, 2), {"set `first`", "element 2", "below 2"});
+  expect_error("a.vegb", vegb_with(end - 28, 0x7fffffff), {"number of elements of a set"});
+}
+
 }  // namespace
 }  // namespace tremolo

@@ -12,6 +12,11 @@ void tremolo::fuzz::read_input(std::string_view bytes) {
   if (!data->lambda.allFinite() || !data->surface.rows.allFinite() ||
       !data->interior.rows.allFinite())
     finding("a number that is not finite");
+  if (data->render)
+    for (const Triangle& triangle : data->render->surface.triangles)
+      for (VertexId v : triangle)
+        if (v < 0 || static_cast<std::size_t>(v) >= data->render->surface.vertices.size())
+          finding("a drawn triangle of a vertex that is not there");
   for (const Triangle& triangle : data->triangles)
     for (VertexId v : triangle)
       if (v < 0 || static_cast<std::size_t>(v) >= data->surface.vertex_ids.size())

@@ -60,6 +60,13 @@ void check_mesh_file(Result<MeshFile> file) {
         std::adjacent_find(ids.begin(), ids.end()) != ids.end())
       finding("a set that is not sorted or has repeats");
   }
+  if (!mesh.region_of.empty() && mesh.region_of.size() != mesh.tetrahedra.size())
+    finding("regions of more or fewer tetrahedra than there are");
+  for (const std::int32_t region : mesh.region_of)
+    if (region < -1 || region >= static_cast<std::int32_t>(mesh.region_names.size()))
+      finding("a region without a name");
+  if (!mesh.colours.empty() && mesh.colours.size() != mesh.vertices.size())
+    finding("colours of more or fewer vertices than there are");
   const Result<MeshReport> report = check_mesh(mesh);
   if (!report) return;
   for (const Tetrahedron& tet : mesh.tetrahedra)

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "formats/basis_writer.h"
+#include "formats/reduced_files.h"
 #include "formats/surface_answer.h"
 #include "tests/support/mesh_variants.h"
 #include "tests/support/tiny_basis.h"
@@ -50,6 +51,18 @@ void save_bases(const fs::path& root) {
   for (const fs::directory_entry& entry : fs::directory_iterator(golden))
     if (entry.path().extension() == ".tremolo")
       save(root, entry.path().stem().string(), file_contents(entry.path()));
+}
+
+void save_reduced(const fs::path& root) {
+  const Eigen::MatrixXd basis = Eigen::MatrixXd::Constant(6, 2, 0.5);
+  if (const Result<std::string> bytes = basis_matrix_bytes(basis)) save(root, "basis", *bytes);
+  const BasisData data = testing::tiny_basis();
+  for (const bool linear : {false, true}) {
+    const std::vector<double> none;
+    const Result<std::string> bytes = cub_bytes(
+        reduced_forces(data.lambda, linear ? none : data.cubic, linear ? none : data.quartic));
+    if (bytes) save(root, linear ? "linear-forces" : "forces", *bytes);
+  }
 }
 
 void save_surfaces(const fs::path& root) {
@@ -103,6 +116,7 @@ int main(int count, char** words) {
   tremolo::save_meshes(words[1]);
   tremolo::save_bases(std::filesystem::path(words[1]) / "basis");
   tremolo::save_bases(std::filesystem::path(words[1]) / "model");
+  tremolo::save_reduced(std::filesystem::path(words[1]) / "reduced");
   tremolo::save_surfaces(std::filesystem::path(words[1]) / "surface");
   tremolo::save_texts(words[1]);
   return 0;
