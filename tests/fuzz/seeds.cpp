@@ -90,8 +90,10 @@ void save_surfaces(const fs::path& root) {
 
 void save_texts(const fs::path& root) {
   int number = 0;
-  for (const char* text : {"x<0.01", "y>=1.2", "box:0,0,0,1,1,1", "vertex:1,2", "file:a", "none",
-                           "foot", "unused", " z <= +1e-3 "})
+  for (const char* text :
+       {"x<0.01", "y>=1.2", "box:0,0,0,1,1,1", "vertex:1,2", "file:a", "none", "foot", "unused",
+        " z <= +1e-3 ", "x<10%", "sphere:0,0,0,1", "plane:0,0,0,1,0,0", "near:0,0,0,2",
+        "colour:red", "colour:#FF8000,0.2", "set:foot", "x<1 and y<1 and foot"})
     save(root / "selector", std::to_string(number++), text);
   for (const char* text : {"0 1 2\n", "1,2,3 # a comment\n4\n", "999"})
     save(root / "ids", std::to_string(number++), text);
