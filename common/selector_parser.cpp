@@ -224,20 +224,26 @@ Result<Selector> parse_one(const std::string& text, std::string_view body) {
 
 Result<Selector> parse_selector(const std::string& text) {
   constexpr std::string_view kAnd = " and ";
-  std::string_view body = trimmed(text);
-  // A path may have blanks in it.
-  const std::size_t end = body.starts_with("file:") ? std::string_view::npos : body.find(kAnd);
-  Result<Selector> first = parse_one(text, trimmed(body.substr(0, end)));
-  if (!first || end == std::string_view::npos) return first;
-  body.remove_prefix(end + kAnd.size());
-  Result<Selector> rest = parse_selector(std::string(body));
-  if (!rest) return rest;
-  if (std::holds_alternative<SelectNone>(first->choice) ||
-      std::holds_alternative<SelectNone>(rest->choice))
-    return malformed(text, "`none` to stand alone");
-  first->further = std::exchange(rest->further, {});
-  first->further.insert(first->further.begin(), std::move(*rest));
-  return first;
+  std::optional<Selector> first;
+  std::string_view rest = trimmed(text);
+  for (bool last = false; !last;) {
+    // A path may have blanks in it.
+    const std::size_t end = rest.starts_with("file:") ? std::string_view::npos : rest.find(kAnd);
+    last = end == std::string_view::npos;
+    const std::string_view part = trimmed(rest.substr(0, end));
+    // What the parts say of themselves is short: a long text has many.
+    Result<Selector> parsed = parse_one(first ? std::string(part) : text, part);
+    if (!parsed) return parsed;
+    const bool alone = last && !first;
+    if (!alone && std::holds_alternative<SelectNone>(parsed->choice))
+      return malformed(text, "`none` to stand alone");
+    if (first)
+      first->further.push_back(std::move(*parsed));
+    else
+      first = std::move(*parsed);
+    if (!last) rest = trimmed(rest.substr(end + kAnd.size()));
+  }
+  return std::move(*first);
 }
 
 }  // namespace tremolo

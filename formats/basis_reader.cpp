@@ -14,6 +14,17 @@ namespace {
 
 using namespace basis_layout;
 
+// The fuzzer's own build looks behind the checksums; nothing that is shipped is built like that.
+#ifdef TREMOLO_FUZZING
+constexpr bool kCheckHashes = false;
+#else
+constexpr bool kCheckHashes = true;
+#endif
+
+bool hash_fits(std::span<const std::byte> bytes, std::uint64_t hash) {
+  return !kCheckHashes || hash_bytes(bytes) == hash;
+}
+
 template <class T>
 T get(std::span<const std::byte> bytes, std::size_t at) {
   T value;
@@ -66,7 +77,7 @@ Status BasisReader::parse_header() {
   if (std::memcmp(bytes_.data() + header::kMagicAt, kMagic.data(), kMagic.size()) != 0)
     return error_at("header", header::kMagicAt, "not a basis file (the magic is not TREMOLO)");
   const auto hash = get<std::uint64_t>(bytes_, header::kHeaderHashAt);
-  if (hash != hash_bytes(bytes_.first(header::kHeaderHashAt)))
+  if (!hash_fits(bytes_.first(header::kHeaderHashAt), hash))
     return error_at("header", header::kHeaderHashAt, "the checksum does not fit");
   const auto major = get<std::uint16_t>(bytes_, header::kMajorAt);
   if (major != kMajor)
@@ -87,7 +98,7 @@ Status BasisReader::parse_table() {
     return error_at("header", header::kSectionsAt,
                     std::to_string(count) + " sections do not fit the file");
   const auto table = bytes_.subspan(kHeaderSize, count * kEntrySize);
-  if (get<std::uint64_t>(bytes_, header::kTableHashAt) != hash_bytes(table))
+  if (!hash_fits(table, get<std::uint64_t>(bytes_, header::kTableHashAt)))
     return error_at("table", kHeaderSize, "the checksum does not fit");
   sections_.reserve(count);
   for (std::uint32_t index = 0; index < count; ++index)
@@ -280,7 +291,7 @@ const BasisSection* BasisReader::find(std::string_view name) const {
 Status BasisReader::verify(std::size_t index) {
   if (verified_[index]) return Success{};
   const BasisSection& section = sections_[index];
-  if (hash_bytes(bytes_.subspan(section.offset, section.size)) != section.hash)
+  if (!hash_fits(bytes_.subspan(section.offset, section.size), section.hash))
     return error_at(section.name, section.offset, "the checksum does not fit (damaged file?)");
   verified_[index] = true;
   return Success{};

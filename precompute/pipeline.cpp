@@ -110,6 +110,14 @@ void require_accurate(const PrecomputeFindings& findings, const Solid& solid, do
                      question + ", or does a PETSc option change the factorisation?"});
 }
 
+// Of what vibrates: vertices of no tetrahedron may lie anywhere.
+double body_size(const Problem& problem) {
+  std::vector<Eigen::Vector3d> used;
+  for (std::size_t v = 0; v < problem.mesh.vertices.size(); ++v)
+    if (problem.report.part_of_vertex[v] >= 0) used.push_back(problem.mesh.vertices[v]);
+  return bounding_box(used).diagonal();
+}
+
 // The first mode's coordinate when it moves some vertex by `reach` metres.
 double amplitude_of_first_mode(const Eigen::MatrixXd& psi, double reach) {
   double largest = 0;
@@ -321,8 +329,7 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   set_limit(machine, {.flops = 4.0 * static_cast<double>(local.dofs()) * columns * columns}, log);
   // Motion that Tremolo is made for: a tenth of the body's size.
   constexpr double kReach = 0.1;
-  const double amplitude =
-      amplitude_of_first_mode(psi, kReach * bounding_box(problem.mesh.vertices).diagonal());
+  const double amplitude = amplitude_of_first_mode(psi, kReach * body_size(problem));
   Basis basis = make_basis(matrices, std::move(derivatives.columns), modes.squared_frequencies,
                            amplitude, counts.modes, options.threads);
   Eigen::MatrixXd expanded = expand_to_vertices(map, local, basis.vectors);

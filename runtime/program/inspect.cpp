@@ -25,6 +25,30 @@ struct Contents {
   std::optional<RenderBlock> render;
 };
 
+// What anybody may have written into the file's provenance. Copies and prints of a value go down by
+// recursion.
+Result<Json> parse_provenance(std::string_view text) {
+  constexpr int kDeepest = 64;
+  bool deep = false;
+  Json json = Json::parse(
+      text,
+      [&deep](int depth, Json::parse_event_t, Json&) {
+        deep = deep || depth > kDeepest;
+        return !deep;
+      },
+      false);
+  if (deep) return content_error("section 'provenance' is nested too deep");
+  if (json.is_discarded()) return content_error("section 'provenance' is not JSON");
+  return json;
+}
+
+// A section's name on a terminal.
+std::string shown(std::string name) {
+  for (char& c : name)
+    if (c < ' ' || c > '~') c = '?';
+  return name;
+}
+
 Result<Contents> read_contents(BasisReader& reader) {
   if (Status status = reader.verify_all(); !status) return status.error();
   Contents contents;
@@ -41,9 +65,9 @@ Result<Contents> read_contents(BasisReader& reader) {
   if (reader.has(layout::kProvenance)) {
     Result<std::string_view> text = reader.text(layout::kProvenance);
     if (!text) return text.error();
-    contents.provenance = Json::parse(*text, nullptr, false);
-    if (contents.provenance.is_discarded())
-      return content_error("section 'provenance' is not JSON");
+    Result<Json> provenance = parse_provenance(*text);
+    if (!provenance) return provenance.error();
+    contents.provenance = std::move(*provenance);
   }
   return contents;
 }
@@ -187,7 +211,7 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
   }
   fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", "section", "bytes", "rows", "columns");
   for (const BasisSection& s : reader.sections())
-    fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", s.name, s.size, s.rows, s.columns);
+    fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", shown(s.name), s.size, s.rows, s.columns);
   if (contents.provenance.is_object())
     fmt::print("{}\n", contents.provenance.dump(2, ' ', false, Json::error_handler_t::replace));
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -46,5 +47,7 @@ Result<Eigen::Vector3d> parse_force(const std::string& text);
 // to the scene file. Errors: kSystem if unreadable; kContent with file, line and the wrong key or
 // type.
 Result<std::vector<RunOptions>> read_scene(const std::string& path);
+// The same of the file's contents; `path` stands in errors and `model` is relative to it.
+Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path);
 
 }  // namespace tremolo

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -21,6 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kPicture = "energy.svg";
 constexpr std::int64_t kStretchEvery = 10;  // steps; the shape moves by the slow modes
 
 Error usage_error(std::string message) {
@@ -149,6 +151,35 @@ Status write_shape(const Body& body, const std::string& path) {
   return write_surface(path, surface);
 }
 
+// "surface-0012.ply", as write_due_surface() calls it.
+bool is_surface_name(const std::string& name) {
+  constexpr std::string_view kStart = "surface-";
+  const std::size_t dot = name.find('.');
+  if (!name.starts_with(kStart) || dot == std::string::npos || dot < kStart.size() + 4)
+    return false;
+  const std::string_view ending = std::string_view(name).substr(dot);
+  return std::all_of(name.begin() + kStart.size(), name.begin() + static_cast<std::ptrdiff_t>(dot),
+                     [](char c) { return c >= '0' && c <= '9'; }) &&
+         (ending == ".ply" || ending == ".obj" || ending == ".inc");
+}
+
+// Surfaces and picture of an earlier run into the same folder do not belong to this one.
+Status remove_leftovers(const std::string& folder, const std::vector<std::string>& written) {
+  std::error_code error, ignored;
+  std::vector<fs::path> old;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    if ((is_surface_name(name) || name == kPicture) && at->is_regular_file(ignored) &&
+        std::find(written.begin(), written.end(), (fs::path(folder) / name).string()) ==
+            written.end())
+      old.push_back(at->path());
+  }
+  for (const fs::path& path : old)
+    if (!error) fs::remove(path, error);
+  if (error) return system_error(folder + ": cannot remove old surfaces: " + error.message());
+  return Success{};
+}
+
 // Everything that is watched and written while a body runs.
 class Watch {
  public:
@@ -176,12 +207,13 @@ class Watch {
     const std::string csv = (fs::path(options_.out) / "run.csv").string();
     if (Status status = recorder_.write(csv); !status) return status;
     report.files.push_back(csv);
-    if (!options_.plot) return Success{};
-    const std::string picture = (fs::path(options_.out) / "energy.svg").string();
-    if (Status status = plot_energies({{options_.integrator, csv}}, picture); !status)
-      return status;
-    report.files.push_back(picture);
-    return Success{};
+    if (options_.plot) {
+      const std::string picture = (fs::path(options_.out) / kPicture).string();
+      if (Status status = plot_energies({{options_.integrator, csv}}, picture); !status)
+        return status;
+      report.files.push_back(picture);
+    }
+    return remove_leftovers(options_.out, report.files);
   }
 
  private:

@@ -110,6 +110,18 @@ TEST(Selector, ColoursAreChosenWithinATolerance) {
             std::string::npos);
 }
 
+// As deep as a command line can be long: neither the stack nor memory may grow with its square.
+TEST(Selector, AChainOfManyPartsIsAListAndNotATower) {
+  constexpr std::size_t kParts = 20'000;
+  std::string text = "x<1";
+  for (std::size_t n = 1; n < kParts; ++n) text += " and x<1";
+  const Result<Selector> selector = parse_selector(text);
+  ASSERT_TRUE(selector) << selector.error().message;
+  EXPECT_EQ(selector->text, text);
+  EXPECT_EQ(selector->further.size(), kParts - 1);
+  for (const Selector& part : selector->further) ASSERT_EQ(part.text, "x<1");
+}
+
 TEST(Selector, AndKeepsWhatIsInAll) {
   expect_selected("x<=1 and y>0.5", {3, 4, 9, 10});
   expect_selected("x<=1 and y>0.5 and vertex:4,5", {4});

@@ -116,6 +116,30 @@ TEST(Msh4Errors, NameLineExpectedAndFound) {
   expect_error("a.msh", replaced(good, "\n1 0 1 1\n", "\n1 0 1 2\n"), {"entity", "`$EndEntities`"});
 }
 
+// Each block goes into the set of each group of its entity: g groups and b blocks in a file of
+// g + b lines would be g * b members.
+TEST(Msh4Errors, AnEntityOfTooManyGroupsIsRefused) {
+  const auto file = [](int groups) {
+    std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 1 1 " +
+                       std::to_string(groups);
+    for (int g = 1; g <= groups; ++g) text += " " + std::to_string(g);
+    return text +
+           " 0\n$EndEntities\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n"
+           "0 0 1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
+  };
+  const TemporaryFolder folder;
+  const Result<MeshFile> many = read_tet_mesh(folder.write("a.msh", file(64)));
+  ASSERT_TRUE(many) << many.error().message;
+  EXPECT_EQ(many->mesh.node_sets.size(), 64u);
+  expect_error("a.msh", file(65), {"at most 64", "65", "entity 1"});
+}
+
+TEST(VtuErrors, DeepNestingIsNoHarm) {
+  std::string text = "<VTKFile type=\"UnstructuredGrid\">";
+  for (int n = 0; n < 300'000; ++n) text += "<a>";
+  expect_error("a.vtu", text, {"byte"});
+}
+
 TEST(MeshErrors, CountsThatTheFileCannotHoldAreRefusedBeforeMemoryIsTaken) {
   // Each would need far more memory than any machine has.
   const char* huge = "4611686018427387904";
