@@ -185,7 +185,7 @@ TEST_F(RunProgram, WrongUsageAndBadFilesAreToldApart) {
   expect_failure(run("run " + model() + " --modes 13"), 3, "13");
   expect_failure(run("run " + model() + " --probe 8000"), 3, "8000");
   expect_failure(run("run " + model() + " --alpha=-1"), 3, "");
-  expect_failure(run("run " + model() + " --at 0 --force 0,0,1"), 3, "does not move");
+  expect_failure(run("run " + model() + " --at 0 --force 0,0,1"), 3, "no vertex there moves");
   EXPECT_EQ(run("inspect " + model() + " --json > /dev/full; exit $?;").code, 1);
   expect_failure(run("run nowhere.tremolo"), 1, "nowhere.tremolo");
   std::ofstream(folder_ + "/bad.tremolo") << slurp(model()).substr(0, 5000);

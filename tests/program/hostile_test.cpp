@@ -57,7 +57,7 @@ int inspect(const BasisData& data, bool json, std::string& errors, std::string& 
   EXPECT_TRUE(write_basis(path, data));
   ::testing::internal::CaptureStderr();
   ::testing::internal::CaptureStdout();
-  const int code = inspect_command(path, json);
+  const int code = inspect_command(path, "", json);
   text = ::testing::internal::GetCapturedStdout();
   errors = ::testing::internal::GetCapturedStderr();
   return code;
