@@ -228,7 +228,8 @@ TEST_F(RunProgram, AWrongSceneNamesItsLine) {
   expect("[a\n", "line 1");
   expect("step = 1\n", "outside a table");
   expect("[a]\nstep = 1\n", "names no model");
-  expect("", "no body");
+  expect("", "empty");
+  expect("# nothing\n", "no body");
   expect("[\"a/../../b\"]\nmodel = \"x\"\n", "letters");  // it would become a folder's name
   expect_failure(run("run nowhere.toml"), 1, "nowhere.toml");
 }
