@@ -9,7 +9,7 @@ packages_build="g++ cmake make ninja-build pkg-config libeigen3-dev libxxhash-de
   libpetsc-real-dev libslepc-real-dev libopenmpi-dev openmpi-bin libmetis-dev libopenblas-dev
   libsuitesparse-dev"
 packages_show="gnuplot-nox povray"
-packages_test="libgtest-dev"
+packages_test="libgtest-dev clang libclang-rt-14-dev"
 
 # need PACKAGE...: installs those that are missing.
 need() {

@@ -3,7 +3,7 @@ add_library(tremolo_flags INTERFACE)
 target_compile_options(tremolo_flags INTERFACE
   -Wall -Wextra -Wconversion -Wno-sign-conversion -Wshadow -Wpedantic
   $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor>
-  -Wno-restrict)  # g++ 12 warns falsely on every "literal" + std::string
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)  # g++ 12 warns falsely on every "literal" + std::string
 # Honour `#pragma omp simd` (reductions vectorise without -ffast-math); no OpenMP runtime is linked.
 target_compile_options(tremolo_flags INTERFACE -fopenmp-simd)
 if(TREMOLO_SANITIZE)
@@ -11,4 +11,10 @@ if(TREMOLO_SANITIZE)
                       -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
   add_compile_definitions(TREMOLO_SANITIZED=1)
+endif()
+if(TREMOLO_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
+                      -fno-omit-frame-pointer -gline-tables-only -O1)
+  add_link_options(-fsanitize=address,undefined)
+  add_compile_definitions(TREMOLO_SANITIZED=1 TREMOLO_FUZZING=1 _GLIBCXX_ASSERTIONS=1)
 endif()

@@ -12,8 +12,6 @@
 
 namespace tremolo {
 
-using Colour = std::array<std::uint8_t, 4>;  // red, green, blue, alpha
-
 // Vertices are split where normals or texture coordinates are: two of them may be at one place.
 // Nothing is promised of the triangles: holes, repeats and crossings are the author's.
 struct RenderSurface {

@@ -1,207 +1,260 @@
 #include "common/selector.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <optional>
+#include <cstdio>
+#include <iterator>
 #include <sstream>
-#include <string_view>
-#include <type_traits>
 #include <utility>
 
 namespace tremolo {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
+using Ids = std::vector<VertexId>;
 
-template <class T>
-std::optional<T> number(std::string_view text) {
-  text = trimmed(text);
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  T value{};
-  const char* end = text.data() + text.size();
-  const auto [stop, code] = std::from_chars(text.data(), end, value);
-  if (code != std::errc{} || stop != end) return std::nullopt;
-  if constexpr (std::is_floating_point_v<T>)
-    if (!std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
-template <class T>
-std::optional<std::vector<T>> number_list(std::string_view text) {
-  std::vector<T> values;
-  for (;;) {
-    const std::size_t comma = text.find(',');
-    const std::optional<T> value = number<T>(text.substr(0, comma));
-    if (!value) return std::nullopt;
-    values.push_back(*value);
-    if (comma == std::string_view::npos) return values;
-    text.remove_prefix(comma + 1);
+BoundingBox box_of(const SelectionSpace& space) {
+  BoundingBox box;
+  bool first = true;
+  for (std::size_t v = 0; v < space.vertices.size(); ++v) {
+    if (!space.selectable[v]) continue;
+    const Eigen::Vector3d& x = space.vertices[v];
+    box.low = first ? x : Eigen::Vector3d(box.low.cwiseMin(x));
+    box.high = first ? x : Eigen::Vector3d(box.high.cwiseMax(x));
+    first = false;
   }
+  return box;
 }
 
-Error malformed(const std::string& text, const std::string& what) {
-  return {ErrorKind::kUsage,
-          "selector `" + text + "`: expected " + what + "; a selector is " + kSelectorGrammar};
+// m. Hundreds per cent are the high end itself, to the last digit.
+double coordinate(const SelectorLength& length, const BoundingBox& box, int axis) {
+  if (!length.percent) return length.value;
+  const double part = length.value / 100.0;
+  return (1.0 - part) * box.low[axis] + part * box.high[axis];
 }
 
-// An axis and a comparison sign make a half space; nullopt: the text is something else.
-std::optional<Result<Selector>> parse_half_space(const std::string& text, std::string_view body) {
-  if (body.empty() || body[0] < 'x' || body[0] > 'z') return std::nullopt;
-  const std::string_view rest = trimmed(body.substr(1));
-  if (rest.empty() || (rest[0] != '<' && rest[0] != '>' && rest[0] != '=')) return std::nullopt;
-  using Comparison = SelectHalfSpace::Comparison;
-  const bool or_equal = rest.size() > 1 && rest[1] == '=';
-  const std::optional<double> bound = number<double>(rest.substr(or_equal ? 2 : 1));
-  if (rest[0] == '=' || !bound) return malformed(text, "<, <=, > or >= and a finite number");
-  SelectHalfSpace half{body[0] - 'x', Comparison::kLess, *bound};
-  if (rest[0] == '<')
-    half.comparison = or_equal ? Comparison::kLessEqual : Comparison::kLess;
-  else
-    half.comparison = or_equal ? Comparison::kGreaterEqual : Comparison::kGreater;
-  return Selector{text, half};
+Eigen::Vector3d point(const SelectorPoint& given, const BoundingBox& box) {
+  return {coordinate(given[0], box, 0), coordinate(given[1], box, 1), coordinate(given[2], box, 2)};
 }
 
-Result<Selector> parse_box(const std::string& text, std::string_view body) {
-  const auto values = number_list<double>(body);
-  if (!values || values->size() != 6) return malformed(text, "six finite numbers behind `box:`");
-  const std::vector<double>& v = *values;
-  const BoundingBox box{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
-  if ((box.low.array() > box.high.array()).any())
-    return malformed(text, "a box whose first corner is not above its second");
-  return Selector{text, SelectBox{box}};
+template <class Test>
+Ids vertices_where(const SelectionSpace& space, const Test& test) {
+  Ids ids;
+  for (std::size_t v = 0; v < space.vertices.size(); ++v)
+    if (space.selectable[v] && test(v)) ids.push_back(static_cast<VertexId>(v));
+  return ids;
 }
 
-bool is_inside(const SelectHalfSpace& half, const Eigen::Vector3d& x) {
-  switch (half.comparison) {
+bool holds(SelectHalfSpace::Comparison comparison, double a, double b) {
+  switch (comparison) {
     case SelectHalfSpace::Comparison::kLess:
-      return x[half.axis] < half.bound;
+      return a < b;
     case SelectHalfSpace::Comparison::kLessEqual:
-      return x[half.axis] <= half.bound;
+      return a <= b;
     case SelectHalfSpace::Comparison::kGreater:
-      return x[half.axis] > half.bound;
+      return a > b;
     case SelectHalfSpace::Comparison::kGreaterEqual:
-      return x[half.axis] >= half.bound;
+      return a >= b;
   }
   return false;
 }
 
-bool is_inside(const SelectBox& select, const Eigen::Vector3d& x) {
-  return (x.array() >= select.box.low.array()).all() &&
-         (x.array() <= select.box.high.array()).all();
+std::string hex(const Colour& colour) {
+  char text[8];
+  std::snprintf(text, sizeof(text), "#%02x%02x%02x", colour[0], colour[1], colour[2]);
+  return text;
 }
 
-std::string describe_sets(const TetMesh& mesh) {
-  if (mesh.node_sets.empty()) return "it has no named sets";
+std::string describe_sets(const SelectionSpace& space) {
+  if (space.sets.empty()) return "it has no named sets";
   std::string text = "its sets are";
   const char* separator = " ";
-  for (const auto& [name, ids] : mesh.node_sets) {
+  for (const auto& [name, ids] : space.sets) {
     text += separator + ("`" + name + "`");
     separator = ", ";
   }
   return text;
 }
 
-Error nothing_found(const Selector& selector, const TetMesh& mesh) {
-  const BoundingBox box = bounding_box(mesh.vertices);
+// The commonest first.
+std::string describe_colours(const SelectionSpace& space) {
+  std::map<std::string, std::size_t> counts;
+  for (std::size_t v = 0; v < space.colours.size(); ++v)
+    if (space.selectable[v] && space.colours[v][3] > 0) ++counts[hex(space.colours[v])];
+  if (counts.empty()) return "it is not painted";
+  std::vector<std::pair<std::size_t, std::string>> sorted;
+  for (const auto& [name, count] : counts) sorted.emplace_back(count, name);
+  std::sort(sorted.begin(), sorted.end(), std::greater<>());
+  constexpr std::size_t kShown = 8;
+  std::string text = "its colours are";
+  const char* separator = " ";
+  for (std::size_t i = 0; i < std::min(kShown, sorted.size()); ++i) {
+    text += separator + sorted[i].second + " (" + std::to_string(sorted[i].first) + " vertices)";
+    separator = ", ";
+  }
+  if (sorted.size() > kShown) text += " and " + std::to_string(sorted.size() - kShown) + " more";
+  return text;
+}
+
+std::string describe_box(const BoundingBox& box) {
   std::ostringstream text;
-  text << "selector `" << selector.text << "` selects no vertex: the mesh extends from ("
-       << box.low.x() << ", " << box.low.y() << ", " << box.low.z() << ") to (" << box.high.x()
-       << ", " << box.high.y() << ", " << box.high.z() << ") m and " << describe_sets(mesh);
-  return content_error(text.str());
+  text << "from (" << box.low.x() << ", " << box.low.y() << ", " << box.low.z() << ") to ("
+       << box.high.x() << ", " << box.high.y() << ", " << box.high.z() << ") m";
+  return text.str();
 }
 
-// One flag a vertex.
-std::vector<bool> referenced_vertices(const TetMesh& mesh) {
-  std::vector<bool> referenced(mesh.vertices.size(), false);
-  for (const Tetrahedron& tet : mesh.tetrahedra)
-    for (VertexId v : tet) referenced[v] = true;
-  return referenced;
+Error nothing_found(const Selector& selector, const SelectionSpace& space) {
+  return content_error("selector `" + selector.text + "` selects no vertex: the mesh extends " +
+                       describe_box(box_of(space)) + ", " + describe_sets(space) + " and " +
+                       describe_colours(space));
 }
 
-Status check_explicit(const Selector& selector, const std::vector<VertexId>& ids,
-                      const std::vector<bool>& referenced) {
-  for (VertexId id : ids) {
-    if (id < 0 || static_cast<std::size_t>(id) >= referenced.size())
-      return content_error("selector `" + selector.text + "`: vertex " + std::to_string(id) +
-                           " is not in the mesh, whose vertices are 0 to " +
-                           std::to_string(referenced.size() - 1));
-    if (!referenced[id])
-      return content_error("selector `" + selector.text + "`: vertex " + std::to_string(id) +
-                           " belongs to no tetrahedron");
+Error unknown_set(const Selector& selector, const std::string& name, const SelectionSpace& space) {
+  return {ErrorKind::kUsage, "selector `" + selector.text + "`: the mesh has no set `" + name +
+                                 "`; " + describe_sets(space) + "; a selector is " +
+                                 kSelectorGrammar};
+}
+
+// Finds what one selector alone chooses; selectable or not where ids are given.
+struct Finder {
+  const Selector& selector;
+  const SelectionSpace& space;
+  BoundingBox box;
+
+  Result<Ids> operator()(const SelectNone&) const { return Ids{}; }
+
+  Result<Ids> operator()(const SelectHalfSpace& half) const {
+    const double bound = coordinate(half.bound, box, half.axis);
+    return vertices_where(space, [&](std::size_t v) {
+      return holds(half.comparison, space.vertices[v][half.axis], bound);
+    });
   }
-  return Success{};
-}
 
-template <class Region>
-std::vector<VertexId> vertices_inside(const Region& region, const TetMesh& mesh) {
-  std::vector<VertexId> ids;
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-    if (is_inside(region, mesh.vertices[v])) ids.push_back(static_cast<VertexId>(v));
-  return ids;
-}
-
-Result<std::vector<VertexId>> find_candidates(const Selector& selector, const TetMesh& mesh,
-                                              const std::vector<bool>& referenced) {
-  if (const auto* half = std::get_if<SelectHalfSpace>(&selector.choice))
-    return vertices_inside(*half, mesh);
-  if (const auto* box = std::get_if<SelectBox>(&selector.choice))
-    return vertices_inside(*box, mesh);
-  if (const auto* file = std::get_if<SelectFile>(&selector.choice)) return file->ids;
-  if (const auto* list = std::get_if<SelectVertices>(&selector.choice)) {
-    const Status status = check_explicit(selector, list->ids, referenced);
-    if (!status) return status.error();
-    return list->ids;
+  Result<Ids> operator()(const SelectBox& select) const {
+    const Eigen::Array3d low = point(select.low, box), high = point(select.high, box);
+    return vertices_where(space, [&](std::size_t v) {
+      const Eigen::Array3d x = space.vertices[v];
+      return (x >= low).all() && (x <= high).all();
+    });
   }
-  const std::string& name = std::get<SelectSet>(selector.choice).name;
-  const auto found = mesh.node_sets.find(name);
-  if (found != mesh.node_sets.end()) return found->second;
-  return Error{ErrorKind::kUsage, "selector `" + selector.text +
-                                      "`: the mesh has no set of this name; " +
-                                      describe_sets(mesh) + "; a selector is " + kSelectorGrammar};
+
+  Result<Ids> operator()(const SelectSphere& sphere) const {
+    const Eigen::Vector3d centre = point(sphere.centre, box);
+    const double radius =
+        sphere.radius.percent ? sphere.radius.value / 100.0 * box.diagonal() : sphere.radius.value;
+    return vertices_where(
+        space, [&](std::size_t v) { return (space.vertices[v] - centre).norm() <= radius; });
+  }
+
+  Result<Ids> operator()(const SelectPlane& plane) const {
+    const Eigen::Vector3d through = point(plane.point, box);
+    // A vertex on an oblique plane is not lost to rounding.
+    const double slack = 1e-12 * (box.diagonal() + through.norm());
+    return vertices_where(space, [&](std::size_t v) {
+      return plane.normal.dot(space.vertices[v] - through) >= -slack;
+    });
+  }
+
+  Result<Ids> operator()(const SelectNear& near) const {
+    const Eigen::Vector3d centre = point(near.point, box);
+    Ids ids = vertices_where(space, [](std::size_t) { return true; });
+    const auto nearer = [&](VertexId a, VertexId b) {
+      const double x = (space.vertices[a] - centre).squaredNorm();
+      const double y = (space.vertices[b] - centre).squaredNorm();
+      return x != y ? x < y : a < b;
+    };
+    const std::size_t count = std::min(near.count, ids.size());
+    std::partial_sort(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), ids.end(),
+                      nearer);
+    ids.resize(count);
+    return ids;
+  }
+
+  Result<Ids> operator()(const SelectVertices& list) const {
+    for (const VertexId id : list.ids) {
+      const std::string who = "selector `" + selector.text + "`: vertex " + std::to_string(id);
+      if (id < 0 || static_cast<std::size_t>(id) >= space.selectable.size())
+        return content_error(who + " is not in the mesh, whose vertices are 0 to " +
+                             std::to_string(space.selectable.size() - 1));
+      if (!space.selectable[id]) return content_error(who + " " + space.unselectable);
+    }
+    return list.ids;
+  }
+
+  Result<Ids> operator()(const SelectFile& file) const { return file.ids; }
+
+  Result<Ids> operator()(const SelectColour& select) const {
+    return vertices_where(space, [&](std::size_t v) {
+      if (space.colours.empty() || space.colours[v][3] == 0) return false;
+      for (std::size_t channel = 0; channel < 3; ++channel)
+        if (std::abs(space.colours[v][channel] - select.colour[channel]) > select.tolerance)
+          return false;
+      return true;
+    });
+  }
+
+  Result<Ids> operator()(const SelectSet& set) const {
+    const auto found = space.sets.find(set.name);
+    if (found == space.sets.end()) return unknown_set(selector, set.name, space);
+    return found->second;
+  }
+};
+
+// Ascending, selectable, without repeats.
+Result<Ids> find(const Selector& selector, const SelectionSpace& space) {
+  Result<Ids> found = std::visit(Finder{selector, space, box_of(space)}, selector.choice);
+  if (!found) return found;
+  Ids& ids = *found;
+  std::erase_if(ids, [&](VertexId id) {
+    return id < 0 || static_cast<std::size_t>(id) >= space.selectable.size() ||
+           !space.selectable[id];
+  });
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return found;
 }
 
 }  // namespace
 
-Result<Selector> parse_selector(const std::string& text) {
-  const std::string_view body = trimmed(text);
-  if (body.empty()) return malformed(text, "a text that is not empty");
-  if (body == "none") return Selector{text, SelectNone{}};
-  if (body.starts_with("box:")) return parse_box(text, body.substr(4));
-  if (body.starts_with("vertex:")) {
-    auto ids = number_list<VertexId>(body.substr(7));
-    if (!ids || *std::min_element(ids->begin(), ids->end()) < 0)
-      return malformed(text, "vertex ids from 0, separated by commas, behind `vertex:`");
-    return Selector{text, SelectVertices{std::move(*ids)}};
+SelectionSpace selection_space(const TetMesh& mesh) {
+  std::vector<bool> referenced(mesh.vertices.size(), false);
+  for (const Tetrahedron& tet : mesh.tetrahedra)
+    for (VertexId v : tet) referenced[v] = true;
+  return {mesh.vertices, std::move(referenced), mesh.node_sets, mesh.colours,
+          "belongs to no tetrahedron"};
+}
+
+Result<std::vector<VertexId>> select_vertices(const Selector& selector,
+                                              const SelectionSpace& space) {
+  if (std::holds_alternative<SelectNone>(selector.choice)) return Ids{};
+  // A set may be called "head and shoulders".
+  if (!selector.further.empty() && space.sets.contains(selector.text))
+    return select_vertices({selector.text, SelectSet{selector.text}, {}}, space);
+  Result<Ids> ids = find(selector, space);
+  if (!ids) return ids;
+  for (const Selector& other : selector.further) {
+    const Result<Ids> more = find(other, space);
+    if (!more) return more;
+    Ids both;
+    std::set_intersection(ids->begin(), ids->end(), more->begin(), more->end(),
+                          std::back_inserter(both));
+    *ids = std::move(both);
   }
-  if (body.starts_with("file:")) {
-    const std::string_view path = trimmed(body.substr(5));
-    if (path.empty()) return malformed(text, "a path behind `file:`");
-    return Selector{text, SelectFile{std::string(path), {}}};
-  }
-  if (auto half_space = parse_half_space(text, body)) return *half_space;
-  return Selector{text, SelectSet{std::string(body)}};
+  if (ids->empty()) return nothing_found(selector, space);
+  return ids;
 }
 
 Result<std::vector<VertexId>> select_vertices(const Selector& selector, const TetMesh& mesh) {
-  if (std::holds_alternative<SelectNone>(selector.choice)) return std::vector<VertexId>{};
-  const std::vector<bool> referenced = referenced_vertices(mesh);
-  Result<std::vector<VertexId>> found = find_candidates(selector, mesh, referenced);
-  if (!found) return found;
-  std::vector<VertexId>& ids = *found;
-  std::erase_if(ids, [&](VertexId id) {
-    return id < 0 || static_cast<std::size_t>(id) >= referenced.size() || !referenced[id];
-  });
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  if (ids.empty()) return nothing_found(selector, mesh);
-  return found;
+  return select_vertices(selector, selection_space(mesh));
+}
+
+std::string describe_vertices(const std::vector<VertexId>& ids,
+                              const std::vector<Eigen::Vector3d>& places) {
+  if (ids.empty()) return "no vertex";
+  std::string text = ids.size() == 1 ? "1 vertex " : std::to_string(ids.size()) + " vertices ";
+  text += describe_box(bounding_box(places)) + ":";
+  for (const VertexId id : ids) text += " " + std::to_string(id);
+  return text;
 }
 
 }  // namespace tremolo

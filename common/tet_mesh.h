@@ -15,16 +15,19 @@ namespace tremolo {
 using VertexId = std::int32_t;
 using Tetrahedron = std::array<VertexId, 4>;
 using Triangle = std::array<VertexId, 3>;
+using Colour = std::array<std::uint8_t, 4>;  // red, green, blue, alpha
 
 // vertices: n rest positions in metres. tetrahedra: m quadruples of indices into vertices,
 // positively oriented once mesh_check.h has seen them: det[x1-x0, x2-x0, x3-x0] > 0.
 // node_sets: named vertex sets of the source file, each sorted and without repeats.
+// colours: painted on the vertices, n or none; alpha 0 is bare.
 // region_of: empty, or for each tetrahedron an index into region_names, -1 if it is in none.
 // region_names: the source file's names of its parts of different material, each once.
 struct TetMesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Tetrahedron> tetrahedra;
   std::map<std::string, std::vector<VertexId>> node_sets;
+  std::vector<Colour> colours;
   std::vector<std::int32_t> region_of;
   std::vector<std::string> region_names;
 };

@@ -5,12 +5,12 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <fcntl.h>
 #include <filesystem>
 #include <iterator>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
+
+#include "formats/partial_file.h"
 
 namespace tremolo {
 namespace {
@@ -84,12 +84,12 @@ Result<AtomicFile> AtomicFile::create(const std::string& path) {
   // Through a symbolic link, so that rename replaces the file and not the link.
   const fs::path target = fs::weakly_canonical(path, ignored);
   const std::string final_path = target.empty() ? path : target.string();
-  const std::string temporary = final_path + ".partial-" + std::to_string(::getpid());
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0)
+  remove_stale_partials(final_path);
+  PartialFile partial = create_partial(final_path);
+  if (partial.descriptor < 0)
     return system_error(path + ": cannot create a file there: " + std::strerror(errno));
-  const int slot = remember_partial(temporary);
-  return AtomicFile(final_path, temporary, descriptor, slot);
+  const int slot = remember_partial(partial.path);
+  return AtomicFile(final_path, std::move(partial.path), partial.descriptor, slot);
 }
 
 Status AtomicFile::write(std::span<const std::byte> bytes) {
@@ -109,8 +109,10 @@ Status AtomicFile::write(std::string_view text) {
 }
 
 Status AtomicFile::commit() {
-  if (::fsync(descriptor_) != 0) return failure("flush");
-  const int closed = ::close(std::exchange(descriptor_, -1));
+  while (::fsync(descriptor_) != 0)
+    if (errno != EINTR) return failure("flush");
+  // Everything is on the disk: a signal during close() takes nothing away.
+  const int closed = ::close(std::exchange(descriptor_, -1)) == 0 || errno == EINTR ? 0 : -1;
   if (closed != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) {
     const Error error = failure("finish");
     ::unlink(temporary_.c_str());
@@ -131,7 +133,10 @@ Status write_file(const std::string& path, std::string_view text) {
 void remove_partial_files_on_signals() {
   struct sigaction action = {};
   action.sa_handler = tremolo_on_fatal_signal;
-  for (int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
+  for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU})
+    ::sigaction(signal, &action, nullptr);
+  // A file above the limit (ulimit -f) is then an error of write(), with a message and a path.
+  ::signal(SIGXFSZ, SIG_IGN);
 }
 
 }  // namespace tremolo

@@ -12,7 +12,8 @@
 namespace tremolo {
 
 // One file being written. Until commit() succeeds the target path is untouched; the destructor
-// removes an uncommitted temporary file. Errors are ErrorKind::kSystem and name the path.
+// removes an uncommitted temporary file. Errors are ErrorKind::kSystem and name the path. A process
+// that is killed leaves its temporary file; the next that writes the same target removes it.
 class AtomicFile {
  public:
   // Refuses a target that exists and is not a regular file.
@@ -42,8 +43,10 @@ class AtomicFile {
 // Writes `text` as the whole file.
 Status write_file(const std::string& path, std::string_view text);
 
-// Makes SIGINT, SIGTERM and SIGHUP remove the temporary files of all AtomicFiles under way (up to
-// 16) before the process ends by that signal. For programs; a library must not call it.
+// Makes SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE and SIGXCPU remove the temporary files of all
+// AtomicFiles under way (up to 16) before the process ends by that signal; and ignores SIGXFSZ, so
+// that a limit on file sizes is an error like a full disk. For programs; a library must not call
+// it.
 void remove_partial_files_on_signals();
 
 }  // namespace tremolo

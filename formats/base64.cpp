@@ -1,5 +1,6 @@
 #include "formats/base64.h"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace tremolo {
@@ -48,6 +49,22 @@ DecodedBase64 decode_base64(std::string_view text) {
   }
   if (quartet.characters != 0) decoded.bad_at = text.size();
   return decoded;
+}
+
+std::string encode_base64(std::string_view bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t at = 0; at < bytes.size(); at += 3) {
+    const std::size_t held = std::min<std::size_t>(3, bytes.size() - at);
+    std::uint32_t bits = 0;
+    for (std::size_t byte = 0; byte < 3; ++byte)
+      bits = bits << 8 | (byte < held ? static_cast<unsigned char>(bytes[at + byte]) : 0u);
+    for (std::size_t digit = 0; digit < 4; ++digit)
+      text += digit > held ? '=' : kDigits[bits >> (18 - 6 * digit) & 63u];
+  }
+  return text;
 }
 
 }  // namespace tremolo

@@ -18,4 +18,7 @@ struct DecodedBase64 {
 // that encode a header by itself leave them.
 DecodedBase64 decode_base64(std::string_view text);
 
+// Padded, without line ends.
+std::string encode_base64(std::string_view bytes);
+
 }  // namespace tremolo

@@ -77,6 +77,15 @@ Result<DefaultLoad> read_default_load(BasisReader& reader) {
   return load;
 }
 
+Result<VegaFiles> read_vega_files(BasisReader& reader) {
+  VegaFiles files;
+  if (reader.has(kVegaBasis))
+    if (Status s = take(files.basis, reader.text(kVegaBasis)); !s) return s.error();
+  if (reader.has(kVegaCubic))
+    if (Status s = take(files.cubic, reader.text(kVegaCubic)); !s) return s.error();
+  return files;
+}
+
 Result<BasisData> read_basis(BasisReader& reader) {
   const BasisDimensions& d = reader.dimensions();
   BasisData data;
@@ -97,6 +106,9 @@ Result<BasisData> read_basis(BasisReader& reader) {
   Result<DefaultLoad> load = read_default_load(reader);
   if (!load) return load.error();
   data.load = std::move(*load);
+  Result<std::optional<RenderBlock>> render = read_render(reader);
+  if (!render) return render.error();
+  data.render = std::move(*render);
   if (Status s = read_optional(reader, data); !s) return s.error();
   return data;
 }

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "common/render_surface.h"
 #include "common/surface_mesh.h"
 #include "common/tet_mesh.h"
 
@@ -27,10 +29,33 @@ struct VertexBlock {
   Eigen::VectorXd column_scales;
 };
 
+// A surface that follows the solid without being its boundary: what is drawn in its place.
+// surface: its rest shape, m. rows: 3*s x r, row-major, kg^-1/2, W U: the weights with which each of
+// its vertices hangs on the mesh's, times their rows of the basis.
+// anchors: s, for each of its vertices the mesh's vertex that weighs most.
+// column_scales: as in VertexBlock.
+struct RenderBlock {
+  RenderSurface surface;
+  BasisRows rows;
+  std::vector<VertexId> anchors;
+  Eigen::VectorXd column_scales;
+};
+
+// Sizes fit each other, r coordinates and n vertices; every index names something; names have no
+// zero byte and there is one of each kind.
+bool fits(const RenderBlock& render, Eigen::Index r, std::uint64_t n);
+
 // The load that a scene uses when it names none: a force on each of the vertices, N.
 struct DefaultLoad {
   std::vector<VertexId> vertices;
   std::vector<Eigen::Vector3d> forces;  // one a vertex; their sum is what the user asked for
+};
+
+// The files that an imported model was made of (formats/reduced_files.h), byte for byte; empty for
+// a model that Tremolo made.
+struct VegaFiles {
+  std::string basis;  // .U
+  std::string cubic;  // .cub
 };
 
 // One precomputed model (docs/theory.md, section "Reduced energy"):
@@ -38,7 +63,7 @@ struct DefaultLoad {
 struct BasisData {
   std::uint64_t vertex_count = 0;       // n of the whole mesh
   std::uint64_t tetrahedron_count = 0;  // m
-  std::uint64_t linear_mode_count = 0;  // k
+  std::uint64_t linear_mode_count = 0;  // k; 0: not known, an imported basis
   std::uint64_t fixed_vertex_count = 0;
   std::uint64_t rigid_mode_count = 0;  // left out of the basis: six for each free part
   double total_mass = 0;               // kg
@@ -53,8 +78,10 @@ struct BasisData {
   std::vector<Triangle> triangles;       // boundary, indices into surface.vertex_ids
   std::vector<VertexId> fixed_vertices;  // ascending ids in the source mesh
   DefaultLoad load;                      // may be empty
+  std::optional<RenderBlock> render;
 
   std::string provenance;  // a JSON object, UTF-8
+  VegaFiles vega;          // read_basis() leaves them in the file: read_vega_files()
 };
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// The bytes of a basis file, versions 1.0 and 1.1. docs/basis-format.md is the same in prose;
+// The bytes of a basis file, versions 1.0 to 1.2. docs/basis-format.md is the same in prose;
 // change both or neither.
 #pragma once
 
@@ -14,6 +14,8 @@ inline constexpr std::uint16_t kMajor = 1;  // a reader refuses another major
 inline constexpr std::uint16_t kMinor = 0;  // of a full file
 // Of a compact or a linear file: what is new in it makes a reader of 1.0 refuse it.
 inline constexpr std::uint16_t kMinorEncoded = 1;
+// Of a file with a render surface, whatever else it is.
+inline constexpr std::uint16_t kMinorRender = 2;
 inline constexpr std::size_t kAlignment = 64;
 inline constexpr std::uint32_t kMaxSections = 256;
 
@@ -91,10 +93,26 @@ inline constexpr std::string_view kLoadIds = "load_ids";              // u32, l 
 inline constexpr std::string_view kLoadForces = "load_forces";        // f64, l x 3
 inline constexpr std::string_view kSingularValues = "singular_values";  // f64, c x 1
 inline constexpr std::string_view kProvenance = "provenance";           // u8, bytes x 1
+// Of an imported model: the files it was made of, byte for byte.
+inline constexpr std::string_view kVegaBasis = "vega_basis";  // u8, bytes x 1: a .U
+inline constexpr std::string_view kVegaCubic = "vega_cubic";  // u8, bytes x 1: a .cub
 
 // Version 1.1, compact: both are there, `cubic` and `quartic` are f32, the two bases i16.
 inline constexpr std::string_view kCoefficientScales = "coef_scales";  // f64, 2 x 1
 inline constexpr std::string_view kBasisScales = "basis_scales";       // f64, r x 1
+
+// Version 1.2, the render surface: the first eight are there together or not at all.
+inline constexpr std::string_view kRenderRest = "render_rest";           // f64, v x 3
+inline constexpr std::string_view kRenderBasis = "render_basis";         // f64 or i16, 3v x r
+inline constexpr std::string_view kRenderAnchors = "render_anchors";     // u32, v x 1
+inline constexpr std::string_view kRenderTriangles = "render_faces";     // u32, w x 3
+inline constexpr std::string_view kRenderObjects = "render_object";      // u32, w x 1
+inline constexpr std::string_view kRenderMaterials = "render_material";  // u32, w x 1
+inline constexpr std::string_view kObjectNames = "object_names";         // u8, bytes x 1
+inline constexpr std::string_view kMaterialNames = "material_names";     // u8, bytes x 1
+inline constexpr std::string_view kRenderNormals = "render_normals";     // f32, v x 3
+inline constexpr std::string_view kRenderUvs = "render_uvs";             // f32, v x 2
+inline constexpr std::string_view kRenderColours = "render_colours";     // u8, v x 4
 
 // Entries of the section `coef_scales`, in this order.
 namespace coefficient_scale {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -70,11 +71,18 @@ class BasisReader {
   // Ids, each below `bound`.
   Result<std::span<const std::uint32_t>> indices(std::string_view section, std::uint64_t bound);
   Result<std::string_view> text(std::string_view section);
+  // Finite floats, and bytes.
+  Result<std::span<const float>> floats(std::string_view section);
+  Result<std::span<const std::uint8_t>> bytes(std::string_view section);
 
   // A block of vertices: `ids`, `rest` and `basis` are section names. All columns of the basis, as
   // doubles whatever the encoding.
   Result<VertexBlock> vertex_block(std::string_view ids, std::string_view rest,
                                    std::string_view basis);
+  // The rows of a basis alone, likewise.
+  Result<BasisRows> basis_rows(std::string_view basis);
+  // r, of a compact file; else none.
+  Result<Eigen::VectorXd> column_scales();
 
   // The checksum of every section, used or not.
   Status verify_all();
@@ -86,9 +94,9 @@ class BasisReader {
   Status parse_entry(std::size_t index);
   Status check_packing() const;
   Status check_shapes() const;
+  Status check_render() const;
   Status read_dimensions();
   const BasisSection* find(std::string_view name) const;
-  Result<BasisRows> basis_rows(std::string_view section);
   Result<std::span<const double>> scales(std::string_view section);
   Result<std::span<const std::byte>> contents(std::string_view section,
                                               basis_layout::ElementType type);
@@ -109,8 +117,14 @@ class BasisReader {
 Result<Eigen::VectorXd> read_lambda(BasisReader& reader);
 Result<std::vector<Triangle>> read_triangles(BasisReader& reader);
 Result<DefaultLoad> read_default_load(BasisReader& reader);
+// nullopt: the file has none. Errors also for an index that names nothing and names that do not
+// end.
+Result<std::optional<RenderBlock>> read_render(BasisReader& reader);
 
-// Everything in the file.
+// The files of an imported model; empty when it is none.
+Result<VegaFiles> read_vega_files(BasisReader& reader);
+
+// Everything in the file but the files of an imported model, which only an export wants.
 Result<BasisData> read_basis(BasisReader& reader);
 Result<BasisData> read_basis(const std::string& path);
 

@@ -70,6 +70,8 @@ Status check_shapes(const BasisData& data) {
     return bad("vertex_count");
   if (data.fixed_vertices.size() != data.fixed_vertex_count) return bad("fixed_vertices");
   if (data.load.vertices.size() != data.load.forces.size()) return bad("load");
+  if (data.render && !fits(*data.render, data.lambda.size(), data.vertex_count))
+    return bad("render");
   return Success{};
 }
 
@@ -81,6 +83,20 @@ struct CompactArrays {
   std::vector<float> quartic;
   std::vector<std::int16_t> surface;
   std::vector<std::int16_t> interior;
+  std::vector<std::int16_t> render;
+};
+
+// Each ended by a zero byte.
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text.append(name).push_back('\0');
+  return text;
+}
+
+// The names as they lie in the file.
+struct RenderNames {
+  std::string objects;
+  std::string materials;
 };
 
 Result<CompactArrays> make_compact(const BasisData& data) {
@@ -88,12 +104,16 @@ Result<CompactArrays> make_compact(const BasisData& data) {
   if (!cubic) return cubic.error();
   Result<ScaledFloats> quartic = to_scaled_floats(data.quartic, "quartic");
   if (!quartic) return quartic.error();
-  Result<std::vector<double>> scales = column_scales(data.surface.rows, data.interior.rows,
-                                                     static_cast<std::size_t>(data.lambda.size()));
+  std::vector<NamedRows> blocks = {{&data.surface.rows, "surface"},
+                                   {&data.interior.rows, "interior"}};
+  if (data.render) blocks.push_back({&data.render->rows, "render"});
+  Result<std::vector<double>> scales =
+      column_scales(blocks, static_cast<std::size_t>(data.lambda.size()));
   if (!scales) return scales.error();
   CompactArrays arrays;
   arrays.surface = to_scaled_integers(data.surface.rows, *scales);
   arrays.interior = to_scaled_integers(data.interior.rows, *scales);
+  if (data.render) arrays.render = to_scaled_integers(data.render->rows, *scales);
   arrays.basis_scales = std::move(*scales);
   arrays.coefficient_scales = {cubic->scale, quartic->scale};
   arrays.cubic = std::move(cubic->values);
@@ -102,8 +122,41 @@ Result<CompactArrays> make_compact(const BasisData& data) {
 }
 
 // compact: null for a full file.
+void add_render_sections(const RenderBlock& render, const RenderNames& names,
+                         const CompactArrays* compact, std::vector<Section>& sections) {
+  const RenderSurface& surface = render.surface;
+  const std::uint64_t v = surface.vertices.size();
+  const std::uint64_t w = surface.triangles.size();
+  const auto u32 = ElementType::kU32;
+  const auto f32 = ElementType::kF32;
+  const auto u8 = ElementType::kU8;
+  const auto bytes = [](const auto& list) { return std::as_bytes(std::span(list)); };
+  static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
+  static_assert(sizeof(Eigen::Vector2f) == 2 * sizeof(float));
+  const auto r = static_cast<std::uint64_t>(render.rows.cols());
+  const auto add = [&](std::string_view name, ElementType type, std::uint64_t rows,
+                       std::uint64_t columns, std::span<const std::byte> contents) {
+    sections.push_back({name, type, false, rows, columns, contents});
+  };
+  add(kRenderRest, ElementType::kF64, v, 3, points_of(surface.vertices));
+  add(kRenderBasis, compact != nullptr ? ElementType::kI16 : ElementType::kF64, 3 * v, r,
+      compact != nullptr
+          ? bytes(compact->render)
+          : bytes_of(render.rows.data(), static_cast<std::size_t>(render.rows.size())));
+  add(kRenderAnchors, u32, v, 1, ids_of(render.anchors));
+  add(kRenderTriangles, u32, w, 3, bytes(surface.triangles));
+  add(kRenderObjects, u32, w, 1, bytes(surface.object_of));
+  add(kRenderMaterials, u32, w, 1, bytes(surface.material_of));
+  add(kObjectNames, u8, names.objects.size(), 1, bytes(names.objects));
+  add(kMaterialNames, u8, names.materials.size(), 1, bytes(names.materials));
+  if (!surface.normals.empty()) add(kRenderNormals, f32, v, 3, bytes(surface.normals));
+  if (!surface.uvs.empty()) add(kRenderUvs, f32, v, 2, bytes(surface.uvs));
+  if (!surface.colours.empty()) add(kRenderColours, u8, v, 4, bytes(surface.colours));
+}
+
+// compact: null for a full file.
 std::vector<Section> list_sections(const BasisData& data, const std::uint64_t* dimensions,
-                                   const CompactArrays* compact) {
+                                   const RenderNames& names, const CompactArrays* compact) {
   const auto r = static_cast<std::uint64_t>(data.lambda.size());
   const std::uint64_t s = data.surface.vertex_ids.size();
   const std::uint64_t inner = data.interior.vertex_ids.size();
@@ -130,7 +183,7 @@ std::vector<Section> list_sections(const BasisData& data, const std::uint64_t* d
                         vector(compact->coefficient_scales)});
     sections.push_back({kBasisScales, f64, true, r, 1, vector(compact->basis_scales)});
   }
-  const std::vector<Section> others = {
+  const std::vector<Section> visible = {
       {kCubic, coefficient, true, data.cubic.size(), 1,
        coefficients(data.cubic, &CompactArrays::cubic)},
       {kQuartic, coefficient, true, data.quartic.size(), 1,
@@ -142,6 +195,10 @@ std::vector<Section> list_sections(const BasisData& data, const std::uint64_t* d
        bytes_of(data.triangles.data(), data.triangles.size())},
       {kSurfaceRest, f64, true, s, 3, points_of(data.surface.rest)},
       {kSurfaceBasis, basis, true, 3 * s, r, rows(data.surface.rows, &CompactArrays::surface)},
+  };
+  sections.insert(sections.end(), visible.begin(), visible.end());
+  if (data.render) add_render_sections(*data.render, names, compact, sections);
+  const std::vector<Section> others = {
       {kInteriorIds, u32, false, inner, 1, ids_of(data.interior.vertex_ids)},
       {kInteriorRest, f64, false, inner, 3, points_of(data.interior.rest)},
       {kInteriorBasis, basis, false, 3 * inner, r,
@@ -152,6 +209,11 @@ std::vector<Section> list_sections(const BasisData& data, const std::uint64_t* d
        bytes_of(data.provenance.data(), data.provenance.size())},
   };
   sections.insert(sections.end(), others.begin(), others.end());
+  for (const auto& [name, bytes] :
+       {std::pair{kVegaBasis, &data.vega.basis}, {kVegaCubic, &data.vega.cubic}})
+    if (!bytes->empty())
+      sections.push_back({name, ElementType::kU8, false, bytes->size(), 1,
+                          bytes_of(bytes->data(), bytes->size())});
   return sections;
 }
 
@@ -195,8 +257,11 @@ Result<std::vector<std::byte>> encode_basis(const BasisData& data, BasisEncoding
       data.rigid_mode_count,
       data.surface.vertex_ids.size(),
       data.triangles.size()};
+  RenderNames names;
+  if (data.render)
+    names = {joined(data.render->surface.objects), joined(data.render->surface.materials)};
   const std::vector<Section> sections =
-      list_sections(data, dimensions, compact ? &*compact : nullptr);
+      list_sections(data, dimensions, names, compact ? &*compact : nullptr);
 
   std::size_t size = aligned(kHeaderSize + sections.size() * kEntrySize);
   for (const Section& section : sections) size = aligned(size + section.bytes.size());
@@ -214,7 +279,8 @@ Result<std::vector<std::byte>> encode_basis(const BasisData& data, BasisEncoding
 
   std::memcpy(file.data() + header::kMagicAt, kMagic.data(), kMagic.size());
   put(file, header::kMajorAt, kMajor);
-  put(file, header::kMinorAt, compact || is_linear(data) ? kMinorEncoded : kMinor);
+  const std::uint16_t encoded = compact || is_linear(data) ? kMinorEncoded : kMinor;
+  put(file, header::kMinorAt, data.render ? kMinorRender : encoded);
   put(file, header::kSectionsAt, static_cast<std::uint32_t>(sections.size()));
   put(file, header::kFileSizeAt, static_cast<std::uint64_t>(size));
   put(file, header::kTableHashAt,

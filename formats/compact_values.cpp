@@ -30,13 +30,12 @@ Result<ScaledFloats> to_scaled_floats(std::span<const double> values, const char
   return scaled;
 }
 
-Result<std::vector<double>> column_scales(const BasisRows& surface, const BasisRows& interior,
-                                          std::size_t r) {
+Result<std::vector<double>> column_scales(std::span<const NamedRows> blocks, std::size_t r) {
   std::vector<double> scales(r, 1.0);
-  for (const BasisRows* rows : {&surface, &interior})
-    if (!rows->allFinite()) return not_finite(rows == &surface ? "surface" : "interior");
+  for (const auto& [rows, name] : blocks)
+    if (!rows->allFinite()) return not_finite(name);
   std::vector<double> largest(r, 0.0);
-  for (const BasisRows* rows : {&surface, &interior})
+  for (const auto& [rows, name] : blocks)
     for (Eigen::Index row = 0; row < rows->rows(); ++row)
       for (std::size_t i = 0; i < r; ++i)
         largest[i] = std::max(largest[i], std::abs((*rows)(row, static_cast<Eigen::Index>(i))));

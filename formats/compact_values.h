@@ -23,10 +23,15 @@ struct ScaledFloats {
 // kContent if a value is not finite; `name` is for the message.
 Result<ScaledFloats> to_scaled_floats(std::span<const double> values, const char* name);
 
-// One scale a column for the rows of both blocks, which have r columns or no row at all. A column
+// Rows of a basis, and what to call them in a message.
+struct NamedRows {
+  const BasisRows* rows;
+  const char* name;
+};
+
+// One scale a column for the rows of all blocks, which have r columns or no row at all. A column
 // of zeros gets 1. kContent if a value is not finite.
-Result<std::vector<double>> column_scales(const BasisRows& surface, const BasisRows& interior,
-                                          std::size_t r);
+Result<std::vector<double>> column_scales(std::span<const NamedRows> blocks, std::size_t r);
 
 // Row-major as the rows; each within half a scale of the original, zeros exact.
 std::vector<std::int16_t> to_scaled_integers(const BasisRows& rows, std::span<const double> scales);

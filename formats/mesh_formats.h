@@ -18,7 +18,12 @@ Result<MeshFile> read_vtk(std::string_view text, const std::string& path);
 Result<MeshFile> read_vtu(std::string_view text, const std::string& path);
 // VegaFEM's .veg. *INCLUDE takes files from the same folder, each once.
 Result<MeshFile> read_veg(std::string_view text, const std::string& path);
+// VegaFEM's .vegb, version 1, tetrahedra.
+Result<MeshFile> read_vegb(std::string_view bytes, const std::string& path);
 // TetGen's NAME.node and NAME.ele; path is either of the two.
 Result<MeshFile> read_tetgen(const std::string& path);
+// The same of their contents.
+Result<MeshFile> read_tetgen_texts(std::string_view nodes, const std::string& node_path,
+                                   std::string_view elements, const std::string& ele_path);
 
 }  // namespace tremolo

@@ -10,7 +10,7 @@
 namespace tremolo {
 namespace {
 
-enum class MeshFormat { kMsh, kVtk, kVtu, kVeg, kUnknown };
+enum class MeshFormat { kMsh, kVtk, kVtu, kVeg, kVegb, kUnknown };
 
 MeshFormat format_of_first_line(std::string_view text) {
   TextScanner scanner(text, "");
@@ -30,6 +30,7 @@ MeshFormat format_of_extension(const std::string& extension) {
   if (extension == ".vtk") return MeshFormat::kVtk;
   if (extension == ".vtu") return MeshFormat::kVtu;
   if (extension == ".veg") return MeshFormat::kVeg;
+  if (extension == ".vegb") return MeshFormat::kVegb;
   return MeshFormat::kUnknown;
 }
 
@@ -51,11 +52,13 @@ Result<MeshFile> read_tet_mesh(const std::string& path) {
       return read_vtu(*text, path);
     case MeshFormat::kVeg:
       return read_veg(*text, path);
+    case MeshFormat::kVegb:
+      return read_vegb(*text, path);
     case MeshFormat::kUnknown:
       break;
   }
   return content_error(path +
-                       ", line 1: expected a tetrahedral mesh (.msh 2.2 or 4.1, .vtk, .vtu, .veg, "
+                       ", line 1: expected a tetrahedral mesh (.msh 2.2 or 4.1, .vtk, .vtu, .veg, .vegb, "
                        ".node/.ele), found " +
                        quoted_text(TextScanner(*text, path).rest_of_line()));
 }

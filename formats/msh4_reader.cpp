@@ -8,6 +8,10 @@
 namespace tremolo {
 namespace {
 
+// A block's vertices go into the set of each group of its entity: without a bound, many groups and
+// many blocks would make sets far larger than the file.
+constexpr std::size_t kMaxGroupsOfEntity = 64;
+
 // The body of one entity: a point has 3 coordinates, the others a bounding box of 6 numbers and a
 // list of the entities around them.
 bool read_entity(MshInput& input, int dimension, MshEntities& entities) {
@@ -159,6 +163,11 @@ Status read_msh4_entities(MshInput& input, MshEntities& entities) {
     for (std::uint64_t n = 0; n < counts[dimension]; ++n)
       if (!read_entity(input, dimension, entities)) return input.error();
   }
+  for (const auto& [entity, groups] : entities)
+    if (groups.size() > kMaxGroupsOfEntity)
+      return input.problem("expected at most " + std::to_string(kMaxGroupsOfEntity) +
+                           " physical groups of an entity, found " + std::to_string(groups.size()) +
+                           " of entity " + std::to_string(entity.second));
   input.end_data();
   if (!input.end_section("Entities")) return input.error();
   return Success{};

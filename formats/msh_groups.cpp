@@ -59,9 +59,11 @@ std::string MshGroups::name(int dimension, std::int64_t tag) const {
              : std::string(kDimensionNames[dimension]) + " " + std::to_string(magnitude(tag));
 }
 
-void MshGroups::give_to(MeshBuilder& builder, std::span<const std::int64_t> volume_of_tet) const {
-  for (const auto& [key, members] : members_)
+void MshGroups::give_to(MeshBuilder& builder, std::span<const std::int64_t> volume_of_tet) {
+  for (auto& [key, members] : members_) {
     builder.add_to_set(name(key.first, key.second), members);
+    std::vector<VertexId>().swap(members);
+  }
   builder.set_regions(volume_of_tet,
                       [this](std::int64_t tag) { return tag == 0 ? std::string() : name(3, tag); });
 }

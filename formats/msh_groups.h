@@ -23,8 +23,9 @@ class MshGroups {
   void add(int dimension, std::int64_t tag, std::span<const VertexId> vertices);
   // The name of a group.
   std::string name(int dimension, std::int64_t tag) const;
-  // volume_of_tet: the tag of each tetrahedron's volume group, 0 for none: the regions.
-  void give_to(MeshBuilder& builder, std::span<const std::int64_t> volume_of_tet) const;
+  // volume_of_tet: the tag of each tetrahedron's volume group, 0 for none: the regions. Keeps none
+  // of the members: large sets shall not be in memory twice.
+  void give_to(MeshBuilder& builder, std::span<const std::int64_t> volume_of_tet);
 
  private:
   using Key = std::pair<int, std::int64_t>;

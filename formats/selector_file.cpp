@@ -11,7 +11,12 @@ namespace tremolo {
 Result<std::vector<VertexId>> read_id_list(const std::string& path, std::size_t vertex_count) {
   const Result<std::string> text = read_whole_file(path);
   if (!text) return text.error();
-  TextScanner scanner(*text, path, {.comment = '#', .commas = true, .open_end = true});
+  return parse_id_list(*text, path, vertex_count);
+}
+
+Result<std::vector<VertexId>> parse_id_list(std::string_view text, const std::string& path,
+                                            std::size_t vertex_count) {
+  TextScanner scanner(text, path, {.comment = '#', .commas = true, .open_end = true});
   std::vector<VertexId> ids;
   while (!scanner.at_end()) {
     std::int64_t id = 0;

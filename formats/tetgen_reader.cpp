@@ -117,12 +117,15 @@ Result<MeshFile> read_tetgen(const std::string& path) {
   const Result<std::string> other = read_whole_file(node_given ? ele_path : node_path);
   if (!other)
     return Error{other.error().kind, other.error().message + " (it is needed beside " + path + ")"};
+  return read_tetgen_texts(node_given ? *given : *other, node_path, node_given ? *other : *given,
+                           ele_path);
+}
+
+Result<MeshFile> read_tetgen_texts(std::string_view nodes, const std::string& node_path,
+                                   std::string_view elements, const std::string& ele_path) {
   MeshBuilder builder(ele_path);
-  Status status =
-      read_nodes(TextScanner(node_given ? *given : *other, node_path, kTetgenStyle), builder);
-  if (status)
-    status =
-        read_elements(TextScanner(node_given ? *other : *given, ele_path, kTetgenStyle), builder);
+  Status status = read_nodes(TextScanner(nodes, node_path, kTetgenStyle), builder);
+  if (status) status = read_elements(TextScanner(elements, ele_path, kTetgenStyle), builder);
   if (!status) return status.error();
   return builder.finish("TetGen");
 }

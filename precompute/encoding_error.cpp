@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "formats/basis_reader.h"
 #include "formats/basis_writer.h"
@@ -74,12 +75,14 @@ EncodingError encoding_error(const BasisData& full, const BasisData& kept) {
   q *= reach / largest_move(full, q);
   const VectorXd amplitude = amplitudes(full, reach);
   EncodingError error;
-  for (const auto& [a, b] :
-       {std::pair{&kept.surface, &full.surface}, std::pair{&kept.interior, &full.interior}}) {
-    const BasisRows difference = a->rows - b->rows;
+  std::vector<std::pair<const BasisRows*, const BasisRows*>> pairs = {
+      {&kept.surface.rows, &full.surface.rows}, {&kept.interior.rows, &full.interior.rows}};
+  if (full.render) pairs.emplace_back(&kept.render->rows, &full.render->rows);
+  for (const auto& [a, b] : pairs) {
+    const BasisRows difference = *a - *b;
     error.displacement = std::max(error.displacement, largest_move(difference, q) / size);
     error.displacement_bound =
-        std::max(error.displacement_bound, largest_sum(a->rows, b->rows, amplitude) / size);
+        std::max(error.displacement_bound, largest_sum(*a, *b, amplitude) / size);
   }
   if (!full.quartic.empty())
     error.force = (polynomial_force(kept.lambda, kept.cubic, kept.quartic, q) -

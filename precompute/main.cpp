@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <numbers>
@@ -10,7 +11,10 @@
 
 #include "formats/atomic_file.h"
 #include "formats/basis_writer.h"
+#include "formats/selector_reader.h"
+#include "formats/vtu_writer.h"
 #include "precompute/failure.h"
+#include "precompute/import.h"
 #include "precompute/options.h"
 #include "precompute/petsc.h"
 #include "precompute/pipeline.h"
@@ -100,11 +104,84 @@ void find_encoding_error(PrecomputeResult& result, StageLog& log) {
   log.end(detail);
 }
 
+// --select: what it chooses, and nothing else.
+void print_selection(const PrecomputeOptions& options) {
+  const Problem problem = load_problem(options);
+  for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  const std::vector<VertexId> ids = unwrap(resolve_selector(options.select, problem.mesh));
+  std::vector<Eigen::Vector3d> places;
+  for (const VertexId id : ids) places.push_back(problem.mesh.vertices[id]);
+  std::cout << describe_vertices(ids, places) << "\n";
+  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
+}
+
+// Where each vertex of the mesh has its rows, all together again.
+BasisRows rows_of_mesh(const BasisData& data) {
+  BasisRows rows(3 * static_cast<Eigen::Index>(data.vertex_count), data.lambda.size());
+  for (const VertexBlock* block : {&data.surface, &data.interior})
+    for (std::size_t i = 0; i < block->vertex_ids.size(); ++i)
+      rows.middleRows(3 * Eigen::Index{block->vertex_ids[i]}, 3) =
+          block->rows.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+  return rows;
+}
+
+void write_vtu(const PrecomputeOptions& options, const TetMesh& mesh, const BasisData& data,
+               StageLog& log) {
+  if (options.modes_vtu.empty()) return;
+  log.begin("vtu");
+  unwrap(write_modes_vtu(options.modes_vtu, mesh.vertices,
+                         std::span<const Tetrahedron>(mesh.tetrahedra), rows_of_mesh(data),
+                         data.lambda));
+  log.end(options.modes_vtu);
+}
+
+// Outputs that cannot be written, or would take the place of an input or of each other, are told
+// before the work, not after it.
+void require_outputs(const PrecomputeOptions& options) {
+  unwrap(AtomicFile::create(options.output_path));
+  if (!options.modes_vtu.empty()) unwrap(AtomicFile::create(options.modes_vtu));
+  const auto same = [](const std::string& a, const std::string& b) {
+    std::error_code ignored;
+    return !a.empty() && !b.empty() &&
+           (std::filesystem::path(a).lexically_normal() ==
+                std::filesystem::path(b).lexically_normal() ||
+            std::filesystem::equivalent(a, b, ignored));
+  };
+  for (const std::string& output : {options.output_path, options.modes_vtu})
+    for (const std::string& input : {options.mesh_path, options.import_basis, options.import_cubic})
+      if (same(output, input))
+        throw Failure({ErrorKind::kUsage, output + ": the output would overwrite an input"});
+  if (same(options.output_path, options.modes_vtu))
+    throw Failure({ErrorKind::kUsage, options.modes_vtu + ": two outputs of this name"});
+}
+
+void run_import(const CommandLine& line, StageLog& log) {
+  const PrecomputeOptions& options = line.options;
+  ImportResult result = import_reduced(options, log);
+  if (options.encoding == BasisEncoding::kCompact)
+    result.findings.encoding_error = unwrap(compact_error(result.data));
+  result.data.provenance = import_provenance(options, result);
+  log.begin("file");
+  unwrap(write_basis(options.output_path, result.data, options.encoding));
+  log.end(options.output_path);
+  write_vtu(options, result.problem.mesh, result.data, log);
+  print_spectrum(result.data);
+  if (line.json) std::cout << import_report(result);
+  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
+}
+
 void run(const CommandLine& line) {
   const bool speak = mpi_rank() == 0;
+  if (!line.options.select.empty()) {
+    if (speak) print_selection(line.options);
+    return;
+  }
   StageLog log(!speak);
-  // An output that cannot be written is told before the work, not after it.
-  if (speak) unwrap(AtomicFile::create(line.options.output_path));
+  if (speak) require_outputs(line.options);
+  if (!line.options.import_basis.empty()) {
+    if (speak) run_import(line, log);
+    return;
+  }
   PrecomputeResult result = run_precompute(line.options, log);
   if (!speak) return;
   if (line.options.encoding == BasisEncoding::kCompact) find_encoding_error(result, log);
@@ -112,6 +189,7 @@ void run(const CommandLine& line) {
   log.begin("file");
   unwrap(write_basis(line.options.output_path, result.data, line.options.encoding));
   log.end(line.options.output_path);
+  write_vtu(line.options, result.problem.mesh, result.data, log);
   print_total(log);
   print_spectrum(result.data);
   for (const std::string& option : unused_petsc_options())

@@ -35,9 +35,10 @@ std::string essential(const std::vector<std::string>& words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
     if (word == "--json" || word == "--limits" || word.starts_with("--output=") ||
-        word.starts_with("--threads=") || (word.starts_with("-o") && word.size() > 2))
+        word.starts_with("--modes-vtu=") || word.starts_with("--threads=") ||
+        (word.starts_with("-o") && word.size() > 2))
       continue;
-    if (word == "-o" || word == "--output" || word == "--threads") {
+    if (word == "-o" || word == "--output" || word == "--threads" || word == "--modes-vtu") {
       ++i;
       continue;
     }
@@ -65,11 +66,18 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   app.set_version_flag("--version", std::string("tremolo-precompute ") + TREMOLO_VERSION);
   app.allow_config_extras(CLI::config_extras_mode::error);
   app.set_config("--config", "", "read options from a TOML file (keys are the long flag names)");
-  app.add_option("mesh", options.mesh_path,
-                 "tetrahedral mesh (.msh .vtk .vtu .veg .node .ele), or a surface (.obj .ply .stl\n"
-                 ".gltf .glb .fbx .dae ...), which is meshed first")
+  app.add_option(
+         "mesh", options.mesh_path,
+         "tetrahedral mesh (.msh .vtk .vtu .veg .vegb .node .ele), or a surface (.obj .ply\n"
+         ".stl .gltf .glb .fbx .dae ...), which is meshed first")
       ->required();
-  app.add_option("-o,--output", options.output_path, "the basis file to write")->required();
+  app.add_option("-o,--output", options.output_path, "the basis file to write");
+  app.add_option(
+      "--render", options.render_path,
+      "surface that is drawn in place of the mesh's boundary and moves with it: .obj .ply "
+      ".stl .gltf .glb .fbx ... (default: the surface that was meshed)");
+  app.add_option("--select", options.select,
+                 "print the vertices that a selector chooses, and compute nothing");
   app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
   app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
   app.add_option("--density", options.material.density, "density, kg/m^3")->capture_default_str();
@@ -80,27 +88,46 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   app.add_option("--point-mass", options.point_masses,
                  "SELECTOR=KG: a mass shared by the selected vertices; may be repeated");
   app.add_option("--fix", options.fix,
-                 "vertices that do not move: x<0.01, y>=1.2, box:x0,y0,z0,x1,y1,z1, vertex:ID, "
-                 "file:ids.txt, a set of the mesh, or none for a free body; may be repeated");
+                 "vertices that do not move: x<0.01, y>=90%, box:x0,y0,z0,x1,y1,z1, "
+                 "sphere:x,y,z,r, plane:x,y,z,nx,ny,nz, near:x,y,z,k, vertex:ID, file:ids.txt, "
+                 "colour:red, a set of the mesh, or none for a free body; may be repeated");
   app.add_option("--load-at", options.load_at, "vertices that the default load acts on (selector)");
   std::string force;
   app.add_option("--load-force", force, "the default load, X,Y,Z in N, shared among them")
       ->needs("--load-at");
-  app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)");
-  app.add_option("--modes", options.modes, "R, coordinates to keep (default 30)");
+  CLI::Option* linear_modes =
+      app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)");
+  CLI::Option* modes =
+      app.add_option("--modes", options.modes, "R, coordinates to keep (default 30)");
   std::string mass = "consistent";
-  app.add_option("--mass", mass, "consistent or lumped")
-      ->check(CLI::IsMember({"consistent", "lumped"}))
-      ->capture_default_str();
+  CLI::Option* mass_option =
+      app.add_option(
+             "--mass", mass,
+             "consistent or lumped; with --import-basis: the basis is made orthonormal in it")
+          ->check(CLI::IsMember({"consistent", "lumped"}))
+          ->capture_default_str();
   app.add_flag("--certify,!--no-certify", options.certify,
                "count the modes by inertia as well: one more factorisation (default: yes)");
-  app.add_flag("--linear", options.linear,
-               "the linear modes alone: no derivatives, no cubic and quartic terms");
+  CLI::Option* linear =
+      app.add_flag("--linear", options.linear,
+                   "the linear modes alone: no derivatives, no cubic and quartic terms");
   std::string encoding = "full";
   app.add_option("--encoding", encoding,
                  "full (f64), or compact: coefficients f32, basis rows 16 bits; the error is told")
       ->check(CLI::IsMember({"full", "compact"}))
       ->capture_default_str();
+  app.add_option("--import-basis", options.import_basis,
+                 "VegaFEM's basis, .U, over the vertices of this mesh: nothing is solved. It is "
+                 "orthonormal in the lumped mass, of which --density is part")
+      ->excludes(linear_modes)
+      ->excludes(modes)
+      ->excludes(linear);
+  app.add_option("--import-cubic", options.import_cubic,
+                 "VegaFEM's polynomials of the reduced forces, .cub; the stiffness is theirs")
+      ->needs("--import-basis");
+  app.get_option("--import-basis")->needs("--import-cubic");
+  app.add_option("--modes-vtu", options.modes_vtu,
+                 "also write the modes on the tetrahedra, .vtu, for ParaView and meshio");
   add_surface_options(app, options.meshing, options.unit);
   options.threads = std::max(1u, std::thread::hardware_concurrency());
   app.add_option("--threads", options.threads, "threads of a rank")->check(CLI::PositiveNumber);
@@ -115,7 +142,12 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
     const int code = app.exit(error, std::cout, std::cerr);
     return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});
   }
+  if (options.output_path.empty() && options.select.empty()) {
+    std::cerr << "tremolo-precompute: --output is required\n";
+    return exit_code({ErrorKind::kUsage, ""});
+  }
   options.encoding = encoding == "compact" ? BasisEncoding::kCompact : BasisEncoding::kFull;
+  options.mass_given = mass_option->count() > 0;
   options.mass = mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;
   if (!force.empty() && !parse_vector(force, options.load_force)) {
     std::cerr << "tremolo-precompute: --load-force " << force

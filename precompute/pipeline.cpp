@@ -110,6 +110,14 @@ void require_accurate(const PrecomputeFindings& findings, const Solid& solid, do
                      question + ", or does a PETSc option change the factorisation?"});
 }
 
+// Of what vibrates: vertices of no tetrahedron may lie anywhere.
+double body_size(const Problem& problem) {
+  std::vector<Eigen::Vector3d> used;
+  for (std::size_t v = 0; v < problem.mesh.vertices.size(); ++v)
+    if (problem.report.part_of_vertex[v] >= 0) used.push_back(problem.mesh.vertices[v]);
+  return bounding_box(used).diagonal();
+}
+
 // The first mode's coordinate when it moves some vertex by `reach` metres.
 double amplitude_of_first_mode(const Eigen::MatrixXd& psi, double reach) {
   double largest = 0;
@@ -131,6 +139,8 @@ VertexBlock make_block(const TetMesh& mesh, const std::vector<VertexId>& ids,
   return block;
 }
 
+}  // namespace
+
 void add_geometry(const Problem& problem, const BasisRows& basis, BasisData& data) {
   const TetMesh& mesh = problem.mesh;
   const BoundarySurface boundary = boundary_surface(mesh);
@@ -141,12 +151,19 @@ void add_geometry(const Problem& problem, const BasisRows& basis, BasisData& dat
   data.surface = make_block(mesh, boundary.vertex_ids, basis);
   data.interior = make_block(mesh, interior, basis);
   data.triangles = boundary.triangles;
+  if (problem.render)
+    data.render = RenderBlock{*problem.render,
+                              embedded_rows(problem.embedding, mesh, basis),
+                              heaviest_vertices(problem.embedding, mesh),
+                              {}};
   data.vertex_count = mesh.vertices.size();
   data.tetrahedron_count = mesh.tetrahedra.size();
   data.fixed_vertices = problem.fixed;
   data.fixed_vertex_count = problem.fixed.size();
   data.load = problem.load;
 }
+
+namespace {
 
 Coefficients compute_coefficients(const Solid& solid, const BasisRows& basis, unsigned threads) {
   // Ranks share the elements; every rank ends up with the sum.
@@ -312,8 +329,7 @@ PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log)
   set_limit(machine, {.flops = 4.0 * static_cast<double>(local.dofs()) * columns * columns}, log);
   // Motion that Tremolo is made for: a tenth of the body's size.
   constexpr double kReach = 0.1;
-  const double amplitude =
-      amplitude_of_first_mode(psi, kReach * bounding_box(problem.mesh.vertices).diagonal());
+  const double amplitude = amplitude_of_first_mode(psi, kReach * body_size(problem));
   Basis basis = make_basis(matrices, std::move(derivatives.columns), modes.squared_frequencies,
                            amplitude, counts.modes, options.threads);
   Eigen::MatrixXd expanded = expand_to_vertices(map, local, basis.vectors);

@@ -33,6 +33,10 @@ struct PrecomputeResult {
 // Runs everything; needs a PetscSession. Throws Failure.
 PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log);
 
+// What the file keeps of the mesh: surface, interior, triangles, counts, fixed vertices and load.
+// basis: 3n x r.
+void add_geometry(const Problem& problem, const BasisRows& basis, BasisData& data);
+
 // The JSON object kept in the file. No times: the same input gives the same file.
 std::string provenance_json(const PrecomputeOptions& options, const PrecomputeResult& result);
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "common/hash.h"
+#include "common/length_unit.h"
 #include "common/packed_index.h"
 #include "formats/mesh_reader.h"
 #include "formats/selector_reader.h"
@@ -13,6 +14,7 @@
 #include "precompute/material_rules.h"
 #include "precompute/mesher/surface_input.h"
 #include "precompute/rigid_motion.h"
+#include "precompute/surface_sets.h"
 
 namespace tremolo {
 namespace {
@@ -82,6 +84,8 @@ std::vector<PointMass> make_point_masses(const PrecomputeOptions& options, Probl
   return masses;
 }
 
+}  // namespace
+
 DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) {
   DefaultLoad load;
   if (options.load_at.empty()) return load;
@@ -98,7 +102,29 @@ DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) 
   return load;
 }
 
+namespace {
+
+void read_render(const PrecomputeOptions& options, Problem& problem) {
+  SurfaceReadOptions reading;
+  if (!options.unit.empty()) reading.metres_per_unit = unwrap(metres_per_unit(options.unit));
+  SurfaceFile file = unwrap(read_surface(options.render_path, reading));
+  problem.notes.push_back("render surface: " + options.render_path + ", " + file.format +
+                          ", unit: " + file.unit);
+  problem.notes.insert(problem.notes.end(), file.notes.begin(), file.notes.end());
+  attach_render(problem, std::move(file.surface), options.threads);
+}
+
 }  // namespace
+
+void attach_render(Problem& problem, RenderSurface surface, unsigned threads) {
+  const auto note = [&problem](std::vector<std::string> notes) {
+    for (std::string& each : notes) problem.notes.push_back(std::move(each));
+  };
+  problem.embedding = embed(surface.vertices, problem.mesh, threads);
+  note(describe(problem.embedding, problem.mesh));
+  note(add_surface_sets(surface, problem.mesh));
+  problem.render = std::move(surface);
+}
 
 Problem load_problem(const PrecomputeOptions& options) {
   unwrap(check_material(options.material));
@@ -109,14 +135,19 @@ Problem load_problem(const PrecomputeOptions& options) {
   if (std::filesystem::equivalent(options.mesh_path, options.output_path, ignored))
     throw Failure(
         {ErrorKind::kUsage, options.output_path + ": the output would overwrite the mesh"});
+  if (std::filesystem::equivalent(options.render_path, options.output_path, ignored))
+    throw Failure({ErrorKind::kUsage,
+                   options.output_path + ": the output would overwrite the render surface"});
   if (options.fix.size() > 1 &&
       std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
     throw Failure({ErrorKind::kUsage, "--fix none and another --fix contradict each other"});
   Problem problem;
+  std::optional<RenderSurface> meshed;
   std::vector<FileMaterial> of_file;
   if (is_surface_file(options.mesh_path)) {
     SurfaceInput input = unwrap(load_surface(options.mesh_path, options.unit, options.meshing));
     problem.mesh = std::move(input.mesh);
+    meshed = std::move(input.render);
     problem.mesh_format = std::move(input.format);
     problem.notes = std::move(input.notes);
   } else {
@@ -134,10 +165,16 @@ Problem load_problem(const PrecomputeOptions& options) {
                        problem.report.notes.end());
   problem.materials = make_materials(options, rules, of_file, problem);
   problem.mesh_hash = hash_mesh(problem.mesh);
+  if (!options.render_path.empty())
+    read_render(options, problem);
+  else if (meshed)
+    attach_render(problem, std::move(*meshed), options.threads);
+  if (!options.select.empty()) return problem;
   problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
   if (!problem.free_body) {
     problem.fixed = select_fixed(options, problem.mesh);
-    require_held(problem);
+    // An imported basis says itself what it holds.
+    if (options.import_basis.empty()) require_held(problem);
   }
   problem.load = make_load(options, problem);
   problem.point_masses = make_point_masses(options, problem);

@@ -9,6 +9,7 @@
 #include "formats/basis_data.h"
 #include "formats/basis_writer.h"
 #include "precompute/assembly.h"
+#include "precompute/embedding.h"
 #include "precompute/mesher/surface_mesher.h"
 #include "precompute/point_mass.h"
 
@@ -18,7 +19,7 @@ namespace tremolo {
 struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
-  std::string unit;                       // of a surface's coordinates; empty: what its file says
+  std::string unit;                       // of surfaces' coordinates; empty: what their files say
   SurfaceMeshOptions meshing;             // of a surface
   Material material;                      // of what no entry of `materials` is of
   std::vector<std::string> materials;     // material_rules.h, in order
@@ -31,10 +32,16 @@ struct PrecomputeOptions {
   bool linear = false;  // the linear modes are the basis; no derivatives, no C, no Q
   BasisEncoding encoding = BasisEncoding::kFull;
   MassKind mass = MassKind::kConsistent;
+  bool mass_given = false;   // by the user: an import then makes its basis orthonormal in it
+  std::string import_basis;  // VegaFEM's .U and .cub: nothing is solved (precompute/import.h)
+  std::string import_cubic;
+  std::string modes_vtu;  // the modes on the tetrahedra, for ParaView; empty: not written
   bool certify = true;
   unsigned threads = 1;
   bool limits = false;       // measure the machine, print each stage's shortest possible time
   std::string command_line;  // for the file's provenance
+  std::string render_path;   // surface that is drawn; empty: the one that was meshed, if one was
+  std::string select;        // selector to be shown; nothing is computed then
 };
 
 struct Problem {
@@ -43,6 +50,8 @@ struct Problem {
   std::vector<VertexId> fixed;  // ascending
   bool free_body = false;
   DefaultLoad load;
+  std::optional<RenderSurface> render;  // what is drawn; none: the boundary of the tetrahedra
+  Embedding embedding;                  // of its vertices
   MaterialTable materials;
   std::vector<PointMass> point_masses;
   std::string mesh_format;
@@ -50,9 +59,18 @@ struct Problem {
   std::vector<std::string> notes;  // for the user: repairs, oddities
 };
 
-// Reads, checks and selects. Throws Failure: kSystem for unreadable files, kContent and kUsage for
-// everything that is wrong in them or in the options.
+// Reads, checks and selects; with options.select nothing is fixed or loaded yet. Throws Failure:
+// kSystem for unreadable files, kContent and kUsage for everything that is wrong in them or in the
+// options.
 Problem load_problem(const PrecomputeOptions& options);
+
+// Makes the surface (m, in the mesh's place) what is drawn: embeds its vertices, adds its colours,
+// objects and materials to the mesh for selectors, and tells in problem.notes. To be called once
+// the mesh is checked and before anything is selected; load_problem does.
+void attach_render(Problem& problem, RenderSurface surface, unsigned threads);
+
+// The default load that the options ask for; free vertices only. Throws Failure (kContent).
+DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem);
 
 // k and r, defaults cut to what `free_dofs` (rigid motions taken off) allows; what was asked for
 // explicitly and is not there is a Failure (kContent).

@@ -75,6 +75,16 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
                   {"format", result.problem.mesh_format},
                   {"xxh3_64", result.problem.mesh_hash}};
   add_materials(result.problem, json);
+  if (const auto& render = result.problem.render) {
+    const Embedding& embedding = result.problem.embedding;
+    const std::string& path = options.render_path.empty() ? options.mesh_path : options.render_path;
+    json["render"] = {{"file", std::filesystem::path(path).filename().string()},
+                      {"vertices", render->vertices.size()},
+                      {"triangles", render->triangles.size()},
+                      {"outside", embedding.outside},
+                      {"largest_distance_m", embedding.largest_distance},
+                      {"clamped", embedding.clamped}};
+  }
   json["mass"] = options.mass == MassKind::kConsistent ? "consistent" : "lumped";
   json["fix"] = options.fix;
   json["modes"] = {{"solver", findings.mode_solver},

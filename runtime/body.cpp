@@ -13,11 +13,22 @@ Error usage_error(std::string message) {
 }
 
 // `what`: "positions" or "normals".
-Status check_buffer(const Model& model, std::size_t size, const char* what) {
-  const std::size_t needed = 3 * model.surface().vertex_ids.size();
+Status check_buffer(std::size_t needed, std::size_t size, const char* what) {
   if (size == needed) return Success{};
   return usage_error(std::string("the buffer for ") + what + " holds " + std::to_string(size) +
                      " numbers, needs " + std::to_string(needed));
+}
+
+std::size_t drawn_numbers(const Model& model) {
+  return 3 * model.drawn().rest.size();
+}
+
+// Row by row: a whole product would need a temporary.
+void write_positions(const std::vector<Eigen::Vector3d>& rest, const BasisRows& rows,
+                     const Eigen::VectorXd& q, std::span<double> out) {
+  for (std::size_t row = 0; row < out.size(); ++row)
+    out[row] = rest[row / 3][static_cast<Eigen::Index>(row % 3)] +
+               rows.row(static_cast<Eigen::Index>(row)).dot(q);
 }
 
 }  // namespace
@@ -143,26 +154,31 @@ Result<Eigen::Vector3d> Body::displacement(VertexId vertex) const {
 }
 
 Status Body::surface_positions(std::span<double> out) const {
-  if (Status s = check_buffer(*model_, out.size(), "positions"); !s) return s;
+  if (Status s = check_buffer(drawn_numbers(*model_), out.size(), "positions"); !s) return s;
+  const DrawnSurface drawn = model_->drawn();
+  write_positions(drawn.rest, drawn.rows, state_.q, out);
+  return Success{};
+}
+
+Status Body::boundary_positions(std::span<double> out) const {
   const VertexBlock& surface = model_->surface();
-  // Row by row: a whole product would need a temporary.
-  for (std::size_t row = 0; row < out.size(); ++row)
-    out[row] = surface.rest[row / 3][static_cast<Eigen::Index>(row % 3)] +
-               surface.rows.row(static_cast<Eigen::Index>(row)).dot(state_.q);
+  if (Status s = check_buffer(3 * surface.rest.size(), out.size(), "positions"); !s) return s;
+  write_positions(surface.rest, surface.rows, state_.q, out);
   return Success{};
 }
 
 Status Body::surface_positions(std::span<float> out) const {
-  if (Status s = check_buffer(*model_, out.size(), "positions"); !s) return s;
+  if (Status s = check_buffer(drawn_numbers(*model_), out.size(), "positions"); !s) return s;
   tremolo::surface_positions(model_->surface_basis(), state_.q, surface_, out);
   return Success{};
 }
 
 Status Body::surface(std::span<float> positions, std::span<float> normals) const {
-  if (Status s = check_buffer(*model_, positions.size(), "positions"); !s) return s;
-  if (Status s = check_buffer(*model_, normals.size(), "normals"); !s) return s;
-  surface_with_normals(model_->surface_basis(), model_->triangles(), state_.q, surface_, positions,
-                       normals);
+  const std::size_t needed = drawn_numbers(*model_);
+  if (Status s = check_buffer(needed, positions.size(), "positions"); !s) return s;
+  if (Status s = check_buffer(needed, normals.size(), "normals"); !s) return s;
+  surface_with_normals(model_->surface_basis(), model_->drawn().triangles, state_.q, surface_,
+                       positions, normals);
   return Success{};
 }
 

@@ -71,16 +71,18 @@ class Body {
   // U_vertex q, m. Errors as Model::vertex.
   Result<Eigen::Vector3d> displacement(VertexId vertex) const;
 
-  // X + U q of the surface's vertices, x y z x y z ..., m. out: 3 * surface().vertex_ids.size()
-  // long, else kUsage. The double variant allocates nothing. The float variant reads rows that the
-  // model makes for it when they are first asked for (runtime/surface.h, where its error is told),
-  // and allocates nothing after that.
+  // X + U q of the drawn surface's vertices, x y z x y z ..., m. out: 3 *
+  // model().drawn().rest.size() long, else kUsage. The double variant allocates nothing. The float
+  // variant reads rows that the model makes for it when they are first asked for
+  // (runtime/surface.h, where its error is told), and allocates nothing after that.
   Status surface_positions(std::span<double> out) const;
   Status surface_positions(std::span<float> out) const;
+  // Those of the solid's boundary, whatever is drawn: 3 * model().surface().rest.size() long.
+  Status boundary_positions(std::span<double> out) const;
 
-  // The same with the unit normals of the surface's vertices, each triangle counting with its area:
-  // zero where a vertex's triangles have none. Both 3 * surface().vertex_ids.size() long, else
-  // kUsage. Nothing is allocated after a body's first call.
+  // The same with the unit normals of its vertices, each triangle counting with its area: zero
+  // where a vertex's triangles have none. Both 3 * model().drawn().rest.size() long, else kUsage.
+  // Nothing is allocated after a body's first call.
   Status surface(std::span<float> positions, std::span<float> normals) const;
 
  private:

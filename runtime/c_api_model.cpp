@@ -28,6 +28,14 @@ tremolo_status tremolo_model_load(const char* path, int32_t modes, tremolo_model
   });
 }
 
+tremolo_status tremolo_model_load_hull(const char* path, int32_t modes, tremolo_model** model) {
+  return guarded([&]() -> Status {
+    if (Status s = need(path, "the path"); !s) return s;
+    if (Status s = need(model, "the place for the model"); !s) return s;
+    return keep_model(tremolo::Model::load(path, {.modes = modes, .hull = true}), model);
+  });
+}
+
 tremolo_status tremolo_model_load_memory(const void* bytes, size_t size, int32_t modes,
                                          tremolo_model** model) {
   return guarded([&]() -> Status {
@@ -47,11 +55,11 @@ size_t tremolo_model_modes(const tremolo_model* model) {
 }
 
 size_t tremolo_model_surface_vertices(const tremolo_model* model) {
-  return model == nullptr ? 0 : model->pointer->surface().vertex_ids.size();
+  return model == nullptr ? 0 : model->pointer->drawn().rest.size();
 }
 
 size_t tremolo_model_triangles(const tremolo_model* model) {
-  return model == nullptr ? 0 : model->pointer->triangles().size();
+  return model == nullptr ? 0 : model->pointer->drawn().triangles.size();
 }
 
 tremolo_status tremolo_model_frequencies(const tremolo_model* model, double* out, size_t length) {
@@ -69,7 +77,7 @@ tremolo_status tremolo_model_triangle_corners(const tremolo_model* model, uint32
   return guarded([&]() -> Status {
     if (Status s = need(model, "the model"); !s) return s;
     if (Status s = need_buffer(out, length, 3 * tremolo_model_triangles(model)); !s) return s;
-    for (const tremolo::Triangle& triangle : model->pointer->triangles())
+    for (const tremolo::Triangle& triangle : model->pointer->drawn().triangles)
       for (const tremolo::VertexId corner : triangle) *out++ = static_cast<uint32_t>(corner);
     return Success{};
   });
@@ -79,7 +87,7 @@ tremolo_status tremolo_model_surface_ids(const tremolo_model* model, uint32_t* o
   return guarded([&]() -> Status {
     if (Status s = need(model, "the model"); !s) return s;
     if (Status s = need_buffer(out, length, tremolo_model_surface_vertices(model)); !s) return s;
-    for (const tremolo::VertexId id : model->pointer->surface().vertex_ids)
+    for (const tremolo::VertexId id : model->pointer->drawn().mesh_vertices)
       *out++ = static_cast<uint32_t>(id);
     return Success{};
   });

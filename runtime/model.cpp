@@ -1,5 +1,6 @@
 #include "runtime/model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -66,11 +67,30 @@ Status read_coefficients(BasisReader& reader, BasisData& data) {
   return Success{};
 }
 
+// The leading columns of a render surface, after a check.
+Result<RenderBlock> leading_columns(const RenderBlock& render, Eigen::Index modes,
+                                    Eigen::Index available, std::uint64_t vertices) {
+  if (!fits(render, available, vertices))
+    return content_error("the render surface: its parts differ in size or an index names nothing");
+  RenderBlock leading{render.surface, render.rows.leftCols(modes), render.anchors, {}};
+  if (render.column_scales.size() >= modes)
+    leading.column_scales = render.column_scales.head(modes);
+  const auto finite = [](const auto& vectors) {
+    return std::all_of(vectors.begin(), vectors.end(),
+                       [](const auto& vector) { return vector.allFinite(); });
+  };
+  const RenderSurface& surface = render.surface;
+  if (!leading.rows.allFinite() || !finite(surface.vertices) || !finite(surface.normals) ||
+      !finite(surface.uvs))
+    return content_error("the render surface: a value is not finite");
+  return leading;
+}
+
 // All but the interior and the provenance.
-Result<BasisData> read_visible(BasisReader& reader, bool linear) {
+Result<BasisData> read_visible(BasisReader& reader, const ModelOptions& options) {
   BasisData data;
   if (Status s = read_total_counts(reader, data); !s) return s.error();
-  if (!linear)
+  if (!options.linear)
     if (Status s = read_coefficients(reader, data); !s) return s.error();
   Result<VertexBlock> surface = reader.vertex_block(
       basis_layout::kSurfaceIds, basis_layout::kSurfaceRest, basis_layout::kSurfaceBasis);
@@ -79,6 +99,11 @@ Result<BasisData> read_visible(BasisReader& reader, bool linear) {
   Result<std::vector<Triangle>> triangles = read_triangles(reader);
   if (!triangles) return triangles.error();
   data.triangles = std::move(*triangles);
+  if (!options.hull) {
+    Result<std::optional<RenderBlock>> render = read_render(reader);
+    if (!render) return render.error();
+    data.render = std::move(*render);
+  }
   Result<DefaultLoad> load = read_default_load(reader);
   if (!load) return load.error();
   data.load = std::move(*load);
@@ -93,17 +118,23 @@ Model::Model(Potential potential, VertexBlock surface)
 Model::~Model() = default;
 
 Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Index modes,
-                                               bool linear) {
+                                               const ModelOptions& options) {
   if (Status s = check_lambda(data.lambda); !s) return s.error();
   Result<VertexBlock> surface = leading_columns(data.surface, modes, "surface");
   if (!surface) return surface.error();
   if (Status s = check_triangles(data.triangles, surface->vertex_ids.size()); !s) return s.error();
   if (Status s = check_load(data.load); !s) return s.error();
   const std::span<const double> cubic = data.cubic, quartic = data.quartic, none;
-  Result<Potential> potential =
-      Potential::create(data.lambda.head(modes), linear ? none : cubic, linear ? none : quartic);
+  Result<Potential> potential = Potential::create(
+      data.lambda.head(modes), options.linear ? none : cubic, options.linear ? none : quartic);
   if (!potential) return potential.error();
   std::shared_ptr<Model> model(new Model(std::move(*potential), std::move(*surface)));
+  if (data.render && !options.hull) {
+    Result<RenderBlock> render =
+        leading_columns(*data.render, modes, data.lambda.size(), data.vertex_count);
+    if (!render) return render.error();
+    model->render_ = std::move(*render);
+  }
   model->triangles_ = data.triangles;
   model->default_load_ = data.load;
   model->vertex_count_ = data.vertex_count;
@@ -114,7 +145,7 @@ Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Ind
 Result<Model::Pointer> Model::from_data(const BasisData& data, ModelOptions options) {
   const Result<Eigen::Index> modes = kept_modes(data.lambda.size(), options.modes);
   if (!modes) return modes.error();
-  Result<std::shared_ptr<Model>> model = assemble(data, *modes, options.linear);
+  Result<std::shared_ptr<Model>> model = assemble(data, *modes, options);
   if (!model) return model.error();
   Result<VertexBlock> interior = leading_columns(data.interior, *modes, "interior");
   if (!interior) return interior.error();
@@ -125,11 +156,11 @@ Result<Model::Pointer> Model::from_data(const BasisData& data, ModelOptions opti
 Result<Model::Pointer> Model::load(const std::string& path, ModelOptions options) {
   Result<BasisReader> reader = BasisReader::open(path);
   if (!reader) return reader.error();
-  Result<BasisData> data = read_visible(*reader, options.linear);
+  Result<BasisData> data = read_visible(*reader, options);
   if (!data) return data.error();
   const Result<Eigen::Index> modes = kept_modes(data->lambda.size(), options.modes);
   if (!modes) return modes.error();
-  Result<std::shared_ptr<Model>> model = assemble(*data, *modes, options.linear);
+  Result<std::shared_ptr<Model>> model = assemble(*data, *modes, options);
   if (!model) return Error{model.error().kind, path + ": " + model.error().message};
   (*model)->interior_ = std::make_unique<InteriorRows>(std::move(*reader), *modes);
   return Pointer(std::move(*model));
@@ -154,7 +185,8 @@ double Model::explicit_step_limit() const {
 
 const SurfaceBasis& Model::surface_basis() const {
   std::call_once(surface_basis_once_, [this] {
-    surface_basis_ = std::make_unique<SurfaceBasis>(make_surface_basis(surface_, triangles_));
+    surface_basis_ = std::make_unique<SurfaceBasis>(
+        render_ ? make_surface_basis(*render_) : make_surface_basis(surface_, triangles_));
   });
   return *surface_basis_;
 }

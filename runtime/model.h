@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,9 +22,21 @@ struct SurfaceBasis;
 
 // modes: the level of detail, the number of leading coordinates that are kept; 0 keeps all.
 // linear: V = 1/2 q^T Lambda q, the cubic and quartic terms are neither read nor kept.
+// hull: a render surface is neither read nor kept; the solid's boundary is drawn.
 struct ModelOptions {
   int modes = 0;
   bool linear = false;
+  bool hull = false;
+};
+
+// What is drawn: the render surface if the model has one, else the solid's boundary. All refer to
+// the model. rest: s, m. rows: 3s x r. triangles: into rest. mesh_vertices: s, the mesh's vertex at
+// the place (boundary) or the one that weighs most in it: where to push what is pointed at.
+struct DrawnSurface {
+  const std::vector<Eigen::Vector3d>& rest;
+  const BasisRows& rows;
+  const std::vector<Triangle>& triangles;
+  const std::vector<VertexId>& mesh_vertices;
 };
 
 // One vertex: rest position (m) and its three rows of U, 3 x r, kg^-1/2.
@@ -58,10 +71,17 @@ class Model {
   // Unique entries of C and Q over the r coordinates, packed as in common/packed_index.h.
   std::span<const double> cubic() const { return potential_.cubic(); }
   std::span<const double> quartic() const { return potential_.quartic(); }
-  const VertexBlock& surface() const { return surface_; }                // rows has r columns
+  // The solid's boundary, whatever is drawn. rows has r columns.
+  const VertexBlock& surface() const { return surface_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }  // into surface()
-  const DefaultLoad& default_load() const { return default_load_; }      // may be empty
-  std::size_t vertex_count() const { return vertex_count_; }             // of the source mesh
+  // rows has r columns. nullptr: the file has none, or options.hull.
+  const RenderBlock* render() const { return render_ ? &*render_ : nullptr; }
+  DrawnSurface drawn() const {
+    if (!render_) return {surface_.rest, surface_.rows, triangles_, surface_.vertex_ids};
+    return {render_->surface.vertices, render_->rows, render_->surface.triangles, render_->anchors};
+  }
+  const DefaultLoad& default_load() const { return default_load_; }  // may be empty
+  std::size_t vertex_count() const { return vertex_count_; }         // of the source mesh
   std::size_t tetrahedron_count() const { return tetrahedron_count_; }
 
   Eigen::VectorXd frequencies_hz() const;  // sqrt(lambda) / 2 pi, r
@@ -72,18 +92,20 @@ class Model {
   // such vertex; what reading the file gives if the interior is read here. Thread-safe.
   Result<VertexRows> vertex(VertexId id) const;
 
-  // The surface's rows as they are multiplied for display (runtime/surface.h), made when they are
-  // first asked for: a model that is never shown pays nothing. Thread-safe; may throw bad_alloc.
+  // The drawn surface's rows as they are multiplied for display (runtime/surface.h), made when they
+  // are first asked for: a model that is never shown pays nothing. Thread-safe; may throw
+  // bad_alloc.
   const SurfaceBasis& surface_basis() const;
 
  private:
   Model(Potential potential, VertexBlock surface);
   static Result<std::shared_ptr<Model>> assemble(const BasisData& data, Eigen::Index modes,
-                                                 bool linear);
+                                                 const ModelOptions& options);
 
   Potential potential_;
   VertexBlock surface_;
   std::vector<Triangle> triangles_;
+  std::optional<RenderBlock> render_;
   DefaultLoad default_load_;
   std::size_t vertex_count_ = 0;
   std::size_t tetrahedron_count_ = 0;

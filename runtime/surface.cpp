@@ -7,6 +7,7 @@
 
 #include "runtime/clones.h"
 #include "runtime/lanes.h"
+#include "runtime/smooth_patches.h"
 
 #define TREMOLO_KERNEL "runtime/surface.inc"
 #include "runtime/every_machine.inc"
@@ -79,22 +80,23 @@ void write_scaled(const Sum* __restrict sums, const float* __restrict factors, s
         reinterpret_cast<const Four&>(sums[v]) * factors[v];
 }
 
-// The unit normals of all vertices from those of the triangles.
+// The unit normals of all groups from those of the triangles.
 void write_unit_normals(const SurfaceBasis& basis, const Sum* triangle_normals, float* out) {
   Sum sums[kBlock];
   float factors[kBlock];
-  for (std::size_t first = 0; first < basis.vertices; first += kBlock) {
-    const std::size_t count = std::min(kBlock, basis.vertices - first);
+  const std::size_t groups = basis.first_incident.size() - 1;
+  for (std::size_t first = 0; first < groups; first += kBlock) {
+    const std::size_t count = std::min(kBlock, groups - first);
     gather_normals(basis.first_incident.data() + first, basis.incident.data(), triangle_normals,
                    count, sums, factors);
     Eigen::Map<Eigen::ArrayXf> inverse(factors, static_cast<Eigen::Index>(count));
     // A sum of zero stays zero.
     inverse = inverse.max(std::numeric_limits<float>::min()).rsqrt();
-    const bool last = first + count == basis.vertices;
+    const bool last = first + count == groups;
     write_scaled(sums, factors, last ? count - 1 : count, out + 3 * first);
     if (!last) continue;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      out[3 * (basis.vertices - 1) + axis] = factors[count - 1] * sums[count - 1].value[axis];
+      out[3 * (groups - 1) + axis] = factors[count - 1] * sums[count - 1].value[axis];
   }
 }
 
@@ -105,27 +107,32 @@ const float* coordinates_of(const SurfaceBasis& rows, const Eigen::VectorXd& q,
   return workspace.coordinates.data();
 }
 
-void list_incident(const std::vector<Triangle>& triangles, SurfaceBasis& basis) {
-  basis.first_incident.assign(basis.vertices + 1, 0);
+void list_incident(const std::vector<Triangle>& triangles, std::size_t groups,
+                   SurfaceBasis& basis) {
+  const auto group = [&basis](VertexId corner) -> std::size_t {
+    const auto vertex = static_cast<std::size_t>(corner);
+    return basis.group_of.empty() ? vertex : basis.group_of[vertex];
+  };
+  basis.first_incident.assign(groups + 1, 0);
   for (const Triangle& triangle : triangles)
-    for (const VertexId corner : triangle) ++basis.first_incident[std::size_t(corner) + 1];
+    for (const VertexId corner : triangle) ++basis.first_incident[group(corner) + 1];
   std::partial_sum(basis.first_incident.begin(), basis.first_incident.end(),
                    basis.first_incident.begin());
   std::vector<std::uint32_t> next = basis.first_incident;
   basis.incident.resize(3 * triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (const VertexId corner : triangles[t])
-      basis.incident[next[std::size_t(corner)]++] = static_cast<std::uint32_t>(t);
+      basis.incident[next[group(corner)]++] = static_cast<std::uint32_t>(t);
 }
 
 // The integers of the block in order of rows, or nothing if some entry is no such multiple.
-std::vector<std::int32_t> integers_of(const VertexBlock& surface) {
-  if (surface.column_scales.size() != surface.rows.cols() || surface.rows.cols() == 0) return {};
+std::vector<std::int32_t> integers_of(const BasisRows& rows, const Eigen::VectorXd& scales) {
+  if (scales.size() != rows.cols() || rows.cols() == 0) return {};
   std::vector<std::int32_t> integers;
-  integers.reserve(static_cast<std::size_t>(surface.rows.size()));
-  for (Eigen::Index row = 0; row < surface.rows.rows(); ++row)
-    for (Eigen::Index i = 0; i < surface.rows.cols(); ++i) {
-      const double exact = surface.rows(row, i) / surface.column_scales[i];
+  integers.reserve(static_cast<std::size_t>(rows.size()));
+  for (Eigen::Index row = 0; row < rows.rows(); ++row)
+    for (Eigen::Index i = 0; i < rows.cols(); ++i) {
+      const double exact = rows(row, i) / scales[i];
       if (!(std::abs(exact) <= 32768.0) || std::abs(exact - std::nearbyint(exact)) > 1e-9)
         return {};
       integers.push_back(static_cast<std::int32_t>(std::lround(exact)));
@@ -133,26 +140,24 @@ std::vector<std::int32_t> integers_of(const VertexBlock& surface) {
   return integers;
 }
 
-}  // namespace
-
-SurfaceBasis make_surface_basis(const VertexBlock& surface,
-                                const std::vector<Triangle>& triangles) {
+// All but the triangles.
+SurfaceBasis arrange(const std::vector<Eigen::Vector3d>& rest, const BasisRows& basis,
+                     const Eigen::VectorXd& column_scales) {
   SurfaceBasis rows;
-  rows.vertices = surface.vertex_ids.size();
-  rows.modes = static_cast<std::size_t>(surface.rows.cols());
+  rows.vertices = rest.size();
+  rows.modes = static_cast<std::size_t>(basis.cols());
   const std::size_t count = 3 * rows.vertices;
   const std::size_t blocks = (count + kBlock - 1) / kBlock;
   rows.rest.resize(4 * blocks);
   for (std::size_t row = 0; row < count; ++row)
     rows.rest[row / kLane].value[row % kLane] =
-        static_cast<float>(surface.rest[row / 3][static_cast<Eigen::Index>(row % 3)]);
-  list_incident(triangles, rows);
-  const std::vector<std::int32_t> integers = integers_of(surface);
+        static_cast<float>(rest[row / 3][static_cast<Eigen::Index>(row % 3)]);
+  const std::vector<std::int32_t> integers = integers_of(basis, column_scales);
   if (integers.empty()) {
     rows.scales.assign(rows.modes, 1.0);
     rows.rows.resize(4 * blocks * rows.modes);
   } else {
-    for (const double scale : surface.column_scales) rows.scales.push_back(scale / 65536.0);
+    for (const double scale : column_scales) rows.scales.push_back(scale / 65536.0);
     rows.pairs.resize(2 * blocks * rows.modes);
   }
   for (std::size_t row = 0; row < count; ++row)
@@ -160,13 +165,30 @@ SurfaceBasis make_surface_basis(const VertexBlock& surface,
       const std::size_t column = row / kBlock * rows.modes + i;
       const std::size_t line = row % kBlock / kLane;
       if (integers.empty()) {
-        rows.rows[4 * column + line].value[row % kLane] = static_cast<float>(
-            surface.rows(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(i)));
+        rows.rows[4 * column + line].value[row % kLane] =
+            static_cast<float>(basis(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(i)));
       } else {
         const auto half = static_cast<std::uint32_t>(integers[row * rows.modes + i]) & 0xffffu;
         rows.pairs[2 * column + line / 2].value[row % kLane] |= half << (16 * (line % 2));
       }
     }
+  return rows;
+}
+
+}  // namespace
+
+SurfaceBasis make_surface_basis(const VertexBlock& surface,
+                                const std::vector<Triangle>& triangles) {
+  SurfaceBasis rows = arrange(surface.rest, surface.rows, surface.column_scales);
+  list_incident(triangles, rows.vertices, rows);
+  return rows;
+}
+
+SurfaceBasis make_surface_basis(const RenderBlock& render) {
+  SurfaceBasis rows = arrange(render.surface.vertices, render.rows, render.column_scales);
+  SmoothPatches patches = find_smooth_patches(render.surface);
+  if (patches.count < rows.vertices) rows.group_of = std::move(patches.group_of);
+  list_incident(render.surface.triangles, patches.count, rows);
   return rows;
 }
 
@@ -207,7 +229,15 @@ void surface_with_normals(const SurfaceBasis& rows, const std::vector<Triangle>&
   workspace.triangle_normals.resize(triangles.size());
   write_triangle_normals(triangles.data(), triangles.size(), workspace.positions.data(),
                          workspace.triangle_normals.data());
-  write_unit_normals(rows, workspace.triangle_normals.data(), normals.data());
+  if (rows.group_of.empty()) {
+    write_unit_normals(rows, workspace.triangle_normals.data(), normals.data());
+    return;
+  }
+  workspace.group_normals.resize(3 * (rows.first_incident.size() - 1));
+  write_unit_normals(rows, workspace.triangle_normals.data(), workspace.group_normals.data());
+  for (std::size_t v = 0; v < rows.vertices; ++v)
+    std::copy_n(workspace.group_normals.data() + 3 * std::size_t{rows.group_of[v]}, 3,
+                normals.data() + 3 * v);
 }
 
 }  // namespace tremolo

@@ -41,14 +41,16 @@ struct SurfaceBasis {
   std::vector<PairLine> pairs;  // 2 lines a block and column: 16-bit integers
   std::vector<double> scales;   // r: what a coordinate is multiplied by before the product
 
-  // The triangles at vertex v: incident[first_incident[v] .. first_incident[v + 1]).
-  std::vector<std::uint32_t> first_incident;  // s + 1
+  // Vertices that share a normal, g groups: s indices, or none if each has its own and g is s.
+  std::vector<std::uint32_t> group_of;
+  // The triangles at group v: incident[first_incident[v] .. first_incident[v + 1]).
+  std::vector<std::uint32_t> first_incident;  // g + 1
   std::vector<std::uint32_t> incident;        // 3t
 
   std::size_t blocks() const { return rest.size() / 4; }
   std::size_t bytes() const {
     return 64 * (rest.size() + rows.size() + pairs.size()) +
-           4 * (first_incident.size() + incident.size());
+           4 * (group_of.size() + first_incident.size() + incident.size());
   }
 };
 
@@ -56,6 +58,9 @@ struct SurfaceBasis {
 // loses nothing; else floats.
 // triangles: indices below s.
 SurfaceBasis make_surface_basis(const VertexBlock& surface, const std::vector<Triangle>& triangles);
+// The same for a render surface. Vertices that lie at one place and belong to one smooth patch
+// share a normal (runtime/smooth_patches.h): no crack shows where texture coordinates split them.
+SurfaceBasis make_surface_basis(const RenderBlock& render);
 
 // Scratch of one caller; grows at the first call that needs it.
 struct SurfaceWorkspace {
@@ -65,6 +70,7 @@ struct SurfaceWorkspace {
   std::vector<float> coordinates;     // r
   std::vector<float> positions;       // padded to whole blocks and one number more
   std::vector<Sum> triangle_normals;  // t
+  std::vector<float> group_normals;   // 3g, if vertices share normals
 };
 
 // coordinates_i = scales_i q_i for the leading q.size(): what write_surfaces() takes.

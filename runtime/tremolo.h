@@ -68,9 +68,16 @@ tremolo_status tremolo_model_load(const char* path, int32_t modes, tremolo_model
 tremolo_status tremolo_model_load_memory(const void* bytes, size_t size, int32_t modes,
                                          tremolo_model** model);
 
+/* The same, but what is drawn is the boundary of the tetrahedra even if the file has a render
+ * surface, which is then not read. */
+tremolo_status tremolo_model_load_hull(const char* path, int32_t modes, tremolo_model** model);
+
 void tremolo_model_release(tremolo_model* model);
 
-/* Sizes. They are 0 for NULL. */
+/* The surface below is what is drawn: the render surface that the file was given, else the boundary
+ * of the tetrahedra.
+ *
+ * Sizes. They are 0 for NULL. */
 size_t tremolo_model_modes(const tremolo_model* model);            /* r */
 size_t tremolo_model_surface_vertices(const tremolo_model* model); /* s */
 size_t tremolo_model_triangles(const tremolo_model* model);        /* t */
@@ -78,13 +85,38 @@ size_t tremolo_model_triangles(const tremolo_model* model);        /* t */
 /* Natural frequencies, Hz, ascending. length must be r. */
 tremolo_status tremolo_model_frequencies(const tremolo_model* model, double* out, size_t length);
 
-/* Corners, three a triangle, counter-clockwise from outside, as indices 0..s-1 into the surface's
+/* Corners, three a triangle, counter-clockwise from outside (a render surface: as it was), as
+ * indices 0..s-1 into the surface's
  * vertices (the order of tremolo_body_positions_*). length must be 3 t. */
 tremolo_status tremolo_model_triangle_corners(const tremolo_model* model, uint32_t* out,
                                               size_t length);
 
-/* Ids of the surface's vertices in the source mesh, ascending. length must be s. */
+/* For each of the surface's vertices the vertex of the source mesh to push: its own id, ascending, on
+ * the boundary; on a render surface the one that it follows most. length must be s. */
 tremolo_status tremolo_model_surface_ids(const tremolo_model* model, uint32_t* out, size_t length);
+
+/* What came with a render surface. Its vertices are split where normals or texture coordinates are.
+ * The boundary of the tetrahedra has none of it: counts are 0, the arrays are TREMOLO_USAGE. */
+int32_t tremolo_model_has_render(const tremolo_model* model);
+int32_t tremolo_model_has_uvs(const tremolo_model* model);
+int32_t tremolo_model_has_colours(const tremolo_model* model);
+size_t tremolo_model_materials(const tremolo_model* model);
+size_t tremolo_model_objects(const tremolo_model* model);
+
+/* The name, UTF-8, the model's; NULL if there is no such material or object. */
+const char* tremolo_model_material_name(const tremolo_model* model, size_t index);
+const char* tremolo_model_object_name(const tremolo_model* model, size_t index);
+
+/* For each triangle its material or object, from 0. length must be t. */
+tremolo_status tremolo_model_triangle_materials(const tremolo_model* model, uint32_t* out,
+                                                size_t length);
+tremolo_status tremolo_model_triangle_objects(const tremolo_model* model, uint32_t* out,
+                                              size_t length);
+
+/* Texture coordinates, u v u v ...: length must be 2 s. Colours, red green blue alpha, 0 to 255:
+ * length must be 4 s. TREMOLO_USAGE if the surface has none. */
+tremolo_status tremolo_model_uvs(const tremolo_model* model, float* out, size_t length);
+tremolo_status tremolo_model_colours(const tremolo_model* model, uint8_t* out, size_t length);
 
 /* ---- integrators ---- */
 
@@ -138,7 +170,8 @@ tremolo_status tremolo_body_positions_float(const tremolo_body* body, float* out
 tremolo_status tremolo_body_positions_double(const tremolo_body* body, double* out, size_t length);
 
 /* Positions as above and the unit normals of the vertices, x y z x y z ..., outwards, each triangle
- * counting with its area. length, of both buffers, must be 3 s. */
+ * counting with its area; vertices of a render surface that are split by texture coordinates only
+ * share theirs. length, of both buffers, must be 3 s. */
 tremolo_status tremolo_body_surface_float(const tremolo_body* body, float* positions,
                                           float* normals, size_t length);
 

@@ -246,7 +246,7 @@ Result<SurfaceView> World::surface(BodyId id) const {
   if (Status s = contents_->check_body(id); !s) return s.error();
   const WorldBody& body = contents_->bodies[id];
   if (!body.shown) return usage_error("body " + std::to_string(id) + " is not shown");
-  const std::size_t count = 3 * contents_->groups[body.group].model->surface().vertex_ids.size();
+  const std::size_t count = 3 * contents_->groups[body.group].model->drawn().rest.size();
   return SurfaceView{{body.surface.data(), count}, body.version};
 }
 

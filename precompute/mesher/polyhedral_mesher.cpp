@@ -93,7 +93,14 @@ TetMesh refine(const cgal::SurfaceMesh& polyhedron, const PolyhedralRequest& req
                           facet_distance = request.surface_error,
                           cell_radius_edge_ratio = kRadiusEdge, cell_size = sizing);
   Complex complex;
-  if (edges) CGAL::Mesh_3::internal::init_c3t3_with_features(complex, domain, criteria);
+  if (edges) {
+    CGAL::Mesh_error_code error{};
+    constexpr bool kNonlinear = false;
+    CGAL::Mesh_3::internal::init_c3t3_with_features(complex, domain, criteria, kNonlinear,
+                                                    request.most_on_edges, &error);
+    if (error != CGAL::Mesh_error_code{})
+      throw std::runtime_error("sharp edges stand too close to be kept");
+  }
   insert_seeds(request, domain, complex);
   CGAL::refine_mesh_3(complex, domain, criteria, manifold(), no_perturb(),
                       exude(sliver_bound = kSliverBound, time_limit = 0));

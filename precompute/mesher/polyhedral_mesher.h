@@ -25,6 +25,7 @@ struct PolyhedralRequest {
   double sharp_angle = 0;
   std::vector<Seed> seeds;
   std::size_t most_queries = 0;
+  std::size_t most_on_edges = 0;  // vertices on sharp edges; the mesher gives up behind them
 };
 
 // surface: a closed two-manifold, oriented outwards, without crossings; tree: over it. The same

@@ -25,8 +25,8 @@ constexpr double kMostSharp = 1.2;
 constexpr double kGoodAngle = 8.0;
 // Questions that a mesh of so many tetrahedra may ask: about the size, of which 4 a tetrahedron are
 // usual, and about the solid, of which up to 80 are.
-constexpr double kSizesPerTet = 40, kSizesAtLeast = 2e5;
-constexpr double kSidesPerTet = 200, kSidesAtLeast = 1e6;
+constexpr double kSizesPerTet = 20, kSizesAtLeast = 2e5;
+constexpr double kSidesPerTet = 80, kSidesAtLeast = 1e6;
 
 // Points on the border of the solid that keep a distance from each other: 1.2 times the size, less
 // on shells that would get only a few.
@@ -104,6 +104,8 @@ Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& pl
   if (sharp > 0 && sharp * plan.coarse < kMostSharp * area) {
     method = "as a polyhedron, its sharp edges kept";
     request.sharp_angle = kSharp;
+    // A cube of 10 000 tetrahedra has 160.
+    request.most_on_edges = 1'000 + static_cast<std::size_t>(0.2 * estimated_count(plan));
     with_edges = mesh_polyhedron(solid.surface, solid.tree, request);
     if (*with_edges && mesh_quality(**with_edges).min_dihedral_deg >= kGoodAngle)
       return *with_edges;

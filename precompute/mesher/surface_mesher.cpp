@@ -27,8 +27,6 @@ Status refuse_hopeless(const SurfaceSolid& solid, const SurfaceFindings& finding
       text("If it is a sheet, give it a thickness by --thicken, say --thicken %.2g (m)",
            0.02 * scaling.diagonal);
   const Openness open = openness(solid);
-  fprintf(stderr, "OPEN backed %.3f lacking %.3f holes %.3f onesided %zu\n", open.backed,
-          open.lacking, findings.hole_share, findings.one_sided_edges);
   if (open.lacking <= kMostLacking && open.backed >= kLeastBacked) return Success{};
   if (findings.one_sided_edges > 0)
     return content_error("the surface is one-sided, like a Moebius strip: it has no inside. " +

@@ -60,7 +60,8 @@ Result<MeshPlan> make_plan(const SurfaceSolid& solid, const SurfaceMeshOptions& 
       plan.walls.push_back({at.point, 2.0 * solid.half_thickness, 1.0});
   } else {
     const Inside inside =
-        solid.closed ? Inside() : Inside([&solid](const Eigen::Vector3d& x) { return solid.inside(x); });
+        solid.closed ? Inside()
+                     : Inside([&solid](const Eigen::Vector3d& x) { return solid.inside(x); });
     plan.walls = wall_samples(solid.surface, solid.tree, inside, kWallSamples);
   }
   const double wanted = options.tets > 0 ? options.tets : kDefaultTets;

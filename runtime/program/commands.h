@@ -9,8 +9,9 @@
 
 namespace tremolo {
 
-// Prints what a basis file holds and verifies every checksum.
-int inspect_command(const std::string& path, bool json);
+// Prints what a basis file holds and verifies every checksum; with a selector, the vertices that it
+// chooses instead.
+int inspect_command(const std::string& path, const std::string& select, bool json);
 
 // Runs every body of the list. json: one object on stdout, also when a run failed.
 int run_command(const std::vector<RunOptions>& bodies, bool json);

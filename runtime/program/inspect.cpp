@@ -7,8 +7,10 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "common/selector.h"
 #include "formats/basis_reader.h"
 #include "runtime/program/commands.h"
+#include "runtime/program/selection.h"
 
 namespace tremolo {
 namespace {
@@ -20,7 +22,32 @@ struct Contents {
   std::vector<double> frequencies;  // Hz
   Json provenance;                  // null if the file has none or it is no JSON
   DefaultLoad load;
+  std::optional<RenderBlock> render;
 };
+
+// What anybody may have written into the file's provenance. Copies and prints of a value go down by
+// recursion.
+Result<Json> parse_provenance(std::string_view text) {
+  constexpr int kDeepest = 64;
+  bool deep = false;
+  Json json = Json::parse(
+      text,
+      [&deep](int depth, Json::parse_event_t, Json&) {
+        deep = deep || depth > kDeepest;
+        return !deep;
+      },
+      false);
+  if (deep) return content_error("section 'provenance' is nested too deep");
+  if (json.is_discarded()) return content_error("section 'provenance' is not JSON");
+  return json;
+}
+
+// A section's name on a terminal.
+std::string shown(std::string name) {
+  for (char& c : name)
+    if (c < ' ' || c > '~') c = '?';
+  return name;
+}
 
 Result<Contents> read_contents(BasisReader& reader) {
   if (Status status = reader.verify_all(); !status) return status.error();
@@ -32,12 +59,15 @@ Result<Contents> read_contents(BasisReader& reader) {
   Result<DefaultLoad> load = read_default_load(reader);
   if (!load) return load.error();
   contents.load = std::move(*load);
+  Result<std::optional<RenderBlock>> render = read_render(reader);
+  if (!render) return render.error();
+  contents.render = std::move(*render);
   if (reader.has(layout::kProvenance)) {
     Result<std::string_view> text = reader.text(layout::kProvenance);
     if (!text) return text.error();
-    contents.provenance = Json::parse(*text, nullptr, false);
-    if (contents.provenance.is_discarded())
-      return content_error("section 'provenance' is not JSON");
+    Result<Json> provenance = parse_provenance(*text);
+    if (!provenance) return provenance.error();
+    contents.provenance = std::move(*provenance);
   }
   return contents;
 }
@@ -88,6 +118,51 @@ std::string encoding_text(const Json& encoding) {
   return text;
 }
 
+Json render_json(const std::optional<RenderBlock>& render) {
+  if (!render) return nullptr;
+  const RenderSurface& surface = render->surface;
+  return {{"vertices", surface.vertices.size()}, {"triangles", surface.triangles.size()},
+          {"objects", surface.objects},          {"materials", surface.materials},
+          {"normals", !surface.normals.empty()}, {"uvs", !surface.uvs.empty()},
+          {"colours", !surface.colours.empty()}};
+}
+
+void print_render(const RenderSurface& surface) {
+  std::string with;
+  if (!surface.normals.empty()) with += ", normals";
+  if (!surface.uvs.empty()) with += ", texture coordinates";
+  if (!surface.colours.empty()) with += ", colours";
+  fmt::print("  render surface: {} vertices, {} triangles{}\n", surface.vertices.size(),
+             surface.triangles.size(), with);
+  fmt::print("    objects: {}\n    materials: {}\n", fmt::join(surface.objects, ", "),
+             fmt::join(surface.materials, ", "));
+}
+
+// What --select asks for.
+int print_selection(BasisReader& reader, const Contents& contents, const std::string& select,
+                    bool json) {
+  const Result<VertexBlock> surface =
+      reader.vertex_block(layout::kSurfaceIds, layout::kSurfaceRest, layout::kSurfaceBasis);
+  if (!surface) return report_error(surface.error());
+  const Result<Selection> chosen =
+      select_on_boundary(select, {*surface, contents.render ? &*contents.render : nullptr,
+                                  contents.load, reader.dimensions().vertices});
+  if (!chosen) return report_error(chosen.error());
+  if (json) {
+    const BoundingBox box = bounding_box(chosen->places);
+    std::cout << Json{{"selector", select},
+                      {"vertices", chosen->ids},
+                      {"low", {box.low.x(), box.low.y(), box.low.z()}},
+                      {"high", {box.high.x(), box.high.y(), box.high.z()}}}
+                     .dump(2, ' ', false, Json::error_handler_t::replace)
+              << "\n";
+  } else {
+    std::cout << describe_vertices(chosen->ids, chosen->places) << "\n";
+  }
+  if (!std::cout.flush()) return report_error(system_error("standard output cannot be written"));
+  return 0;
+}
+
 Json to_json(const std::string& path, const BasisReader& reader, const Contents& contents) {
   const BasisDimensions& d = reader.dimensions();
   const Json& provenance = contents.provenance;
@@ -104,6 +179,7 @@ Json to_json(const std::string& path, const BasisReader& reader, const Contents&
   json["fixed_vertices"] = d.fixed;
   json["surface_vertices"] = d.surface_vertices;
   json["triangles"] = d.triangles;
+  json["render"] = render_json(contents.render);
   json["frequencies_hz"] = contents.frequencies;
   json["explicit_step_limit_s"] = step_limit(contents);
   json["mass_orthonormality_error"] =
@@ -120,7 +196,9 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
              reader.minor_version());
   fmt::print("  {} vertices ({} on the surface, {} fixed), {} tetrahedra, {} triangles\n",
              d.vertices, d.surface_vertices, d.fixed, d.tetrahedra, d.triangles);
-  fmt::print("  {} coordinates from {} linear modes{}\n", d.modes, d.linear_modes,
+  if (contents.render) print_render(contents.render->surface);
+  fmt::print("  {} coordinates{}{}\n", d.modes,
+             d.linear_modes > 0 ? fmt::format(" from {} linear modes", d.linear_modes) : "",
              d.rigid > 0 ? fmt::format("; a free body, {} rigid motions left out", d.rigid) : "");
   fmt::print("  {}\n", encoding_text(encoding_json(reader, contents.provenance)));
   if (reader.linear()) fmt::print("  a linear model: no cubic, no quartic terms\n");
@@ -133,19 +211,20 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
   }
   fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", "section", "bytes", "rows", "columns");
   for (const BasisSection& s : reader.sections())
-    fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", s.name, s.size, s.rows, s.columns);
+    fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", shown(s.name), s.size, s.rows, s.columns);
   if (contents.provenance.is_object())
     fmt::print("{}\n", contents.provenance.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace
 
-int inspect_command(const std::string& path, bool json) {
+int inspect_command(const std::string& path, const std::string& select, bool json) {
   Result<BasisReader> reader = BasisReader::open(path);
   if (!reader) return report_error(reader.error());
   Result<Contents> contents = read_contents(*reader);
   if (!contents)
     return report_error({contents.error().kind, path + ": " + contents.error().message});
+  if (!select.empty()) return print_selection(*reader, *contents, select, json);
   if (json)
     std::cout
         << to_json(path, *reader, *contents).dump(2, ' ', false, Json::error_handler_t::replace)

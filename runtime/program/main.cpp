@@ -10,6 +10,7 @@
 #include "runtime/integrators/integrator.h"
 #include "runtime/program/bench/bench.h"
 #include "runtime/program/commands.h"
+#include "runtime/program/export.h"
 #include "runtime/program/reproduce/reproduce.h"
 
 namespace tremolo {
@@ -25,8 +26,9 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
   run.add_flag("--linear", o.linear, "leave the cubic and quartic terms out: not read, not kept");
   run.add_option("--load", o.load, "impulse (3 ms), square (0.3 s), sine (1 Hz), constant, none")
       ->capture_default_str();
-  run.add_option("--at", o.at, "vertex that the load acts on (default: the model's)");
-  run.add_option("--force", o.force, "with --at: X,Y,Z in N");
+  run.add_option("--at", o.at,
+                 "what the load acts on, a vertex's id or a selector (default: the model's)");
+  run.add_option("--force", o.force, "with --at: X,Y,Z in N, shared by the vertices");
   run.add_option("--scale", o.scale, "multiplies the load")->capture_default_str();
   run.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
   run.add_option("--beta", o.beta, "Rayleigh damping of the rest stiffness, s");
@@ -47,6 +49,7 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
   run.add_option("--surface-format", o.surface_format, "ply, obj or inc (POV-Ray)")
       ->check(CLI::IsMember({"ply", "obj", "inc"}))
       ->capture_default_str();
+  run.add_flag("--hull", o.hull, "show the boundary of the tetrahedra, not the render surface");
 }
 
 void add_bench_flags(CLI::App& bench, bench::Options& o, bool& quick) {
@@ -91,9 +94,22 @@ void add_reproduce_flags(CLI::App& reproduce, ReproduceOptions& o) {
   reproduce.add_flag("--json", o.json, "print the criteria as one JSON object on stdout");
 }
 
+void add_export_flags(CLI::App& app, ExportOptions& o) {
+  app.add_option("file", o.model, "basis file")->required();
+  app.add_option("--cub", o.cub, "VegaFEM's reduced forces, .cub");
+  app.add_option("--U", o.u,
+                 "VegaFEM's basis, .U, over all vertices in the mesh's order. Tremolo's is "
+                 "orthonormal in the consistent mass unless it was made with --mass lumped");
+  app.add_option("--vtu", o.vtu,
+                 "the modes as point data of the surface, .vtu (tremolo-precompute --modes-vtu "
+                 "writes them on the tetrahedra)");
+}
+
 struct Request {
+  ExportOptions exported;
   ReproduceOptions reproduce;
   std::string file;
+  std::string select;
   bool json = false;
   std::vector<std::string> directories;
   std::string picture;
@@ -108,6 +124,7 @@ struct Parser {
   CLI::App* inspect = nullptr;
   CLI::App* run = nullptr;
   CLI::App* plot = nullptr;
+  CLI::App* exporter = nullptr;
   CLI::App* bench = nullptr;
   CLI::App* reproduce = nullptr;
 
@@ -117,6 +134,8 @@ struct Parser {
     app.require_subcommand(1);
     inspect = app.add_subcommand("inspect", "show what a basis file holds, verify its checksums");
     inspect->add_option("file", request.file, "basis file")->required();
+    inspect->add_option("--select", request.select,
+                        "print the boundary's vertices that a selector chooses, and nothing else");
     inspect->add_flag("--json", request.json, "print one JSON object on stdout");
     run = app.add_subcommand("run", "integrate a model or a scene");
     run->add_option("file", request.file, "basis file, or scene.toml")->required();
@@ -125,6 +144,8 @@ struct Parser {
     plot = app.add_subcommand("plot", "energy over time of several runs in one picture");
     plot->add_option("runs", request.directories, "directories of tremolo run --out")->required();
     plot->add_option("-o,--output", request.picture, ".svg or .png")->required();
+    exporter = app.add_subcommand("export", "write a model in the formats of VegaFEM and ParaView");
+    add_export_flags(*exporter, request.exported);
     bench = app.add_subcommand("bench", "run time against error and stability of all methods");
     add_bench_flags(*bench, request.bench, request.quick);
     reproduce =
@@ -162,8 +183,9 @@ int run_program(int count, char** words) {
     const int code = parser.app.exit(error, std::cout, std::cerr);
     return code == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
   }
-  if (*parser.inspect) return inspect_command(request.file, request.json);
+  if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
+  if (*parser.exporter) return export_command(request.exported);
   if (*parser.bench) {
     if (request.quick) shorten(*parser.bench, request.bench);
     return bench::run(request.bench);

@@ -2,10 +2,10 @@
 
 #include <filesystem>
 #include <fstream>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
+#include "formats/atomic_file.h"
 #include "runtime/program/commands.h"
 #include "runtime/program/report/gnuplot.h"
 
@@ -27,10 +27,9 @@ std::string curves(const std::vector<PlotSource>& sources, const char* column) {
   return plot + "\n";
 }
 
-std::string script(const std::vector<PlotSource>& sources, const std::string& output, bool svg) {
+std::string script(const std::vector<PlotSource>& sources, bool svg) {
   std::string text = svg ? "set terminal svg size 960,640 font 'sans,14' background 'white'\n"
                          : "set terminal pngcairo size 960,640 font 'sans,11'\n";
-  text += "set output " + gnuplot_quoted(output) + "\n";
   text +=
       "set datafile separator ','\nset key autotitle columnhead\n"
       "set key outside top right horizontal\nset grid lc rgb '#dddddd'\nset border 3\nset tics "
@@ -49,15 +48,9 @@ Status plot_energies(const std::vector<PlotSource>& sources, const std::string& 
   const std::string ending = fs::path(output).extension().string();
   if (ending != ".svg" && ending != ".png")
     return Error{ErrorKind::kUsage, output + ": a plot ends in .svg or .png"};
-  const std::string partial = fmt::format("{}.partial-{}{}", output, ::getpid(), ending);
-  std::error_code error;
-  if (Status drawn = run_gnuplot(script(sources, partial, ending == ".svg")); !drawn) {
-    fs::remove(partial, error);
-    return Error{drawn.error().kind, output + ": " + drawn.error().message};
-  }
-  fs::rename(partial, output, error);
-  if (error) return system_error(output + ": cannot write: " + error.message());
-  return Success{};
+  const Result<std::string> picture = run_gnuplot(script(sources, ending == ".svg"));
+  if (!picture) return Error{picture.error().kind, output + ": " + picture.error().message};
+  return write_file(output, *picture);
 }
 
 int plot_command(const std::vector<std::string>& directories, const std::string& output) {

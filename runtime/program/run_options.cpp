@@ -3,10 +3,10 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include <toml++/toml.h>
+
+#include "formats/whole_file.h"
 
 namespace tremolo {
 namespace {
@@ -37,6 +37,17 @@ bool store_list(const toml::node& node, std::vector<int>& target) {
   return true;
 }
 
+// A vertex or a selector.
+bool store_at(const toml::node& node, std::string& target) {
+  if (const auto vertex = node.value_exact<std::int64_t>()) {
+    target = std::to_string(*vertex);
+    return true;
+  }
+  const auto selector = node.value_exact<std::string>();
+  if (selector) target = *selector;
+  return selector.has_value();
+}
+
 struct Key {
   std::string_view name;
   Store store;
@@ -50,7 +61,7 @@ constexpr Key kKeys[] = {
     {"modes", [](const toml::node& n, RunOptions& o) { return store(n, o.modes); }},
     {"linear", [](const toml::node& n, RunOptions& o) { return store(n, o.linear); }},
     {"load", [](const toml::node& n, RunOptions& o) { return store(n, o.load); }},
-    {"at", [](const toml::node& n, RunOptions& o) { return store(n, o.at); }},
+    {"at", [](const toml::node& n, RunOptions& o) { return store_at(n, o.at); }},
     {"force", [](const toml::node& n, RunOptions& o) { return store(n, o.force); }},
     {"scale", [](const toml::node& n, RunOptions& o) { return store(n, o.scale); }},
     {"alpha", [](const toml::node& n, RunOptions& o) { return store(n, o.alpha); }},
@@ -70,6 +81,7 @@ constexpr Key kKeys[] = {
     {"surfaces", [](const toml::node& n, RunOptions& o) { return store(n, o.surfaces); }},
     {"surface-format",
      [](const toml::node& n, RunOptions& o) { return store(n, o.surface_format); }},
+    {"hull", [](const toml::node& n, RunOptions& o) { return store(n, o.hull); }},
 };
 
 Error error_at(const std::string& path, const toml::source_region& where, const std::string& what) {
@@ -95,6 +107,22 @@ Status read_body(const std::string& path, const toml::table& table, RunOptions& 
   return Success{};
 }
 
+// A dotted key a.b.c is a table in a table, and those are built and destroyed by recursion: without
+// a bound a small file could exhaust the stack. Scenes need neither dotted keys nor inline tables.
+Status check_nesting(std::string_view text, const std::string& path) {
+  constexpr int kDotsOfLine = 64, kBraces = 64;
+  int line = 1, dots = 0, braces = 0;
+  for (const char c : text) {
+    dots = c == '\n' ? 0 : dots + (c == '.' ? 1 : 0);
+    braces += c == '{' ? 1 : 0;
+    if (dots > kDotsOfLine || braces > kBraces)
+      return content_error(path + ": line " + std::to_string(line) +
+                           ": tables in tables: a scene has one table a body, with plain keys");
+    line += c == '\n' ? 1 : 0;
+  }
+  return Success{};
+}
+
 }  // namespace
 
 Result<Eigen::Vector3d> parse_force(const std::string& text) {
@@ -113,11 +141,16 @@ Result<Eigen::Vector3d> parse_force(const std::string& text) {
 }
 
 Result<std::vector<RunOptions>> read_scene(const std::string& path) {
-  std::ifstream stream(path);
-  if (!stream) return system_error(path + ": cannot open");
+  const Result<std::string> text = read_whole_file(path);
+  if (!text) return text.error();
+  return parse_scene(*text, path);
+}
+
+Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path) {
+  if (Status status = check_nesting(text, path); !status) return status.error();
   toml::table scene;
   try {
-    scene = toml::parse(stream, path);
+    scene = toml::parse(text, path);
   } catch (const toml::parse_error& error) {
     return error_at(path, error.source(), std::string(error.description()));
   }

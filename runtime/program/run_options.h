@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,8 +21,8 @@ struct RunOptions {
   int modes = 0;                // leading coordinates to keep; 0: all
   bool linear = false;          // without the cubic and quartic terms
   std::string load = "square";  // impulse, square, sine, constant, none
-  int at = -1;                  // vertex; with force; else the model's default load
-  std::string force;            // "X,Y,Z" in N
+  std::string at;               // vertex or selector; with force; else the model's default load
+  std::string force;            // "X,Y,Z" in N, shared by the vertices
   double scale = 1.0;
   double alpha = 0.0, beta = 0.0;
   double newmark_beta = 0.25, newmark_gamma = 0.5;
@@ -36,6 +37,7 @@ struct RunOptions {
   bool plot = false;
   int surfaces = 0;                    // surface files, evenly spaced in time
   std::string surface_format = "ply";  // ply, obj or inc
+  bool hull = false;                   // of the solid's boundary, not of a render surface
 };
 
 // "X,Y,Z" -> vector; kUsage otherwise.
@@ -45,5 +47,7 @@ Result<Eigen::Vector3d> parse_force(const std::string& text);
 // to the scene file. Errors: kSystem if unreadable; kContent with file, line and the wrong key or
 // type.
 Result<std::vector<RunOptions>> read_scene(const std::string& path);
+// The same of the file's contents; `path` stands in errors and `model` is relative to it.
+Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path);
 
 }  // namespace tremolo

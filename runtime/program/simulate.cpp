@@ -1,23 +1,28 @@
 #include "runtime/program/simulate.h"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "formats/render_writer.h"
 #include "formats/surface_writer.h"
 #include "runtime/program/energy_bound.h"
 #include "runtime/program/plot.h"
 #include "runtime/program/recorder.h"
+#include "runtime/program/selection.h"
 
 namespace tremolo {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kPicture = "energy.svg";
 constexpr std::int64_t kStretchEvery = 10;  // steps; the shape moves by the slow modes
 
 Error usage_error(std::string message) {
@@ -47,18 +52,35 @@ Status check(const RunOptions& options) {
   if (options.surfaces < 0) return content_error("--surfaces must not be negative");
   if ((options.surfaces > 0 || options.plot) && options.out.empty())
     return usage_error("--surfaces and --plot need --out DIR");
-  if (options.at < -1) return content_error("--at must not be negative");
-  if ((options.at >= 0) != !options.force.empty())
+  if (options.at.empty() != options.force.empty())
     return usage_error("--at and --force belong together");
   if (!std::isfinite(options.scale)) return content_error("--scale must be finite");
   return Success{};
+}
+
+// --at and --force: on one vertex, or shared by those of a selector.
+Result<DefaultLoad> spread_force(const RunOptions& options, const Model& model,
+                                 const Eigen::Vector3d& force) {
+  VertexId vertex = 0;
+  const char* end = options.at.data() + options.at.size();
+  const auto [stop, code] = std::from_chars(options.at.data(), end, vertex);
+  if (stop == end && code == std::errc{}) {
+    if (vertex < 0) return content_error("--at must not be negative");
+    return DefaultLoad{{vertex}, {force}};
+  }
+  const Result<Selection> chosen = select_on_boundary(
+      options.at, {model.surface(), model.render(), model.default_load(), model.vertex_count()});
+  if (!chosen) return chosen.error();
+  const Eigen::Vector3d share =
+      force / static_cast<double>(std::max<std::size_t>(1, chosen->ids.size()));
+  return DefaultLoad{chosen->ids, std::vector<Eigen::Vector3d>(chosen->ids.size(), share)};
 }
 
 Status add_load(const RunOptions& options, Body& body) {
   Result<Signal> signal = parse_signal(options.load);
   if (!signal) return signal.error();
   if (signal->kind == SignalKind::kNone) return Success{};
-  if (options.at < 0) {
+  if (options.at.empty()) {
     if (body.model().default_load().vertices.empty())
       return usage_error(options.model +
                          ": the model has no default load; name one with --at and --force, or "
@@ -67,13 +89,15 @@ Status add_load(const RunOptions& options, Body& body) {
   }
   Result<Eigen::Vector3d> force = parse_force(options.force);
   if (!force) return force.error();
-  Result<Eigen::VectorXd> reduced = reduce_force(body.model(), options.at, *force);
+  const Result<DefaultLoad> load = spread_force(options, body.model(), *force);
+  if (!load) return load.error();
+  Result<Eigen::VectorXd> reduced = reduce_load(body.model(), *load, options.scale);
   if (!reduced) return value_error(reduced.error());
-  if (reduced->isZero(0.0))
-    return content_error("--at " + std::to_string(options.at) +
-                         ": the vertex does not move (it is "
-                         "fixed or belongs to no tetrahedron), or the force is zero");
-  return body.add_load(*signal, options.at, options.scale * *force);
+  if (options.scale != 0.0 && reduced->isZero(0.0))
+    return content_error("--at " + options.at +
+                         ": no vertex there moves (they are fixed or belong to no tetrahedron), or "
+                         "the force is zero");
+  return body.add_load({*signal, std::move(*reduced)});
 }
 
 Result<Body> make_body(const RunOptions& options) {
@@ -81,7 +105,8 @@ Result<Body> make_body(const RunOptions& options) {
   if (std::find(names.begin(), names.end(), options.integrator) == names.end())
     return usage_error(fmt::format("unknown integrator '{}'; there are {}", options.integrator,
                                    fmt::join(names, ", ")));
-  Result<Model::Pointer> model = Model::load(options.model, {options.modes, options.linear});
+  Result<Model::Pointer> model =
+      Model::load(options.model, {options.modes, options.linear, options.hull});
   if (!model) return value_error(model.error());
   IntegratorOptions settings;
   settings.step = options.step;
@@ -101,7 +126,21 @@ Result<Body> make_body(const RunOptions& options) {
   return body;
 }
 
+// The author's surface where the body is now.
+Status write_render_shape(const Body& body, const std::string& path) {
+  RenderSurface surface = body.model().render()->surface;
+  const std::size_t count = 3 * surface.vertices.size();
+  surface.normals.resize(surface.vertices.size());
+  std::vector<float> positions(count);  // of the normals; those that are written are exact
+  const Status normals = body.surface(positions, std::span(surface.normals[0].data(), count));
+  if (!normals) return normals;
+  const Status exact = body.surface_positions(std::span<double>(surface.vertices[0].data(), count));
+  if (!exact) return exact;
+  return write_render_surface(path, surface);
+}
+
 Status write_shape(const Body& body, const std::string& path) {
+  if (body.model().render() != nullptr) return write_render_shape(body, path);
   SurfaceMesh surface;
   surface.vertices.resize(body.model().surface().vertex_ids.size());
   surface.triangles = body.model().triangles();
@@ -110,6 +149,35 @@ Status write_shape(const Body& body, const std::string& path) {
                                3 * surface.vertices.size());
   if (Status status = body.surface_positions(flat); !status) return status;
   return write_surface(path, surface);
+}
+
+// "surface-0012.ply", as write_due_surface() calls it.
+bool is_surface_name(const std::string& name) {
+  constexpr std::string_view kStart = "surface-";
+  const std::size_t dot = name.find('.');
+  if (!name.starts_with(kStart) || dot == std::string::npos || dot < kStart.size() + 4)
+    return false;
+  const std::string_view ending = std::string_view(name).substr(dot);
+  return std::all_of(name.begin() + kStart.size(), name.begin() + static_cast<std::ptrdiff_t>(dot),
+                     [](char c) { return c >= '0' && c <= '9'; }) &&
+         (ending == ".ply" || ending == ".obj" || ending == ".inc");
+}
+
+// Surfaces and picture of an earlier run into the same folder do not belong to this one.
+Status remove_leftovers(const std::string& folder, const std::vector<std::string>& written) {
+  std::error_code error, ignored;
+  std::vector<fs::path> old;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    if ((is_surface_name(name) || name == kPicture) && at->is_regular_file(ignored) &&
+        std::find(written.begin(), written.end(), (fs::path(folder) / name).string()) ==
+            written.end())
+      old.push_back(at->path());
+  }
+  for (const fs::path& path : old)
+    if (!error) fs::remove(path, error);
+  if (error) return system_error(folder + ": cannot remove old surfaces: " + error.message());
+  return Success{};
 }
 
 // Everything that is watched and written while a body runs.
@@ -139,12 +207,13 @@ class Watch {
     const std::string csv = (fs::path(options_.out) / "run.csv").string();
     if (Status status = recorder_.write(csv); !status) return status;
     report.files.push_back(csv);
-    if (!options_.plot) return Success{};
-    const std::string picture = (fs::path(options_.out) / "energy.svg").string();
-    if (Status status = plot_energies({{options_.integrator, csv}}, picture); !status)
-      return status;
-    report.files.push_back(picture);
-    return Success{};
+    if (options_.plot) {
+      const std::string picture = (fs::path(options_.out) / kPicture).string();
+      if (Status status = plot_energies({{options_.integrator, csv}}, picture); !status)
+        return status;
+      report.files.push_back(picture);
+    }
+    return remove_leftovers(options_.out, report.files);
   }
 
  private:

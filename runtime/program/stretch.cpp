@@ -37,7 +37,7 @@ SurfaceStretch::SurfaceStretch(const Model& model)
 
 StretchRange SurfaceStretch::measure(const Body& body) {
   StretchRange range;
-  if (!body.surface_positions(std::span<double>(positions_))) return range;
+  if (!body.boundary_positions(positions_)) return range;
   double smallest = 1.0, largest = 1.0;  // squared
   const auto position = [&](VertexId vertex) {
     return Eigen::Vector3d::Map(positions_.data() + 3 * static_cast<std::size_t>(vertex));

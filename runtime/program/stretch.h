@@ -1,4 +1,4 @@
-// How far a body's surface is stretched and squeezed: tells when an amplitude is more than the
+// How far a body's boundary is stretched and squeezed: tells when an amplitude is more than the
 // material can bear.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace tremolo {
 // below s = 1/sqrt(3), and nothing keeps an element from turning inside out.
 inline constexpr double kSofteningStretch = 0.57735;
 
-// Smallest and largest principal stretch over a surface's triangles, dimensionless, 1 at rest.
+// Smallest and largest principal stretch over the boundary's triangles, dimensionless, 1 at rest.
 struct StretchRange {
   double smallest = 1.0;
   double largest = 1.0;

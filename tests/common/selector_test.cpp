@@ -51,6 +51,102 @@ TEST(Selector, ABoxIncludesItsBounds) {
   expect_selected("box:0.5,-1,-1,1.5,0.5,9", {1, 7});
 }
 
+TEST(Selector, PercentagesAreOfTheExtent) {
+  expect_selected("x<50%", {0, 3, 6, 9});
+  expect_selected("x<=50%", {0, 1, 3, 4, 6, 7, 9, 10});
+  expect_selected("x>=100%", {2, 5, 8, 11});
+  expect_selected("x<=0%", {0, 3, 6, 9});
+  expect_selected("box:50%,0%,0%,100%,100%,0%", {1, 2, 4, 5});
+  expect_selected("sphere:0%,0%,0%,41%", {0, 1, 3, 6});  // the diagonal is sqrt(6): 1.004 m
+}
+
+TEST(Selector, PercentagesStartAtTheLowEndOfWhatCanBeChosen) {
+  TetMesh mesh = two_cubes();
+  for (Eigen::Vector3d& x : mesh.vertices) x += Eigen::Vector3d(10, 0.1, -3);
+  mesh.vertices.emplace_back(-100, 0, 0);  // belongs to no tetrahedron
+  EXPECT_EQ(*select("x<50%", mesh), (Ids{0, 3, 6, 9}));
+  EXPECT_EQ(*select("y>=100%", mesh), (Ids{3, 4, 5, 9, 10, 11})) << "the end itself";
+}
+
+TEST(Selector, ASphereIncludesItsSurface) {
+  expect_selected("sphere:0,0,0,1", {0, 1, 3, 6});
+  expect_selected("sphere:2,1,1,0", {11});
+}
+
+TEST(Selector, APlaneChoosesItselfAndTheSideOfItsNormal) {
+  expect_selected("plane:1,0,0,1,0,0", {1, 2, 4, 5, 7, 8, 10, 11});
+  expect_selected("plane:1,0,0,-2,0,0", {0, 1, 3, 4, 6, 7, 9, 10});
+  expect_selected("plane:50%,0,0;1,0,0", {1, 2, 4, 5, 7, 8, 10, 11});
+  // Through (1, 0, 0), (0, 1, 0) and (0, 0, 1), away from the origin.
+  expect_selected("plane:1,0,0,1,1,1", {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
+  expect_selected("plane:1,0,0,-1,-1,-1", {0, 1, 3, 6});
+}
+
+TEST(Selector, NearChoosesTheNearestAndOfEqualsTheFirst) {
+  expect_selected("near:2.1,0.9,1.4", {11});
+  expect_selected("near:1.9,0,0,2", {1, 2});
+  expect_selected("near:100%,100%,100%,1", {11});
+  expect_selected("near:0.5,0,0", {0});
+  expect_selected("near:0,0,0,1000", {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
+}
+
+TEST(Selector, ColoursAreChosenWithinATolerance) {
+  TetMesh mesh = two_cubes();
+  mesh.colours.assign(12, Colour{255, 255, 255, 255});
+  mesh.colours[3] = {255, 0, 0, 255};
+  mesh.colours[4] = {200, 60, 10, 255};
+  mesh.colours[5] = {255, 0, 0, 0};  // bare
+  mesh.colours[7] = {190, 0, 0, 255};
+  EXPECT_EQ(*select("colour:red", mesh), (Ids{3, 4}));
+  EXPECT_EQ(*select("color:Red", mesh), (Ids{3, 4}));
+  EXPECT_EQ(*select("colour:#ff0000,0", mesh), (Ids{3}));
+  EXPECT_EQ(*select("colour:red,65", mesh), (Ids{3, 4, 7}));
+  const Result<Ids> none = select("colour:blue", mesh);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().kind, ErrorKind::kContent);
+  for (const char* part : {"(2, 1, 1)", "`foot`", "#ffffff (8 vertices)", "#c83c0a (1 vertices)"})
+    EXPECT_NE(none.error().message.find(part), std::string::npos) << none.error().message;
+  EXPECT_NE(select("colour:red", two_cubes()).error().message.find("not painted"),
+            std::string::npos);
+}
+
+// As deep as a command line can be long: neither the stack nor memory may grow with its square.
+TEST(Selector, AChainOfManyPartsIsAListAndNotATower) {
+  constexpr std::size_t kParts = 20'000;
+  std::string text = "x<1";
+  for (std::size_t n = 1; n < kParts; ++n) text += " and x<1";
+  const Result<Selector> selector = parse_selector(text);
+  ASSERT_TRUE(selector) << selector.error().message;
+  EXPECT_EQ(selector->text, text);
+  EXPECT_EQ(selector->further.size(), kParts - 1);
+  for (const Selector& part : selector->further) ASSERT_EQ(part.text, "x<1");
+}
+
+TEST(Selector, AndKeepsWhatIsInAll) {
+  expect_selected("x<=1 and y>0.5", {3, 4, 9, 10});
+  expect_selected("x<=1 and y>0.5 and vertex:4,5", {4});
+  expect_selected("foot and y<1", {0});
+  EXPECT_EQ(select("x<1 and x>1", two_cubes()).error().kind, ErrorKind::kContent);
+  EXPECT_EQ(select("x<1 and feet", two_cubes()).error().kind, ErrorKind::kUsage);
+}
+
+TEST(Selector, EverySetCanBeReachedByItsName) {
+  TetMesh mesh = two_cubes();
+  mesh.node_sets["x<1"] = {7};
+  mesh.node_sets["none"] = {8};
+  mesh.node_sets["head and shoulders"] = {9};
+  EXPECT_EQ(*select("set:x<1", mesh), (Ids{7}));
+  EXPECT_EQ(*select("set:none", mesh), (Ids{8}));
+  EXPECT_EQ(*select("head and shoulders", mesh), (Ids{9}));
+}
+
+TEST(Selector, AListOfVerticesIsDescribedWithItsBox) {
+  const TetMesh mesh = two_cubes();
+  EXPECT_EQ(describe_vertices({0, 5}, {mesh.vertices[0], mesh.vertices[5]}),
+            "2 vertices from (0, 0, 0) to (2, 1, 0) m: 0 5");
+  EXPECT_EQ(describe_vertices({}, {}), "no vertex");
+}
+
 TEST(Selector, VertexListsAreSortedAndWithoutRepeats) {
   expect_selected("vertex:7", {7});
   expect_selected("vertex:7,1,7,3", {1, 3, 7});
@@ -138,7 +234,29 @@ TEST(Selector, MalformedTextsAreUsageErrorsThatShowTheGrammar) {
                            "vertex:1.5",
                            "vertex:99999999999",
                            "file:",
-                           "file:  "}) {
+                           "file:  ",
+                           "x<1%%",
+                           "x<%",
+                           "sphere:0,0,0",
+                           "sphere:0,0,0,-1",
+                           "plane:0,0,0,0,0,0",
+                           "plane:1,0,0,1",
+                           "plane:0,0,0,50%,0,0",
+                           "near:1,2",
+                           "near:1,2,3,0",
+                           "near:1,2,3,x",
+                           "near:1,2,3,4,5",
+                           "colour:",
+                           "colour:reddish",
+                           "colour:#ff00",
+                           "colour:#gg0000",
+                           "colour:#+f0000",
+                           "colour:red,256",
+                           "colour:red,-1",
+                           "set:",
+                           "x<1 and ",
+                           "x<1 and none",
+                           "none and x<1"}) {
     const Result<Selector> selector = parse_selector(text);
     ASSERT_FALSE(selector) << text;
     EXPECT_EQ(selector.error().kind, ErrorKind::kUsage) << text;

@@ -43,6 +43,18 @@ TEST_F(Experiments, BenchWritesItsPageAndRemembersWhatItHasDone) {
   EXPECT_EQ(testing::slurp(at("small/bench.csv")), rows) << "a second start measured anew";
 }
 
+TEST_F(Experiments, BenchOnAFullDiskSaysSoAndItsOldPageStays) {
+  const auto first = tremolo(kSmallBench);
+  ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;
+  const std::string page = testing::slurp(at("small/index.html"));
+  // A limit of 2 or 4 kB on the size of a file stands in for the disk; the page is larger.
+  const auto second = testing::run_program(
+      folder_.path(), "ulimit -f 4; " TREMOLO_BIN_DIR "/tremolo " + kSmallBench);
+  EXPECT_EQ(second.code, 1) << second.err;
+  EXPECT_NE(second.err.find("small/"), std::string::npos) << second.err;
+  EXPECT_EQ(testing::slurp(at("small/index.html")), page);
+}
+
 TEST_F(Experiments, BenchRefusesWhatItDoesNotKnow) {
   const std::string models = " --models-dir '" TREMOLO_MODEL_DIR "'";
   const auto unknown = tremolo("bench --integrators leapfrog" + models);

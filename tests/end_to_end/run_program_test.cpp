@@ -2,6 +2,7 @@
 #include "tests/support/run_program.h"
 
 #include <filesystem>
+#include <set>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -120,6 +121,26 @@ TEST_F(RunProgram, WritesARowForEachRecordedMomentWithTheChosenColumns) {
   EXPECT_EQ(rows, 11);  // 100 steps and the start
   EXPECT_TRUE(std::filesystem::exists(folder_ + "/result/surface-0001.obj"));
   EXPECT_TRUE(json::parse(slurp(folder_ + "/result/report.json")).contains("energy_drift_max"));
+}
+
+TEST_F(RunProgram, AnotherRunIntoTheSameFolderLeavesNothingOfTheFirst) {
+  const auto names = [&] {
+    std::set<std::string> found;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_ + "/result"))
+      found.insert(entry.path().filename().string());
+    return found;
+  };
+  ASSERT_EQ(run("run " + model() + " --duration 0.1 --out result --surfaces 3").code, 0);
+  std::ofstream(folder_ + "/result/energy.svg") << "of the first run";
+  std::ofstream(folder_ + "/result/surface-mine.ply") << "kept";
+  std::ofstream(folder_ + "/result/notes.txt") << "kept";
+  const std::string second = "run " + model() + " --duration 0.1 --out result --surfaces 1";
+  ASSERT_EQ(run(second + " --surface-format obj").code, 0);
+  EXPECT_EQ(names(), (std::set<std::string>{"run.csv", "report.json", "surface-0000.obj",
+                                            "surface-mine.ply", "notes.txt"}));
+  // A run that is refused takes nothing away.
+  EXPECT_EQ(run(second + " --load thunder").code, 2);
+  EXPECT_TRUE(names().contains("surface-0000.obj"));
 }
 
 TEST_F(RunProgram, DrawsTheEnergyOfSeveralRuns) {

@@ -7,7 +7,9 @@
 #include <iterator>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -37,6 +39,8 @@ class AtomicFileTest : public ::testing::Test {
     const pid_t child = ::fork();
     if (child == 0) {
       remove_partial_files_on_signals();
+      const rlimit no_core{0, 0};
+      ::setrlimit(RLIMIT_CORE, &no_core);
       Result<AtomicFile> file = AtomicFile::create(target());
       if (file && file->write(std::string(100000, 'n'))) ::raise(signal);
       ::_exit(0);
@@ -69,16 +73,58 @@ TEST_F(AtomicFileTest, AnUncommittedFileLeavesNothing) {
 }
 
 TEST_F(AtomicFileTest, ASignalInMidWriteRemovesThePartialFileAndStillKills) {
-  for (int signal : {SIGINT, SIGTERM, SIGHUP}) {
+  for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU}) {
     EXPECT_EQ(interrupted_by(signal), signal);
     EXPECT_EQ(contents(), "old");
     EXPECT_EQ(files(), 1);
   }
 }
 
-TEST_F(AtomicFileTest, EvenSigkillLeavesTheTargetAsItWas) {
+TEST_F(AtomicFileTest, EvenSigkillLeavesTheTargetAsItWasAndTheNextWriterTidiesUp) {
   EXPECT_EQ(interrupted_by(SIGKILL), SIGKILL);
   EXPECT_EQ(contents(), "old");
+  EXPECT_EQ(files(), 2);  // the target and what the dead one left
+  ASSERT_TRUE(write_file(target(), "new"));
+  EXPECT_EQ(contents(), "new");
+  EXPECT_EQ(files(), 1);
+}
+
+TEST_F(AtomicFileTest, WhatAnotherProcessIsWritingAndWhatIsNotOursIsLeftAlone) {
+  int ready[2], go_on[2];
+  ASSERT_EQ(::pipe(ready), 0);
+  ASSERT_EQ(::pipe(go_on), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    char byte = 0;
+    auto file = AtomicFile::create(target());
+    const bool began = file && file->write("theirs") && ::write(ready[1], "x", 1) == 1 &&
+                       ::read(go_on[0], &byte, 1) == 1;
+    ::_exit(began && file->commit() ? 0 : 1);
+  }
+  char byte = 0;
+  ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+  // Names that only look alike, of other targets or of no process.
+  for (const char* name : {"/other.partial-12345", "/file.partial-12x", "/file.partial"})
+    std::ofstream(folder_ + name) << "not a temporary file of ours";
+  ASSERT_TRUE(write_file(target(), "ours"));
+  EXPECT_EQ(contents(), "ours");
+  EXPECT_EQ(files(), 5);
+  ASSERT_EQ(::write(go_on[1], "x", 1), 1);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_EQ(contents(), "theirs");
+}
+
+TEST_F(AtomicFileTest, ThreadsMayWriteTheSameTarget) {
+  std::vector<std::thread> threads;
+  for (char c = 'a'; c < 'i'; ++c)
+    threads.emplace_back([this, c] {
+      for (int n = 0; n < 20; ++n) EXPECT_TRUE(write_file(target(), std::string(5000, c)));
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(contents(), std::string(5000, contents()[0]));
+  EXPECT_EQ(files(), 1);
 }
 
 TEST_F(AtomicFileTest, ASymbolicLinkKeepsPointingToTheNewContents) {
@@ -92,7 +138,7 @@ TEST_F(AtomicFileTest, AFullDiskIsAnErrorAndTheTargetIsAsItWas) {
   // The limit on file size stands in for a full disk: write() then fails in mid-file.
   const pid_t child = ::fork();
   if (child == 0) {
-    ::signal(SIGXFSZ, SIG_IGN);
+    remove_partial_files_on_signals();
     rlimit limit{4096, 4096};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     const Status status = write_file(target(), std::string(100000, 'n'));

@@ -116,6 +116,30 @@ TEST(Msh4Errors, NameLineExpectedAndFound) {
   expect_error("a.msh", replaced(good, "\n1 0 1 1\n", "\n1 0 1 2\n"), {"entity", "`$EndEntities`"});
 }
 
+// Each block goes into the set of each group of its entity: g groups and b blocks in a file of
+// g + b lines would be g * b members.
+TEST(Msh4Errors, AnEntityOfTooManyGroupsIsRefused) {
+  const auto file = [](int groups) {
+    std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 1 1 " +
+                       std::to_string(groups);
+    for (int g = 1; g <= groups; ++g) text += " " + std::to_string(g);
+    return text +
+           " 0\n$EndEntities\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n"
+           "0 0 1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
+  };
+  const TemporaryFolder folder;
+  const Result<MeshFile> many = read_tet_mesh(folder.write("a.msh", file(64)));
+  ASSERT_TRUE(many) << many.error().message;
+  EXPECT_EQ(many->mesh.node_sets.size(), 64u);
+  expect_error("a.msh", file(65), {"at most 64", "65", "entity 1"});
+}
+
+TEST(VtuErrors, DeepNestingIsNoHarm) {
+  std::string text = "<VTKFile type=\"UnstructuredGrid\">";
+  for (int n = 0; n < 300'000; ++n) text += "<a>";
+  expect_error("a.vtu", text, {"byte"});
+}
+
 TEST(MeshErrors, CountsThatTheFileCannotHoldAreRefusedBeforeMemoryIsTaken) {
   // Each would need far more memory than any machine has.
   const char* huge = "4611686018427387904";
@@ -277,6 +301,37 @@ TEST(MeshErrors, QuadraticTetrahedraAreRefusedByName) {
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n";
   expect_error("a.msh", format + "$Elements\n1\n7 11 0 1 1 1 1 1 1 1 1 1 1\n$EndElements\n",
                {"line 10", "element 7", "10-node tetrahedra", "linear"});
+}
+
+// Places in vegb_bytes(small_mesh()): 8 of the version, 4 of the type, 4 and 5 vertices of 24
+// bytes, 4, 4 and 2 elements of 16, then the materials.
+std::string vegb_with(std::size_t at, std::int32_t value) {
+  return testing::vegb_bytes(testing::small_mesh()).replace(at, 4, bytes_of(value));
+}
+
+TEST(VegbErrors, NameByteExpectedAndFound) {
+  const std::string good = testing::vegb_bytes(testing::small_mesh());
+  expect_error("a.vegb", "hello, it is no mesh", {"byte 0", "version 1"});
+  expect_error("a.vegb", vegb_with(8, 2), {"byte 8", "type 1, tetrahedra", "2, cubes"});
+  expect_error("a.vegb", vegb_with(12, -5), {"byte 12", "number of vertices", "-5"});
+  expect_error("a.vegb", vegb_with(12, 0x7fffffff), {"byte 16", "2147483647", "24 bytes each"});
+  expect_error("a.vegb", std::string(good).replace(16 + 8, 8, bytes_of(std::nan(""))),
+               {"byte 32", "vertex 0", "y", "nan"});
+  expect_error("a.vegb", vegb_with(136, 0x7fffffff), {"byte 144", "elements", "16 bytes each"});
+  expect_error("a.vegb", vegb_with(140, 8), {"byte 140", "4 nodes", "8"});
+  expect_error("a.vegb", vegb_with(144, 5), {"byte 156", "element 0", "vertex 5", "0 to 4"});
+  expect_error("a.vegb", vegb_with(144, -1), {"element 0", "vertex -1"});
+  expect_error("a.vegb", vegb_with(176, -1), {"byte 176", "number of materials", "-1"});
+  expect_error("a.vegb", vegb_with(180, 0x7fffffff), {"byte 184", "name of a material"});
+  expect_error("a.vegb", vegb_with(194, 4), {"byte 194", "type 1, 2 or 3", "4", "material 0"});
+  expect_error("a.vegb", good + "x", {"end of the file", "1 more bytes"});
+  // From the end: two regions of 8 bytes, their number, the element of the set, its number.
+  const std::size_t end = good.size();
+  expect_error("a.vegb", vegb_with(end - 4, 2), {"region 1", "set 2", "below 2"});
+  expect_error("a.vegb", vegb_with(end - 8, 3), {"region 1", "material 3", "below 3"});
+  expect_error("a.vegb", vegb_with(end - 20, 0x7fffffff), {"number of regions", "8 bytes each"});
+  expect_error("a.vegb", vegb_with(end - 24, 2), {"set `first`", "element 2", "below 2"});
+  expect_error("a.vegb", vegb_with(end - 28, 0x7fffffff), {"number of elements of a set"});
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "tests/support/msh_files.h"
 #include "tests/support/row_files.h"
+#include "tests/support/vega_files.h"
 #include "tests/support/vtk_files.h"
 
 namespace tremolo::testing {
@@ -41,6 +42,7 @@ inline std::vector<MeshVariant> all_mesh_variants() {
       {"VTU text", {{"a.vtu", vtu_text()}}, {}},
       {"VTU base64", {{"a.vtu", vtu_base64(false, false)}}, {}},
       {"VTU base64, big-endian, long header", {{"a.vtu", vtu_base64(true, true)}}, {}},
+      {"VEGB", {{"a.vegb", vegb_bytes(small_mesh())}}, first},
   };
   for (int base : {0, 1}) {
     const std::string suffix = " from " + std::to_string(base);

@@ -186,7 +186,7 @@ Status measure_surfaces(const Model::Pointer& model, const MachineProbe& probe,
   if (!made) return made.error();
   World& world = *made;
   std::vector<Body> bodies;
-  std::vector<float> positions(3 * model->surface().vertex_ids.size());
+  std::vector<float> positions(3 * model->drawn().rest.size());
   for (const Eigen::VectorXd& q : random_states(*model, kShown)) {
     Result<Body> body = Body::create(model, "imexv-linear", {});
     if (!body) return body.error();
@@ -216,7 +216,7 @@ Status measure_surfaces(const Model::Pointer& model, const MachineProbe& probe,
   const auto size = static_cast<double>(positions.size());
   const auto r = static_cast<double>(model->modes());
   SpeedRow moved = row_of(fmt::format("surface of {} vertices, shown and moved, r = {}",
-                                      model->surface().vertex_ids.size(), model->modes()),
+                                      model->drawn().rest.size(), model->modes()),
                           1e6 * std::max(0.0, step_and_build[0] - step_and_build[1]) / kShown,
                           1e6 * step_and_build[2] / kShown,
                           "a body; step and rebuild less step; against Body's");

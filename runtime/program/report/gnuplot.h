@@ -11,8 +11,9 @@ namespace tremolo {
 // which would end the command, becomes a space.
 std::string gnuplot_quoted(const std::string& text);
 
-// Runs a script; it sets its own terminal and output. Errors: kSystem if gnuplot is missing (the
-// message tells how to get it) or fails; gnuplot's own words go to stderr.
-Status run_gnuplot(const std::string& script);
+// The picture, as bytes, that a script draws; it sets its own terminal and no output. Errors:
+// kSystem if gnuplot is missing (the message tells how to get it), fails or draws nothing;
+// gnuplot's own words go to stderr.
+Result<std::string> run_gnuplot(const std::string& script);
 
 }  // namespace tremolo

@@ -2,13 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iterator>
 #include <string_view>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -21,25 +16,6 @@ constexpr int kLetter = 7;   // px, a letter's usual width at the font size belo
 constexpr int kSample = 30;  // px, the line before a legend's label
 constexpr int kLine = 22;    // px, from one line of the legend to the next
 constexpr int kMargin = 10;  // px
-
-// A file in memory, which another program opens by its path and no signal can leave behind.
-class ScratchFile {
- public:
-  ScratchFile()
-      : descriptor_(::memfd_create("tremolo-chart", MFD_CLOEXEC)),
-        path_(fmt::format("/proc/{}/fd/{}", ::getpid(), descriptor_)) {}
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
-  ~ScratchFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  bool good() const { return descriptor_ >= 0; }
-  const std::string& path() const { return path_; }
-
- private:
-  int descriptor_;
-  std::string path_;
-};
 
 // gnuplot gives the same ids to the same things in every picture.
 std::string with_own_ids(std::string_view svg) {
@@ -138,17 +114,13 @@ std::string Sheet::legend_script() const {
 }
 
 Result<std::string> Sheet::draw(const std::string& plots) const {
-  const ScratchFile scratch;
-  if (!scratch.good())
-    return system_error(std::string("a picture's scratch file: cannot create: ") +
-                        std::strerror(errno));
   const std::string script = fmt::format(
       "set terminal svg size {},{} fixed enhanced font 'sans,13' background 'white'\n"
-      "set output {}\nset multiplot\n{}{}unset multiplot\nunset output\n",
-      total_width_, total_height_, gnuplot_quoted(scratch.path()), plots, legend_script());
-  if (Status status = run_gnuplot(script); !status) return status.error();
-  std::ifstream file(scratch.path(), std::ios::binary);
-  std::string svg{std::istreambuf_iterator<char>(file), {}};
+      "set multiplot\n{}{}unset multiplot\n",
+      total_width_, total_height_, plots, legend_script());
+  Result<std::string> drawn = run_gnuplot(script);
+  if (!drawn) return drawn;
+  std::string svg = std::move(*drawn);
   const std::size_t begin = svg.find("<svg"), end = svg.rfind("</svg>");
   if (begin == svg.npos || end == svg.npos) return system_error("gnuplot drew nothing");
   svg = svg.substr(begin, end + 6 - begin);

@@ -1,0 +1,127 @@
+#include "runtime/program/export.h"
+
+#include <filesystem>
+#include <iostream>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/atomic_file.h"
+#include "formats/basis_reader.h"
+#include "formats/reduced_files.h"
+#include "formats/vtu_writer.h"
+#include "runtime/program/commands.h"
+
+namespace tremolo {
+namespace {
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return std::filesystem::path(a).lexically_normal() ==
+             std::filesystem::path(b).lexically_normal() ||
+         std::filesystem::equivalent(a, b, ignored);
+}
+
+Status check_outputs(const ExportOptions& options) {
+  std::vector<std::string> paths{options.model};
+  for (const std::string& output : {options.cub, options.u, options.vtu}) {
+    if (output.empty()) continue;
+    for (const std::string& path : paths)
+      if (same_file(output, path))
+        return Error{ErrorKind::kUsage, output + ": the output would take the place of " + path};
+    paths.push_back(output);
+  }
+  if (paths.size() == 1)
+    return Error{ErrorKind::kUsage, "nothing to export: name an output with --cub, --U or --vtu"};
+  return Success{};
+}
+
+Result<Eigen::MatrixXd> whole_basis(const BasisData& data) {
+  if (data.surface.vertex_ids.size() + data.interior.vertex_ids.size() != data.vertex_count)
+    return content_error("the file has no rows of the vertices inside");
+  Eigen::MatrixXd basis =
+      Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(data.vertex_count), data.lambda.size());
+  for (const VertexBlock* block : {&data.surface, &data.interior})
+    for (std::size_t i = 0; i < block->vertex_ids.size(); ++i)
+      basis.middleRows(3 * Eigen::Index{block->vertex_ids[i]}, 3) =
+          block->rows.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+  return basis;
+}
+
+Result<std::string> make_cub(const BasisData& data) {
+  // Where r is too large for a .cub, this says so before the work.
+  if (data.lambda.size() > 336)
+    return cub_bytes({static_cast<std::size_t>(data.lambda.size()), {}, {}, {}});
+  return cub_bytes(reduced_forces(data.lambda, data.cubic, data.quartic));
+}
+
+Result<std::string> make_u(const BasisData& data) {
+  const Result<Eigen::MatrixXd> basis = whole_basis(data);
+  if (!basis) return basis.error();
+  return basis_matrix_bytes(*basis);
+}
+
+// Which mass the basis is orthonormal in, as the file's maker says.
+std::string mass_of(const BasisData& data) {
+  const auto json = nlohmann::json::parse(data.provenance, nullptr, false);
+  return json.is_object() && json.contains("mass") && json["mass"].is_string()
+             ? json["mass"].get<std::string>()
+             : std::string();
+}
+
+void note_basis(const BasisData& data, bool compact) {
+  const std::string mass = mass_of(data);
+  if (mass != "lumped")
+    std::cerr << "  note: the basis is orthonormal in the "
+              << (mass.empty() ? "mass that its maker took" : "consistent mass")
+              << ", VegaFEM's in the lumped one: its solvers want the reduced mass U^T M U, or a "
+                 "model made with --mass lumped\n";
+  if (compact) std::cerr << "  note: a compact file; what is written are its rounded numbers\n";
+}
+
+Status write_outputs(const ExportOptions& options, BasisReader& reader) {
+  const Result<BasisData> data = read_basis(reader);
+  if (!data) return data.error();
+  const Result<VegaFiles> vega = read_vega_files(reader);
+  if (!vega) return vega.error();
+  const auto write = [](const std::string& path, const std::string& kept, const auto& make,
+                        const char* what) -> Status {
+    if (path.empty()) return Success{};
+    Result<std::string> made = kept.empty() ? make() : Result<std::string>(kept);
+    if (!made) return made.error();
+    if (Status status = write_file(path, *made); !status) return status;
+    fmt::print("{}: {}, {} bytes{}\n", path, what, made->size(),
+               kept.empty() ? "" : ", as it was imported");
+    return Success{};
+  };
+  Status status = write(
+      options.cub, vega->cubic, [&] { return make_cub(*data); }, "forces");
+  if (status)
+    status = write(
+        options.u, vega->basis, [&] { return make_u(*data); }, "basis");
+  if (status && !options.vtu.empty()) {
+    status =
+        write_modes_vtu(options.vtu, data->surface.rest, std::span<const Triangle>(data->triangles),
+                        data->surface.rows, data->lambda);
+    if (status) fmt::print("{}: {} modes on the surface\n", options.vtu, data->lambda.size());
+  }
+  const bool made =
+      (!options.cub.empty() && vega->cubic.empty()) || (!options.u.empty() && vega->basis.empty());
+  if (status && made) note_basis(*data, reader.compact());
+  return status;
+}
+
+}  // namespace
+
+int export_command(const ExportOptions& options) {
+  if (Status status = check_outputs(options); !status) return report_error(status.error());
+  Result<BasisReader> reader = BasisReader::open(options.model);
+  if (!reader) return report_error(reader.error());
+  if (Status status = write_outputs(options, *reader); !status) return report_error(status.error());
+  if (std::fflush(stdout) != 0)
+    return report_error(system_error("standard output cannot be written"));
+  return 0;
+}
+
+}  // namespace tremolo

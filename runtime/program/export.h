@@ -1,0 +1,20 @@
+// `tremolo export`: a model in the formats of others.
+#pragma once
+
+#include <string>
+
+namespace tremolo {
+
+// Paths; empty: not asked for.
+struct ExportOptions {
+  std::string model;
+  std::string cub;  // VegaFEM's polynomials of the reduced forces
+  std::string u;    // VegaFEM's basis: a row a dof of all the mesh's vertices, in the mesh's order
+  std::string vtu;  // the modes on the surface, for ParaView and meshio
+};
+
+// An imported model gives the very .cub and .U that it was made of; another one what its numbers
+// say, with zero rows for fixed vertices. Returns the exit code; errors are printed.
+int export_command(const ExportOptions& options);
+
+}  // namespace tremolo

@@ -1,0 +1,30 @@
+// Selectors (common/selector.h) on what a basis file keeps of its mesh: the boundary.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "formats/basis_data.h"
+
+namespace tremolo {
+
+// What is chosen from. render: nullptr if there is none. vertex_count: n of the whole mesh.
+struct Boundary {
+  const VertexBlock& surface;
+  const RenderBlock* render;
+  const DefaultLoad& load;
+  std::uint64_t vertex_count;
+};
+
+// Ids in the source mesh, ascending, of vertices on the boundary, and where they are at rest, m. The
+// sets are `fixed` (vertices that do not move), `loaded` (of the default load) and, for each object
+// and material of the render surface, the anchors of its vertices; they take its colours. Errors as
+// select_vertices.
+struct Selection {
+  std::vector<VertexId> ids;
+  std::vector<Eigen::Vector3d> places;
+};
+Result<Selection> select_on_boundary(const std::string& text, const Boundary& boundary);
+
+}  // namespace tremolo

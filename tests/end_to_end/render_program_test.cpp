@@ -1,0 +1,231 @@
+// An artist's surface through both programs: in with --render, out as it came but moved.
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/box_mesh.h"
+#include "tests/support/mesh_file.h"
+#include "tests/support/run_program.h"
+
+namespace tremolo {
+namespace {
+
+using nlohmann::json;
+using testing::box_mesh;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::slurp;
+
+const std::string kPrecompute = TREMOLO_BIN_DIR "/tremolo-precompute ";
+const std::string kTremolo = TREMOLO_BIN_DIR "/tremolo ";
+const std::string kBar = "bar.veg --young 2e6 --density 1000 --linear-modes 4 --modes 6 ";
+
+// A box in centimetres around the bar of 0.4 x 0.05 x 0.06 m, 1 mm away from it, its ends 0.5 mm:
+// four sides with texture coordinates that close in a seam, and two lids of another material and
+// object.
+std::string skin() {
+  std::ostringstream text;
+  const double y[] = {-0.1, 5.1, 5.1, -0.1}, z[] = {-0.1, -0.1, 6.1, 6.1};
+  const char* const normals[] = {"0 0 -1", "0 1 0", "0 0 1", "0 -1 0", "-1 0 0", "1 0 0"};
+  for (const double x : {-0.05, 40.05})
+    for (int k = 0; k < 4; ++k) text << "v " << x << " " << y[k] << " " << z[k] << "\n";
+  for (int u = 0; u <= 4; ++u) text << "vt " << 0.25 * u << " 0\nvt " << 0.25 * u << " 1\n";
+  for (const char* normal : normals) text << "vn " << normal << "\n";
+  text << "o sides\nusemtl rubber\n";
+  for (int k = 0; k < 4; ++k) {
+    const int a = k + 1, b = (k + 1) % 4 + 1, t = 2 * k + 1, n = k + 1;
+    const auto corner = [&](int v, int uv) { text << " " << v << "/" << uv << "/" << n; };
+    text << "f";
+    corner(b, t + 2), corner(a, t), corner(a + 4, t + 1), corner(b + 4, t + 3);
+    text << "\n";
+  }
+  text << "o foot\nusemtl steel\nf 1/1/5 2/1/5 3/1/5 4/1/5\n";
+  text << "o tip\nusemtl steel\nf 8/1/6 7/1/6 6/1/6 5/1/6\n";
+  return text.str();
+}
+
+std::vector<std::string> lines_with(const std::string& text, const std::string& keyword) {
+  std::vector<std::string> found;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);)
+    if (line.starts_with(keyword + " ")) found.push_back(line);
+  return found;
+}
+
+std::vector<Eigen::Vector3d> points(const std::string& obj) {
+  std::vector<Eigen::Vector3d> found;
+  for (const std::string& line : lines_with(obj, "v")) {
+    std::istringstream stream(line.substr(2));
+    found.emplace_back();
+    stream >> found.back()[0] >> found.back()[1] >> found.back()[2];
+  }
+  return found;
+}
+
+class RenderProgram : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = testing::fresh_folder();
+    testing::write_veg(folder_ + "/bar.veg", box_mesh({8, 2, 2}, {0.4, 0.05, 0.06}));
+    std::ofstream(folder_ + "/skin.obj") << skin();
+    made_ = run_program(folder_, kPrecompute + kBar +
+                                     "-o bar.tremolo --render skin.obj --unit cm --fix foot "
+                                     "--load-at 'tip and z>99%' --load-force 0,0,-1");
+  }
+  void SetUp() override { ASSERT_EQ(made_.code, 0) << made_.err; }
+
+  static ProgramResult run(const std::string& command) { return run_program(folder_, command); }
+  static void expect_failure(const ProgramResult& result, int code,
+                             const std::vector<std::string>& words) {
+    EXPECT_EQ(result.code, code) << result.err;
+    for (const std::string& word : words)
+      EXPECT_NE(result.err.find(word), std::string::npos) << word << " in " << result.err;
+  }
+
+  static inline std::string folder_;
+  static inline ProgramResult made_;
+};
+
+TEST_F(RenderProgram, TheMakerSaysHowItLies) {
+  EXPECT_NE(made_.err.find("outside, the farthest by 0.0015 m"), std::string::npos) << made_.err;
+}
+
+TEST_F(RenderProgram, InspectShowsIt) {
+  const ProgramResult result = run(kTremolo + "inspect bar.tremolo --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report["format_version"], "1.2");
+  EXPECT_EQ(report["render"]["triangles"], 12);
+  EXPECT_EQ(report["render"]["objects"], json({"sides", "foot", "tip"}));
+  EXPECT_EQ(report["render"]["materials"], json({"rubber", "steel"}));
+  EXPECT_EQ(report["render"]["uvs"], true);
+  EXPECT_EQ(report["fixed_vertices"], 9) << "the mesh's end at the foot";
+  EXPECT_EQ(report["default_load"]["vertices"].size(), 3u);
+  EXPECT_EQ(report["provenance"]["render"]["file"], "skin.obj");
+  const ProgramResult text = run(kTremolo + "inspect bar.tremolo");
+  EXPECT_NE(text.out.find("objects: sides, foot, tip"), std::string::npos) << text.out;
+}
+
+TEST_F(RenderProgram, AnObjComesOutWithAllThatItHad) {
+  const ProgramResult result = run(kTremolo +
+                                   "run bar.tremolo --load none --duration 0.01 --out rest "
+                                   "--surfaces 1 --surface-format obj");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const std::string obj = slurp(folder_ + "/rest/surface-0000.obj");
+  EXPECT_EQ(lines_with(obj, "f").size(), 12u);
+  EXPECT_EQ(lines_with(obj, "o"), (std::vector<std::string>{"o sides", "o foot", "o tip"}));
+  EXPECT_EQ(lines_with(obj, "usemtl"),
+            (std::vector<std::string>{"usemtl rubber", "usemtl steel", "usemtl steel"}));
+  EXPECT_EQ(lines_with(obj, "vt").size(), lines_with(obj, "v").size());
+  EXPECT_EQ(lines_with(obj, "vn").size(), lines_with(obj, "v").size());
+  const BoundingBox box = bounding_box(points(obj));
+  // assimp's coordinates are floats: 40.05 is off by up to 2e-6.
+  EXPECT_LE((box.low - Eigen::Vector3d(-0.0005, -0.001, -0.001)).norm(), 5e-8);
+  EXPECT_LE((box.high - Eigen::Vector3d(0.4005, 0.051, 0.061)).norm(), 5e-8);
+}
+
+TEST_F(RenderProgram, ItMovesWithTheSolid) {
+  const ProgramResult result = run(kTremolo +
+                                   "run bar.tremolo --load constant --duration 0.3 --out moved "
+                                   "--surfaces 1 --surface-format obj --probe 80 --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  double lowest = 0;
+  for (const Eigen::Vector3d& x : points(slurp(folder_ + "/moved/surface-0000.obj"))) {
+    lowest = std::min(lowest, x.z() + 0.001);
+    // The foot, half a millimetre outside what is fixed.
+    if (x.x() < 0) {
+      EXPECT_LE(std::abs(x.z() - (x.z() > 0.03 ? 0.061 : -0.001)), 2e-3);
+    }
+  }
+  EXPECT_LT(lowest, -1e-3) << "the tip goes down";
+}
+
+TEST_F(RenderProgram, EveryFormatAndTheHullAreWritten) {
+  for (const char* format : {"ply", "inc"}) {
+    const ProgramResult result =
+        run(kTremolo + "run bar.tremolo --load none --duration 0.01 --out " + format +
+            " --surfaces 1 --surface-format " + format);
+    ASSERT_EQ(result.code, 0) << result.err;
+    const std::string text = slurp(folder_ + "/" + format + "/surface-0000." + format);
+    EXPECT_NE(text.find(std::string(format) == "ply" ? "property float s" : "uv_vectors"),
+              std::string::npos);
+  }
+  const ProgramResult hull = run(kTremolo +
+                                 "run bar.tremolo --load none --duration 0.01 --out hull --hull "
+                                 "--surfaces 1 --surface-format obj");
+  ASSERT_EQ(hull.code, 0) << hull.err;
+  EXPECT_EQ(lines_with(slurp(folder_ + "/hull/surface-0000.obj"), "v").size(), 74u)
+      << "81 vertices, 7 of them inside";
+}
+
+TEST_F(RenderProgram, SelectPrintsWhatASelectorFinds) {
+  ProgramResult result = run(kPrecompute + "bar.veg --select 'x<=0%'");
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.out.substr(0, 46), "9 vertices from (0, 0, 0) to (0, 0.05, 0.06) m");
+  result = run(kPrecompute + "bar.veg --render skin.obj --unit cm --select tip");
+  EXPECT_EQ(result.out.substr(0, 10), "9 vertices") << result.out << result.err;
+  result = run(kTremolo + "inspect bar.tremolo --select fixed");
+  EXPECT_EQ(result.out.substr(0, 46), "9 vertices from (0, 0, 0) to (0, 0.05, 0.06) m");
+  result = run(kTremolo + "inspect bar.tremolo --select 'near:0.4,0.05,0.06' --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(json::parse(result.out)["vertices"], json({80}));
+}
+
+TEST_F(RenderProgram, ASelectorThatFindsNothingShowsWhatThereIs) {
+  expect_failure(run(kPrecompute + kBar + "-o no.tremolo --fix 'x<-1'"), 3,
+                 {"x<-1", "(0.4, 0.05, 0.06)", "not painted"});
+  expect_failure(run(kTremolo + "inspect bar.tremolo --select 'sphere:1,1,1,0.1'"), 3,
+                 {"(0.4, 0.05, 0.06)", "`foot`", "`loaded`", "`steel`"});
+  expect_failure(run(kTremolo + "inspect bar.tremolo --select head"), 2, {"`foot`"});
+  expect_failure(run(kTremolo + "inspect bar.tremolo --select vertex:40"), 3,
+                 {"40", "not on the boundary"});
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "/no.tremolo"));
+}
+
+TEST_F(RenderProgram, ALoadMayActOnASelection) {
+  const std::string run_short = kTremolo + "run bar.tremolo --duration 0.1 --json ";
+  const ProgramResult selected = run(run_short + "--at loaded --force 0,0,-1");
+  const ProgramResult stored = run(run_short);
+  ASSERT_EQ(selected.code, 0) << selected.err;
+  EXPECT_NEAR(json::parse(selected.out)["energy_final"].get<double>(),
+              json::parse(stored.out)["energy_final"].get<double>(), 1e-12);
+  expect_failure(run(run_short + "--at fixed --force 0,0,-1"), 3, {"--at fixed", "moves"});
+  expect_failure(run(run_short + "--at nowhere --force 0,0,-1"), 2, {"nowhere", "`tip`"});
+}
+
+TEST_F(RenderProgram, PaintSelects) {
+  std::ofstream ply(folder_ + "/paint.ply");
+  ply << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+         "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+         "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const double x : {0.0, 0.4})
+    for (const double y : {0.0, 0.05})
+      ply << x << " " << y << " 0.06 " << (x > 0 ? "0 0 255" : "255 0 0") << "\n";
+  ply << "3 0 2 3\n3 0 3 1\n";
+  ply.close();
+  const std::string paint = "bar.veg --render paint.ply --unit m --select ";
+  const ProgramResult red = run(kPrecompute + paint + "'colour:red'");
+  // Vertices look at the paint above them, the two inside are bare; 64 of 255 are a quarter of 0.4
+  // m.
+  EXPECT_TRUE(
+      red.out.starts_with("25 vertices from (0, 0, 0) to (0.1, 0.05, 0.06) m: 0 1 2 9 10 11 "))
+      << red.out << red.err;
+  expect_failure(run(kPrecompute + paint + "'colour:green'"), 3, {"#ff0000", "#0000ff"});
+}
+
+TEST_F(RenderProgram, WrongUseIsSaid) {
+  expect_failure(
+      run(kPrecompute + kBar + "-o no.tremolo --fix 'x<=0' --render skin.obj --unit inch"), 2,
+      {"inch", "mm, cm, m"});
+  expect_failure(run(kPrecompute + kBar + "--fix 'x<=0'"), 2, {"--output"});
+  expect_failure(run(kPrecompute + kBar + "-o no.tremolo --fix 'x<=0' --render nothing.obj"), 1,
+                 {"nothing.obj"});
+  expect_failure(run(kPrecompute + kBar + "-o skin.obj --fix 'x<=0' --render skin.obj"), 2,
+                 {"overwrite"});
+}
+
+}  // namespace
+}  // namespace tremolo

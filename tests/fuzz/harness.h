@@ -1,0 +1,28 @@
+// What every fuzz target shares. A target is one file NAME_fuzz.cpp that defines read_input();
+// harness.cpp calls it and looks at the memory that it took.
+#pragma once
+
+#include <string_view>
+
+#include "common/result.h"
+#include "formats/mesh_reader.h"
+
+namespace tremolo::fuzz {
+
+// Gives the bytes to the reader. The harness ends the process, which libFuzzer reports as a
+// finding, if the reader held more than kFixedBytes + kBytesAByte * bytes.size() at any moment.
+void read_input(std::string_view bytes);
+
+// A reader's own tables and error texts.
+inline constexpr std::size_t kFixedBytes = 256 << 10;
+// An element of an MSH file, ten bytes of text, becomes a tetrahedron, its place in sorted lists
+// and a member of up to 64 sets, in vectors that are up to twice as large as what they hold.
+inline constexpr std::size_t kBytesAByte = 400;
+
+// Ends the process with this text.
+[[noreturn]] void finding(const char* what);
+
+// What a mesh reader promises of a mesh that it returns; then check_mesh() sees it.
+void check_mesh_file(Result<MeshFile> file);
+
+}  // namespace tremolo::fuzz

@@ -1,0 +1,14 @@
+// Lists of vertex ids, the files of `file:` selectors.
+#include <algorithm>
+
+#include "formats/selector_file.h"
+#include "tests/fuzz/harness.h"
+
+void tremolo::fuzz::read_input(std::string_view bytes) {
+  constexpr std::size_t kVertices = 1000;
+  const Result<std::vector<VertexId>> ids = parse_id_list(bytes, "input.txt", kVertices);
+  if (!ids) return;
+  if (ids->empty() || !std::is_sorted(ids->begin(), ids->end()) || ids->front() < 0 ||
+      static_cast<std::size_t>(ids->back()) >= kVertices)
+    finding("ids that are empty, out of order or out of range");
+}

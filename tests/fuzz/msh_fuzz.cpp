@@ -1,0 +1,7 @@
+// Gmsh MSH 2 and 4.1, text and binary.
+#include "formats/mesh_formats.h"
+#include "tests/fuzz/harness.h"
+
+void tremolo::fuzz::read_input(std::string_view bytes) {
+  check_mesh_file(read_msh(bytes, "input.msh"));
+}

@@ -1,0 +1,125 @@
+// fuzz_seeds DIR writes DIR/TARGET/*: the small files that the tests write for themselves.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "formats/basis_writer.h"
+#include "formats/reduced_files.h"
+#include "formats/surface_answer.h"
+#include "tests/support/mesh_variants.h"
+#include "tests/support/tiny_basis.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+
+void save(const fs::path& folder, const std::string& name, const std::string& bytes) {
+  fs::create_directories(folder);
+  std::ofstream(folder / name, std::ios::binary) << bytes;
+}
+
+std::string file_contents(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void save_meshes(const fs::path& root) {
+  int number = 0;
+  for (const testing::MeshVariant& variant : testing::all_mesh_variants()) {
+    const std::string& bytes = variant.files.front().second;
+    const std::string extension = fs::path(variant.files.front().first).extension().string();
+    const std::string name = std::to_string(number++);
+    if (extension == ".node")
+      save(root / "tetgen", name, bytes + "$" + variant.files.back().second);
+    else if (extension != ".ele")
+      save(root / extension.substr(1), name, bytes);
+  }
+  save(root / "vtu", "crlf", testing::with_crlf(testing::vtu_text()));
+}
+
+void save_bases(const fs::path& root) {
+  BasisData linear = testing::tiny_basis();
+  linear.cubic.clear();
+  linear.quartic.clear();
+  save(root, "linear", "");
+  if (!write_basis((root / "linear").string(), linear, BasisEncoding::kFull))
+    std::fprintf(stderr, "fuzz_seeds: the linear basis file cannot be written\n");
+  const fs::path golden = fs::path(TREMOLO_SOURCE_DIR) / "tests/formats/golden";
+  for (const fs::directory_entry& entry : fs::directory_iterator(golden))
+    if (entry.path().extension() == ".tremolo")
+      save(root, entry.path().stem().string(), file_contents(entry.path()));
+}
+
+void save_reduced(const fs::path& root) {
+  const Eigen::MatrixXd basis = Eigen::MatrixXd::Constant(6, 2, 0.5);
+  if (const Result<std::string> bytes = basis_matrix_bytes(basis)) save(root, "basis", *bytes);
+  const BasisData data = testing::tiny_basis();
+  for (const bool linear : {false, true}) {
+    const std::vector<double> none;
+    const Result<std::string> bytes = cub_bytes(
+        reduced_forces(data.lambda, linear ? none : data.cubic, linear ? none : data.quartic));
+    if (bytes) save(root, linear ? "linear-forces" : "forces", *bytes);
+  }
+}
+
+void save_surfaces(const fs::path& root) {
+  const auto text = [](const std::vector<std::byte>& bytes) {
+    return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  SurfaceFile file;
+  file.unit = "metres";
+  file.format = "Wavefront OBJ";
+  file.notes = {"2 points left out"};
+  RenderSurface& surface = file.surface;
+  surface.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  surface.triangles = {{0, 1, 2}, {1, 2, 3}};
+  surface.objects = {"a", "b"};
+  surface.materials = {"wood"};
+  surface.object_of = {0, 1};
+  surface.material_of = {0, 0};
+  save(root, "plain", text(encode_surface(file)));
+  surface.normals.assign(4, Eigen::Vector3f(0, 0, 1));
+  surface.uvs.assign(4, Eigen::Vector2f(0.25F, 0.5F));
+  surface.colours.assign(4, Colour{255, 128, 0, 255});
+  save(root, "full", text(encode_surface(file)));
+  save(root, "refusal", text(encode_refusal("no triangles")));
+}
+
+void save_texts(const fs::path& root) {
+  int number = 0;
+  for (const char* text :
+       {"x<0.01", "y>=1.2", "box:0,0,0,1,1,1", "vertex:1,2", "file:a", "none", "foot", "unused",
+        " z <= +1e-3 ", "x<10%", "sphere:0,0,0,1", "plane:0,0,0,1,0,0", "near:0,0,0,2",
+        "colour:red", "colour:#FF8000,0.2", "set:foot", "x<1 and y<1 and foot"})
+    save(root / "selector", std::to_string(number++), text);
+  for (const char* text : {"0 1 2\n", "1,2,3 # a comment\n4\n", "999"})
+    save(root / "ids", std::to_string(number++), text);
+  const fs::path scenes = fs::path(TREMOLO_SOURCE_DIR) / "assets/scenes";
+  if (fs::exists(scenes))
+    for (const fs::directory_entry& entry : fs::directory_iterator(scenes))
+      save(root / "scene", entry.path().filename().string(), file_contents(entry.path()));
+  save(root / "scene", "all",
+       "[a]\nmodel = \"a.tremolo\"\nintegrator = 'ep4'\nstep = 3e-3\nduration = 1\nmodes = 0\n"
+       "linear = true\nload = \"sine\"\nat = 3\nforce = \"1,2,3\"\nprobe = [1, 2]\n"
+       "coordinate = 0\nevery = 10\nplot = false\nsurface-format = \"obj\"\n[b]\nmodel='/m'\n");
+}
+
+}  // namespace
+}  // namespace tremolo
+
+int main(int count, char** words) {
+  if (count != 2) {
+    std::fprintf(stderr, "usage: fuzz_seeds DIR\n");
+    return 2;
+  }
+  tremolo::save_meshes(words[1]);
+  tremolo::save_bases(std::filesystem::path(words[1]) / "basis");
+  tremolo::save_bases(std::filesystem::path(words[1]) / "model");
+  tremolo::save_reduced(std::filesystem::path(words[1]) / "reduced");
+  tremolo::save_surfaces(std::filesystem::path(words[1]) / "surface");
+  tremolo::save_texts(words[1]);
+  return 0;
+}

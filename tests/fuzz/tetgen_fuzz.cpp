@@ -1,0 +1,11 @@
+// TetGen's .node and .ele: what stands before the first $ is the one, what stands behind it the
+// other.
+#include "formats/mesh_formats.h"
+#include "tests/fuzz/harness.h"
+
+void tremolo::fuzz::read_input(std::string_view bytes) {
+  const std::size_t cut = bytes.find('$');
+  if (cut == std::string_view::npos) return;
+  check_mesh_file(
+      read_tetgen_texts(bytes.substr(0, cut), "input.node", bytes.substr(cut + 1), "input.ele"));
+}

@@ -1,0 +1,7 @@
+// VegaFEM's .vegb.
+#include "formats/mesh_formats.h"
+#include "tests/fuzz/harness.h"
+
+void tremolo::fuzz::read_input(std::string_view bytes) {
+  check_mesh_file(read_vegb(bytes, "input.vegb"));
+}

@@ -1,0 +1,7 @@
+// VTK legacy unstructured grids, text and binary.
+#include "formats/mesh_formats.h"
+#include "tests/fuzz/harness.h"
+
+void tremolo::fuzz::read_input(std::string_view bytes) {
+  check_mesh_file(read_vtk(bytes, "input.vtk"));
+}

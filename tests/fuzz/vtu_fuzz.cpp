@@ -1,0 +1,7 @@
+// VTK XML unstructured grids.
+#include "formats/mesh_formats.h"
+#include "tests/fuzz/harness.h"
+
+void tremolo::fuzz::read_input(std::string_view bytes) {
+  check_mesh_file(read_vtu(bytes, "input.vtu"));
+}

@@ -1,0 +1,137 @@
+// Scenes and basis files from strangers, as the program reads them.
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/atomic_file.h"
+#include "formats/basis_writer.h"
+#include "runtime/program/commands.h"
+#include "runtime/program/report/page.h"
+#include "runtime/program/report/store.h"
+#include "runtime/program/report/table.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_basis.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string repeated(const std::string& piece, std::size_t times) {
+  std::string text;
+  for (std::size_t n = 0; n < times; ++n) text += piece;
+  return text;
+}
+
+// Deep enough to exhaust a stack of 8 MB if anything recurses.
+constexpr std::size_t kDeep = 300'000;
+
+TEST(Scene, TablesInTablesAreRefusedHoweverDeep) {
+  const std::string keys = repeated("a.", kDeep);
+  for (const std::string& text : {"[b]\n" + keys + "a = 1\n", "[" + keys + "a]\nmodel = 'x'\n",
+                                  "[b]\nmodel = " + repeated("{a=", kDeep) + "1\n",
+                                  "[b]\nmodel = " + repeated("[", kDeep) + "1\n",
+                                  repeated("[[" + repeated("a.", 60) + "a]]\n", 2000)}) {
+    const Result<std::vector<RunOptions>> scene = parse_scene(text, "scene.toml");
+    ASSERT_FALSE(scene);
+    EXPECT_EQ(scene.error().kind, ErrorKind::kContent);
+    EXPECT_TRUE(scene.error().message.starts_with("scene.toml: line ")) << scene.error().message;
+  }
+}
+
+TEST(Scene, PathsMayHaveManyDots) {
+  const auto scene = parse_scene("[b]\nmodel = '" + repeated("../", 20) + "x.tremolo'\n", "s.toml");
+  ASSERT_TRUE(scene) << scene.error().message;
+}
+
+int inspect(const BasisData& data, bool json, std::string& errors, std::string& text) {
+  const std::string path = testing::fresh_folder() + "/a.tremolo";
+  EXPECT_TRUE(write_basis(path, data));
+  ::testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  const int code = inspect_command(path, json);
+  text = ::testing::internal::GetCapturedStdout();
+  errors = ::testing::internal::GetCapturedStderr();
+  return code;
+}
+
+TEST(Inspect, AProvenanceThatIsNestedTooDeepIsAnError) {
+  BasisData data = testing::tiny_basis();
+  std::string errors, text;
+  for (const bool json : {false, true}) {
+    data.provenance = repeated("[", kDeep) + repeated("]", kDeep);
+    EXPECT_EQ(inspect(data, json, errors, text), 3);
+    EXPECT_NE(errors.find("nested too deep"), std::string::npos) << errors;
+    data.provenance = "{\"a\": " + repeated("[", 50) + repeated("]", 50) + "}";
+    EXPECT_EQ(inspect(data, json, errors, text), 0) << errors;
+  }
+}
+
+TEST(Inspect, ControlCharactersOfAFileDoNotReachTheTerminal) {
+  BasisData data = testing::tiny_basis();
+  data.provenance = "{\"generator\": \"\\u001b[2J\\u0007\"}";
+  std::string errors, text;
+  EXPECT_EQ(inspect(data, false, errors, text), 0) << errors;
+  for (const char c : text) EXPECT_TRUE(c == '\n' || c >= ' ') << static_cast<int>(c);
+}
+
+// In a child process that may write no file of more than 16 bytes, as on a full disk: whether the
+// writer gives an error that names the path.
+bool fails_with_path(const std::function<Status(const std::string&)>& write,
+                     const std::string& path) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    remove_partial_files_on_signals();
+    const rlimit limit{16, 16};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    const Status status = write(path);
+    ::_exit(!status && status.error().kind == ErrorKind::kSystem &&
+                    status.error().message.find(path) != std::string::npos
+                ? 0
+                : 1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+TEST(FullDisk, ReportsAreOldOrNewAndTheErrorNamesThePath) {
+  const Table table{{"a", "b"}, {{"1", "2"}, {"3", "4"}, {"5", "6"}, {"7", "8"}}};
+  Page page("title", "subtitle");
+  page.table(table);
+  const std::map<std::string, std::function<Status(const std::string&)>> writers{
+      {"a.csv", [&](const std::string& path) { return write_csv(table, path); }},
+      {"a.html", [&](const std::string& path) { return page.write(path); }},
+      {"a.json", [](const std::string& path) -> Status {
+         const fs::path whole(path);
+         const Result<Store> store = Store::open(whole.parent_path().string());
+         const auto stored =
+             store->get(whole.stem().string(), {{"k", 1}},
+                        []() -> Result<nlohmann::json> { return nlohmann::json(3); });
+         if (!stored) return stored.error();
+         return Success{};
+       }}};
+  const std::string folder = testing::fresh_folder();
+  for (const auto& [name, write] : writers) {
+    const std::string path = folder + "/" + name;
+    std::ofstream(path) << "old";
+    EXPECT_TRUE(fails_with_path(write, path)) << name;
+    std::ifstream stream(path);
+    EXPECT_EQ((std::string{std::istreambuf_iterator<char>(stream), {}}), "old") << name;
+    ASSERT_TRUE(write(path)) << name;
+    EXPECT_GT(fs::file_size(path), 16u) << name;
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}),
+            static_cast<std::ptrdiff_t>(writers.size()));
+}
+
+}  // namespace
+}  // namespace tremolo
