@@ -17,6 +17,8 @@
 #include "formats/mesh_builder.h"
 #include "formats/mesh_formats.h"
 #include "formats/text_scanner.h"
+#include "formats/veg_material.h"
+#include "formats/veg_regions.h"
 
 namespace tremolo {
 namespace {
@@ -101,32 +103,46 @@ Status read_elements(ByteScanner& input, MeshBuilder& builder) {
   return Success{};
 }
 
-// The one place that meets the materials. They are walked over: the sets stand behind them.
-Status read_materials(ByteScanner& input, std::size_t& count) {
+// Kind and properties are those of a .veg file; what is wrong with them matters only to who wants
+// the material.
+Status read_materials(ByteScanner& input, VegRegions& regions) {
+  std::size_t count = 0;
   if (Status status = read_count(input, "a number of materials", 8, 0, count); !status)
     return status;
   for (std::size_t m = 0; m < count; ++m) {
-    std::string name;
+    FileMaterial found;
     std::int32_t type = 0;
-    if (Status status = read_name(input, "the name of a material", name); !status) return status;
+    if (Status status = read_name(input, "the name of a material", found.region); !status)
+      return status;
     if (!input.read(type, "the type of a material")) return input.error();
     if (type < 1 || type > 3)
       return input.problem("expected a material of type 1, 2 or 3, found " + std::to_string(type) +
-                           " (" + quoted_text(name) + ")");
+                           " (" + quoted_text(found.region) + ")");
+    constexpr const char* kKinds[] = {"ENU", "ORTHOTROPIC", "MOONEYRIVLIN"};
     constexpr std::size_t kProperties[] = {3, 19, 4};
-    if (!input.skip(kProperties[type - 1], sizeof(double), "properties of a material"))
-      return input.error();
+    double properties[19];
+    for (std::size_t p = 0; p < kProperties[type - 1]; ++p)
+      if (!input.read(properties[p], "a property of a material")) return input.error();
+    Result<Material> material = veg_material(kKinds[type - 1], {properties, kProperties[type - 1]});
+    if (material)
+      found.material = *material;
+    else
+      found.problem = input.problem(material.error().message).message;
+    regions.materials.push_back(std::move(found));
   }
   return Success{};
 }
 
-Status read_set(ByteScanner& input, MeshBuilder& builder) {
+Status read_set(ByteScanner& input, MeshBuilder& builder, VegRegions& regions,
+                std::vector<std::string>& names) {
   std::string name;
   std::size_t count = 0;
   if (Status status = read_name(input, "the name of a set", name); !status) return status;
   if (Status status = read_count(input, "a number of elements of a set", 4, 0, count); !status)
     return status;
   const std::vector<Tetrahedron>& tets = builder.mesh().tetrahedra;
+  std::vector<std::int32_t>& elements = regions.sets[name];
+  names.push_back(name);
   for (std::size_t i = 0; i < count; ++i) {
     std::int32_t id = 0;
     if (!input.read(id, "an element of a set")) return input.error();
@@ -134,21 +150,29 @@ Status read_set(ByteScanner& input, MeshBuilder& builder) {
       return input.problem("set " + quoted_text(name) + " names element " + std::to_string(id) +
                            ", expected one below " + std::to_string(tets.size()));
     builder.add_to_set(name, tets[static_cast<std::size_t>(id)]);
+    elements.push_back(id);
   }
   return Success{};
 }
 
-Status read_regions(ByteScanner& input, std::size_t materials, std::size_t sets) {
+// sets: names; the first is of all elements.
+Status read_regions(ByteScanner& input, const std::vector<std::string>& sets, VegRegions& regions) {
   std::size_t count = 0;
   if (Status status = read_count(input, "a number of regions", 8, 0, count); !status) return status;
-  for (std::size_t n = 0; n < count; ++n)
-    for (const auto& [what, limit] : {std::pair{"material", materials}, {"set", sets}}) {
+  for (std::size_t n = 0; n < count; ++n) {
+    std::size_t ids[2] = {};
+    std::size_t* at = ids;
+    for (const auto& [what, limit] :
+         {std::pair{"material", regions.materials.size()}, {"set", sets.size()}}) {
       std::int32_t id = 0;
       if (!input.read(id, what)) return input.error();
       if (id < 0 || static_cast<std::size_t>(id) >= limit)
         return input.problem("region " + std::to_string(n) + " names " + what + " " +
                              std::to_string(id) + ", expected one below " + std::to_string(limit));
+      *at++ = static_cast<std::size_t>(id);
     }
+    regions.regions.emplace_back(sets[ids[1]], regions.materials[ids[0]].region);
+  }
   return Success{};
 }
 
@@ -157,21 +181,22 @@ Status read_regions(ByteScanner& input, std::size_t materials, std::size_t sets)
 Result<MeshFile> read_vegb(std::string_view bytes, const std::string& path) {
   ByteScanner input(bytes, path, 0, kSwap);
   MeshBuilder builder(path);
-  std::size_t materials = 0;
+  VegRegions regions;
+  std::vector<std::string> names{"allElements"};
   std::size_t sets = 0;
   Status status = read_start(input);
   if (status) status = read_vertices(input, builder);
   if (status) status = read_elements(input, builder);
-  if (status) status = read_materials(input, materials);
+  if (status) status = read_materials(input, regions);
   if (status) status = read_count(input, "a number of sets", 8, 1, sets);
-  for (std::size_t set = 1; status && set < sets; ++set) status = read_set(input, builder);
-  if (status) status = read_regions(input, materials, sets);
+  for (std::size_t set = 1; status && set < sets; ++set)
+    status = read_set(input, builder, regions, names);
+  if (status) status = read_regions(input, names, regions);
   if (!status) return status.error();
   if (input.remaining() > 0)
     return input.problem("expected the end of the file behind the regions, found " +
                          std::to_string(input.remaining()) + " more bytes");
-  if (materials > 0)
-    builder.add_note("materials of the file are not used (" + std::to_string(materials) + ")");
+  set_veg_regions(regions, builder);
   return builder.finish("VegaFEM binary");
 }
 

@@ -85,9 +85,12 @@ void settle_fixed(const PrecomputeOptions& options, const BasisRows& basis, Prob
   problem.load = make_load(options, problem);
 }
 
-// The densities of the file's materials come in here.
-std::vector<double> element_densities(const PrecomputeOptions& options, const TetMesh& mesh) {
-  return std::vector<double>(mesh.tetrahedra.size(), options.material.density);
+std::vector<double> element_densities(const Problem& problem) {
+  std::vector<double> densities;
+  densities.reserve(problem.mesh.tetrahedra.size());
+  for (std::size_t t = 0; t < problem.mesh.tetrahedra.size(); ++t)
+    densities.push_back(problem.materials.of(t).density);
+  return densities;
 }
 
 // G where it is needed: nothing when the basis is orthonormal as it is.
@@ -237,7 +240,7 @@ void compute_model(const PrecomputeOptions& options, const ReducedForces& forces
   BasisData& data = result.data;
   const TetMesh& mesh = result.problem.mesh;
   ImportFindings& findings = result.findings;
-  const std::vector<double> density = element_densities(options, mesh);
+  const std::vector<double> density = element_densities(result.problem);
   const std::optional<Eigen::MatrixXd> mass =
       settle_mass(options, mesh, density, basis, findings, result.problem.notes);
   const SymmetrisedForces symmetric = symmetrise(forces);
@@ -271,6 +274,10 @@ ImportResult import_reduced(const PrecomputeOptions& options, StageLog& log) {
     throw Failure({ErrorKind::kUsage, options.mesh_path +
                                           ": an imported basis needs the tetrahedral mesh that it "
                                           "was made for, not a surface"});
+  if (!options.point_masses.empty())
+    throw Failure({ErrorKind::kUsage,
+                   "--point-mass has no place in an imported model: its basis belongs to the mass "
+                   "that it was made with"});
   ImportResult result;
   Problem& problem = result.problem;
   BasisData& data = result.data;

@@ -9,6 +9,7 @@
 #include "formats/veg_material.h"
 #include "tests/support/mesh_variants.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/vega_files.h"
 
 namespace tremolo {
 namespace {
@@ -174,6 +175,17 @@ TEST(Regions, OfAVegFileAreItsMaterials) {
                                                  "*REGION\nthree, steel\n"));
   EXPECT_EQ(partly.mesh.region_of, (Regions{-1, 0}));
   EXPECT_NE(all_notes(partly).find("does not have"), std::string::npos);
+}
+
+TEST(Regions, OfAVegbFileAreItsMaterialsToo) {
+  const MeshFile file = read("a.vegb", testing::vegb_bytes(testing::small_mesh()));
+  // All elements are of material 0, then the first one of material 2, which is no St. Venant's.
+  EXPECT_EQ(file.mesh.region_of, (Regions{0, 1}));
+  EXPECT_EQ(file.mesh.region_names, (Names{"material 2", "material 0"}));
+  ASSERT_EQ(file.materials.size(), 3u);
+  EXPECT_EQ(file.materials[0].material, (Material{1e6, 0.45, 1000}));
+  EXPECT_EQ(file.materials[1].material.orthotropic->young, Eigen::Vector3d(1e6, 2e6, 3e6));
+  EXPECT_NE(file.materials[2].problem.find("`MOONEYRIVLIN`"), std::string::npos);
 }
 
 TEST(VegMaterial, ThatCannotBeUsedSaysWhereAndWhy) {
