@@ -9,14 +9,16 @@
 //       elements from 0
 //   i32 regions; each: i32 material, i32 set
 #include <bit>
-#include <limits>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "formats/byte_scanner.h"
 #include "formats/mesh_builder.h"
 #include "formats/mesh_formats.h"
 #include "formats/text_scanner.h"
+#include "formats/veg_material.h"
 
 namespace tremolo {
 namespace {
@@ -101,34 +103,62 @@ Status read_elements(ByteScanner& input, MeshBuilder& builder) {
   return Success{};
 }
 
-// The one place that meets the materials. They are walked over: the sets stand behind them.
-Status read_materials(ByteScanner& input, std::size_t& count) {
+// What the regions refer to by number. sets: elements; the first, all of them, is left empty.
+struct VegbTables {
+  std::vector<FileMaterial> materials;
+  std::vector<std::vector<std::int32_t>> sets{1};
+  std::vector<std::pair<std::size_t, std::size_t>> regions;  // material, set
+};
+
+Status read_material(ByteScanner& input, std::set<std::string>& names, FileMaterial& found) {
+  if (Status status = read_name(input, "the name of a material", found.region); !status)
+    return status;
+  // Regions of the mesh go by name.
+  if (!names.insert(found.region).second)
+    return input.problem("expected a material's name that no other has, found " +
+                         quoted_text(found.region) + " a second time");
+  std::int32_t type = 0;
+  if (!input.read(type, "the type of a material")) return input.error();
+  if (type < 1 || type > 3)
+    return input.problem("expected a material of type 1, 2 or 3, found " + std::to_string(type) +
+                         " (" + quoted_text(found.region) + ")");
+  constexpr std::pair<std::string_view, std::size_t> kKinds[] = {
+      {"ENU", 3}, {"ORTHOTROPIC", 19}, {"MOONEYRIVLIN", 4}};
+  const auto& [kind, count] = kKinds[type - 1];
+  std::vector<double> numbers(count);
+  for (double& number : numbers)
+    if (!input.read(number, "a number of a material")) return input.error();
+  // What is wrong with it matters only to who wants it.
+  const Result<Material> material = veg_material(kind, numbers);
+  if (material)
+    found.material = *material;
+  else
+    found.problem = input.problem(material.error().message).message;
+  return Success{};
+}
+
+Status read_materials(ByteScanner& input, VegbTables& tables) {
+  std::size_t count = 0;
+  std::set<std::string> names;
   if (Status status = read_count(input, "a number of materials", 8, 0, count); !status)
     return status;
   for (std::size_t m = 0; m < count; ++m) {
-    std::string name;
-    std::int32_t type = 0;
-    if (Status status = read_name(input, "the name of a material", name); !status) return status;
-    if (!input.read(type, "the type of a material")) return input.error();
-    if (type < 1 || type > 3)
-      return input.problem("expected a material of type 1, 2 or 3, found " + std::to_string(type) +
-                           " (" + quoted_text(name) + ")");
-    constexpr std::size_t kProperties[] = {3, 19, 4};
-    if (!input.skip(kProperties[type - 1], sizeof(double), "properties of a material"))
-      return input.error();
+    FileMaterial found;
+    if (Status status = read_material(input, names, found); !status) return status;
+    tables.materials.push_back(std::move(found));
   }
   return Success{};
 }
 
-Status read_set(ByteScanner& input, MeshBuilder& builder) {
+Status read_set(ByteScanner& input, MeshBuilder& builder, std::vector<std::int32_t>& elements) {
   std::string name;
   std::size_t count = 0;
   if (Status status = read_name(input, "the name of a set", name); !status) return status;
   if (Status status = read_count(input, "a number of elements of a set", 4, 0, count); !status)
     return status;
   const std::vector<Tetrahedron>& tets = builder.mesh().tetrahedra;
-  for (std::size_t i = 0; i < count; ++i) {
-    std::int32_t id = 0;
+  elements.resize(count);
+  for (std::int32_t& id : elements) {
     if (!input.read(id, "an element of a set")) return input.error();
     if (id < 0 || static_cast<std::size_t>(id) >= tets.size())
       return input.problem("set " + quoted_text(name) + " names element " + std::to_string(id) +
@@ -138,18 +168,62 @@ Status read_set(ByteScanner& input, MeshBuilder& builder) {
   return Success{};
 }
 
-Status read_regions(ByteScanner& input, std::size_t materials, std::size_t sets) {
+Status read_sets(ByteScanner& input, MeshBuilder& builder, VegbTables& tables) {
+  std::size_t count = 0;
+  if (Status status = read_count(input, "a number of sets", 8, 1, count); !status) return status;
+  for (std::size_t set = 1; set < count; ++set) {
+    tables.sets.emplace_back();
+    if (Status status = read_set(input, builder, tables.sets.back()); !status) return status;
+  }
+  return Success{};
+}
+
+Status read_regions(ByteScanner& input, VegbTables& tables) {
   std::size_t count = 0;
   if (Status status = read_count(input, "a number of regions", 8, 0, count); !status) return status;
-  for (std::size_t n = 0; n < count; ++n)
-    for (const auto& [what, limit] : {std::pair{"material", materials}, {"set", sets}}) {
-      std::int32_t id = 0;
-      if (!input.read(id, what)) return input.error();
-      if (id < 0 || static_cast<std::size_t>(id) >= limit)
-        return input.problem("region " + std::to_string(n) + " names " + what + " " +
-                             std::to_string(id) + ", expected one below " + std::to_string(limit));
-    }
+  const auto choose = [&](std::size_t region, const char* what, std::size_t limit,
+                          std::size_t& chosen) -> Status {
+    std::int32_t id = 0;
+    if (!input.read(id, what)) return input.error();
+    if (id < 0 || static_cast<std::size_t>(id) >= limit)
+      return input.problem("region " + std::to_string(region) + " names " + what + " " +
+                           std::to_string(id) + ", expected one below " + std::to_string(limit));
+    chosen = static_cast<std::size_t>(id);
+    return Success{};
+  };
+  tables.regions.resize(count);
+  for (std::size_t n = 0; n < count; ++n) {
+    auto& [material, set] = tables.regions[n];
+    Status status = choose(n, "material", tables.materials.size(), material);
+    if (status) status = choose(n, "set", tables.sets.size(), set);
+    if (!status) return status;
+  }
   return Success{};
+}
+
+// A region of the mesh is what has one material, and is called like it. As in VegaFEM, the last
+// region that lists an element decides.
+void set_regions(const VegbTables& tables, MeshBuilder& builder) {
+  std::vector<std::int64_t> material_of(builder.mesh().tetrahedra.size(), -1);
+  // From the last on, and of regions of one set the last alone: the work is bounded by the file.
+  std::vector<bool> done(tables.sets.size(), false);
+  for (auto region = tables.regions.rbegin(); region != tables.regions.rend(); ++region) {
+    const auto label = static_cast<std::int64_t>(region->first);
+    if (done[region->second]) continue;
+    done[region->second] = true;
+    const auto put = [&](std::size_t element) {
+      if (material_of[element] < 0) material_of[element] = label;
+    };
+    if (region->second == 0)
+      for (std::size_t element = 0; element < material_of.size(); ++element) put(element);
+    else
+      for (std::int32_t element : tables.sets[region->second])
+        put(static_cast<std::size_t>(element));
+  }
+  for (const FileMaterial& material : tables.materials) builder.add_material(material);
+  builder.set_regions(material_of, [&tables](std::int64_t label) {
+    return label < 0 ? std::string() : tables.materials[static_cast<std::size_t>(label)].region;
+  });
 }
 
 }  // namespace
@@ -157,21 +231,18 @@ Status read_regions(ByteScanner& input, std::size_t materials, std::size_t sets)
 Result<MeshFile> read_vegb(std::string_view bytes, const std::string& path) {
   ByteScanner input(bytes, path, 0, kSwap);
   MeshBuilder builder(path);
-  std::size_t materials = 0;
-  std::size_t sets = 0;
+  VegbTables tables;
   Status status = read_start(input);
   if (status) status = read_vertices(input, builder);
   if (status) status = read_elements(input, builder);
-  if (status) status = read_materials(input, materials);
-  if (status) status = read_count(input, "a number of sets", 8, 1, sets);
-  for (std::size_t set = 1; status && set < sets; ++set) status = read_set(input, builder);
-  if (status) status = read_regions(input, materials, sets);
+  if (status) status = read_materials(input, tables);
+  if (status) status = read_sets(input, builder, tables);
+  if (status) status = read_regions(input, tables);
   if (!status) return status.error();
   if (input.remaining() > 0)
     return input.problem("expected the end of the file behind the regions, found " +
                          std::to_string(input.remaining()) + " more bytes");
-  if (materials > 0)
-    builder.add_note("materials of the file are not used (" + std::to_string(materials) + ")");
+  set_regions(tables, builder);
   return builder.finish("VegaFEM binary");
 }
 

@@ -85,9 +85,11 @@ void settle_fixed(const PrecomputeOptions& options, const BasisRows& basis, Prob
   problem.load = make_load(options, problem);
 }
 
-// The densities of the file's materials come in here.
-std::vector<double> element_densities(const PrecomputeOptions& options, const TetMesh& mesh) {
-  return std::vector<double>(mesh.tetrahedra.size(), options.material.density);
+// kg/m^3, one a tetrahedron.
+std::vector<double> element_densities(const Problem& problem) {
+  std::vector<double> density(problem.mesh.tetrahedra.size());
+  for (std::size_t e = 0; e < density.size(); ++e) density[e] = problem.materials.of(e).density;
+  return density;
 }
 
 // G where it is needed: nothing when the basis is orthonormal as it is.
@@ -120,16 +122,18 @@ std::optional<Eigen::MatrixXd> settle_mass(const PrecomputeOptions& options, con
     // The same basis in another density: U^T M U is a multiple of the identity.
     const double factor = lumped.trace() / static_cast<double>(lumped.rows());
     const bool scaled = factor > 0 && distance_from_identity(lumped / factor) <= kOrthonormal;
-    refuse(options.import_basis +
-           text(": U^T M U is off the identity by %.2g in the lumped mass "
-                "(VegaFEM's) and by %.2g in the consistent one. ",
-                findings.lumped_error, findings.consistent_error) +
-           (scaled
-                ? text("It is %.6g times the identity: the basis belongs to a density %.6g times "
-                       "as large, see --density",
-                       factor, 1.0 / factor)
-                : "Check --density and that the mesh is the basis's own; --mass lumped or --mass "
-                  "consistent takes the basis as it is and makes it orthonormal in that mass"));
+    refuse(
+        options.import_basis +
+        text(": U^T M U is off the identity by %.2g in the lumped mass "
+             "(VegaFEM's) and by %.2g in the consistent one. ",
+             findings.lumped_error, findings.consistent_error) +
+        (scaled
+             ? text("It is %.6g times the identity: the basis belongs to a density %.6g times "
+                    "as large, see --density",
+                    factor, 1.0 / factor)
+             : "Check --density (--material file takes those of the mesh's file) and that the mesh "
+               "is the basis's own; --mass lumped or --mass "
+               "consistent takes the basis as it is and makes it orthonormal in that mass"));
   }
   findings.orthonormalised = true;
   notes.push_back(text("the basis was not orthonormal in the %s mass, off by %.2g, and was made so",
@@ -237,7 +241,7 @@ void compute_model(const PrecomputeOptions& options, const ReducedForces& forces
   BasisData& data = result.data;
   const TetMesh& mesh = result.problem.mesh;
   ImportFindings& findings = result.findings;
-  const std::vector<double> density = element_densities(options, mesh);
+  const std::vector<double> density = element_densities(result.problem);
   const std::optional<Eigen::MatrixXd> mass =
       settle_mass(options, mesh, density, basis, findings, result.problem.notes);
   const SymmetrisedForces symmetric = symmetrise(forces);
