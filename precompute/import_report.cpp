@@ -48,8 +48,11 @@ std::string import_provenance(const PrecomputeOptions& options, const ImportResu
   json["mesh"] = {{"file", name(options.mesh_path)},
                   {"format", result.problem.mesh_format},
                   {"xxh3_64", result.problem.mesh_hash}};
-  json["material"] = {{"model", "St. Venant-Kirchhoff"},
-                      {"density_kg_m3", options.material.density}};
+  // Of the materials the densities alone are used: the stiffness is the .cub's.
+  Json densities = Json::array();
+  for (const NamedMaterial& named : result.problem.materials.materials)
+    densities.push_back({{"name", named.name}, {"density_kg_m3", named.material.density}});
+  json["materials"] = densities;
   json["mass"] = findings.mass == MassKind::kLumped ? "lumped" : "consistent";
   json["fix"] = options.fix;
   json["import"] = import_json(findings);

@@ -118,10 +118,12 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
       ->capture_default_str();
   app.add_option("--import-basis", options.import_basis,
                  "VegaFEM's basis, .U, over the vertices of this mesh: nothing is solved. It is "
-                 "orthonormal in the lumped mass, of which --density is part")
+                 "orthonormal in the lumped mass, of which --density is part (--material file: the "
+                 "mesh file's own)")
       ->excludes(linear_modes)
       ->excludes(modes)
-      ->excludes(linear);
+      ->excludes(linear)
+      ->excludes(app.get_option("--point-mass"));
   app.add_option("--import-cubic", options.import_cubic,
                  "VegaFEM's polynomials of the reduced forces, .cub; the stiffness is theirs")
       ->needs("--import-basis");

@@ -163,12 +163,13 @@ Problem load_problem(const PrecomputeOptions& options) {
   problem.report = std::move(*report);
   problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
                        problem.report.notes.end());
-  problem.materials = make_materials(options, rules, of_file, problem);
   problem.mesh_hash = hash_mesh(problem.mesh);
   if (!options.render_path.empty())
     read_render(options, problem);
   else if (meshed)
     attach_render(problem, std::move(*meshed), options.threads);
+  // Behind the render surface: its objects and colours may choose a material.
+  problem.materials = make_materials(options, rules, of_file, problem);
   if (!options.select.empty()) return problem;
   problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
   if (!problem.free_body) {

@@ -255,5 +255,26 @@ TEST(MeshCheck, RefusesRegionsThatDoNotFitTheMesh) {
   }
 }
 
+TEST(VegbRegions, TheLastRegionThatListsAnElementDecides) {
+  const testing::TemporaryFolder folder;
+  // Region 0: the first material, all elements; region 1: the third, element 0.
+  const Result<MeshFile> file =
+      read_tet_mesh(folder.write("a.vegb", testing::vegb_bytes(testing::small_mesh())));
+  ASSERT_TRUE(file) << file.error().message;
+  const TetMesh& mesh = file->mesh;
+  ASSERT_EQ(mesh.region_of.size(), 2u);
+  const auto region = [&](std::size_t tet) {
+    return mesh.region_names.at(static_cast<std::size_t>(mesh.region_of[tet]));
+  };
+  EXPECT_EQ(region(0), "material 2");
+  EXPECT_EQ(region(1), "material 0");
+  ASSERT_EQ(file->materials.size(), 3u);
+  EXPECT_EQ(file->materials[0].material, (Material{1e6, 0.45, 1000.0}));
+  ASSERT_TRUE(file->materials[1].material.orthotropic) << file->materials[1].problem;
+  EXPECT_EQ(file->materials[1].material.orthotropic->shear, Eigen::Vector3d(4e5, 5e5, 6e5));
+  EXPECT_EQ(file->materials[1].material.density, 1100.0);
+  EXPECT_FALSE(file->materials[2].problem.empty()) << "Mooney-Rivlin is not StVK";
+}
+
 }  // namespace
 }  // namespace tremolo
