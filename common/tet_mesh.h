@@ -27,9 +27,9 @@ struct TetMesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Tetrahedron> tetrahedra;
   std::map<std::string, std::vector<VertexId>> node_sets;
-  std::vector<Colour> colours;
-  std::vector<std::int32_t> region_of;
-  std::vector<std::string> region_names;
+  std::vector<Colour> colours = {};
+  std::vector<std::int32_t> region_of = {};
+  std::vector<std::string> region_names = {};
 };
 
 // Six times the volume is the determinant of the edge matrix; the sign is the orientation.

@@ -115,6 +115,7 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMesh
   report.cap_to_surface = scaling.diagonal * distances.cap_to_surface;
   for (Eigen::Vector3d& x : result.mesh.vertices) x = scaling.out(x);
   report.quality = mesh_quality(result.mesh);
+  report.tetrahedra = result.mesh.tetrahedra.size();
   return result;
 }
 
@@ -123,6 +124,10 @@ std::vector<std::string> describe(const SurfaceMeshReport& report) {
   lines.push_back(std::string(report.findings.clean() ? "closed and without crossings: " : "") +
                   "meshed " + report.method);
   lines.insert(lines.end(), report.notes.begin(), report.notes.end());
+  const MeshQuality& quality = report.quality;
+  lines.push_back(text("%zu tetrahedra, dihedral angles %.1f to %.1f degrees, %.4g m^3",
+                       report.tetrahedra, quality.min_dihedral_deg, quality.max_dihedral_deg,
+                       quality.volume));
   lines.push_back(
       text("mesh to surface at most %.3g m (%.2g %% of the diagonal), surface to mesh "
            "%.3g m (%.2g %%)",

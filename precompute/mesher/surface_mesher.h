@@ -33,6 +33,7 @@ struct SurfaceMeshReport {
   std::string method;              // "as a polyhedron with sharp edges kept"
   std::vector<std::string> notes;  // what was done, and what the user should know
   MeshQuality quality;
+  std::size_t tetrahedra = 0;
   double diagonal = 0;         // of the surface's bounding box, m
   double mesh_to_surface = 0;  // of the mesh's boundary to the given surface
   double surface_to_mesh = 0;
