@@ -3,6 +3,9 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <optional>
+#include <type_traits>
 
 #include <toml++/toml.h>
 
@@ -14,15 +17,33 @@ namespace {
 // One key of a scene: how to store its value; false if the type is wrong.
 using Store = bool (*)(const toml::node&, RunOptions&);
 
+// toml++ turns any float into an integer to see whether it is one, which a large one does not bear.
+std::optional<int> whole_number(const toml::node& node) {
+  const auto* number = node.as_floating_point();
+  if (number == nullptr) return node.value<int>();
+  const double value = number->get();
+  if (!(std::abs(value) <= std::numeric_limits<int>::max()) || value != std::trunc(value))
+    return std::nullopt;
+  return static_cast<int>(value);
+}
+
+template <class T>
+std::optional<T> value_of(const toml::node& node) {
+  if constexpr (std::is_same_v<T, int>)
+    return whole_number(node);
+  else
+    return node.value<T>();
+}
+
 template <class T>
 bool store(const toml::node& node, T& target) {
-  const auto value = node.value<T>();
+  const auto value = value_of<T>(node);
   if (value) target = *value;
   return value.has_value();
 }
 
 bool store_list(const toml::node& node, std::vector<int>& target) {
-  if (const auto single = node.value<int>()) {
+  if (const auto single = whole_number(node)) {
     target = {*single};
     return true;
   }
@@ -30,7 +51,7 @@ bool store_list(const toml::node& node, std::vector<int>& target) {
   if (array == nullptr) return false;
   target.clear();
   for (const toml::node& entry : *array) {
-    const auto value = entry.value<int>();
+    const auto value = whole_number(entry);
     if (!value) return false;
     target.push_back(*value);
   }

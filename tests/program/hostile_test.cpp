@@ -52,6 +52,16 @@ TEST(Scene, PathsMayHaveManyDots) {
   ASSERT_TRUE(scene) << scene.error().message;
 }
 
+TEST(Scene, AWholeNumberMayBeWrittenAsAFloatThatFits) {
+  const auto parse = [](const std::string& value) {
+    return parse_scene("[b]\nmodel = 'x.tremolo'\nprobe = " + value + "\nevery = 2.0\n", "s.toml");
+  };
+  EXPECT_TRUE(parse("7.0"));
+  EXPECT_TRUE(parse("[7, 8.0]"));
+  for (const char* value : {"7.5", "2e91", "-2e91", "inf", "nan", "[1, 1e300]", "99999999999"})
+    EXPECT_FALSE(parse(value)) << value;
+}
+
 int inspect(const BasisData& data, bool json, std::string& errors, std::string& text) {
   const std::string path = testing::fresh_folder() + "/a.tremolo";
   EXPECT_TRUE(write_basis(path, data));
