@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs the libFuzzer targets of build/fuzz, two at a time, and prints what each did.
 #     tests/fuzz/run.sh [SECONDS | -runs=N] [TARGET]...
-# 20 seconds each unless told otherwise. Exit code 1 if there is a finding; its input stays in
+# 20 seconds each unless told otherwise; TREMOLO_FUZZ_SEED=N does the same again. Exit code 1 if there is a finding; its input stays in
 # build/fuzz/findings. What a run learns stays in build/fuzz/learned and starts the next one.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -16,7 +16,7 @@ fuzz_one() {
   # Inputs are small: 64 MB at once, or 512 MB in all with what the sanitizer keeps, is too much.
   ASAN_OPTIONS=quarantine_size_mb=16:allocator_release_to_os_interval_ms=500 \
     nice "$tree/bin/fuzz_$target" "$limit" -max_len=4096 -timeout=10 -malloc_limit_mb=64 \
-    -rss_limit_mb=512 -print_final_stats=1 -verbosity=1 \
+    -rss_limit_mb=512 -seed="${TREMOLO_FUZZ_SEED:-0}" -print_final_stats=1 -verbosity=1 \
     -artifact_prefix="$tree/findings/$target/" \
     "$tree/learned/$target" "$tree/seeds/$target" "${options[@]}" >"$log" 2>&1 || code=$?
   local runs rate found=none
