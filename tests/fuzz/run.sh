@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Runs the libFuzzer targets of build/fuzz, two at a time, and prints what each did.
 #     tests/fuzz/run.sh [SECONDS | -runs=N] [TARGET]...
-# 20 seconds each unless told otherwise; TREMOLO_FUZZ_SEED=N does the same again. Exit code 1 if there is a finding; its input stays in
-# build/fuzz/findings. What a run learns stays in build/fuzz/learned and starts the next one.
+# 20 seconds each unless told otherwise; TREMOLO_FUZZ_SEED=N does the same again. Exit code 1 if
+# there is a finding; its input stays in build/fuzz/findings. What a run learns stays in
+# build/fuzz/learned and starts the next one.
 set -eu
 cd "$(dirname "$0")/../.."
 readonly tree=build/fuzz here=tests/fuzz
