@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "common/mesh_parts.h"
+
 namespace tremolo {
 namespace {
 
@@ -139,40 +141,12 @@ std::size_t orient(TetMesh& mesh, double& volume) {
   return flipped;
 }
 
-// The smallest vertex of the part, by union-find with path halving.
-VertexId root_of(std::vector<VertexId>& parent, VertexId id) {
-  while (parent[id] != id) {
-    parent[id] = parent[parent[id]];
-    id = parent[id];
-  }
-  return id;
-}
-
 void label_parts(const TetMesh& mesh, MeshReport& report) {
-  std::vector<VertexId> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), VertexId{0});
-  std::vector<bool> referenced(mesh.vertices.size(), false);
-  for (const Tetrahedron& tet : mesh.tetrahedra) {
-    for (VertexId id : tet) {
-      referenced[id] = true;
-      const VertexId a = root_of(parent, tet[0]);
-      const VertexId b = root_of(parent, id);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  }
-  report.part_of_vertex.assign(mesh.vertices.size(), -1);
-  int parts = 0;
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (!referenced[v]) {
-      ++report.unreferenced_vertices;
-      continue;
-    }
-    // The root is the smallest vertex of its part, so it has its label before the others ask.
-    const VertexId root = root_of(parent, static_cast<VertexId>(v));
-    report.part_of_vertex[v] =
-        root == static_cast<VertexId>(v) ? parts++ : report.part_of_vertex[root];
-  }
-  report.parts = static_cast<std::size_t>(parts);
+  MeshParts parts = mesh_parts(mesh);
+  report.parts = parts.count;
+  report.part_of_vertex = std::move(parts.part_of_vertex);
+  report.unreferenced_vertices = static_cast<std::size_t>(
+      std::count(report.part_of_vertex.begin(), report.part_of_vertex.end(), -1));
 }
 
 void add_notes(MeshReport& report) {

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <vector>
 
+#include "common/mesh_parts.h"
+
 namespace tremolo {
 namespace {
 
@@ -56,25 +58,6 @@ double radius_ratio(const Corners& x) {
   return 3.0 * inscribed / circumscribed;
 }
 
-std::size_t count_parts(const TetMesh& mesh) {
-  std::vector<VertexId> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), VertexId{0});
-  const auto root = [&parent](VertexId id) {
-    while (parent[id] != id) id = parent[id] = parent[parent[id]];
-    return id;
-  };
-  std::vector<bool> used(mesh.vertices.size(), false);
-  for (const Tetrahedron& tet : mesh.tetrahedra)
-    for (VertexId id : tet) {
-      used[id] = true;
-      parent[root(id)] = root(tet[0]);
-    }
-  std::size_t parts = 0;
-  for (std::size_t v = 0; v < parent.size(); ++v)
-    if (used[v] && parent[v] == static_cast<VertexId>(v)) ++parts;
-  return parts;
-}
-
 }  // namespace
 
 MeshQuality mesh_quality(const TetMesh& mesh) {
@@ -95,7 +78,7 @@ MeshQuality mesh_quality(const TetMesh& mesh) {
     quality.min_volume = std::min(quality.min_volume, volume);
   }
   quality.mean_radius_ratio = sum / static_cast<double>(mesh.tetrahedra.size());
-  quality.parts = count_parts(mesh);
+  quality.parts = mesh_parts(mesh).count;
   return quality;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace tremolo {
 namespace {
@@ -56,6 +57,14 @@ BoundarySurface boundary_surface(const TetMesh& mesh) {
     const Triangle& face = oriented[index];
     surface.triangles.push_back({position[face[0]], position[face[1]], position[face[2]]});
   }
+  return surface;
+}
+
+SurfaceMesh boundary_mesh(const TetMesh& mesh) {
+  BoundarySurface boundary = boundary_surface(mesh);
+  SurfaceMesh surface;
+  for (const VertexId id : boundary.vertex_ids) surface.vertices.push_back(mesh.vertices[id]);
+  surface.triangles = std::move(boundary.triangles);
   return surface;
 }
 

@@ -24,4 +24,7 @@ struct BoundarySurface {
 // oriented). Order: by tetrahedron, then by local face; the same mesh gives the same surface.
 BoundarySurface boundary_surface(const TetMesh& mesh);
 
+// The same with vertices of its own.
+SurfaceMesh boundary_mesh(const TetMesh& mesh);
+
 }  // namespace tremolo

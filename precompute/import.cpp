@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "common/format_text.h"
 #include "common/hash.h"
 #include "formats/surface_reader.h"
 #include "formats/whole_file.h"
@@ -24,13 +25,6 @@ namespace {
 constexpr double kOrthonormal = 1e-4;
 // Sums over a million tetrahedra stay far below: what is above is no rounding.
 constexpr double kAsymmetry = 1e-9;
-
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char buffer[400];
-  std::snprintf(buffer, sizeof(buffer), format, values...);
-  return buffer;
-}
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Failure(content_error(message));

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/format_text.h"
 #include "common/packed_index.h"
 #include "precompute/basis.h"
 #include "precompute/blas_threads.h"
@@ -21,13 +22,6 @@
 
 namespace tremolo {
 namespace {
-
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof(buffer), format, values...);
-  return buffer;
-}
 
 double hertz(double squared_frequency) {
   return std::sqrt(squared_frequency) / (2.0 * std::numbers::pi);

@@ -77,14 +77,6 @@ Result<TetMesh> make_mesh(const Options& options) {
   return recipe.error();
 }
 
-SurfaceMesh compact_boundary(const TetMesh& mesh) {
-  BoundarySurface boundary = boundary_surface(mesh);
-  SurfaceMesh surface;
-  for (VertexId id : boundary.vertex_ids) surface.vertices.push_back(mesh.vertices[id]);
-  surface.triangles = std::move(boundary.triangles);
-  return surface;
-}
-
 void print_quality(const TetMesh& mesh) {
   const MeshQuality quality = mesh_quality(mesh);
   const BoundingBox box = bounding_box(mesh.vertices);
@@ -103,7 +95,7 @@ Status run(const Options& options) {
   const Result<TetMesh> mesh = make_mesh(options);
   if (!mesh) return mesh.error();
   if (!options.surface.empty())
-    if (Status status = write_surface(options.surface, compact_boundary(*mesh)); !status)
+    if (Status status = write_surface(options.surface, boundary_mesh(*mesh)); !status)
       return status;
   if (Status status = write_msh(options.output, *mesh); !status) return status;
   print_quality(*mesh);

@@ -1,7 +1,6 @@
 #include "precompute/mesher/surface_attempt.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -10,6 +9,7 @@
 #include "precompute/mesher/cgal_mesher.h"
 #include "precompute/mesher/polyhedral_mesher.h"
 #include "precompute/mesher/surface_distance.h"
+#include "precompute/mesher/thinning.h"
 
 namespace tremolo {
 namespace {
@@ -54,9 +54,7 @@ std::vector<Seed> border_points(const SurfaceSolid& solid, const SizeField& size
     }
   }
   std::vector<Seed> kept;
-  // The coarsest size is as wide as a cell, so only neighbours count.
-  const double width = kSpacing * sizes.coarsest();
-  std::map<std::array<int, 3>, std::vector<std::size_t>> cells;
+  Thinning thinning(kSpacing * sizes.coarsest());
   std::map<std::size_t, std::size_t> count;
   double factor = kSpacing;
   for (int pass = 0; pass < 3; ++pass, factor *= 0.5)
@@ -65,21 +63,8 @@ std::vector<Seed> border_points(const SurfaceSolid& solid, const SizeField& size
       if (pass > 0 && here >= kLeast) continue;
       const Point& x = candidates[i].point;
       const double apart = factor * sizes.at(x);
-      const Eigen::Array3i cell = (x / width).array().floor().cast<int>();
-      bool free = true;
-      for (int n = 0; n < 27 && free; ++n) {
-        const auto near =
-            cells.find({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
-        if (near == cells.end()) continue;
-        for (const std::size_t other : near->second)
-          if ((kept[other].point - x).squaredNorm() < apart * apart) {
-            free = false;
-            break;
-          }
-      }
-      if (!free) continue;
+      if (!thinning.take(x, apart)) continue;
       ++here;
-      cells[{cell[0], cell[1], cell[2]}].push_back(kept.size());
       kept.push_back({x, apart});
     }
   return kept;

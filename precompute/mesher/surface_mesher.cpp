@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "precompute/mesher/report_text.h"
+#include "common/format_text.h"
 #include "precompute/mesher/surface_attempt.h"
 #include "precompute/mesher/surface_outcome.h"
 #include "precompute/mesher/surface_plan.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
+#include "common/mesh_parts.h"
 #include "precompute/mesher/surface_distance.h"
 
 namespace tremolo {
@@ -15,15 +15,6 @@ using Point = Eigen::Vector3d;
 constexpr std::size_t kDistanceSamples = 20'000;
 // A part with less than this share of the largest one's volume is a crumb.
 constexpr double kCrumb = 0.01;
-
-SurfaceMesh boundary_of(const TetMesh& mesh) {
-  const BoundarySurface boundary = boundary_surface(mesh);
-  SurfaceMesh surface;
-  for (const VertexId v : boundary.vertex_ids)
-    surface.vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
-  surface.triangles = boundary.triangles;
-  return surface;
-}
 
 // The largest distance from the mesh's boundary to the surface. Where a hole was closed there is no
 // surface: there the solid angle goes steadily through one half, and only there.
@@ -48,20 +39,25 @@ double mesh_to_surface(const SurfaceSolid& solid, const SurfaceMesh& boundary, d
   return largest;
 }
 
+// Whether a point parts inside from outside. A fin has a half of a turn on either side.
+bool is_border(const SurfaceSolid& solid, const SurfacePoint& at) {
+  constexpr double kStep = 1e-4;
+  constexpr double kBacked = 0.65;
+  const Point normal =
+      doubled_area(solid.surface, solid.surface.triangles[at.triangle]).normalized();
+  return solid.winding.at(at.point - kStep * normal) > kBacked &&
+         !solid.inside(at.point + kStep * normal);
+}
+
 // The way back, from those points of the surface that part inside from outside. Shells that were
 // left out as a whole do not count.
 double surface_to_mesh(const SurfaceSolid& solid, const TriangleTree& boundary) {
-  constexpr double kStep = 1e-4;
   struct Range {
     double least = HUGE_VAL, most = 0;
   };
   std::map<std::size_t, Range> shells;
   for (const SurfacePoint& at : spread_points(solid.surface, kDistanceSamples)) {
-    const Point normal =
-        doubled_area(solid.surface, solid.surface.triangles[at.triangle]).normalized();
-    const bool border =
-        solid.inside(at.point - kStep * normal) && !solid.inside(at.point + kStep * normal);
-    if (!solid.closed && !border) continue;
+    if (!solid.closed && !is_border(solid, at)) continue;
     const double distance = boundary.nearest(at.point).distance;
     Range& range = shells[solid.shell_of[at.triangle]];
     range.least = std::min(range.least, distance);
@@ -76,30 +72,21 @@ double surface_to_mesh(const SurfaceSolid& solid, const TriangleTree& boundary) 
 }  // namespace
 
 PartCounts drop_crumbs(TetMesh& mesh, bool keep) {
-  std::vector<VertexId> root(mesh.vertices.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&root](VertexId v) {
-    while (root[static_cast<std::size_t>(v)] != v)
-      v = root[static_cast<std::size_t>(v)] =
-          root[static_cast<std::size_t>(root[static_cast<std::size_t>(v)])];
-    return v;
+  const MeshParts labels = mesh_parts(mesh);
+  const auto part_of = [&labels](const Tetrahedron& t) {
+    return static_cast<std::size_t>(labels.part_of_vertex[static_cast<std::size_t>(t[0])]);
   };
-  for (const Tetrahedron& t : mesh.tetrahedra)
-    for (std::size_t i = 1; i < 4; ++i) root[static_cast<std::size_t>(find(t[i]))] = find(t[0]);
-  std::map<VertexId, double> volumes;
-  for (const Tetrahedron& t : mesh.tetrahedra) volumes[find(t[0])] += signed_volume(mesh, t);
-  double largest = 0;
-  for (const auto& [part, value] : volumes) largest = std::max(largest, value);
+  std::vector<double> volumes(labels.count, 0.0);
+  for (const Tetrahedron& t : mesh.tetrahedra) volumes[part_of(t)] += signed_volume(mesh, t);
+  const double largest = *std::max_element(volumes.begin(), volumes.end());
   PartCounts parts;
-  std::vector<bool> stays(mesh.vertices.size(), false);
-  for (const auto& [part, value] : volumes) {
-    stays[static_cast<std::size_t>(part)] = keep || value >= kCrumb * largest;
-    ++(stays[static_cast<std::size_t>(part)] ? parts.kept : parts.dropped);
-  }
+  for (const double volume : volumes)
+    ++(keep || volume >= kCrumb * largest ? parts.kept : parts.dropped);
+  if (parts.dropped == 0) return parts;
   TetMesh result;
   std::vector<VertexId> place(mesh.vertices.size(), -1);
   for (const Tetrahedron& t : mesh.tetrahedra) {
-    if (!stays[static_cast<std::size_t>(find(t[0]))]) continue;
+    if (volumes[part_of(t)] < kCrumb * largest) continue;
     Tetrahedron moved{};
     for (std::size_t i = 0; i < 4; ++i) {
       VertexId& to = place[static_cast<std::size_t>(t[i])];
@@ -116,7 +103,7 @@ PartCounts drop_crumbs(TetMesh& mesh, bool keep) {
 }
 
 SurfaceDistances measure_distances(const SurfaceSolid& solid, double error, const TetMesh& mesh) {
-  const SurfaceMesh boundary = boundary_of(mesh);
+  const SurfaceMesh boundary = boundary_mesh(mesh);
   const TriangleTree tree(boundary);
   if (solid.half_thickness > 0)
     // The faces of a sheet are half its thickness off on purpose.

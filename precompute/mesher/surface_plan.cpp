@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "precompute/mesher/report_text.h"
+#include "common/format_text.h"
 #include "precompute/mesher/surface_distance.h"
 
 namespace tremolo {

@@ -1,45 +1,14 @@
 #include "precompute/mesher/surface_points.h"
 
 #include <cmath>
-#include <cstdint>
-#include <unordered_map>
+
+#include "precompute/mesher/thinning.h"
 
 namespace tremolo {
 namespace {
 
 using Point = Eigen::Vector3d;
 using Cell = Eigen::Vector3i;
-
-// Keeps points apart. Cells are as wide as the largest distance asked for, so only neighbours
-// count.
-class Thinning {
- public:
-  explicit Thinning(double width) : width_(width) {}
-
-  bool take(const Point& x, double apart) {
-    const Cell cell = (x / width_).array().floor().cast<int>();
-    for (int i = -1; i <= 1; ++i)
-      for (int j = -1; j <= 1; ++j)
-        for (int k = -1; k <= 1; ++k) {
-          const auto found = points_.find(key(cell + Cell(i, j, k)));
-          if (found == points_.end()) continue;
-          for (const Point& other : found->second)
-            if ((other - x).squaredNorm() < apart * apart) return false;
-        }
-    points_[key(cell)].push_back(x);
-    return true;
-  }
-
- private:
-  static std::uint64_t key(const Cell& cell) {
-    std::uint64_t value = 0;
-    for (const int c : cell) value = (value << 21) | (static_cast<std::uint64_t>(c) & 0x1fffffu);
-    return value;
-  }
-
-  double width_;
-  std::unordered_map<std::uint64_t, std::vector<Point>> points_;
-};
 
 Point crossing(const Recipe& recipe, Point inside, Point outside) {
   const double enough = 1e-9 * recipe.bounds.diagonal();

@@ -116,6 +116,13 @@ TEST(SurfaceMesher, MeshesWhatRunsThroughItself) {
   EXPECT_GT(meshed.report.quality.volume, 0.85 * enclosed_volume(eight));
 }
 
+TEST(SurfaceMesher, AFinBoundsNothing) {
+  SurfaceMesh fin = box_surface({1.0, 1.0, 1.0});
+  fin.vertices.push_back({0.5, 0.5, 1.6});
+  fin.triangles.push_back({4, 7, 8});
+  EXPECT_NEAR(mesh_well(fin).report.quality.volume, 1.0, 0.02);
+}
+
 TEST(SurfaceMesher, LeavesCrumbsOutUnlessAsked) {
   SurfaceMesh crumb = sphere_surface(0.05);
   for (Eigen::Vector3d& x : crumb.vertices) x += Eigen::Vector3d(1.3, 0, 0);

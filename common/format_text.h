@@ -1,4 +1,4 @@
-// printf into a string, for reports.
+// printf into a string, for reports and messages: up to 399 bytes, what is longer is cut.
 #pragma once
 
 #include <cstdio>
