@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -10,6 +11,21 @@ namespace tremolo {
 
 // XXH3-64 with seed 0 of the bytes as they lie in memory.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes);
+
+// The same of bytes that come piece by piece.
+class Hasher {
+ public:
+  Hasher();
+  ~Hasher();
+  Hasher(const Hasher&) = delete;
+  Hasher& operator=(const Hasher&) = delete;
+  void add(std::span<const std::byte> bytes);
+  std::uint64_t hash() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 // 16 lower-case hexadecimal digits.
 std::string hash_text(std::uint64_t hash);

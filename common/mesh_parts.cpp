@@ -1,21 +1,10 @@
 #include "common/mesh_parts.h"
 
-#include <algorithm>
 #include <numeric>
 
+#include "common/union_find.h"
+
 namespace tremolo {
-namespace {
-
-// The smallest vertex of the part, by union-find with path halving.
-VertexId root_of(std::vector<VertexId>& parent, VertexId id) {
-  while (parent[id] != id) {
-    parent[id] = parent[parent[id]];
-    id = parent[id];
-  }
-  return id;
-}
-
-}  // namespace
 
 MeshParts mesh_parts(const TetMesh& mesh) {
   std::vector<VertexId> parent(mesh.vertices.size());
@@ -26,9 +15,7 @@ MeshParts mesh_parts(const TetMesh& mesh) {
   for (const Tetrahedron& tet : mesh.tetrahedra) {
     for (VertexId id : tet) {
       parts.part_of_vertex[id] = kUsed;
-      const VertexId a = root_of(parent, tet[0]);
-      const VertexId b = root_of(parent, id);
-      parent[std::max(a, b)] = std::min(a, b);
+      join_sets(parent, tet[0], id);
     }
   }
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {

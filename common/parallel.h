@@ -3,24 +3,34 @@
 
 #include <atomic>
 #include <cstddef>
+#include <exception>
 #include <thread>
 #include <vector>
 
 namespace tremolo {
 
 // Calls body(index) once for each index below count, on up to `threads` threads; indices are handed
-// out one by one. The body must not throw. Results that do not depend on which thread runs an index
-// do not depend on the number of threads.
+// out one by one. What the body throws is thrown here when all threads are done, of several the
+// first that came. Results that do not depend on which thread runs an index do not depend on the
+// number of threads.
 template <class Body>
 void parallel_for(std::size_t count, unsigned threads, const Body& body) {
   std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t index = next++; index < count; index = next++) body(index);
+  std::atomic_flag failed;
+  std::exception_ptr thrown;
+  const auto work = [&]() noexcept {
+    try {
+      for (std::size_t index = next++; index < count; index = next++) body(index);
+    } catch (...) {
+      if (!failed.test_and_set()) thrown = std::current_exception();
+      next = count;
+    }
   };
   std::vector<std::thread> helpers;
   for (unsigned t = 1; t < threads && t < count; ++t) helpers.emplace_back(work);
   work();
   for (std::thread& helper : helpers) helper.join();
+  if (thrown) std::rethrow_exception(thrown);
 }
 
 }  // namespace tremolo

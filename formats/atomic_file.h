@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,6 +28,8 @@ class AtomicFile {
 
   Status write(std::span<const std::byte> bytes);
   Status write(std::string_view text);
+  // At a place of the file, which grows if need be; where write() goes on does not change.
+  Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   // Flushes to the disk and renames.
   Status commit();
 

@@ -5,25 +5,14 @@
 #include <cstring>
 #include <utility>
 
-#include "common/hash.h"
 #include "common/packed_index.h"
 #include "formats/compact_values.h"
+#include "formats/stored_hash.h"
 
 namespace tremolo {
 namespace {
 
 using namespace basis_layout;
-
-// The fuzzer's own build looks behind the checksums; nothing that is shipped is built like that.
-#ifdef TREMOLO_FUZZING
-constexpr bool kCheckHashes = false;
-#else
-constexpr bool kCheckHashes = true;
-#endif
-
-bool hash_fits(std::span<const std::byte> bytes, std::uint64_t hash) {
-  return !kCheckHashes || hash_bytes(bytes) == hash;
-}
 
 template <class T>
 T get(std::span<const std::byte> bytes, std::size_t at) {

@@ -1,5 +1,6 @@
 #include "formats/basis_writer.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <optional>
@@ -18,7 +19,7 @@ namespace {
 using namespace basis_layout;
 static_assert(std::endian::native == std::endian::little, "values are written as they lie");
 
-// A section to come: its bytes stay where they are in the caller's data.
+// A section to come: its bytes stay where they are in the caller's data, or come from a source.
 struct Section {
   std::string_view name;
   ElementType type;
@@ -26,6 +27,11 @@ struct Section {
   std::uint64_t rows;
   std::uint64_t columns;
   std::span<const std::byte> bytes;
+  const RowSource* source = nullptr;
+
+  std::size_t size() const {
+    return source == nullptr ? bytes.size() : sizeof(double) * rows * columns;
+  }
 };
 
 template <class T>
@@ -47,7 +53,8 @@ bool is_linear(const BasisData& data) {
   return data.cubic.empty() && data.quartic.empty();
 }
 
-Status check_shapes(const BasisData& data) {
+// streamed: the rows come from elsewhere.
+Status check_shapes(const BasisData& data, bool streamed) {
   const auto r = static_cast<std::size_t>(data.lambda.size());
   const auto bad = [](const char* member) {
     return content_error(std::string("basis data: the size of '") + member +
@@ -61,8 +68,9 @@ Status check_shapes(const BasisData& data) {
   for (const auto& [block, name] :
        {std::pair{&data.surface, "surface"}, {&data.interior, "interior"}}) {
     const std::size_t count = block->vertex_ids.size();
-    if (block->rest.size() != count || block->rows.rows() != static_cast<Eigen::Index>(3 * count) ||
-        (count > 0 && block->rows.cols() != static_cast<Eigen::Index>(r)))
+    if (block->rest.size() != count) return bad(name);
+    if (!streamed && (block->rows.rows() != static_cast<Eigen::Index>(3 * count) ||
+                      (count > 0 && block->rows.cols() != static_cast<Eigen::Index>(r))))
       return bad(name);
   }
   if (data.surface.vertex_ids.size() + data.interior.vertex_ids.size() != data.vertex_count ||
@@ -70,7 +78,7 @@ Status check_shapes(const BasisData& data) {
     return bad("vertex_count");
   if (data.fixed_vertices.size() != data.fixed_vertex_count) return bad("fixed_vertices");
   if (data.load.vertices.size() != data.load.forces.size()) return bad("load");
-  if (data.render && !fits(*data.render, data.lambda.size(), data.vertex_count))
+  if (data.render && !streamed && !fits(*data.render, data.lambda.size(), data.vertex_count))
     return bad("render");
   return Success{};
 }
@@ -122,7 +130,7 @@ Result<CompactArrays> make_compact(const BasisData& data) {
 }
 
 // compact: null for a full file.
-void add_render_sections(const RenderBlock& render, const RenderNames& names,
+void add_render_sections(const RenderBlock& render, std::uint64_t r, const RenderNames& names,
                          const CompactArrays* compact, std::vector<Section>& sections) {
   const RenderSurface& surface = render.surface;
   const std::uint64_t v = surface.vertices.size();
@@ -133,7 +141,6 @@ void add_render_sections(const RenderBlock& render, const RenderNames& names,
   const auto bytes = [](const auto& list) { return std::as_bytes(std::span(list)); };
   static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
   static_assert(sizeof(Eigen::Vector2f) == 2 * sizeof(float));
-  const auto r = static_cast<std::uint64_t>(render.rows.cols());
   const auto add = [&](std::string_view name, ElementType type, std::uint64_t rows,
                        std::uint64_t columns, std::span<const std::byte> contents) {
     sections.push_back({name, type, false, rows, columns, contents});
@@ -197,7 +204,7 @@ std::vector<Section> list_sections(const BasisData& data, const std::uint64_t* d
       {kSurfaceBasis, basis, true, 3 * s, r, rows(data.surface.rows, &CompactArrays::surface)},
   };
   sections.insert(sections.end(), visible.begin(), visible.end());
-  if (data.render) add_render_sections(*data.render, names, compact, sections);
+  if (data.render) add_render_sections(*data.render, r, names, compact, sections);
   const std::vector<Section> others = {
       {kInteriorIds, u32, false, inner, 1, ids_of(data.interior.vertex_ids)},
       {kInteriorRest, f64, false, inner, 3, points_of(data.interior.rest)},
@@ -226,22 +233,83 @@ std::size_t aligned(std::size_t offset) {
   return (offset + kAlignment - 1) / kAlignment * kAlignment;
 }
 
-void put_entry(std::vector<std::byte>& file, std::size_t at, const Section& section,
-               std::size_t offset) {
-  std::memcpy(file.data() + at + entry::kNameAt, section.name.data(), section.name.size());
-  put(file, at + entry::kTypeAt, static_cast<std::uint32_t>(section.type));
-  put(file, at + entry::kFlagsAt, section.critical ? kCritical : 0u);
-  put(file, at + entry::kOffsetAt, static_cast<std::uint64_t>(offset));
-  put(file, at + entry::kSizeAt, static_cast<std::uint64_t>(section.bytes.size()));
-  put(file, at + entry::kRowsAt, section.rows);
-  put(file, at + entry::kColumnsAt, section.columns);
-  put(file, at + entry::kHashAt, hash_bytes(section.bytes));
+void put_entry(std::vector<std::byte>& table, std::size_t at, const Section& section,
+               std::size_t offset, std::uint64_t hash) {
+  std::memcpy(table.data() + at + entry::kNameAt, section.name.data(), section.name.size());
+  put(table, at + entry::kTypeAt, static_cast<std::uint32_t>(section.type));
+  put(table, at + entry::kFlagsAt, section.critical ? kCritical : 0u);
+  put(table, at + entry::kOffsetAt, static_cast<std::uint64_t>(offset));
+  put(table, at + entry::kSizeAt, static_cast<std::uint64_t>(section.size()));
+  put(table, at + entry::kRowsAt, section.rows);
+  put(table, at + entry::kColumnsAt, section.columns);
+  put(table, at + entry::kHashAt, hash);
 }
 
-}  // namespace
+// Takes bytes for a place of the file, in ascending order but for the header, which comes last.
+using Sink = std::function<Status(std::size_t offset, std::span<const std::byte> bytes)>;
 
-Result<std::vector<std::byte>> encode_basis(const BasisData& data, BasisEncoding encoding) {
-  if (Status status = check_shapes(data); !status) return status.error();
+// The section's bytes to the sink; their hash.
+Result<std::uint64_t> put_section(const Section& section, std::size_t offset, const Sink& sink) {
+  if (section.source == nullptr) {
+    if (Status status = sink(offset, section.bytes); !status) return status.error();
+    return hash_bytes(section.bytes);
+  }
+  const auto vertices = static_cast<std::size_t>(section.rows / 3);
+  const auto numbers = static_cast<std::size_t>(3 * section.columns);
+  std::vector<double> rows(std::min(vertices, kRowsAtOnce) * numbers);
+  Hasher hasher;
+  for (std::size_t first = 0; first < vertices; first += kRowsAtOnce) {
+    const std::size_t count = std::min(kRowsAtOnce, vertices - first);
+    if (Status status = (*section.source)(first, count, rows.data()); !status)
+      return status.error();
+    const std::span<const std::byte> bytes = bytes_of(rows.data(), count * numbers);
+    hasher.add(bytes);
+    if (Status status = sink(offset + first * numbers * sizeof(double), bytes); !status)
+      return status.error();
+  }
+  return hasher.hash();
+}
+
+// Header, table and sections to the sink.
+Status put_file(const std::vector<Section>& sections, std::uint16_t minor, std::size_t size,
+                const Sink& sink) {
+  const std::size_t table_size = sections.size() * kEntrySize;
+  std::vector<std::byte> front(aligned(kHeaderSize + table_size));
+  const std::byte padding[kAlignment] = {};
+  std::size_t offset = front.size();
+  std::size_t at = kHeaderSize;
+  for (const Section& section : sections) {
+    Result<std::uint64_t> hash = put_section(section, offset, sink);
+    if (!hash) return hash.error();
+    put_entry(front, at, section, offset, *hash);
+    const std::size_t end = offset + section.size();
+    offset = aligned(end);
+    if (Status status = sink(end, std::span(padding).first(offset - end)); !status) return status;
+    at += kEntrySize;
+  }
+  std::memcpy(front.data() + header::kMagicAt, kMagic.data(), kMagic.size());
+  put(front, header::kMajorAt, kMajor);
+  put(front, header::kMinorAt, minor);
+  put(front, header::kSectionsAt, static_cast<std::uint32_t>(sections.size()));
+  put(front, header::kFileSizeAt, static_cast<std::uint64_t>(size));
+  put(front, header::kTableHashAt, hash_bytes(std::span(front).subspan(kHeaderSize, table_size)));
+  put(front, header::kHeaderHashAt, hash_bytes(std::span(front).first(header::kHeaderHashAt)));
+  return sink(0, front);
+}
+
+void use_sources(const RowSources& sources, std::vector<Section>& sections) {
+  for (Section& section : sections)
+    for (const auto& [name, source] : {std::pair{kSurfaceBasis, &sources.surface},
+                                       {kInteriorBasis, &sources.interior},
+                                       {kRenderBasis, &sources.render}})
+      if (section.name == name) section.source = source;
+}
+
+// sources: null when the rows are in `data`. start(size) is told the size of the file and gives the
+// sink for it.
+Status emit(const BasisData& data, BasisEncoding encoding, const RowSources* sources,
+            const std::function<Sink(std::size_t size)>& start) {
+  if (Status status = check_shapes(data, sources != nullptr); !status) return status;
   std::optional<CompactArrays> compact;
   if (encoding == BasisEncoding::kCompact) {
     Result<CompactArrays> arrays = make_compact(data);
@@ -260,42 +328,54 @@ Result<std::vector<std::byte>> encode_basis(const BasisData& data, BasisEncoding
   RenderNames names;
   if (data.render)
     names = {joined(data.render->surface.objects), joined(data.render->surface.materials)};
-  const std::vector<Section> sections =
+  std::vector<Section> sections =
       list_sections(data, dimensions, names, compact ? &*compact : nullptr);
+  if (sources != nullptr) use_sources(*sources, sections);
 
   std::size_t size = aligned(kHeaderSize + sections.size() * kEntrySize);
-  for (const Section& section : sections) size = aligned(size + section.bytes.size());
-  std::vector<std::byte> file(size);  // zeros: the padding is part of the format
-
-  std::size_t offset = aligned(kHeaderSize + sections.size() * kEntrySize);
-  std::size_t at = kHeaderSize;
-  for (const Section& section : sections) {
-    put_entry(file, at, section, offset);
-    if (!section.bytes.empty())
-      std::memcpy(file.data() + offset, section.bytes.data(), section.bytes.size());
-    offset = aligned(offset + section.bytes.size());
-    at += kEntrySize;
-  }
-
-  std::memcpy(file.data() + header::kMagicAt, kMagic.data(), kMagic.size());
-  put(file, header::kMajorAt, kMajor);
+  for (const Section& section : sections) size = aligned(size + section.size());
   const std::uint16_t encoded = compact || is_linear(data) ? kMinorEncoded : kMinor;
-  put(file, header::kMinorAt, data.render ? kMinorRender : encoded);
-  put(file, header::kSectionsAt, static_cast<std::uint32_t>(sections.size()));
-  put(file, header::kFileSizeAt, static_cast<std::uint64_t>(size));
-  put(file, header::kTableHashAt,
-      hash_bytes(std::span(file).subspan(kHeaderSize, sections.size() * kEntrySize)));
-  put(file, header::kHeaderHashAt, hash_bytes(std::span(file).first(header::kHeaderHashAt)));
+  return put_file(sections, data.render ? kMinorRender : encoded, size, start(size));
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> encode_basis(const BasisData& data, BasisEncoding encoding) {
+  std::vector<std::byte> file;
+  const auto start = [&file](std::size_t size) -> Sink {
+    file.resize(size);
+    return [&file](std::size_t offset, std::span<const std::byte> bytes) -> Status {
+      std::copy(bytes.begin(), bytes.end(), file.begin() + static_cast<std::ptrdiff_t>(offset));
+      return Success{};
+    };
+  };
+  if (Status status = emit(data, encoding, nullptr, start); !status) return status.error();
   return file;
 }
 
-Status write_basis(const std::string& path, const BasisData& data, BasisEncoding encoding) {
-  Result<std::vector<std::byte>> bytes = encode_basis(data, encoding);
-  if (!bytes) return bytes.error();
+namespace {
+
+Status write_file(const std::string& path, const BasisData& data, BasisEncoding encoding,
+                  const RowSources* sources) {
   Result<AtomicFile> file = AtomicFile::create(path);
   if (!file) return file.error();
-  if (Status status = file->write(std::span<const std::byte>(*bytes)); !status) return status;
+  const auto start = [&file](std::size_t) -> Sink {
+    return [&file](std::size_t offset, std::span<const std::byte> bytes) {
+      return file->write_at(offset, bytes);
+    };
+  };
+  if (Status status = emit(data, encoding, sources, start); !status) return status;
   return file->commit();
+}
+
+}  // namespace
+
+Status write_basis(const std::string& path, const BasisData& data, BasisEncoding encoding) {
+  return write_file(path, data, encoding, nullptr);
+}
+
+Status write_basis(const std::string& path, const BasisData& data, const RowSources& sources) {
+  return write_file(path, data, BasisEncoding::kFull, &sources);
 }
 
 }  // namespace tremolo

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "common/hertz.h"
 #include "common/selector.h"
 #include "formats/basis_reader.h"
 #include "runtime/program/commands.h"
@@ -54,8 +55,7 @@ Result<Contents> read_contents(BasisReader& reader) {
   Contents contents;
   Result<Eigen::VectorXd> lambda = read_lambda(reader);
   if (!lambda) return lambda.error();
-  for (double value : *lambda)
-    contents.frequencies.push_back(std::sqrt(value) / (2.0 * std::numbers::pi));
+  for (double value : *lambda) contents.frequencies.push_back(hertz(value));
   Result<DefaultLoad> load = read_default_load(reader);
   if (!load) return load.error();
   contents.load = std::move(*load);

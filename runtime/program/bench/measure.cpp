@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "common/hash.h"
+#include "formats/checksum.h"
 #include "runtime/body.h"
-#include "runtime/program/checksum.h"
 
 namespace tremolo::bench {
 namespace {

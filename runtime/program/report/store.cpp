@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "formats/atomic_file.h"
-#include "runtime/program/checksum.h"
+#include "formats/checksum.h"
 
 namespace tremolo {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "formats/atomic_file.h"
+#include "formats/checksum.h"
 #include "formats/whole_file.h"
-#include "runtime/program/checksum.h"
 #include "runtime/program/reproduce/long_run.h"
 
 namespace tremolo::reproduce {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "runtime/program/checksum.h"
+#include "formats/checksum.h"
 #include "runtime/program/commands.h"
 #include "runtime/program/known/known_answers.h"
 #include "runtime/program/progress.h"

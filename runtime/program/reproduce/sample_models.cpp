@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "formats/checksum.h"
 #include "formats/whole_file.h"
-#include "runtime/program/checksum.h"
 #include "runtime/program/reproduce/thesis.h"
 
 namespace tremolo::reproduce {

@@ -1,9 +1,9 @@
-#include "runtime/program/checksum.h"
+#include "formats/checksum.h"
 
 #include <span>
 
 #include "common/hash.h"
-#include "formats/whole_file.h"
+#include "formats/mapped_file.h"
 
 namespace tremolo {
 
@@ -12,9 +12,9 @@ std::string checksum(std::string_view bytes) {
 }
 
 Result<std::string> program_checksum() {
-  const Result<std::string> program = read_whole_file("/proc/self/exe");
+  const Result<MappedFile> program = MappedFile::open("/proc/self/exe");
   if (!program) return program.error();
-  return checksum(*program);
+  return hash_text(hash_bytes(program->bytes()));
 }
 
 }  // namespace tremolo
