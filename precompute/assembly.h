@@ -17,10 +17,9 @@ inline double element_mass(const Solid& solid, std::size_t element, int a, int b
 }
 
 // Calls add(row node, column node, 3x3 block) for every pair of free nodes of every element that
-// this rank has rows of; only rows of its own nodes.
+// this rank has rows of; only rows of its own nodes. solid: of the rank's part of the mesh.
 template <class Add>
-void for_each_stiffness_block(const Solid& solid, const DofMap& map, const LocalDofs& local,
-                              const Add& add) {
+void for_each_stiffness_block(const Solid& solid, const LocalDofs& local, const Add& add) {
   for (int element : local.elements) {
     const auto e = static_cast<std::size_t>(element);
     const Tetrahedron& tet = solid.mesh.tetrahedra[e];
@@ -29,8 +28,8 @@ void for_each_stiffness_block(const Solid& solid, const DofMap& map, const Local
     for (int a = 0; a < 4; ++a) {
       if (local.row_of_vertex[tet[a]] < 0) continue;
       for (int b = 0; b < 4; ++b)
-        if (map.node_of_vertex[tet[b]] >= 0)
-          add(map.node_of_vertex[tet[a]], map.node_of_vertex[tet[b]],
+        if (local.node_of_vertex[tet[b]] >= 0)
+          add(local.node_of_vertex[tet[a]], local.node_of_vertex[tet[b]],
               Eigen::Matrix3d(stiffness.block<3, 3>(3 * a, 3 * b)));
     }
   }
@@ -39,23 +38,23 @@ void for_each_stiffness_block(const Solid& solid, const DofMap& map, const Local
 // The same for the mass, point masses included: add(row node, column node, value); the block is
 // value times identity.
 template <class Add>
-void for_each_mass_entry(const Solid& solid, const DofMap& map, const LocalDofs& local,
-                         MassKind kind, const Add& add) {
+void for_each_mass_entry(const Solid& solid, const LocalDofs& local, MassKind kind,
+                         const Add& add) {
   for (int element : local.elements) {
     const auto e = static_cast<std::size_t>(element);
     const Tetrahedron& tet = solid.mesh.tetrahedra[e];
     for (int a = 0; a < 4; ++a) {
       if (local.row_of_vertex[tet[a]] < 0) continue;
       for (int b = 0; b < 4; ++b) {
-        if (map.node_of_vertex[tet[b]] < 0 || (kind == MassKind::kLumped && a != b)) continue;
-        add(map.node_of_vertex[tet[a]], map.node_of_vertex[tet[b]],
+        if (local.node_of_vertex[tet[b]] < 0 || (kind == MassKind::kLumped && a != b)) continue;
+        add(local.node_of_vertex[tet[a]], local.node_of_vertex[tet[b]],
             element_mass(solid, e, a, b, kind));
       }
     }
   }
   for (std::size_t v = 0; v < solid.point_mass.size(); ++v)
     if (solid.point_mass[v] != 0 && local.row_of_vertex[v] >= 0)
-      add(map.node_of_vertex[v], map.node_of_vertex[v], solid.point_mass[v]);
+      add(local.node_of_vertex[v], local.node_of_vertex[v], solid.point_mass[v]);
 }
 
 // Mass of the whole mesh with its point masses, kg.

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
+#include "common/format_text.h"
 #include "common/packed_index.h"
 #include "precompute/blas_threads.h"
 #include "precompute/failure.h"
@@ -97,33 +98,115 @@ Factored orthonormalise(Mat mass, Columns& columns, const Eigen::VectorXd& weigh
   return factored;
 }
 
+// Makes the directions canonical that the cut goes through.
+void choose_at_cut(Mat mass, const Marker& marker, const Cluster& cut,
+                   PrincipalColumns& principal) {
+  const Eigen::MatrixXd old = principal.turn.middleCols(cut.first, cut.count);
+  Columns equals(principal.columns.rows(), cut.count);
+  add_product(1.0, principal.columns, old, 0.0, equals);
+  principal.turn.middleCols(cut.first, cut.count) = old * canonical_rotation(mass, marker, equals);
+}
+
+void find_directions(PrincipalColumns& principal) {
+  constexpr double kRank = 1e-13;  // of the largest singular value: below is rounding
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(principal.t, Eigen::ComputeThinU);
+  principal.singular_values = svd.singularValues();
+  principal.rank =
+      (principal.singular_values.array() > kRank * principal.singular_values[0]).count();
+  principal.turn = principal.q * svd.matrixU();
+}
+
 }  // namespace
 
-Basis make_basis(const Matrices& matrices, Columns columns, const Eigen::VectorXd& w2,
-                 double amplitude, int r, unsigned threads) {
+Columns PrincipalColumns::first(Eigen::Index r) const {
+  Columns result(columns.rows(), r);
+  result.leftCols(kept.cols()) = kept;
+  const Eigen::Index others = r - kept.cols();
+  add_product(1.0, columns, turn.leftCols(others), 0.0, result.rightCols(others));
+  return result;
+}
+
+PrincipalColumns principal_columns(const Matrices& matrices, Columns columns,
+                                   const Eigen::VectorXd& w2, double amplitude, unsigned threads) {
+  PrincipalColumns principal;
+  principal.linear_modes = w2.size();
+  Factored factored =
+      orthonormalise(matrices.mass.get(), columns, weights(w2, amplitude, columns.cols()), threads);
+  columns.conservativeResize(Eigen::NoChange, factored.rank);
+  principal.kept.resize(columns.rows(), 0);
+  principal.columns = std::move(columns);
+  principal.q = std::move(factored.q);
+  principal.t = std::move(factored.t);
+  find_directions(principal);
+  return principal;
+}
+
+void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
+                 PrincipalColumns& principal) {
+  constexpr double kLeft = 1e-12;  // squared: of a direction that the vectors hold
   const Mat mass = matrices.mass.get();
-  const Factored factored =
-      orthonormalise(mass, columns, weights(w2, amplitude, columns.cols()), threads);
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(factored.t, Eigen::ComputeThinU);
-  const Eigen::VectorXd& sigma = svd.singularValues();
-  constexpr double kRank = 1e-13;  // of the largest singular value: below is rounding
-  const auto rank = (sigma.array() > kRank * sigma[0]).count();
-  if (r < 1 || r > rank)
-    throw Failure(
-        content_error(std::to_string(r) + " coordinates asked for; " + std::to_string(w2.size()) +
-                      " linear modes with their derivatives span " + std::to_string(rank)));
+  const Eigen::VectorXd norms = gram(mass, vectors, threads).diagonal().cwiseSqrt();
+  vectors = Columns(vectors * norms.cwiseInverse().asDiagonal());
+  const Eigen::LLT<Eigen::MatrixXd> factor(gram(mass, vectors, threads));
+  transform(vectors,
+            factor.matrixU().solve(Eigen::MatrixXd::Identity(vectors.cols(), vectors.cols())),
+            threads);
+  Eigen::MatrixXd shares = transposed_product(product(mass, vectors, threads), principal.columns);
+  sum_over_ranks(shares);
+  add_product(-1.0, vectors, shares, 1.0, principal.columns);
+  // columns * q is no longer orthonormal: its Gram matrix is I - A^T A.
+  const Eigen::MatrixXd held = shares * principal.q;
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(held.cols(), held.cols());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> left(identity - held.transpose() * held);
+  const auto count = (left.eigenvalues().array() > kLeft).count();
+  const Eigen::VectorXd root = left.eigenvalues().tail(count).cwiseSqrt();
+  const Eigen::MatrixXd directions = left.eigenvectors().rightCols(count);
+  principal.q = Eigen::MatrixXd(principal.q * directions * root.cwiseInverse().asDiagonal());
+  principal.t = Eigen::MatrixXd(root.asDiagonal() * directions.transpose() * principal.t);
+  principal.kept = std::move(vectors);
+  find_directions(principal);
+}
+
+Basis make_basis(const Matrices& matrices, Columns columns, const Eigen::VectorXd& w2,
+                 double amplitude, int r, unsigned threads, const Marker* marker, bool extend) {
+  PrincipalColumns principal =
+      principal_columns(matrices, std::move(columns), w2, amplitude, threads);
+  return make_basis(matrices, std::move(principal), r, threads, marker, extend);
+}
+
+Basis make_basis(const Matrices& matrices, PrincipalColumns principal, int r, unsigned threads,
+                 const Marker* marker, bool extend) {
+  const Mat mass = matrices.mass.get();
+  const Eigen::VectorXd& sigma = principal.singular_values;
+  const Eigen::Index kept = principal.kept.cols();
+  if (r < 1 || r <= kept || r > principal.size())
+    throw Failure(content_error(
+        std::to_string(r) + " coordinates asked for; " + std::to_string(principal.linear_modes) +
+        " linear modes with their derivatives span " + std::to_string(principal.size())));
   Basis basis;
-  basis.singular_values.assign(sigma.data(), sigma.data() + sigma.size());
-  Columns reduced(columns.rows(), r);
-  add_product(1.0, columns.leftCols(factored.rank), factored.q * svd.matrixU().leftCols(r), 0.0,
-              reduced);
-  columns.resize(0, 0);
+  // What is kept counts like the first direction.
+  basis.singular_values.assign(static_cast<std::size_t>(kept), sigma[0]);
+  basis.singular_values.insert(basis.singular_values.end(), sigma.begin(), sigma.end());
+  if (marker != nullptr) {
+    basis.cut = cluster_at_cut(sigma.head(principal.rank), r - kept, {});
+    const auto end = kept + basis.cut.first + basis.cut.count;
+    if (extend && end > r && end - r <= kMostAdded)
+      r = static_cast<int>(end);
+    else if (basis.cut.count > 0)
+      choose_at_cut(mass, *marker, basis.cut, principal);
+    basis.cut.first += kept;
+  }
+  Columns reduced = principal.first(r);
+  principal.columns.resize(0, 0);
 
   // The generalised form takes up what rounding has left of orthonormality.
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> rotation(
       gram(matrices.stiffness.get(), reduced, threads), gram(mass, reduced, threads));
   basis.lambda = rotation.eigenvalues();
   transform(reduced, rotation.eigenvectors(), threads);
+  // What is turned here is off the diagonal by as much as its Lambdas differ: rounding, no more.
+  const Nearness equal{1e-9, 1e-12 * basis.lambda[r - 1]};
+  if (marker != nullptr) make_canonical(mass, *marker, find_clusters(basis.lambda, equal), reduced);
   basis.vectors = std::move(reduced);
 
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(r, r);
@@ -133,6 +216,16 @@ Basis make_basis(const Matrices& matrices, Columns columns, const Eigen::VectorX
   stiffness.diagonal() -= basis.lambda;
   basis.diagonality_error = stiffness.cwiseAbs().maxCoeff() / basis.lambda.maxCoeff();
   return basis;
+}
+
+std::string note_on_cut(const Cluster& cut, Eigen::Index asked, Eigen::Index kept) {
+  if (cut.count == 0) return "";
+  const auto end = static_cast<int>(cut.first + cut.count);
+  const std::string same = text("coordinates %d to %d weigh the same in the basis",
+                                static_cast<int>(cut.first + 1), end);
+  if (kept > asked)
+    return text("%d coordinates, not %d: ", static_cast<int>(kept), static_cast<int>(asked)) + same;
+  return same + text("; --modes %d takes all of them", end);
 }
 
 }  // namespace tremolo

@@ -1,5 +1,7 @@
-// How many threads BLAS uses inside one call.
+// Which BLAS there is, and how many threads it uses inside one call.
 #pragma once
+
+#include <string>
 
 namespace tremolo {
 
@@ -15,5 +17,14 @@ class BlasThreads {
  private:
   int before_;
 };
+
+// Starts the program anew where OpenBLAS, which chooses its kernels while it is loaded, has not
+// recognised the processor (common/blas_core.h), with OPENBLAS_CORETYPE set; does not return then.
+// To be called first. What the user has set stays.
+void use_fast_blas_kernels(char** words);
+
+// "OpenBLAS 0.3.21 ... SkylakeX": version, and the kernels of this machine, whose last digits are
+// their own. "unknown" of another BLAS.
+std::string blas_name();
 
 }  // namespace tremolo

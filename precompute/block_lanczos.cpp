@@ -13,26 +13,25 @@ namespace {
 
 constexpr Eigen::Index kBlock = kLanczosBlock;
 
-Columns times_mass(const Pencil& pencil, const ColumnsRef& x, unsigned threads) {
-  Columns product(x.rows(), x.cols());
-  parallel_columns(x.cols(), 4, threads, [&](Eigen::Index first, Eigen::Index count) {
-    multiply(pencil.mass, x.middleCols(first, count), product.middleCols(first, count));
-  });
-  return product;
+// X^T Y, the same bits on all ranks.
+Eigen::MatrixXd products_of(const ColumnsRef& x, const ColumnsRef& y) {
+  Eigen::MatrixXd products = transposed_product(x, y);
+  sum_over_ranks(products);
+  return products;
 }
 
 Columns start_block(Eigen::Index rows, Eigen::Index columns) {
-  std::mt19937 engine(20110101);  // its raw numbers are the same everywhere
+  // Its raw numbers are the same everywhere.
+  std::mt19937 engine(20110101u + static_cast<unsigned>(mpi_rank()));
   Columns block(rows, columns);
   for (double& entry : block.reshaped()) entry = static_cast<double>(engine()) / 4294967296.0 - 0.5;
   return block;
 }
 
 // Takes the part along the columns of v (M-orthonormal) out of w; returns what it was, v^T M w.
-Eigen::MatrixXd project_out(const Pencil& pencil, const ColumnsRef& v, ColumnsOut w,
-                            unsigned threads) {
+Eigen::MatrixXd project_out(const Pencil& pencil, const ColumnsRef& v, const ColumnsOut& w) {
   if (v.cols() == 0) return Eigen::MatrixXd(0, w.cols());
-  const Eigen::MatrixXd along = transposed_product(v, times_mass(pencil, w, threads));
+  Eigen::MatrixXd along = products_of(v, pencil.mass(w));
   add_product(-1.0, v, along, 1.0, w);
   return along;
 }
@@ -44,8 +43,8 @@ struct Orthonormalised {
   Eigen::Index rank = 0;
   Eigen::MatrixXd b;
 };
-Orthonormalised orthonormalise(const Pencil& pencil, ColumnsOut w, double scale, unsigned threads) {
-  const Eigen::MatrixXd gram = transposed_product(w, times_mass(pencil, w, threads));
+Orthonormalised orthonormalise(const Pencil& pencil, ColumnsOut w, double scale) {
+  const Eigen::MatrixXd gram = products_of(w, pencil.mass(w));
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (gram + gram.transpose()));
   constexpr double kRounding = 1e-14;
   const double largest = eigen.eigenvalues().maxCoeff();
@@ -64,41 +63,80 @@ Orthonormalised orthonormalise(const Pencil& pencil, ColumnsOut w, double scale,
 
 }  // namespace
 
-void apply_inverse(const Pencil& pencil, ColumnsOut x, unsigned threads) {
-  const BlasThreads single(1);
-  parallel_columns(x.cols(), kBlock, threads, [&](Eigen::Index first, Eigen::Index count) {
-    SparseCholesky::Workspace workspace;
-    Columns load(x.rows(), count);
-    multiply(pencil.mass, x.middleCols(first, count), load);
-    pencil.factor->solve(load, x.middleCols(first, count), workspace);
-  });
-  project_out(pencil, *pencil.deflated, x, threads);
+Pencil thread_pencil(Mat mass, const SparseCholesky& factor, const Columns& deflated,
+                     unsigned threads) {
+  const SparseRows rows = sparse_rows(mass);
+  Pencil pencil;
+  pencil.mass = [rows, threads](const ColumnsRef& x) {
+    Columns product(x.rows(), x.cols());
+    parallel_columns(x.cols(), 4, threads, [&](Eigen::Index first, Eigen::Index count) {
+      multiply(rows, x.middleCols(first, count), product.middleCols(first, count));
+    });
+    return product;
+  };
+  pencil.inverse = [rows, &factor, threads](ColumnsOut x) {
+    const BlasThreads single(1);
+    parallel_columns(x.cols(), kBlock, threads, [&](Eigen::Index first, Eigen::Index count) {
+      SparseCholesky::Workspace workspace;
+      Columns load(x.rows(), count);
+      multiply(rows, x.middleCols(first, count), load);
+      factor.solve(load, x.middleCols(first, count), workspace);
+    });
+  };
+  pencil.deflated = &deflated;
+  pencil.rows = pencil.all_rows = rows.rows;
+  return pencil;
 }
 
-LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance, unsigned threads) {
-  const Eigen::Index rows = pencil.mass.rows;
-  const Eigen::Index most = std::min<Eigen::Index>(rows, 8 * Eigen::Index{wanted} + 20 * kBlock);
+Pencil petsc_pencil(Mat mass, Mat factor, const Columns& deflated) {
+  constexpr const char* kDoing = "solve for the modes";
+  Pencil pencil;
+  pencil.mass = [mass](const ColumnsRef& x) { return multiply(mass, Columns(x)); };
+  pencil.inverse = [mass, factor](ColumnsOut x) {
+    const Columns load = multiply(mass, Columns(x));
+    Columns solution(load.rows(), load.cols());
+    const PetscMatrix from = as_dense(load), to = as_dense(solution);
+    check_petsc(MatMatSolve(factor, from.get(), to.get()), kDoing);
+    x = solution;
+  };
+  pencil.deflated = &deflated;
+  PetscInt rows = 0, all_rows = 0;
+  check_petsc(MatGetLocalSize(mass, &rows, nullptr), kDoing);
+  check_petsc(MatGetSize(mass, &all_rows, nullptr), kDoing);
+  pencil.rows = rows;
+  pencil.all_rows = all_rows;
+  return pencil;
+}
+
+void apply_inverse(const Pencil& pencil, const ColumnsOut& x) {
+  pencil.inverse(x);
+  project_out(pencil, *pencil.deflated, x);
+}
+
+LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance) {
+  const Eigen::Index rows = pencil.rows;
+  const Eigen::Index most =
+      std::min<Eigen::Index>(pencil.all_rows, 8 * Eigen::Index{wanted} + 20 * kBlock);
   LanczosPairs pairs;
   Columns v(rows, most);
   Eigen::MatrixXd t = Eigen::MatrixXd::Zero(most, most);  // V^T M A V
   Eigen::Index size = std::min(kBlock, most), first = 0;
   double largest = 0;
   v.leftCols(size) = start_block(rows, size);
-  project_out(pencil, *pencil.deflated, v.leftCols(size), threads);
-  for (int pass = 0; pass < 2; ++pass)
-    size = orthonormalise(pencil, v.leftCols(size), 0.0, threads).rank;
+  project_out(pencil, *pencil.deflated, v.leftCols(size));
+  for (int pass = 0; pass < 2; ++pass) size = orthonormalise(pencil, v.leftCols(size), 0.0).rank;
   while (size > first) {
     const Eigen::Index width = size - first;
     Columns w = v.middleCols(first, width);
-    apply_inverse(pencil, w, threads);
+    apply_inverse(pencil, w);
     pairs.solves += static_cast<int>(width);
-    const Eigen::MatrixXd along = project_out(pencil, v.leftCols(size), w, threads);
+    const Eigen::MatrixXd along = project_out(pencil, v.leftCols(size), w);
     t.block(0, first, size, width) = along;
     t.block(first, 0, width, size) = along.transpose();
 
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(t.topLeftCorner(size, size));
     largest = std::max(largest, ritz.eigenvalues().cwiseAbs().maxCoeff());
-    const auto [next, coupling] = orthonormalise(pencil, w, largest, threads);
+    const auto [next, coupling] = orthonormalise(pencil, w, largest);
     if (size >= wanted) {
       const Eigen::MatrixXd chosen = ritz.eigenvectors().rightCols(wanted).rowwise().reverse();
       pairs.values = ritz.eigenvalues().tail(wanted).reverse();
@@ -113,9 +151,9 @@ LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance, u
     }
     if (size + next > most) return pairs;
     // A second time: what rounding left along the basis grew when directions were scaled up.
-    project_out(pencil, *pencil.deflated, w.leftCols(next), threads);
-    project_out(pencil, v.leftCols(size), w.leftCols(next), threads);
-    const Eigen::Index kept = orthonormalise(pencil, w.leftCols(next), 0.0, threads).rank;
+    project_out(pencil, *pencil.deflated, w.leftCols(next));
+    project_out(pencil, v.leftCols(size), w.leftCols(next));
+    const Eigen::Index kept = orthonormalise(pencil, w.leftCols(next), 0.0).rank;
     v.middleCols(size, kept) = w.leftCols(kept);
     first = size;
     size += kept;

@@ -66,6 +66,21 @@ Operators petsc_operators(const Matrices& matrices, Mat factor) {
           [](Eigen::MatrixXd& matrix) { sum_over_ranks(matrix); }};
 }
 
+Operators iterative_operators(const Matrices& matrices, IterativeSolver& solver) {
+  Operators on = petsc_operators(matrices, nullptr);
+  on.solve = [&solver](const Columns& b) { return solve(solver, b); };
+  return on;
+}
+
+// Without a factor the shift is the preconditioner's alone: K X = B itself is solved.
+Columns iterate_on_complement(const Operators& on, const Columns& rigid, const Columns& mass_rigid,
+                              const Columns& loads) {
+  Columns solution = on.solve(loads);
+  if (rigid.cols() > 0)
+    add_product(-1.0, rigid, on.inner_products(mass_rigid, solution), 1.0, solution);
+  return solution;
+}
+
 // K X = B on the M-complement of the rigid modes, with the factor of K + sM: X <- (K + sM)^-1
 // (B + sM X) contracts every mode by s / (omega^2 + s).
 Columns solve_on_complement(const Operators& on, double shift, const Columns& rigid,
@@ -107,13 +122,11 @@ double largest_residual(Eigen::MatrixXd squares) {
 
 ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local,
                                    const Matrices& matrices, const Modes& modes,
-                                   const Eigen::MatrixXd& psi, const Columns& rigid,
-                                   unsigned threads) {
+                                   const BasisRows& psi, const Columns& rigid, unsigned threads) {
   std::vector<ColumnPair> pairs;
   for (int j = 0; j < static_cast<int>(psi.cols()); ++j)
     for (int i = 0; i <= j; ++i) pairs.push_back({i, j});
   const auto count = static_cast<Eigen::Index>(pairs.size());
-  const BasisRows fields = psi;
   const Columns mass_rigid =
       rigid.cols() > 0 ? multiply(matrices.mass.get(), rigid) : Columns(local.dofs(), 0);
 
@@ -125,14 +138,15 @@ ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local,
   const auto compute_block = [&](const Operators& on, Eigen::Index first, Eigen::Index width) {
     Columns loads = Columns::Zero(local.dofs(), width);
     subtract_second_derivatives(
-        solid, local.elements, fields, {pairs.begin() + first, pairs.begin() + first + width},
+        solid, local.elements, psi, {pairs.begin() + first, pairs.begin() + first + width},
         local.row_of_vertex, loads.data(), static_cast<std::size_t>(loads.rows()));
     // The part that would set the body moving as a whole is taken out.
     if (rigid.cols() > 0)
       add_product(-1.0, mass_rigid, on.inner_products(rigid, loads), 1.0, loads);
-    const Columns solution = rigid.cols() == 0
-                                 ? on.solve(loads)
-                                 : solve_on_complement(on, modes.shift, rigid, mass_rigid, loads);
+    const Columns solution =
+        modes.iterative != nullptr ? iterate_on_complement(on, rigid, mass_rigid, loads)
+        : rigid.cols() == 0        ? on.solve(loads)
+                                   : solve_on_complement(on, modes.shift, rigid, mass_rigid, loads);
     squares.row(1).segment(first, width) = loads.colwise().squaredNorm();
     squares.row(0).segment(first, width) = (on.stiffness(solution) - loads).colwise().squaredNorm();
     result.columns.middleCols(result.modes + first, width) = solution;
@@ -144,7 +158,9 @@ ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local,
       compute_block(on, first, width);
     });
   } else {
-    const Operators on = petsc_operators(matrices, modes.factor);
+    const Operators on = modes.iterative != nullptr
+                             ? iterative_operators(matrices, *modes.iterative)
+                             : petsc_operators(matrices, modes.factor);
     for (Eigen::Index first = 0; first < count; first += kBlock)
       compute_block(on, first, std::min(kBlock, count - first));
   }

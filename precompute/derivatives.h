@@ -2,6 +2,7 @@
 // James 2005), all on the factorisation that shift-invert made.
 #pragma once
 
+#include "formats/basis_data.h"
 #include "precompute/modes.h"
 #include "precompute/stvk.h"
 
@@ -26,7 +27,6 @@ struct ModalDerivatives {
 // (M-orthonormal), and nothing of `rigid` is left in Phi.
 ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local,
                                    const Matrices& matrices, const Modes& modes,
-                                   const Eigen::MatrixXd& psi, const Columns& rigid,
-                                   unsigned threads);
+                                   const BasisRows& psi, const Columns& rigid, unsigned threads);
 
 }  // namespace tremolo

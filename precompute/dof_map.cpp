@@ -27,6 +27,20 @@ void set_options(idx_t* options) {
   options[METIS_OPTION_NUMBERING] = 0;
 }
 
+// METIS may leave a part of a small graph empty; a rank without rows would be a case of its own
+// everywhere. There are at least as many nodes as parts.
+void fill_empty_parts(int parts, std::vector<int>& part) {
+  std::vector<int> size(static_cast<std::size_t>(parts), 0);
+  for (const int p : part) ++size[p];
+  for (int empty = 0; empty < parts; ++empty) {
+    if (size[empty] > 0) continue;
+    const auto largest = std::max_element(size.begin(), size.end());
+    *std::find(part.begin(), part.end(), static_cast<int>(largest - size.begin())) = empty;
+    --*largest;
+    size[empty] = 1;
+  }
+}
+
 // Which rank each node of the graph belongs to.
 std::vector<int> partition(Graph& graph, int count, int ranks) {
   std::vector<int> part(static_cast<std::size_t>(count), 0);
@@ -42,6 +56,7 @@ std::vector<int> partition(Graph& graph, int count, int ranks) {
                                     graph.neighbours.data(), nullptr, nullptr, nullptr, &parts,
                                     nullptr, nullptr, options, &cut, part.data()),
                 "partition the mesh");
+  fill_empty_parts(ranks, part);
   return part;
 }
 
@@ -99,6 +114,12 @@ Graph node_graph(const TetMesh& mesh, const std::vector<int>& number, int count)
   return graph;
 }
 
+std::vector<int> dissection_order(const Graph& graph) {
+  std::vector<int> all(graph.start.size() - 1);
+  std::iota(all.begin(), all.end(), 0);
+  return nested_dissection(graph, all, std::vector<int>(all.size(), 0));
+}
+
 DofMap make_dof_map(const TetMesh& mesh, const std::vector<VertexId>& fixed, int ranks) {
   std::vector<int> number(mesh.vertices.size(), -1);
   for (const Tetrahedron& tet : mesh.tetrahedra)
@@ -133,20 +154,86 @@ DofMap make_dof_map(const TetMesh& mesh, const std::vector<VertexId>& fixed, int
   return map;
 }
 
+int rank_of_node(const DofMap& map, int node) {
+  if (node < 0) return -1;
+  const auto after = std::upper_bound(map.rank_begin.begin(), map.rank_begin.end(), node);
+  return static_cast<int>(after - map.rank_begin.begin()) - 1;
+}
+
+int element_rank(const DofMap& map, const Tetrahedron& tet) {
+  int lowest = -1;
+  for (const VertexId v : tet) {
+    const int node = map.node_of_vertex[v];
+    if (node >= 0 && (lowest < 0 || node < lowest)) lowest = node;
+  }
+  return rank_of_node(map, lowest);
+}
+
+namespace {
+
+// The tetrahedra and vertices of one rank's part of the mesh.
+void choose_part(const TetMesh& mesh, const DofMap& map, int rank, LocalDofs& local) {
+  const auto ours = [&](VertexId v) {
+    const int node = map.node_of_vertex[v] - local.first_node;
+    return node >= 0 && node < local.nodes;
+  };
+  std::vector<std::size_t> others;
+  std::vector<char> used(mesh.vertices.size(), 0);
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    const Tetrahedron& tet = mesh.tetrahedra[e];
+    if (std::none_of(tet.begin(), tet.end(), ours)) continue;
+    (element_rank(map, tet) == rank ? local.tetrahedra : others).push_back(e);
+    for (const VertexId v : tet) used[v] = 1;
+  }
+  local.counted = local.tetrahedra.size();
+  local.tetrahedra.insert(local.tetrahedra.end(), others.begin(), others.end());
+  for (std::size_t v = 0; v < used.size(); ++v)
+    if (used[v] != 0) local.vertices.push_back(static_cast<VertexId>(v));
+}
+
+}  // namespace
+
 LocalDofs local_dofs(const TetMesh& mesh, const DofMap& map, int rank) {
   LocalDofs local;
   local.first_node = map.rank_begin[rank];
   local.nodes = map.rank_begin[rank + 1] - local.first_node;
-  local.row_of_vertex.assign(mesh.vertices.size(), -1);
-  for (int i = 0; i < local.nodes; ++i)
-    local.row_of_vertex[map.vertex_of_node[local.first_node + i]] = 3 * i;
-  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
-    const Tetrahedron& tet = mesh.tetrahedra[e];
-    if (std::any_of(tet.begin(), tet.end(),
-                    [&](VertexId v) { return local.row_of_vertex[v] >= 0; }))
-      local.elements.push_back(static_cast<int>(e));
+  if (map.rank_begin.size() == 2) {
+    local.vertices.resize(mesh.vertices.size());
+    std::iota(local.vertices.begin(), local.vertices.end(), 0);
+    local.tetrahedra.resize(mesh.tetrahedra.size());
+    std::iota(local.tetrahedra.begin(), local.tetrahedra.end(), std::size_t{0});
+    local.counted = local.tetrahedra.size();
+  } else {
+    choose_part(mesh, map, rank, local);
+  }
+  for (const VertexId v : local.vertices) {
+    const int node = map.node_of_vertex[v];
+    const int place = node - local.first_node;
+    local.node_of_vertex.push_back(node);
+    local.row_of_vertex.push_back(node >= 0 && place >= 0 && place < local.nodes ? 3 * place : -1);
+  }
+  for (std::size_t i = 0; i < local.tetrahedra.size(); ++i) {
+    const Tetrahedron& tet = mesh.tetrahedra[local.tetrahedra[i]];
+    if (map.rank_begin.size() > 2 ||
+        std::any_of(tet.begin(), tet.end(), [&](VertexId v) { return map.node_of_vertex[v] >= 0; }))
+      local.elements.push_back(static_cast<int>(i));
   }
   return local;
+}
+
+TetMesh part_mesh(const TetMesh& mesh, const LocalDofs& local) {
+  TetMesh part;
+  std::vector<VertexId> place(mesh.vertices.size(), -1);
+  for (const VertexId v : local.vertices) {
+    place[v] = static_cast<VertexId>(part.vertices.size());
+    part.vertices.push_back(mesh.vertices[v]);
+  }
+  for (const std::size_t e : local.tetrahedra) {
+    Tetrahedron tet = mesh.tetrahedra[e];
+    for (VertexId& v : tet) v = place[v];
+    part.tetrahedra.push_back(tet);
+  }
+  return part;
 }
 
 }  // namespace tremolo

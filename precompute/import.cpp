@@ -261,6 +261,17 @@ void compute_model(const PrecomputeOptions& options, const ReducedForces& forces
     data.total_mass += density[e] * signed_volume(mesh, mesh.tetrahedra[e]);
 }
 
+// basis: 3n x r.
+void add_rows(const Problem& problem, const BasisRows& basis, BasisData& data) {
+  for (VertexBlock* block : {&data.surface, &data.interior}) {
+    block->rows.resize(3 * static_cast<Eigen::Index>(block->vertex_ids.size()), basis.cols());
+    for (std::size_t i = 0; i < block->vertex_ids.size(); ++i)
+      block->rows.middleRows<3>(3 * static_cast<Eigen::Index>(i)) =
+          basis.middleRows<3>(3 * Eigen::Index{block->vertex_ids[i]});
+  }
+  if (data.render) data.render->rows = embedded_rows(problem.embedding, problem.mesh, basis);
+}
+
 }  // namespace
 
 ImportResult import_reduced(const PrecomputeOptions& options, StageLog& log) {
@@ -292,7 +303,8 @@ ImportResult import_reduced(const PrecomputeOptions& options, StageLog& log) {
   log.end(text("forces equal to those of the .cub within %.1e", result.findings.force_error));
 
   data.rigid_mode_count = problem.free_body ? 6 * problem.report.parts : 0;
-  add_geometry(problem, basis, data);
+  add_geometry(problem, data);
+  add_rows(problem, basis, data);
   if (problem.free_body) problem.notes.emplace_back("a free body: no vertex is fixed");
   for (const std::string& note : problem.notes) log.note(note);
   return result;

@@ -1,10 +1,10 @@
 // What is told about an imported model: in its file and by --json.
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include <nlohmann/json.hpp>
 
+#include "common/hertz.h"
 #include "precompute/import.h"
 
 namespace tremolo {
@@ -68,8 +68,7 @@ std::string import_provenance(const PrecomputeOptions& options, const ImportResu
 std::string import_report(const ImportResult& result) {
   const BasisData& data = result.data;
   Json frequencies = Json::array();
-  for (double value : data.lambda)
-    frequencies.push_back(std::sqrt(value) / (2.0 * std::numbers::pi));
+  for (double value : data.lambda) frequencies.push_back(hertz(value));
   return dump({{"n", data.vertex_count},
                {"m", data.tetrahedron_count},
                {"r", data.lambda.size()},

@@ -1,7 +1,11 @@
 // The certificate that no mode was missed: Sylvester's law of inertia on an LDL^T factor.
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "precompute/failure.h"
+#include "precompute/mode_clusters.h"
 #include "precompute/modes.h"
 
 namespace tremolo {
@@ -9,13 +13,6 @@ namespace {
 
 void require(PetscErrorCode code) {
   check_petsc(code, "count the modes by inertia");
-}
-
-PetscMatrix shifted_stiffness(const Matrices& matrices, double bound) {
-  PetscMatrix shifted;
-  require(MatDuplicate(matrices.stiffness.get(), MAT_COPY_VALUES, shifted.out()));
-  require(MatAXPY(shifted.get(), -bound, matrices.mass.get(), SUBSET_NONZERO_PATTERN));
-  return shifted;
 }
 
 }  // namespace
@@ -34,33 +31,40 @@ int count_modes_below(const Matrices& matrices, double bound) {
   require(MatFactorInfoInitialize(&info));
   require(MatCholeskyFactorSymbolic(factor.get(), shifted.get(), nullptr, &info));
   require(MatCholeskyFactorNumeric(factor.get(), shifted.get(), &info));
+  require_factorised(factor.get());
   PetscInt negative = 0, zero = 0, positive = 0;
   require(MatGetInertia(factor.get(), &negative, &zero, &positive));
+  if (zero > 0)
+    throw Failure({ErrorKind::kSolver, "the count of modes by inertia met " + std::to_string(zero) +
+                                           " pivots that are zero"});
   return static_cast<int>(negative);
 }
 
 int count_modes_below(const Matrices& matrices, double bound, SparseCholesky& factor,
-                      unsigned threads) {
-  // The count is that of a matrix off by this times rounding, relative to the diagonal. A pivot
-  // that is small by chance, one of the eigenvalues of a part of the mesh being next to the bound,
-  // leaves far less than that.
+                      unsigned threads, double most_growth) {
+  // A pivot that is small by chance, one of the eigenvalues of a part of the mesh being next to the
+  // bound, leaves far less than that.
   constexpr double kStable = 1e5;
   const PetscMatrix shifted = shifted_stiffness(matrices, bound);
   const LdlReport report = factor.count_negative(sparse_rows(shifted.get()), threads);
-  return report.growth <= kStable ? static_cast<int>(report.negative) : -1;
+  return report.growth <= std::min(kStable, most_growth) ? static_cast<int>(report.negative) : -1;
 }
 
 InertiaCertificate certify(const Matrices& matrices, Modes& modes, int rigid_count,
                            unsigned threads) {
-  constexpr double kGap = 1e-7;  // relative: closer eigenvalues are a cluster
   std::vector<double> values(modes.squared_frequencies.begin(), modes.squared_frequencies.end());
-  if (modes.next_squared_frequency > 0) values.push_back(modes.next_squared_frequency);
-  // Between the last two that differ: a cluster at the cut may go on beyond what was computed.
+  if (!modes.left_out.empty())
+    values.insert(values.end(), modes.left_out.begin(), modes.left_out.end());
+  else if (modes.next_squared_frequency > 0)
+    values.push_back(modes.next_squared_frequency);
+  // Between the last two that differ by more than rounding: a cluster at the cut may go on beyond
+  // what was computed.
+  const Nearness near = nearness(values.front(), modes.cancellation);
   std::size_t below = values.size() - 1;
-  while (below > 0 && values[below] <= values[below - 1] * (1.0 + kGap)) --below;
+  while (below > 0 && near(values[below - 1], values[below])) --below;
   InertiaCertificate certificate;
   if (below == 0) {  // all alike, or one mode that is all there is
-    certificate.bound = values.front() * (1.0 - kGap);
+    certificate.bound = 0.5 * values.front();
     certificate.expected = rigid_count;
   } else {
     certificate.bound = 0.5 * (values[below - 1] + values[below]);
@@ -68,11 +72,18 @@ InertiaCertificate certify(const Matrices& matrices, Modes& modes, int rigid_cou
   }
   certificate.counted = -1;
   if (modes.cholesky != nullptr) {
-    certificate.counted = count_modes_below(matrices, certificate.bound, *modes.cholesky, threads);
+    // The count is that of a matrix off by the factor's growth times rounding, relative to its
+    // diagonal: that must not carry a mode across the bound.
+    const double room = std::abs(values[below] - certificate.bound);
+    const double unit =
+        std::numeric_limits<double>::epsilon() * values.front() / modes.cancellation;
+    certificate.counted =
+        count_modes_below(matrices, certificate.bound, *modes.cholesky, threads, 0.5 * room / unit);
     certificate.solver = "own";
-    modes.cholesky.reset();
+    release_solver(modes);
   }
   if (certificate.counted < 0) {
+    release_solver(modes);
     certificate.counted = count_modes_below(matrices, certificate.bound);
     certificate.solver = "mumps";
   }

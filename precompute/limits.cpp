@@ -85,4 +85,9 @@ StageLimit stage_limit(const MachineLimits& machine, const StageWork& work) {
   return limit;
 }
 
+void set_limit(const MachineLimits& machine, const StageWork& work, StageLog& log) {
+  const StageLimit limit = stage_limit(machine, work);
+  if (limit.seconds > 0) log.limit(limit.seconds, limit.reason);
+}
+
 }  // namespace tremolo

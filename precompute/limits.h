@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "common/stage_log.h"
+
 namespace tremolo {
 
 // All `threads` together. Zeros: not measured.
@@ -30,5 +32,8 @@ struct StageLimit {
   std::string reason;
 };
 StageLimit stage_limit(const MachineLimits& machine, const StageWork& work);
+
+// Says it with the stage that is under way, if the machine was measured.
+void set_limit(const MachineLimits& machine, const StageWork& work, StageLog& log);
 
 }  // namespace tremolo

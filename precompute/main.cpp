@@ -1,29 +1,37 @@
 // tremolo-precompute: mesh in, basis file out.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iostream>
-#include <new>
-#include <numbers>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
+#include "common/hertz.h"
 #include "formats/atomic_file.h"
 #include "formats/basis_writer.h"
 #include "formats/selector_reader.h"
 #include "formats/vtu_writer.h"
+#include "precompute/blas_threads.h"
+#include "precompute/checkpoint.h"
 #include "precompute/failure.h"
 #include "precompute/import.h"
 #include "precompute/options.h"
 #include "precompute/petsc.h"
 #include "precompute/pipeline.h"
+#include "precompute/rank_agreement.h"
+#include "precompute/rank_table.h"
+#include "precompute/reference/reference_options.h"
+#include "precompute/target_error.h"
 #include "precompute/term_signal.h"
 
 namespace tremolo {
 namespace {
 
-void print_json(const PrecomputeResult& result, const StageLog& log) {
+void print_json(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks) {
   using Json = nlohmann::ordered_json;
   const BasisData& data = result.data;
   const auto r = static_cast<std::size_t>(data.lambda.size());
@@ -36,9 +44,14 @@ void print_json(const PrecomputeResult& result, const StageLog& log) {
                       {"limit_reason", stage.limit_reason},
                       {"peak_bytes", stage.peak_bytes},
                       {"detail", stage.detail}});
+  Json of_ranks = Json::array();
+  for (const RankTable::Row& row : ranks.rows)
+    of_ranks.push_back({{"stage", row.stage},
+                        {"seconds", row.seconds},
+                        {"cpu_seconds", row.cpu_seconds},
+                        {"peak_bytes", row.peak_bytes}});
   Json frequencies = Json::array();
-  for (double value : data.lambda)
-    frequencies.push_back(std::sqrt(value) / (2.0 * std::numbers::pi));
+  for (double value : data.lambda) frequencies.push_back(hertz(value));
   std::vector<double> cut(data.singular_values.begin() +
                               static_cast<std::ptrdiff_t>(std::min(r, data.singular_values.size())),
                           data.singular_values.end());
@@ -65,17 +78,19 @@ void print_json(const PrecomputeResult& result, const StageLog& log) {
       {"mass_orthonormality_error", result.findings.orthonormality_error},
       {"polynomial_error", result.findings.polynomial_error},
       {"cut_singular_values", cut},
+      {"target_error", target_json(result.findings.target)},
       {"encoding", provenance.value("encoding", Json{{"name", "full"}})},
       {"notes", result.problem.notes},
-      {"stages", stages}};
+      {"ranks", mpi_ranks()},
+      {"stages", stages},
+      {"stages_of_ranks", of_ranks}};
   std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
 }
 
 // The user sees at once what came out.
 void print_spectrum(const BasisData& data) {
   std::fprintf(stderr, "  frequencies ");
-  for (double value : data.lambda)
-    std::fprintf(stderr, " %.4g", std::sqrt(value) / (2.0 * std::numbers::pi));
+  for (double value : data.lambda) std::fprintf(stderr, " %.4g", hertz(value));
   std::fprintf(stderr, " Hz\n  explicit methods are stable below a step of %.4g s\n",
                2.0 / std::sqrt(data.lambda[data.lambda.size() - 1]));
 }
@@ -170,74 +185,139 @@ void run_import(const CommandLine& line, StageLog& log) {
   if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
 }
 
-void run(const CommandLine& line) {
-  const bool speak = mpi_rank() == 0;
-  if (!line.options.select.empty()) {
-    if (speak) print_selection(line.options);
-    return;
-  }
-  StageLog log(!speak);
-  if (speak) require_outputs(line.options);
-  if (!line.options.import_basis.empty()) {
-    if (speak) run_import(line, log);
-    return;
-  }
-  PrecomputeResult result = run_precompute(line.options, log);
-  if (!speak) return;
-  if (line.options.encoding == BasisEncoding::kCompact) find_encoding_error(result, log);
-  result.data.provenance = provenance_json(line.options, result);
-  log.begin("file");
-  unwrap(write_basis(line.options.output_path, result.data, line.options.encoding));
-  log.end(line.options.output_path);
-  write_vtu(line.options, result.problem.mesh, result.data, log);
-  print_total(log);
-  print_spectrum(result.data);
-  for (const std::string& option : unused_petsc_options())
-    log.note("warning: no solver asked for the PETSc option " + option + " (a typo?)");
-  if (line.json) print_json(result, log);
-  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
-}
-
 int report(const Error& error) {
   std::fprintf(stderr, "tremolo-precompute: %s\n", error.message.c_str());
   return exit_code(error);
 }
 
-// What `run` threw, as an error.
-Error caught() {
-  try {
-    throw;
-  } catch (const Failure& failure) {
-    return failure.error();
-  } catch (const std::bad_alloc&) {
-    return system_error("out of memory");
-  } catch (const std::exception& exception) {
-    return system_error(exception.what());
-  }
+// The end of a run on rank 0, the others handing it their rows meanwhile.
+void write_result(const CommandLine& line, PrecomputeResult& result, bool rows_are_here,
+                  StageLog& log) {
+  const PrecomputeOptions& options = line.options;
+  if (options.encoding == BasisEncoding::kCompact) find_encoding_error(result, log);
+  result.data.provenance = provenance_json(options, result);
+  log.begin("file");
+  Status written = rows_are_here ? write_basis(options.output_path, result.data, options.encoding)
+                                 : write_basis(options.output_path, result.data,
+                                               gathered_rows(result.basis(), result.data));
+  if (!written && options.checkpoint)
+    written.error().message += "; the stages are kept: --resume goes on from there";
+  unwrap(std::move(written));
+  log.end(options.output_path);
+  write_vtu(options, result.problem.mesh, result.data, log);
 }
 
-int run_program(int count, char** words) {
-  const auto parsed = parse_command_line(count, words);
-  if (const int* code = std::get_if<int>(&parsed)) return *code;
-  const auto& line = std::get<CommandLine>(parsed);
+// A failure of one rank alone would leave the others waiting for ever.
+[[noreturn]] void stop_all_ranks(const Error& error) {
+  report(error);
+  MPI_Abort(PETSC_COMM_WORLD, exit_code(error));
+  std::abort();
+}
+
+// A typo in an option is a likely cause when a solver gives up.
+void warn_of_unused_options() {
+  for (const std::string& option : unused_petsc_options())
+    std::fprintf(stderr, "  warning: no solver asked for the PETSc option %s (a typo?)\n",
+                 option.c_str());
+}
+
+void run(const CommandLine& line) {
+  if (mpi_ranks() > 1)
+    require_agreement(
+        on_all_ranks([&line] { return facts_of_start(line.settings, line.petsc_options); }));
+  const bool speak = mpi_rank() == 0;
+  for (const auto& selectors : line.options.fix_axis)
+    if (!selectors.empty())
+      throw Failure({ErrorKind::kUsage,
+                     "--fix-x, --fix-y and --fix-z are for `tremolo-precompute reference`: a basis "
+                     "holds vertices with --fix only"});
+  if (!line.options.select.empty()) {
+    if (speak) print_selection(line.options);
+    return;
+  }
+  StageLog log(!speak);
+  on_all_ranks([&] {
+    if (speak) require_outputs(line.options);
+    return true;
+  });
+  if (!line.options.import_basis.empty()) {
+    if (speak) run_import(line, log);
+    return;
+  }
+  PrecomputeResult result = line.options.target_error ? precompute_to_target(line.options, log)
+                                                      : run_precompute(line.options, log);
+  // These look at all rows at once.
+  const bool collect =
+      line.options.encoding == BasisEncoding::kCompact || !line.options.modes_vtu.empty();
+  if (collect) collect_rows(result.basis(), result.data);
+  if (!speak) {
+    log.begin("file");
+    if (!collect) serve_rows(result.basis(), result.data);
+    log.end("");
+    gather_stages(log);
+    return;
+  }
   try {
-    const PetscSession session(words[0], line.petsc_options);
+    write_result(line, result, collect, log);
+  } catch (...) {
+    if (mpi_ranks() > 1) stop_all_ranks(current_error());
+    throw;
+  }
+  remove_checkpoint(line.options, log);
+  print_total(log);
+  const RankTable ranks = gather_stages(log);
+  if (mpi_ranks() > 1)
+    std::fprintf(stderr, "  processor time and peak memory of each rank\n%s\n",
+                 table_text(ranks).c_str());
+  print_spectrum(result.data);
+  // Stages that were there have asked for none.
+  if (!result.findings.resumed) warn_of_unused_options();
+  if (line.json) print_json(result, log, ranks);
+  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
+}
+
+// `work` with PETSc running.
+int run_session(const char* program, const std::vector<std::string>& petsc_options,
+                const std::function<void()>& work) {
+  try {
+    const PetscSession session(program, petsc_options);
     take_term_signal();
     try {
-      run(line);
+      work();
       return 0;
+    } catch (const SharedFailure& failure) {
+      return mpi_rank() == 0 ? report(failure.error()) : exit_code(failure.error());
     } catch (...) {
-      const Error error = caught();
+      const Error error = current_error();
       // Errors of the input are the same on all ranks: one speaks. Others may be one rank's own,
       // and the rest would wait for it for ever.
       const bool common = error.kind == ErrorKind::kContent || error.kind == ErrorKind::kUsage;
-      if (!common || mpi_rank() == 0) report(error);
+      const bool alone = mpi_ranks() == 1 || (!common && !all_ranks_failed());
+      if (alone || mpi_rank() == 0) {
+        report(error);
+        if (error.kind == ErrorKind::kSolver) warn_of_unused_options();
+      } else if (!common) {
+        std::this_thread::sleep_for(std::chrono::seconds(5));  // rank 0 speaks and ends all
+      }
       if (!common && mpi_ranks() > 1) MPI_Abort(PETSC_COMM_WORLD, exit_code(error));
       return exit_code(error);
     }
   } catch (...) {
-    return report(caught());
+    return report(current_error());
   }
+}
+
+int run_program(int count, char** words) {
+  if (count > 1 && std::string_view(words[1]) == "reference") {
+    const auto parsed = parse_reference_line(count - 1, words + 1);
+    if (const int* code = std::get_if<int>(&parsed)) return *code;
+    const auto& options = std::get<ReferenceOptions>(parsed);
+    return run_session(words[0], options.petsc_options, [&] { run_reference(options); });
+  }
+  const auto parsed = parse_command_line(count, words);
+  if (const int* code = std::get_if<int>(&parsed)) return *code;
+  const auto& line = std::get<CommandLine>(parsed);
+  return run_session(words[0], line.petsc_options, [&] { run(line); });
 }
 
 void hold_term_at_start(int, char**, char**) {
@@ -252,6 +332,7 @@ void hold_term_at_start(int, char**, char**) {
 }  // namespace tremolo
 
 int main(int count, char** words) {
+  tremolo::use_fast_blas_kernels(words);
   tremolo::remove_partial_files_on_signals();
   return tremolo::run_program(count, words);
 }

@@ -1,6 +1,9 @@
 #include "precompute/matrices.h"
 
 #include <algorithm>
+#include <limits>
+
+#include "precompute/failure.h"
 
 namespace tremolo {
 namespace {
@@ -29,6 +32,10 @@ Rows make_pattern(const DofMap& map, const LocalDofs& local, int per_node) {
   rows.start.push_back(0);
   for (int node = local.first_node; node < local.first_node + local.nodes; ++node) {
     const std::vector<int> nodes = row_nodes(map, node);
+    if (rows.column.size() + 9 * nodes.size() > std::numeric_limits<PetscInt>::max())
+      throw Failure(
+          system_error("the stiffness has more than 2^31 entries on one rank: use more "
+                       "ranks"));
     for (int axis = 0; axis < 3; ++axis) {
       for (int other : nodes)
         for (int k = 0; k < per_node; ++k)
@@ -69,19 +76,18 @@ PetscMatrix make_sparse(const LocalDofs& local, Rows rows) {
 Matrices assemble(const Solid& solid, const DofMap& map, const LocalDofs& local, MassKind kind) {
   Matrices matrices;
   Rows stiffness = make_pattern(map, local, 3);
-  for_each_stiffness_block(
-      solid, map, local, [&](int row, int column, const Eigen::Matrix3d& block) {
-        const int at = 3 * position(map, row, column);
-        for (int axis = 0; axis < 3; ++axis) {
-          double* entry =
-              stiffness.value.data() + stiffness.start[3 * (row - local.first_node) + axis] + at;
-          for (int k = 0; k < 3; ++k) entry[k] += block(axis, k);
-        }
-      });
+  for_each_stiffness_block(solid, local, [&](int row, int column, const Eigen::Matrix3d& block) {
+    const int at = 3 * position(map, row, column);
+    for (int axis = 0; axis < 3; ++axis) {
+      double* entry =
+          stiffness.value.data() + stiffness.start[3 * (row - local.first_node) + axis] + at;
+      for (int k = 0; k < 3; ++k) entry[k] += block(axis, k);
+    }
+  });
   matrices.stiffness = make_sparse(local, std::move(stiffness));
 
   Rows mass = make_pattern(map, local, 1);
-  for_each_mass_entry(solid, map, local, kind, [&](int row, int column, double value) {
+  for_each_mass_entry(solid, local, kind, [&](int row, int column, double value) {
     const int at = position(map, row, column);
     for (int axis = 0; axis < 3; ++axis)
       mass.value[mass.start[3 * (row - local.first_node) + axis] + at] += value;
@@ -90,27 +96,12 @@ Matrices assemble(const Solid& solid, const DofMap& map, const LocalDofs& local,
   return matrices;
 }
 
-Eigen::MatrixXd expand_to_vertices(const DofMap& map, const LocalDofs& local,
-                                   const Columns& columns) {
-  Eigen::MatrixXd all(3 * map.nodes(), columns.cols());
-  if (mpi_ranks() == 1) {
-    all = columns;
-  } else {
-    std::vector<int> counts, starts;
-    for (int rank = 0; rank < mpi_ranks(); ++rank) {
-      counts.push_back(3 * (map.rank_begin[rank + 1] - map.rank_begin[rank]));
-      starts.push_back(3 * map.rank_begin[rank]);
-    }
-    for (Eigen::Index c = 0; c < columns.cols(); ++c)
-      MPI_Allgatherv(columns.col(c).data(), local.dofs(), MPI_DOUBLE, all.col(c).data(),
-                     counts.data(), starts.data(), MPI_DOUBLE, PETSC_COMM_WORLD);
-  }
-  const auto vertices = static_cast<Eigen::Index>(map.node_of_vertex.size());
-  Eigen::MatrixXd expanded = Eigen::MatrixXd::Zero(3 * vertices, columns.cols());
-  for (int node = 0; node < map.nodes(); ++node)
-    expanded.middleRows(3 * Eigen::Index{map.vertex_of_node[node]}, 3) =
-        all.middleRows(3 * Eigen::Index{node}, 3);
-  return expanded;
+PetscMatrix shifted_stiffness(const Matrices& matrices, double shift) {
+  PetscMatrix shifted;
+  require(MatDuplicate(matrices.stiffness.get(), MAT_COPY_VALUES, shifted.out()));
+  // M's pattern lies inside K's.
+  require(MatAXPY(shifted.get(), -shift, matrices.mass.get(), SUBSET_NONZERO_PATTERN));
+  return shifted;
 }
 
 }  // namespace tremolo

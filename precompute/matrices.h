@@ -13,11 +13,10 @@ struct Matrices {
   PetscMatrix stiffness;
 };
 
+// solid: of this rank's part of the mesh.
 Matrices assemble(const Solid& solid, const DofMap& map, const LocalDofs& local, MassKind kind);
 
-// Values of this rank's rows -> values of all vertices on every rank: 3n x columns, zero where a
-// vertex is fixed.
-Eigen::MatrixXd expand_to_vertices(const DofMap& map, const LocalDofs& local,
-                                   const Columns& columns);
+// K - shift M, a matrix of its own.
+PetscMatrix shifted_stiffness(const Matrices& matrices, double shift);
 
 }  // namespace tremolo

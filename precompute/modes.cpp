@@ -15,15 +15,6 @@ void require(PetscErrorCode code) {
   check_petsc(code, "compute the modes");
 }
 
-std::vector<PetscVector> as_vectors(const Columns& columns) {
-  std::vector<PetscVector> vectors(static_cast<std::size_t>(columns.cols()));
-  for (Eigen::Index c = 0; c < columns.cols(); ++c)
-    require(VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, static_cast<PetscInt>(columns.rows()),
-                                  PETSC_DETERMINE, columns.col(c).data(),
-                                  vectors[static_cast<std::size_t>(c)].out()));
-  return vectors;
-}
-
 // The nodes are already in METIS's nested dissection: while this lives, CHOLMOD takes that order
 // and tries no other, METIS's on the graph of the dofs above all.
 class OnlyNaturalOrder {
@@ -43,8 +34,8 @@ class OnlyNaturalOrder {
   PetscBool given_ = PETSC_FALSE;
 };
 
-// Shift-invert on a Cholesky factor: CHOLMOD on one rank, MUMPS on several.
-void choose_factorisation(EPS solver) {
+// Shift-invert on a Cholesky factor: CHOLMOD's on one rank, MUMPS's on several.
+void choose_factorisation(EPS solver, LinearSolver package) {
   ST transform = nullptr;
   KSP linear = nullptr;
   PC factor = nullptr;
@@ -56,7 +47,7 @@ void choose_factorisation(EPS solver) {
   require(KSPSetType(linear, KSPPREONLY));
   require(KSPGetPC(linear, &factor));
   require(PCSetType(factor, PCCHOLESKY));
-  if (mpi_ranks() == 1) {
+  if (package == LinearSolver::kCholmod && mpi_ranks() == 1) {
     require(PCFactorSetMatSolverType(factor, MATSOLVERCHOLMOD));
     require(PCFactorSetMatOrderingType(factor, MATORDERINGNATURAL));
   } else {
@@ -78,7 +69,8 @@ void set_start_vector(EPS solver, Mat stiffness) {
   require(EPSSetInitialSpace(solver, 1, vectors));
 }
 
-void set_up(EPS solver, const Matrices& matrices, int wanted, const Columns& rigid, double shift) {
+void set_up(EPS solver, const Matrices& matrices, int wanted, const Columns& rigid, double shift,
+            LinearSolver package) {
   require(EPSSetOperators(solver, matrices.stiffness.get(), matrices.mass.get()));
   require(EPSSetProblemType(solver, EPS_GHEP));
   require(EPSSetType(solver, EPSKRYLOVSCHUR));
@@ -87,7 +79,7 @@ void set_up(EPS solver, const Matrices& matrices, int wanted, const Columns& rig
   require(EPSSetDimensions(solver, wanted, PETSC_DEFAULT, PETSC_DEFAULT));
   // Of the shift-inverted problem; leaves residuals of the pencil near rounding.
   require(EPSSetTolerances(solver, 1e-13, 500));
-  choose_factorisation(solver);
+  choose_factorisation(solver, package);
   set_start_vector(solver, matrices.stiffness.get());
   std::vector<PetscVector> deflated = as_vectors(rigid);
   std::vector<Vec> raw;
@@ -161,10 +153,11 @@ void keep_factor(Modes& modes) {
   modes.solver = "SLEPc Krylov-Schur, shift-invert";
 }
 
-void solve_by_slepc(const Matrices& matrices, int wanted, const Columns& rigid, Modes& modes) {
+void solve_by_slepc(const Matrices& matrices, int wanted, const Columns& rigid,
+                    LinearSolver package, Modes& modes) {
   require(EPSCreate(PETSC_COMM_WORLD, modes.keeper.out()));
   EPS solver = modes.keeper.get();
-  set_up(solver, matrices, wanted, rigid, modes.shift);
+  set_up(solver, matrices, wanted, rigid, modes.shift, package);
   require(EPSSolve(solver));
   PetscInt found = 0;
   require(EPSGetConverged(solver, &found));
@@ -177,22 +170,27 @@ void solve_by_slepc(const Matrices& matrices, int wanted, const Columns& rigid, 
 
 // Whether the user told the eigensolver or its inner solver something.
 bool solver_options_given() {
-  char* given = nullptr;
-  require(PetscOptionsGetAll(nullptr, &given));
-  const std::string text = given == nullptr ? "" : given;
-  require(PetscFree(given));
+  const std::string text = petsc_options();
   return text.find("-eps_") != std::string::npos || text.find("-st_") != std::string::npos;
+}
+
+// MUMPS's factor of K - shift M, on all ranks.
+void factorise_by_mumps(const Matrices& matrices, Modes& modes) {
+  const PetscMatrix shifted = shifted_stiffness(matrices, modes.shift);
+  Mat matrix = shifted.get();
+  MatFactorInfo info;
+  require(MatGetFactor(matrix, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, modes.mumps.out()));
+  require(MatFactorInfoInitialize(&info));
+  require(MatCholeskyFactorSymbolic(modes.mumps.get(), matrix, nullptr, &info));
+  require(MatCholeskyFactorNumeric(modes.mumps.get(), matrix, &info));
+  require_factorised(modes.mumps.get());
+  modes.factor = modes.mumps.get();
 }
 
 // The factor of K - shift M; none when that is not positive definite.
 std::unique_ptr<SparseCholesky> factorise(const Matrices& matrices, double shift) {
-  PetscMatrix shifted;
-  Mat matrix = matrices.stiffness.get();
-  if (shift != 0.0) {
-    require(MatDuplicate(matrix, MAT_COPY_VALUES, shifted.out()));
-    require(MatAXPY(shifted.get(), -shift, matrices.mass.get(), SUBSET_NONZERO_PATTERN));
-    matrix = shifted.get();
-  }
+  const PetscMatrix shifted = shift == 0.0 ? PetscMatrix() : shifted_stiffness(matrices, shift);
+  Mat matrix = shift == 0.0 ? matrices.stiffness.get() : shifted.get();
   try {
     return std::make_unique<SparseCholesky>(sparse_rows(matrix));
   } catch (const Failure& failure) {
@@ -201,12 +199,11 @@ std::unique_ptr<SparseCholesky> factorise(const Matrices& matrices, double shift
   }
 }
 
-// The vectors of a last inverse iteration, which takes out what rounding has left of stiff motion,
-// and the best values in their span.
-void refine(const Matrices& matrices, const Pencil& pencil, unsigned threads, Modes& modes) {
-  apply_inverse(pencil, modes.vectors, threads);
+// The best values and vectors in the span of what a last inverse iteration left; that takes out
+// what rounding has left of stiff motion.
+void rotate_to_modes(const Matrices& matrices, Modes& modes) {
   const auto gram = [&](Mat matrix) {
-    return transposed_product(modes.vectors, multiply(matrix, modes.vectors));
+    return inner_products(modes.vectors, multiply(matrix, modes.vectors));
   };
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> rotation(
       gram(matrices.stiffness.get()), gram(matrices.mass.get()));
@@ -216,59 +213,119 @@ void refine(const Matrices& matrices, const Pencil& pencil, unsigned threads, Mo
   modes.vectors = std::move(rotated);
 }
 
+bool is_in_one_process(LinearSolver solver) {
+  return solver == LinearSolver::kCholmod && mpi_ranks() == 1;
+}
+
 // False when the matrix or the spectrum is not fit for it: SLEPc may try.
 bool solve_by_blocks(const Matrices& matrices, int wanted, const Columns& rigid, unsigned threads,
-                     Modes& modes) {
-  modes.cholesky = factorise(matrices, modes.shift);
-  if (modes.cholesky == nullptr) return false;
-  const Pencil pencil{sparse_rows(matrices.mass.get()), modes.cholesky.get(), &rigid};
+                     LinearSolver solver, Modes& modes) {
+  const bool one = is_in_one_process(solver);
+  if (one)
+    modes.cholesky = factorise(matrices, modes.shift);
+  else
+    factorise_by_mumps(matrices, modes);
+  if (one && modes.cholesky == nullptr) return false;
+  Mat mass = matrices.mass.get();
+  const Pencil pencil = one ? thread_pencil(mass, *modes.cholesky, rigid, threads)
+                            : petsc_pencil(mass, modes.factor, rigid);
   constexpr double kTolerance = 1e-10;  // the refinement squares it
-  LanczosPairs pairs = block_lanczos(pencil, wanted, kTolerance, threads);
+  LanczosPairs pairs = block_lanczos(pencil, wanted, kTolerance);
   if (!pairs.converged) {
-    modes.cholesky.reset();
+    release_solver(modes);
     return false;
   }
   modes.vectors = std::move(pairs.vectors);
-  refine(matrices, pencil, threads, modes);
+  apply_inverse(pencil, modes.vectors);
+  rotate_to_modes(matrices, modes);
   modes.solves = pairs.solves + wanted;
-  modes.factorisation = "cholmod";
+  modes.factorisation = one ? "cholmod" : "mumps";
   modes.solver = "block Lanczos, shift-invert";
   return true;
 }
 
-}  // namespace
-
-Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, double shift,
-                    unsigned threads) {
+// One more than asked for tells how far the next one is. Throws Failure (kContent).
+int modes_wanted(const Matrices& matrices, int count, const Columns& rigid) {
   PetscInt size = 0;
   require(MatGetSize(matrices.stiffness.get(), &size, nullptr));
   const int available = static_cast<int>(size - rigid.cols());
   if (count < 1 || count > available)
     throw Failure(content_error(std::to_string(count) + " linear modes asked for, the mesh has " +
                                 std::to_string(available) + " free dofs"));
-  Modes modes;
-  modes.shift = shift;
-  // One more than wanted tells how far the next one is.
-  const int wanted = std::min(count + 1, available);
-  // A basis that fills the space has no room for blocks.
-  const bool by_blocks = mpi_ranks() == 1 && !solver_options_given() && size > 40 * wanted;
-  if (!by_blocks || !solve_by_blocks(matrices, wanted, rigid, threads, modes))
-    solve_by_slepc(matrices, wanted, rigid, modes);
-  if (wanted > count) modes.next_squared_frequency = modes.squared_frequencies[count];
+  return std::min(count + 1, available);
+}
+
+void keep_the_lowest(const Matrices& matrices, int count, Modes& modes) {
+  if (modes.squared_frequencies.size() > count)
+    modes.next_squared_frequency = modes.squared_frequencies[count];
   modes.squared_frequencies.conservativeResize(count);
   modes.vectors.conservativeResize(Eigen::NoChange, count);
   measure_residuals(matrices, modes);
+}
+
+}  // namespace
+
+Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, double shift,
+                    unsigned threads, LinearSolver solver) {
+  Modes modes;
+  modes.shift = shift;
+  const int wanted = modes_wanted(matrices, count, rigid);
+  PetscInt size = 0;
+  require(MatGetSize(matrices.stiffness.get(), &size, nullptr));
+  // A basis that fills the space has no room for blocks.
+  const bool by_blocks = !solver_options_given() && size > 40 * wanted;
+  if (!by_blocks || !solve_by_blocks(matrices, wanted, rigid, threads, solver, modes)) {
+    solve_by_slepc(matrices, wanted, rigid, solver, modes);
+    apply_inverse(petsc_pencil(matrices.mass.get(), modes.factor, rigid), modes.vectors);
+    rotate_to_modes(matrices, modes);
+  }
+  keep_the_lowest(matrices, count, modes);
   return modes;
 }
 
-void fix_signs(Columns& vectors, Eigen::MatrixXd& expanded) {
-  for (Eigen::Index c = 0; c < expanded.cols(); ++c) {
-    const double threshold = 0.5 * expanded.col(c).cwiseAbs().maxCoeff();
-    Eigen::Index first = 0;
-    while (std::abs(expanded(first, c)) < threshold) ++first;
-    if (expanded(first, c) >= 0) continue;
-    expanded.col(c) *= -1.0;
-    vectors.col(c) *= -1.0;
+Modes compute_modes_iteratively(const Matrices& matrices, int count, const Columns& rigid,
+                                double shift, const std::vector<Eigen::Vector3d>& positions) {
+  Modes modes;
+  modes.shift = shift;
+  const int wanted = modes_wanted(matrices, count, rigid);
+  constexpr double kResidual = 1e-8;
+  IterativeModes found = iterative_modes(matrices, positions, wanted, rigid, shift, kResidual);
+  modes.squared_frequencies = std::move(found.squared_frequencies);
+  modes.vectors = std::move(found.vectors);
+  rotate_to_modes(matrices, modes);
+  modes.iterative =
+      std::make_unique<IterativeSolver>(make_iterative_solver(matrices, positions, rigid, shift));
+  modes.factorisation = "none: multigrid (gamg)";
+  modes.solver = found.solver + ", " + std::to_string(found.iterations) + " iterations";
+  keep_the_lowest(matrices, count, modes);
+  return modes;
+}
+
+void release_solver(Modes& modes) {
+  modes.cholesky.reset();
+  modes.iterative.reset();
+  modes.keeper = PetscEigenSolver();
+  modes.mumps = PetscMatrix();
+  modes.factor = nullptr;
+}
+
+void restore_solver(const Matrices& matrices, const Columns& rigid, LinearSolver solver,
+                    const std::vector<Eigen::Vector3d>& positions, Modes& modes) {
+  if (modes.cholesky != nullptr || modes.factor != nullptr || modes.iterative != nullptr) return;
+  if (solver == LinearSolver::kIterative) {
+    modes.iterative = std::make_unique<IterativeSolver>(
+        make_iterative_solver(matrices, positions, rigid, modes.shift));
+  } else if (modes.solves > 0 && !is_in_one_process(solver)) {
+    factorise_by_mumps(matrices, modes);
+  } else if (modes.solves > 0) {
+    modes.cholesky = factorise(matrices, modes.shift);
+    if (modes.cholesky == nullptr)
+      throw Failure({ErrorKind::kSolver, "the stiffness is not positive definite any more"});
+  } else {
+    require(EPSCreate(PETSC_COMM_WORLD, modes.keeper.out()));
+    set_up(modes.keeper.get(), matrices, static_cast<int>(modes.vectors.cols()), rigid, modes.shift,
+           solver);
+    keep_factor(modes);
   }
 }
 

@@ -1,32 +1,15 @@
 #include "precompute/options.h"
 
-#include <charconv>
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
-#include <thread>
 
 #include <CLI/CLI.hpp>
 
-#include "precompute/material_rules.h"
-#include "precompute/mesher/surface_options.h"
+#include "precompute/solid_options.h"
 
 namespace tremolo {
 namespace {
-
-bool parse_vector(const std::string& text, Eigen::Vector3d& vector) {
-  const char* at = text.data();
-  const char* end = at + text.size();
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto [next, error] = std::from_chars(at, end, vector[axis]);
-    if (error != std::errc{}) return false;
-    at = next;
-    if (axis < 2) {
-      if (at == end || *at != ',') return false;
-      ++at;
-    }
-  }
-  return at == end;
-}
 
 // What shaped the result: where it went, how many threads worked and what was printed is left out,
 // so that the same model gives the same file.
@@ -34,7 +17,8 @@ std::string essential(const std::vector<std::string>& words) {
   std::string line;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (word == "--json" || word == "--limits" || word.starts_with("--output=") ||
+    if (word == "--json" || word == "--limits" || word.starts_with("--checkpoint") ||
+        word.starts_with("--resume") || word.starts_with("--output=") ||
         word.starts_with("--modes-vtu=") || word.starts_with("--threads=") ||
         (word.starts_with("-o") && word.size() > 2))
       continue;
@@ -61,16 +45,16 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
 
   CLI::App app{
       "Turns a tetrahedral mesh into a basis file for tremolo. Units are SI.\n"
+      "`tremolo-precompute reference MESH ...` moves the whole mesh instead, to judge a basis by: "
+      "see\n"
+      "`tremolo-precompute reference --help`.\n"
       "What follows -- goes to PETSc and SLEPc (their inner solver has the prefix -st_)."};
   app.name("tremolo-precompute");
   app.set_version_flag("--version", std::string("tremolo-precompute ") + TREMOLO_VERSION);
   app.allow_config_extras(CLI::config_extras_mode::error);
   app.set_config("--config", "", "read options from a TOML file (keys are the long flag names)");
-  app.add_option(
-         "mesh", options.mesh_path,
-         "tetrahedral mesh (.msh .vtk .vtu .veg .vegb .node .ele), or a surface (.obj .ply\n"
-         ".stl .gltf .glb .fbx .dae ...), which is meshed first")
-      ->required();
+  SolidTexts texts;
+  add_solid_options(app, options, texts);
   app.add_option("-o,--output", options.output_path, "the basis file to write");
   app.add_option(
       "--render", options.render_path,
@@ -78,39 +62,21 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
       ".stl .gltf .glb .fbx ... (default: the surface that was meshed)");
   app.add_option("--select", options.select,
                  "print the vertices that a selector chooses, and compute nothing");
-  app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
-  app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
-  app.add_option("--density", options.material.density, "density, kg/m^3")->capture_default_str();
-  app.add_option(
-      "--material", options.materials,
-      std::string("a material of a region of the mesh, later ones decide; may be repeated: ") +
-          kMaterialGrammar);
-  app.add_option("--point-mass", options.point_masses,
-                 "SELECTOR=KG: a mass shared by the selected vertices; may be repeated");
-  app.add_option("--fix", options.fix,
-                 "vertices that do not move: x<0.01, y>=90%, box:x0,y0,z0,x1,y1,z1, "
-                 "sphere:x,y,z,r, plane:x,y,z,nx,ny,nz, near:x,y,z,k, vertex:ID, file:ids.txt, "
-                 "colour:red, a set of the mesh, or none for a free body; may be repeated");
-  app.add_option("--load-at", options.load_at, "vertices that the default load acts on (selector)");
-  std::string force;
-  app.add_option("--load-force", force, "the default load, X,Y,Z in N, shared among them")
-      ->needs("--load-at");
   CLI::Option* linear_modes =
       app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)");
   CLI::Option* modes =
       app.add_option("--modes", options.modes, "R, coordinates to keep (default 30)");
-  std::string mass = "consistent";
-  CLI::Option* mass_option =
-      app.add_option(
-             "--mass", mass,
-             "consistent or lumped; with --import-basis: the basis is made orthonormal in it")
-          ->check(CLI::IsMember({"consistent", "lumped"}))
-          ->capture_default_str();
+  CLI::Option* target_error = app.add_option(
+      "--target-error", options.target_error,
+      "E, e.g. 0.02: as many coordinates as it takes for the static displacement under the\n"
+      "default load to be off by E at most, measured against the whole mesh");
+  const CLI::Option* mass_option = app.get_option("--mass");
   app.add_flag("--certify,!--no-certify", options.certify,
                "count the modes by inertia as well: one more factorisation (default: yes)");
   CLI::Option* linear =
       app.add_flag("--linear", options.linear,
                    "the linear modes alone: no derivatives, no cubic and quartic terms");
+  target_error->excludes(linear);
   std::string encoding = "full";
   app.add_option("--encoding", encoding,
                  "full (f64), or compact: coefficients f32, basis rows 16 bits; the error is told")
@@ -123,6 +89,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
       ->excludes(linear_modes)
       ->excludes(modes)
       ->excludes(linear)
+      ->excludes(target_error)
       ->excludes(app.get_option("--point-mass"));
   app.add_option("--import-cubic", options.import_cubic,
                  "VegaFEM's polynomials of the reduced forces, .cub; the stiffness is theirs")
@@ -130,9 +97,25 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   app.get_option("--import-basis")->needs("--import-cubic");
   app.add_option("--modes-vtu", options.modes_vtu,
                  "also write the modes on the tetrahedra, .vtu, for ParaView and meshio");
-  add_surface_options(app, options.meshing, options.unit);
-  options.threads = std::max(1u, std::thread::hardware_concurrency());
-  app.add_option("--threads", options.threads, "threads of a rank")->check(CLI::PositiveNumber);
+  std::string solver = "auto";
+  app.add_option(
+         "--solver", solver,
+         "cholmod (a factor in one process), mumps (spread over ranks), iterative (multigrid,\n"
+         "no factor) or auto: a factor where memory allows")
+      ->check(CLI::IsMember({"auto", "cholmod", "mumps", "iterative"}))
+      ->capture_default_str();
+  std::uint64_t memory = 0;
+  app.add_option("--memory", memory, "bytes a rank may use, e.g. 4GB (default: what is free)")
+      ->transform(CLI::AsSizeValue(true));
+  CLI::Option* import = app.get_option("--import-basis");
+  app.add_flag("--checkpoint", options.checkpoint,
+               "keep every finished stage in the folder OUTPUT.checkpoint until all is written")
+      ->excludes(import)
+      ->excludes(target_error);
+  app.add_flag("--resume", options.resume,
+               "go on from the stages in OUTPUT.checkpoint, and keep the further ones there")
+      ->excludes(import)
+      ->excludes(target_error);
   app.add_flag("--limits", options.limits,
                "measure this machine and print the shortest time each stage could take on it");
   app.add_flag("--json", line.json, "print one JSON object on stdout");
@@ -148,14 +131,26 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
     std::cerr << "tremolo-precompute: --output is required\n";
     return exit_code({ErrorKind::kUsage, ""});
   }
-  options.encoding = encoding == "compact" ? BasisEncoding::kCompact : BasisEncoding::kFull;
-  options.mass_given = mass_option->count() > 0;
-  options.mass = mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;
-  if (!force.empty() && !parse_vector(force, options.load_force)) {
-    std::cerr << "tremolo-precompute: --load-force " << force
-              << ": expected three numbers, X,Y,Z in N\n";
-    return exit_code({ErrorKind::kUsage, ""});
+  if (options.target_error && options.modes) {
+    const auto gives_modes = [](const std::string& word) {
+      return word == "--modes" || word.starts_with("--modes=");
+    };
+    if (std::any_of(own.begin(), own.end(), gives_modes)) {
+      std::cerr
+          << "tremolo-precompute: --target-error chooses the coordinates: leave --modes out\n";
+      return exit_code({ErrorKind::kUsage, ""});
+    }
+    options.modes.reset();  // of a config file
   }
+  for (const LinearSolver each :
+       {LinearSolver::kCholmod, LinearSolver::kMumps, LinearSolver::kIterative})
+    if (solver == name_of(each)) options.solver = each;
+  if (memory > 0) options.memory = static_cast<double>(memory);
+  line.settings = app.config_to_str(true);
+  options.encoding = encoding == "compact" ? BasisEncoding::kCompact : BasisEncoding::kFull;
+  options.checkpoint = options.checkpoint || options.resume;
+  options.mass_given = mass_option->count() > 0;
+  if (!finish_solid_options(texts, options)) return exit_code({ErrorKind::kUsage, ""});
   return line;
 }
 

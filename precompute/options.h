@@ -12,6 +12,7 @@ namespace tremolo {
 struct CommandLine {
   PrecomputeOptions options;
   bool json = false;
+  std::string settings;                    // what all options came out as, key=value lines
   std::vector<std::string> petsc_options;  // what stood behind --
 };
 

@@ -25,11 +25,34 @@ class PetscSession {
 // memory ran out, else kSolver.
 void check_petsc(PetscErrorCode code, const char* doing);
 
+// PETSc does not fail where the package that factorises does. Throws Failure: kSystem when memory
+// ran out, else kSolver.
+void require_factorised(Mat factor);
+
 // Options given that nothing asked for: usually a typo or a missing prefix.
 std::vector<std::string> unused_petsc_options();
 
+// Those given, as one line; empty: none.
+std::string petsc_options();
+
+// "major.minor.subminor"
+std::string version_text(int major, int minor, int subminor);
+
+// Of the libraries that are loaded, which may be later than those compiled against.
+std::string petsc_version();
+std::string slepc_version();
+
 int mpi_rank();
 int mpi_ranks();
+
+// One value over all ranks, which call it together and all get the result.
+double over_ranks(double value, MPI_Op operation);
+int over_ranks(int value, MPI_Op operation);
+bool true_on_all_ranks(bool here);
+
+// Whether a handle must be left alone: to destroy it takes all ranks (MUMPS talks to the others),
+// and an exception of this one has left them elsewhere. The program is about to end.
+bool left_behind(void* handle) noexcept;
 
 // A handle that destroys itself.
 template <class Handle, PetscErrorCode (*Destroy)(Handle*)>
@@ -42,7 +65,7 @@ class PetscHandle {
     return *this;
   }
   ~PetscHandle() {
-    if (handle_ != nullptr) Destroy(&handle_);
+    if (handle_ != nullptr && !left_behind(handle_)) Destroy(&handle_);
   }
   Handle get() const { return handle_; }
   Handle* out() { return &handle_; }
@@ -60,13 +83,16 @@ using Columns = Eigen::MatrixXd;
 // The same memory as a distributed dense matrix; it must not outlive `columns`.
 PetscMatrix as_dense(const Columns& columns);
 
+// The same memory as one distributed vector a column.
+std::vector<PetscVector> as_vectors(const Columns& columns);
+
 // A X for a sparse A.
 Columns multiply(Mat a, const Columns& x);
 
 // X^T Y over all ranks.
 Eigen::MatrixXd inner_products(const Columns& x, const Columns& y);
 
-// Sum of a matrix over all ranks, in place.
+// Sum of a matrix over all ranks, in place; the same bits everywhere.
 void sum_over_ranks(Eigen::MatrixXd& matrix);
 
 }  // namespace tremolo

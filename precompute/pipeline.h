@@ -7,6 +7,8 @@
 #include "formats/basis_data.h"
 #include "precompute/encoding_error.h"
 #include "precompute/problem.h"
+#include "precompute/row_gather.h"
+#include "precompute/target_findings.h"
 
 namespace tremolo {
 
@@ -19,23 +21,33 @@ struct PrecomputeFindings {
   double orthonormality_error = 0;     // max |U^T M U - I|
   double diagonality_error = 0;        // max |U^T K U - Lambda| / max Lambda
   double polynomial_error = 0;         // |U^T f(Uq) - grad V(q)| / |grad V(q)|
+  bool resumed = false;                // some stage came from a checkpoint
   bool certified = false;
   int inertia_count = 0;                        // modes below the bound, by inertia
   std::optional<EncodingError> encoding_error;  // of a compact file
+  std::optional<TargetFindings> target;         // of --target-error
 };
 
 struct PrecomputeResult {
-  BasisData data;  // complete on rank 0; provenance is still empty
+  BasisData data;  // without rows; provenance is still empty
   Problem problem;
   PrecomputeFindings findings;
+  DofMap map;
+  LocalDofs local;
+  BasisRows rows;  // of U at the vertices of this rank's part of the mesh
+
+  SpreadBasis basis() const { return {problem.mesh, problem.embedding, map, local, rows}; }
 };
 
-// Runs everything; needs a PetscSession. Throws Failure.
-PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log);
+// Runs everything; needs a PetscSession. Throws Failure. target: chooses r (target_error.h); when
+// it finds none the result is unfinished.
+struct TargetSearch;
+PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log,
+                                TargetSearch* target = nullptr);
 
-// What the file keeps of the mesh: surface, interior, triangles, counts, fixed vertices and load.
-// basis: 3n x r.
-void add_geometry(const Problem& problem, const BasisRows& basis, BasisData& data);
+// What the file keeps of the mesh: surface, interior, triangles, counts, fixed vertices and load;
+// the blocks' rows stay empty.
+void add_geometry(const Problem& problem, BasisData& data);
 
 // The JSON object kept in the file. No times: the same input gives the same file.
 std::string provenance_json(const PrecomputeOptions& options, const PrecomputeResult& result);

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "common/packed_index.h"
+#include "precompute/halo.h"
 
 namespace tremolo {
 
@@ -30,9 +31,9 @@ Eigen::VectorXd polynomial_force(const Eigen::VectorXd& lambda, const std::vecto
   return force;
 }
 
-double polynomial_error(const Solid& solid, const BasisRows& basis, const Eigen::VectorXd& lambda,
-                        const std::vector<double>& cubic, const std::vector<double>& quartic,
-                        double reach) {
+double polynomial_error(const Solid& solid, std::size_t counted, const BasisRows& basis,
+                        const Eigen::VectorXd& lambda, const std::vector<double>& cubic,
+                        const std::vector<double>& quartic, double reach) {
   std::mt19937 engine(20110101);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   Eigen::VectorXd q(lambda.size());
@@ -42,9 +43,11 @@ double polynomial_error(const Solid& solid, const BasisRows& basis, const Eigen:
   double largest = 0;
   for (Eigen::Index v = 0; v < u.size(); v += 3)
     largest = std::max(largest, u.segment<3>(v).norm());
+  largest = over_ranks(largest, MPI_MAX);
   q *= reach / largest;
   u *= reach / largest;
-  const Eigen::VectorXd expected = basis.transpose() * internal_force(solid, u);
+  Eigen::MatrixXd expected = basis.transpose() * internal_force(solid, u, counted);
+  sum_over_ranks(expected);
   return (expected - polynomial_force(lambda, cubic, quartic, q)).norm() / expected.norm();
 }
 

@@ -10,9 +10,10 @@ Eigen::VectorXd polynomial_force(const Eigen::VectorXd& lambda, const std::vecto
                                  const std::vector<double>& quartic, const Eigen::VectorXd& q);
 
 // |U^T f(Uq) - grad V(q)| / |grad V(q)| at a fixed pseudo-random q, scaled so that the largest
-// vertex displacement is `reach` metres. basis: 3n x r.
-double polynomial_error(const Solid& solid, const BasisRows& basis, const Eigen::VectorXd& lambda,
-                        const std::vector<double>& cubic, const std::vector<double>& quartic,
-                        double reach);
+// vertex displacement is `reach` metres. solid, basis: of this rank's part of the mesh, of which
+// the first `counted` elements are this rank's to sum; all ranks call it together. basis: 3n x r.
+double polynomial_error(const Solid& solid, std::size_t counted, const BasisRows& basis,
+                        const Eigen::VectorXd& lambda, const std::vector<double>& cubic,
+                        const std::vector<double>& quartic, double reach);
 
 }  // namespace tremolo

@@ -12,6 +12,7 @@
 #include "formats/surface_reader.h"
 #include "precompute/failure.h"
 #include "precompute/material_rules.h"
+#include "precompute/mechanisms.h"
 #include "precompute/mesher/surface_input.h"
 #include "precompute/rigid_motion.h"
 #include "precompute/surface_sets.h"
@@ -25,9 +26,9 @@ std::string hash_mesh(const TetMesh& mesh) {
   return hash_text(hash_bytes(std::as_bytes(std::span(parts))));
 }
 
-std::vector<VertexId> select_fixed(const PrecomputeOptions& options, const TetMesh& mesh) {
+std::vector<VertexId> select_all(const std::vector<std::string>& selectors, const TetMesh& mesh) {
   std::vector<VertexId> fixed;
-  for (const std::string& selector : options.fix) {
+  for (const std::string& selector : selectors) {
     const std::vector<VertexId> chosen = unwrap(resolve_selector(selector, mesh));
     fixed.insert(fixed.end(), chosen.begin(), chosen.end());
   }
@@ -36,11 +37,12 @@ std::vector<VertexId> select_fixed(const PrecomputeOptions& options, const TetMe
   return fixed;
 }
 
-// A part that can still move rigidly would make K singular.
+// A part that can still move rigidly would make K singular. Where single axes are held, joints of
+// pieces are not looked at.
 void require_held(const Problem& problem) {
   const std::vector<int> freedom =
       rigid_freedom(problem.mesh, problem.report.part_of_vertex,
-                    static_cast<int>(problem.report.parts), problem.fixed);
+                    static_cast<int>(problem.report.parts), problem.fixed, problem.held);
   for (std::size_t part = 0; part < freedom.size(); ++part) {
     if (freedom[part] == 0) continue;
     const auto& labels = problem.report.part_of_vertex;
@@ -52,8 +54,8 @@ void require_held(const Problem& problem) {
         std::to_string(count) + " vertices, one at " + std::to_string(x.x()) + ", " +
         std::to_string(x.y()) + ", " + std::to_string(x.z()) +
         ") is not held: " + std::to_string(freedom[part]) +
-        " rigid motions are left. Hold it with --fix SELECTOR, or ask for a free body with "
-        "--fix none"));
+        " rigid motions are left. Hold it with --fix SELECTOR (or --fix-x, --fix-y, --fix-z along "
+        "one axis), or ask for a free body with --fix none"));
   }
 }
 
@@ -141,6 +143,10 @@ Problem load_problem(const PrecomputeOptions& options) {
   if (options.fix.size() > 1 &&
       std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
     throw Failure({ErrorKind::kUsage, "--fix none and another --fix contradict each other"});
+  for (const auto& selectors : options.fix_axis)
+    if (!selectors.empty() && options.fix.size() == 1 && options.fix.front() == "none")
+      throw Failure(
+          {ErrorKind::kUsage, "--fix none and --fix-x, --fix-y or --fix-z contradict each other"});
   Problem problem;
   std::optional<RenderSurface> meshed;
   std::vector<FileMaterial> of_file;
@@ -173,10 +179,19 @@ Problem load_problem(const PrecomputeOptions& options) {
   if (!options.select.empty()) return problem;
   problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
   if (!problem.free_body) {
-    problem.fixed = select_fixed(options, problem.mesh);
-    // An imported basis says itself what it holds.
-    if (options.import_basis.empty()) require_held(problem);
+    problem.fixed = select_all(options.fix, problem.mesh);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      problem.held[axis] = select_all(options.fix_axis[axis], problem.mesh);
   }
+  const bool along_axes = std::any_of(problem.held.begin(), problem.held.end(),
+                                      [](const auto& held) { return !held.empty(); });
+  // An imported basis says itself what it holds.
+  if (options.import_basis.empty() && along_axes) require_held(problem);
+  if (options.import_basis.empty() && !along_axes)
+    require_no_loose_piece(problem.mesh, problem.report, problem.fixed, problem.free_body);
+  if (problem.free_body)
+    for (std::string& note : rigid_motion_notes(problem.mesh, problem.report))
+      problem.notes.push_back(std::move(note));
   problem.load = make_load(options, problem);
   problem.point_masses = make_point_masses(options, problem);
   return problem;

@@ -1,6 +1,7 @@
 // Stage "mesh": what the user asked for, read and checked, before any matrix is made.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "precompute/embedding.h"
 #include "precompute/mesher/surface_mesher.h"
 #include "precompute/point_mass.h"
+#include "precompute/solver_choice.h"
 
 namespace tremolo {
 
@@ -25,11 +27,13 @@ struct PrecomputeOptions {
   std::vector<std::string> materials;     // material_rules.h, in order
   std::vector<std::string> point_masses;  // SELECTOR=KG
   std::vector<std::string> fix;           // selectors; {"none"} asks for a free body
-  std::string load_at;                    // selector; empty: no default load
+  std::array<std::vector<std::string>, 3> fix_axis;      // selectors: held along x, y, z only
+  std::string load_at;                                   // selector; empty: no default load
   Eigen::Vector3d load_force = Eigen::Vector3d::Zero();  // N, shared by the selected vertices
   std::optional<int> linear_modes;                       // k; default 20 or what the mesh has
   std::optional<int> modes;                              // r; default 30 or what k allows
-  bool linear = false;  // the linear modes are the basis; no derivatives, no C, no Q
+  std::optional<double> target_error;  // r so that this is kept (target_error.h), dimensionless
+  bool linear = false;                 // the linear modes are the basis; no derivatives, no C, no Q
   BasisEncoding encoding = BasisEncoding::kFull;
   MassKind mass = MassKind::kConsistent;
   bool mass_given = false;   // by the user: an import then makes its basis orthonormal in it
@@ -37,7 +41,11 @@ struct PrecomputeOptions {
   std::string import_cubic;
   std::string modes_vtu;  // the modes on the tetrahedra, for ParaView; empty: not written
   bool certify = true;
+  std::optional<LinearSolver> solver;  // none: what fits (solver_choice.h)
+  std::optional<double> memory;        // bytes a rank may use; none: what is free
   unsigned threads = 1;
+  bool checkpoint = false;   // keep finished stages (precompute/checkpoint.h)
+  bool resume = false;       // and go on from those that are there
   bool limits = false;       // measure the machine, print each stage's shortest possible time
   std::string command_line;  // for the file's provenance
   std::string render_path;   // surface that is drawn; empty: the one that was meshed, if one was
@@ -47,7 +55,8 @@ struct PrecomputeOptions {
 struct Problem {
   TetMesh mesh;
   MeshReport report;
-  std::vector<VertexId> fixed;  // ascending
+  std::vector<VertexId> fixed;                // ascending
+  std::array<std::vector<VertexId>, 3> held;  // ascending; do not move along x, y, z
   bool free_body = false;
   DefaultLoad load;
   std::optional<RenderSurface> render;  // what is drawn; none: the boundary of the tetrahedra

@@ -7,13 +7,10 @@
 #include "precompute/material_rules.h"
 #include "precompute/petsc.h"
 #include "precompute/pipeline.h"
+#include "precompute/target_error.h"
 
 namespace tremolo {
 namespace {
-
-std::string version_of(int major, int minor, int subminor) {
-  return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(subminor);
-}
 
 using Json = nlohmann::ordered_json;
 
@@ -97,15 +94,19 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
   json["polynomial_error"] = findings.polynomial_error;
   const auto& sigma = result.data.singular_values;
   json["singular_value_cut"] = r < sigma.size() ? Json(sigma[r] / sigma[0]) : Json(nullptr);
+  if (findings.target) {
+    json["target_error"] = target_json(findings.target);
+    json["target_error"].erase("measured");
+  }
   if (findings.encoding_error)
     json["encoding"] = {{"name", "compact"},
                         {"displacement_error", findings.encoding_error->displacement},
                         {"displacement_error_bound", findings.encoding_error->displacement_bound},
                         {"force_error", findings.encoding_error->force}};
   json["versions"] = {
-      {"petsc", version_of(PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR)},
-      {"slepc", version_of(SLEPC_VERSION_MAJOR, SLEPC_VERSION_MINOR, SLEPC_VERSION_SUBMINOR)},
-      {"metis", version_of(METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR)}};
+      {"petsc", petsc_version()},
+      {"slepc", slepc_version()},
+      {"metis", version_text(METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR)}};
   // A file name need not be UTF-8; the provenance is.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -40,7 +40,8 @@ std::vector<Part> measure(const TetMesh& mesh, const std::vector<int>& part_of_v
 }  // namespace
 
 std::vector<int> rigid_freedom(const TetMesh& mesh, const std::vector<int>& part_of_vertex,
-                               int parts, const std::vector<VertexId>& fixed) {
+                               int parts, const std::vector<VertexId>& fixed,
+                               const std::array<std::vector<VertexId>, 3>& held_along) {
   const std::vector<Part> measured = measure(mesh, part_of_vertex, parts);
   std::vector<Eigen::Matrix<double, 6, 6>> held(measured.size(),
                                                 Eigen::Matrix<double, 6, 6>::Zero());
@@ -50,6 +51,14 @@ std::vector<int> rigid_freedom(const TetMesh& mesh, const std::vector<int>& part
     const auto motions = motions_at((mesh.vertices[v] - measured[p].centre) / measured[p].size);
     held[p] += motions.transpose() * motions;
   }
+  for (int axis = 0; axis < 3; ++axis)
+    for (VertexId v : held_along[static_cast<std::size_t>(axis)]) {
+      const int p = part_of_vertex[v];
+      if (p < 0) continue;
+      const Eigen::Matrix<double, 1, 6> motion =
+          motions_at((mesh.vertices[v] - measured[p].centre) / measured[p].size).row(axis);
+      held[p] += motion.transpose() * motion;
+    }
   std::vector<int> freedom;
   for (const auto& matrix : held) {
     const Eigen::VectorXd values = matrix.jacobiSvd().singularValues();
@@ -64,9 +73,10 @@ Columns rigid_modes(const TetMesh& mesh, const std::vector<int>& part_of_vertex,
                     const LocalDofs& local, Mat mass) {
   const std::vector<Part> measured = measure(mesh, part_of_vertex, parts);
   Columns modes = Columns::Zero(local.dofs(), 6 * Eigen::Index{parts});
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    const int row = local.row_of_vertex[v];
+  for (std::size_t i = 0; i < local.vertices.size(); ++i) {
+    const int row = local.row_of_vertex[i];
     if (row < 0) continue;
+    const auto v = static_cast<std::size_t>(local.vertices[i]);
     const int p = part_of_vertex[v];
     modes.block<3, 6>(row, 6 * p) =
         motions_at((mesh.vertices[v] - measured[p].centre) / measured[p].size);

@@ -8,7 +8,11 @@ namespace tremolo {
 namespace {
 
 [[noreturn]] void fail(const cholmod_common& common) {
-  if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE)
+  if (common.status == CHOLMOD_TOO_LARGE)
+    throw Failure(
+        system_error("the factor of the stiffness has more entries than CHOLMOD can "
+                     "count, 2^31: ask for --solver mumps"));
+  if (common.status == CHOLMOD_OUT_OF_MEMORY)
     throw Failure(system_error("out of memory for the factor of the stiffness"));
   if (common.status == CHOLMOD_NOT_POSDEF)
     throw Failure({ErrorKind::kSolver,
@@ -22,6 +26,7 @@ namespace {
 struct SparseCholesky::Factor {
   cholmod_common common = {};
   cholmod_factor* l = nullptr;
+  cholmod_dense *solution = nullptr, *scratch = nullptr, *more_scratch = nullptr;  // of one vector
   Supernodes supernodes;
   Factor() {
     cholmod_start(&common);
@@ -33,12 +38,16 @@ struct SparseCholesky::Factor {
     common.quick_return_if_not_posdef = 1;
   }
   ~Factor() {
+    for (cholmod_dense** dense : {&solution, &scratch, &more_scratch})
+      cholmod_free_dense(dense, &common);
     cholmod_free_factor(&l, &common);
     cholmod_finish(&common);
   }
 };
 
-SparseCholesky::SparseCholesky(const SparseRows& matrix) : factor_(std::make_unique<Factor>()) {
+namespace {
+
+cholmod_sparse as_cholmod(const SparseRows& matrix) {
   const auto rows = static_cast<std::size_t>(matrix.rows);
   cholmod_sparse a = {};
   a.nrow = a.ncol = rows;
@@ -52,6 +61,13 @@ SparseCholesky::SparseCholesky(const SparseRows& matrix) : factor_(std::make_uni
   a.dtype = CHOLMOD_DOUBLE;
   a.sorted = 1;
   a.packed = 1;
+  return a;
+}
+
+}  // namespace
+
+SparseCholesky::SparseCholesky(const SparseRows& matrix) : factor_(std::make_unique<Factor>()) {
+  cholmod_sparse a = as_cholmod(matrix);
   Factor& factor = *factor_;
   factor.l = cholmod_analyze(&a, &factor.common);
   if (factor.l == nullptr) fail(factor.common);
@@ -71,6 +87,30 @@ SparseCholesky::SparseCholesky(const SparseRows& matrix) : factor_(std::make_uni
 }
 
 SparseCholesky::~SparseCholesky() = default;
+
+void SparseCholesky::factorise(const SparseRows& matrix) {
+  cholmod_sparse a = as_cholmod(matrix);
+  cholmod_common& common = factor_->common;
+  common.status = CHOLMOD_OK;
+  cholmod_factorize(&a, factor_->l, &common);
+  if (common.status != CHOLMOD_OK) fail(common);
+  factor_->supernodes.values = static_cast<const double*>(factor_->l->x);
+}
+
+void SparseCholesky::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) {
+  const auto rows = static_cast<std::size_t>(b.size());
+  cholmod_dense from = {};
+  from.nrow = from.d = from.nzmax = rows;
+  from.ncol = 1;
+  from.x = const_cast<double*>(b.data());
+  from.xtype = CHOLMOD_REAL;
+  from.dtype = CHOLMOD_DOUBLE;
+  Factor& factor = *factor_;
+  if (!cholmod_solve2(CHOLMOD_A, factor.l, &from, nullptr, &factor.solution, nullptr,
+                      &factor.scratch, &factor.more_scratch, &factor.common))
+    fail(factor.common);
+  x = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(factor.solution->x), b.size());
+}
 
 LdlReport SparseCholesky::count_negative(const SparseRows& matrix, unsigned threads) {
   return factorise_ldl(factor_->supernodes, static_cast<const int*>(factor_->l->Perm), matrix,

@@ -5,6 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "precompute/sparse_rows.h"
 #include "precompute/supernodal_ldl.h"
 
@@ -32,6 +34,13 @@ class SparseCholesky {
   // Factorises another matrix of the same pattern, definite or not, into the same memory and counts
   // its negative eigenvalues. The factor that was there is lost: solve() may not be called again.
   LdlReport count_negative(const SparseRows& matrix, unsigned threads);
+
+  // The factor of another matrix of the same pattern, in the same memory. Throws as the constructor
+  // does; there is no factor then.
+  void factorise(const SparseRows& matrix);
+
+  // x <- A^-1 b for one vector, n; one thread at a time.
+  void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x);
 
   double flops() const;  // of the factorisation
   std::size_t entries()

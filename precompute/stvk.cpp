@@ -11,10 +11,6 @@ Eigen::Matrix3d symmetric_part(const Eigen::Matrix3d& a) {
   return 0.5 * (a + a.transpose());
 }
 
-Eigen::Matrix3d green_strain(const Eigen::Matrix3d& g) {
-  return symmetric_part(g) + 0.5 * g.transpose() * g;
-}
-
 // V B^T C B, where B takes the corners' displacements to the strain in Mandel's notation.
 Eigen::Matrix<double, 12, 12> general_stiffness(const Elasticity& elasticity,
                                                 const StrainSample& sample) {
@@ -58,11 +54,23 @@ Solid make_solid(const TetMesh& mesh, const MaterialTable& table) {
   return solid;
 }
 
+Solid make_solid(const TetMesh& part, const std::vector<std::size_t>& tetrahedra,
+                 const MaterialTable& table) {
+  MaterialTable chosen{table.materials, {}};
+  if (!table.of_tet.empty())
+    for (const std::size_t e : tetrahedra) chosen.of_tet.push_back(table.of_tet[e]);
+  return make_solid(part, chosen);
+}
+
 Eigen::Matrix3d displacement_gradient(const Solid& solid, std::size_t element, const FieldRef& u) {
   const Tetrahedron& tet = solid.mesh.tetrahedra[element];
   Eigen::Matrix<double, 3, 4> corners;
   for (int a = 0; a < 4; ++a) corners.col(a) = u.segment<3>(3 * Eigen::Index{tet[a]});
   return corners * solid.samples[element].gradients.transpose();
+}
+
+Eigen::Matrix3d green_strain(const Eigen::Matrix3d& g) {
+  return symmetric_part(g) + 0.5 * g.transpose() * g;
 }
 
 double strain_energy(const Solid& solid, const FieldRef& u) {
@@ -76,8 +84,12 @@ double strain_energy(const Solid& solid, const FieldRef& u) {
 }
 
 Field internal_force(const Solid& solid, const FieldRef& u) {
+  return internal_force(solid, u, solid.samples.size());
+}
+
+Field internal_force(const Solid& solid, const FieldRef& u, std::size_t count) {
   Field force = Field::Zero(u.size());
-  for (std::size_t e = 0; e < solid.samples.size(); ++e) {
+  for (std::size_t e = 0; e < count; ++e) {
     const Eigen::Matrix3d g = displacement_gradient(solid, e, u);
     const Eigen::Matrix3d piola =
         (Eigen::Matrix3d::Identity() + g) * stress(solid.elasticity(e), green_strain(g));

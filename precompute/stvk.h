@@ -48,6 +48,9 @@ struct Solid {
 };
 Solid make_solid(const TetMesh& mesh, const Material& material);
 Solid make_solid(const TetMesh& mesh, const MaterialTable& table);
+// Of a part of a mesh: element i of `part` is element tetrahedra[i] of the table's mesh.
+Solid make_solid(const TetMesh& part, const std::vector<std::size_t>& tetrahedra,
+                 const MaterialTable& table);
 
 // Displacements and forces are 3n vectors, x y z of vertex 0 first.
 using Field = Eigen::VectorXd;
@@ -55,8 +58,13 @@ using FieldRef = Eigen::Ref<const Eigen::VectorXd>;
 
 Eigen::Matrix3d displacement_gradient(const Solid& solid, std::size_t element, const FieldRef& u);
 
+// Of a displacement gradient.
+Eigen::Matrix3d green_strain(const Eigen::Matrix3d& g);
+
 double strain_energy(const Solid& solid, const FieldRef& u);  // J
 Field internal_force(const Solid& solid, const FieldRef& u);  // N, the gradient of the energy
+// The part of it that the first `count` elements contribute.
+Field internal_force(const Solid& solid, const FieldRef& u, std::size_t count);
 
 // The second derivative of the force at rest, H[a, b] (thesis section 4.1.3; Barbic & James 2005).
 // StVK's force is cubic; the part of F S that is bilinear in two displacement gradients A, B is

@@ -1,0 +1,217 @@
+#include "precompute/reference/full_order.h"
+
+#include "common/parallel.h"
+#include "precompute/failure.h"
+#include "precompute/point_mass.h"
+#include "precompute/reference/segment_elements.h"
+#include "precompute/rigid_motion.h"
+
+namespace tremolo {
+namespace {
+
+constexpr std::size_t kChunk = 256;  // of elements, nodes or rows that a thread takes at once
+
+template <class Body>
+void in_chunks(std::size_t count, unsigned threads, const Body& body) {
+  parallel_for((count + kChunk - 1) / kChunk, threads, [&](std::size_t chunk) {
+    const std::size_t last = std::min(count, (chunk + 1) * kChunk);
+    for (std::size_t i = chunk * kChunk; i < last; ++i) body(i);
+  });
+}
+
+// Adds a 3x3 block to its place in the rows of a node; components that do not move are left out.
+void write_block(const FullOrder& body, int node, int block, const Eigen::Matrix3d& sum,
+                 std::vector<double>& values) {
+  const Unknowns& unknowns = body.unknowns;
+  const int row_dof = 3 * unknowns.map.vertex_of_node[node];
+  const int column_dof = 3 * unknowns.map.vertex_of_node[body.pattern.node[block]];
+  for (int x = 0; x < 3; ++x) {
+    const int row = unknowns.of_dof[row_dof + x];
+    if (row < 0) continue;
+    double* entry = values.data() + body.pattern.start[row] + body.pattern.offset[block];
+    for (int y = 0; y < 3; ++y)
+      if (unknowns.of_dof[column_dof + y] >= 0) *entry++ = sum(x, y);
+  }
+}
+
+// Each block is the sum of `part_of(element, a, b)`.
+template <class PartOf>
+void assemble_blocks(const FullOrder& body, const PartOf& part_of, std::vector<double>& values) {
+  const Pattern& pattern = body.pattern;
+  values.resize(pattern.column.size());
+  in_chunks(static_cast<std::size_t>(body.unknowns.map.nodes()), body.threads, [&](std::size_t n) {
+    const int node = static_cast<int>(n);
+    for (int block = pattern.block[node]; block < pattern.block[node + 1]; ++block) {
+      Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+      for (int at = pattern.begin[block]; at < pattern.begin[block + 1]; ++at) {
+        const int part = pattern.part[at];
+        sum += part_of(static_cast<std::size_t>(part / 16), part / 4 % 4, part % 4);
+      }
+      write_block(body, node, block, sum, values);
+    }
+  });
+}
+
+void assemble_mass(FullOrder& body, MassKind kind) {
+  assemble_blocks(
+      body,
+      [&](std::size_t e, int a, int b) {
+        return Eigen::Matrix3d(element_mass(body.solid, e, a, b, kind) *
+                               Eigen::Matrix3d::Identity());
+      },
+      body.mass);
+  if (body.solid.point_mass.empty()) return;
+  for (Eigen::Index i = 0; i < body.size(); ++i)
+    for (int at = body.pattern.start[i]; at < body.pattern.start[i + 1]; ++at)
+      if (body.pattern.column[at] == i)
+        body.mass[at] += body.solid.point_mass[body.unknowns.dof[i] / 3];
+}
+
+// A free body has all three components of every node: rows are those of the dof map.
+void find_rigid_motions(const Problem& problem, FullOrder& body) {
+  constexpr const char* kDoing = "find the rigid motions";
+  const LocalDofs local = local_dofs(problem.mesh, body.unknowns.map, 0);
+  const auto size = static_cast<PetscInt>(body.size());
+  PetscMatrix mass;
+  check_petsc(MatCreateSeqAIJWithArrays(PETSC_COMM_WORLD, size, size, body.pattern.start.data(),
+                                        body.pattern.column.data(), body.mass.data(), mass.out()),
+              kDoing);
+  body.rigid = rigid_modes(problem.mesh, problem.report.part_of_vertex,
+                           static_cast<int>(problem.report.parts), local, mass.get());
+  body.mass_rigid = multiply(mass.get(), body.rigid);
+}
+
+}  // namespace
+
+FullOrder make_full_order(const Problem& problem, MassKind kind, unsigned threads) {
+  if (mpi_ranks() > 1)
+    throw Failure({ErrorKind::kUsage,
+                   "the reference works in one process: start it without mpiexec, with --threads"});
+  FullOrder body{make_solid(problem.mesh, problem.materials), {}, {}, {}, {}, {}, {}, threads};
+  body.solid.point_mass = mass_of_vertices(problem.point_masses, problem.mesh.vertices.size());
+  body.unknowns = make_unknowns(problem.mesh, problem.fixed, problem.held);
+  body.pattern = make_pattern(problem.mesh, body.unknowns);
+  assemble_mass(body, kind);
+  const Vector rest = Vector::Zero(body.size());
+  segment_tangent(body, {{1.0, 1.0}}, rest, rest, body.stiffness);
+  body.rigid.resize(body.size(), 0);
+  body.mass_rigid.resize(body.size(), 0);
+  if (problem.free_body) find_rigid_motions(problem, body);
+  return body;
+}
+
+SparseRows rows_of(const FullOrder& body, const std::vector<double>& values) {
+  return {static_cast<int>(body.size()), body.pattern.start.data(), body.pattern.column.data(),
+          values.data()};
+}
+
+Vector multiply(const FullOrder& body, const std::vector<double>& values, const Vector& x) {
+  Vector y(x.size());
+  in_chunks(static_cast<std::size_t>(x.size()), body.threads, [&](std::size_t row) {
+    double sum = 0;
+    for (int at = body.pattern.start[row]; at < body.pattern.start[row + 1]; ++at)
+      sum += values[at] * x[body.pattern.column[at]];
+    y[static_cast<Eigen::Index>(row)] = sum;
+  });
+  return y;
+}
+
+double potential_energy(const FullOrder& body, const Vector& u) {
+  const Field field = expand(body.unknowns, u);
+  const std::size_t count = body.solid.samples.size();
+  std::vector<double> sums((count + kChunk - 1) / kChunk, 0.0);
+  parallel_for(sums.size(), body.threads, [&](std::size_t chunk) {
+    const std::size_t last = std::min(count, (chunk + 1) * kChunk);
+    for (std::size_t e = chunk * kChunk; e < last; ++e)
+      sums[chunk] += element_energy(body.solid, e, field);
+  });
+  double energy = 0;
+  for (double sum : sums) energy += sum;
+  return energy;
+}
+
+Vector segment_force(const FullOrder& body, const std::vector<SegmentPoint>& points,
+                     const Vector& u, const Vector& d) {
+  const Field from = expand(body.unknowns, u), by = expand(body.unknowns, d);
+  std::vector<ElementForce> parts(body.solid.samples.size());
+  in_chunks(parts.size(), body.threads,
+            [&](std::size_t e) { parts[e] = element_force(body.solid, e, points, from, by); });
+  const Pattern& pattern = body.pattern;
+  Vector force(body.size());
+  in_chunks(static_cast<std::size_t>(body.unknowns.map.nodes()), body.threads, [&](std::size_t n) {
+    const int block = pattern.self(static_cast<int>(n));
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int at = pattern.begin[block]; at < pattern.begin[block + 1]; ++at)
+      sum += parts[static_cast<std::size_t>(pattern.part[at] / 16)].col(pattern.part[at] % 4);
+    for (int x = 0; x < 3; ++x) {
+      const int unknown = body.unknowns.of_dof[3 * body.unknowns.map.vertex_of_node[n] + x];
+      if (unknown >= 0) force[unknown] = sum[x];
+    }
+  });
+  return force;
+}
+
+void segment_tangent(const FullOrder& body, const std::vector<SegmentPoint>& points,
+                     const Vector& u, const Vector& d, std::vector<double>& values) {
+  const Field from = expand(body.unknowns, u), by = expand(body.unknowns, d);
+  std::vector<ElementTangent> parts(body.solid.samples.size());
+  in_chunks(parts.size(), body.threads,
+            [&](std::size_t e) { parts[e] = element_tangent(body.solid, e, points, from, by); });
+  assemble_blocks(
+      body,
+      [&](std::size_t e, int a, int b) {
+        return a <= b ? parts[e][element_block(a, b)]
+                      : Eigen::Matrix3d(parts[e][element_block(b, a)].transpose());
+      },
+      values);
+}
+
+void remove_rigid_motion(const FullOrder& body, Vector& u) {
+  if (body.rigid.cols() > 0) u -= body.rigid * (body.mass_rigid.transpose() * u);
+}
+
+void remove_rigid_force(const FullOrder& body, Vector& force) {
+  if (body.rigid.cols() > 0) force -= body.mass_rigid * (body.rigid.transpose() * force);
+}
+
+Vector deforming_load(const FullOrder& body, const Vector& load) {
+  constexpr double kRounding = 1e-12;
+  Vector left = load;
+  remove_rigid_force(body, left);
+  if (left.norm() <= kRounding * load.norm()) left.setZero();
+  return left;
+}
+
+double largest_displacement(const FullOrder& body, const std::vector<VertexId>& vertices,
+                            const Vector& u) {
+  double largest = 0;
+  for (const VertexId v : vertices) {
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    for (int axis = 0; axis < 3; ++axis)
+      if (const int unknown = body.unknowns.of_dof[3 * v + axis]; unknown >= 0)
+        place[axis] = u[unknown];
+    largest = std::max(largest, place.norm());
+  }
+  return largest;
+}
+
+Vector point_load(const FullOrder& body, const DefaultLoad& load) {
+  Vector field = Vector::Zero(static_cast<Eigen::Index>(body.unknowns.of_dof.size()));
+  for (std::size_t i = 0; i < load.vertices.size(); ++i)
+    field.segment<3>(3 * Eigen::Index{load.vertices[i]}) += load.forces[i];
+  return restrict_to(body.unknowns, field);
+}
+
+Vector gravity_load(const FullOrder& body, const Eigen::Vector3d& gravity) {
+  const Solid& solid = body.solid;
+  Vector field = Vector::Zero(static_cast<Eigen::Index>(body.unknowns.of_dof.size()));
+  for (std::size_t e = 0; e < solid.samples.size(); ++e)
+    for (VertexId v : solid.mesh.tetrahedra[e])
+      field.segment<3>(3 * Eigen::Index{v}) +=
+          (0.25 * solid.density(e) * solid.samples[e].weight) * gravity;
+  for (std::size_t v = 0; v < solid.point_mass.size(); ++v)
+    field.segment<3>(3 * static_cast<Eigen::Index>(v)) += solid.point_mass[v] * gravity;
+  return restrict_to(body.unknowns, field);
+}
+
+}  // namespace tremolo

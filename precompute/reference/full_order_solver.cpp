@@ -1,0 +1,259 @@
+#include "precompute/reference/full_order_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "precompute/failure.h"
+#include "precompute/reference/secant_updates.h"
+
+namespace tremolo {
+namespace {
+
+// values += mass M + rest K.
+void add_constant_part(const FullOrder& body, double mass, double rest,
+                       std::vector<double>& values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] += mass * body.mass[i] + rest * body.stiffness[i];
+}
+
+// K of a free body is singular: what mass times M must be added for a factor. Small beside the
+// stiffness, so that only the rigid motions feel it.
+double factor_shift(const FullOrder& body, const StepEquation& equation) {
+  if (body.rigid.cols() == 0 || equation.mass > 0) return 0.0;
+  double stiffness = 0, mass = 0;
+  for (Eigen::Index i = 0; i < body.size(); ++i)
+    for (int at = body.pattern.start[i]; at < body.pattern.start[i + 1]; ++at)
+      if (body.pattern.column[at] == i) {
+        stiffness += body.stiffness[at];
+        mass += body.mass[at];
+      }
+  return 1e-8 * stiffness / mass;
+}
+
+void factorise(FullOrderSolver& solver, const std::vector<double>& values) {
+  const SparseRows rows = rows_of(*solver.body, values);
+  if (solver.factor == nullptr)
+    solver.factor = std::make_unique<SparseCholesky>(rows);
+  else
+    solver.factor->factorise(rows);
+}
+
+// The factor of the tangent, or where that is indefinite, of what it was at rest.
+void renew_factor(FullOrderSolver& solver, const StepEquation& equation) {
+  const FullOrder& body = *solver.body;
+  const double shift = factor_shift(body, equation);
+  solver.mass = equation.mass;
+  solver.rest = equation.rest;
+  solver.stale = false;
+  std::vector<double> values = solver.tangent;
+  if (shift != 0) add_constant_part(body, shift, 0.0, values);
+  try {
+    factorise(solver, values);
+    return;
+  } catch (const Failure& failure) {
+    if (failure.error().kind != ErrorKind::kSolver) throw;
+  }
+  double rest = equation.rest;
+  for (const SegmentPoint& point : equation.points) rest += point.weight * point.fraction;
+  std::fill(values.begin(), values.end(), 0.0);
+  add_constant_part(body, equation.mass + shift, rest, values);
+  try {
+    factorise(solver, values);
+  } catch (const Failure& failure) {
+    if (failure.error().kind != ErrorKind::kSolver) throw;
+    throw Failure({ErrorKind::kSolver,
+                   "the stiffness at rest is singular: a part of the mesh moves without strain. "
+                   "Hold it, or join it by faces"});
+  }
+}
+
+// P^-1 g on the complement of the rigid motions.
+Vector precondition(FullOrderSolver& solver, const Vector& g) {
+  Vector z;
+  solver.factor->solve(g, z);
+  remove_rigid_motion(*solver.body, z);
+  return z;
+}
+
+// H step = -g to `reduction` in the preconditioner's norm; z = P^-1 g. Stops where H is not
+// positive, with what leads downhill.
+Direction conjugate_gradients(FullOrderSolver& solver, const Vector& g, const Vector& z,
+                              double reduction, int most, int& iterations) {
+  const FullOrder& body = *solver.body;
+  Direction result{Vector::Zero(g.size()), 0.0};
+  iterations = 0;
+  Vector residual = -g, search = -z;
+  double size = g.dot(z);
+  const double target = reduction * reduction * size;
+  while (iterations < most) {
+    Vector image = multiply(body, solver.tangent, search);
+    remove_rigid_force(body, image);
+    const double curvature = search.dot(image);
+    if (!(curvature > 0)) {
+      if (iterations++ == 0) return {search, curvature};
+      break;
+    }
+    const double length = size / curvature;
+    result.step += length * search;
+    residual -= length * image;
+    ++iterations;
+    const Vector next = precondition(solver, residual);
+    const double next_size = residual.dot(next);
+    if (!(next_size > target)) break;
+    search = next + (next_size / size) * search;
+    size = next_size;
+  }
+  result.curvature = -result.step.dot(g + residual);
+  return result;
+}
+
+// A factor costs about as much as this many solves with it; past them it is time for a new one.
+int affordable_solves(const SparseCholesky& factor) {
+  const double ratio = factor.flops() / (32.0 * static_cast<double>(factor.entries()));
+  return static_cast<int>(std::clamp(ratio, 6.0, 40.0));
+}
+
+}  // namespace
+
+Vector equation_gradient(const FullOrder& body, const StepEquation& equation, const Vector& d) {
+  Vector g = segment_force(body, equation.points, equation.origin, d) + equation.constant;
+  if (equation.mass != 0) g += equation.mass * multiply(body, body.mass, d);
+  if (equation.rest != 0) g += equation.rest * multiply(body, body.stiffness, d);
+  remove_rigid_force(body, g);
+  return g;
+}
+
+void equation_tangent(const FullOrder& body, const StepEquation& equation, const Vector& d,
+                      std::vector<double>& values) {
+  segment_tangent(body, equation.points, equation.origin, d, values);
+  add_constant_part(body, equation.mass, equation.rest, values);
+}
+
+namespace {
+
+struct Iteration {
+  Vector g;
+  double last = 0;  // residual before
+};
+
+// Takes the residual into the report. True: there is nothing more to do. bearable: what rounding
+// may leave where the residual shrinks no more; the report says what it left.
+bool finished(const FullOrderSolver& solver, double square, double bearable, Iteration& iteration,
+              SolveReport& report) {
+  report.residual = std::sqrt(std::max(0.0, square));
+  if (report.scale == 0) report.scale = report.residual;
+  if (!std::isfinite(square)) return true;
+  const double relative = report.scale == 0 ? 0.0 : report.residual / report.scale;
+  const bool stalled =
+      report.iterations > 1 && relative <= bearable && report.residual > 0.5 * iteration.last;
+  report.converged = relative <= solver.options.tolerance || stalled;
+  return report.converged || report.iterations == solver.options.max_iterations;
+}
+
+// On the factor as it is, without a tangent, as long as each iteration halves the residual. True:
+// finished. Where it only went away from the solution, d and g are as they were.
+bool iterate_frozen(FullOrderSolver& solver, const StepEquation& equation, Iteration& iteration,
+                    Vector& d, SolveReport& report) {
+  const FullOrder& body = *solver.body;
+  SecantUpdates updates;
+  const Vector start = d, start_gradient = iteration.g;
+  double start_residual = 0;
+  for (bool first = true;; first = false) {
+    Vector step = -apply_inverse(
+        updates, [&](const Vector& x) { return precondition(solver, x); }, iteration.g);
+    const double square = -iteration.g.dot(step);
+    if ((first || std::isfinite(square)) && finished(solver, square, 0.0, iteration, report))
+      return true;
+    if (!std::isfinite(square)) report.residual = std::numeric_limits<double>::infinity();
+    if (first) start_residual = report.residual;
+    if (!first && !(report.residual <= 0.5 * iteration.last)) {
+      if (report.residual < start_residual) return false;
+      d = start;
+      iteration.g = start_gradient;
+      return false;
+    }
+    iteration.last = report.residual;
+    d += step;
+    Vector next = equation_gradient(body, equation, d);
+    add_pair(std::move(step), next - iteration.g, updates);
+    iteration.g = std::move(next);
+    ++report.iterations;
+    ++report.linear_iterations;
+  }
+}
+
+void iterate_newton(FullOrderSolver& solver, const StepEquation& equation, Iteration& iteration,
+                    Vector& d, SolveReport& report) {
+  const FullOrder& body = *solver.body;
+  for (;; ++report.iterations) {
+    equation_tangent(body, equation, d, solver.tangent);
+    if (solver.stale || solver.factor == nullptr) {
+      renew_factor(solver, equation);
+      ++report.factorisations;
+    }
+    const Vector z = precondition(solver, iteration.g);
+    if (finished(solver, iteration.g.dot(z), 1e-7, iteration, report)) return;
+    iteration.last = report.residual;
+    // No more digits than the next iteration can use: what is nonlinear is of the order of the
+    // square of the residual.
+    const double relative = report.residual / report.scale;
+    const double reduction =
+        std::max(0.3 * solver.options.tolerance / relative, std::min(0.1, relative));
+    const int affordable = affordable_solves(*solver.factor);
+    int linear_iterations = 0;
+    const Direction direction =
+        conjugate_gradients(solver, iteration.g, z, reduction, 4 * affordable, linear_iterations);
+    report.linear_iterations += linear_iterations;
+    if (linear_iterations > affordable) solver.stale = true;
+    move_along([&](const Vector& at) { return equation_gradient(body, equation, at); }, direction,
+               d, iteration.g);
+  }
+}
+
+}  // namespace
+
+SolveReport solve(FullOrderSolver& solver, const StepEquation& equation, double energy, Vector& d) {
+  constexpr int kMany = 12;  // frozen iterations: a new factor will save some
+  const FullOrder& body = *solver.body;
+  SolveReport report;
+  report.scale = std::sqrt(energy);
+  if (solver.mass != equation.mass || solver.rest != equation.rest) solver.stale = true;
+  Iteration iteration{equation_gradient(body, equation, d)};
+  // With the mass in it the tangent hardly changes from step to step; statics is another matter.
+  for (int tries = 0; equation.mass > 0 && tries < 2; ++tries) {
+    if (solver.stale || solver.factor == nullptr) {
+      equation_tangent(body, equation, d, solver.tangent);
+      renew_factor(solver, equation);
+      ++report.factorisations;
+    }
+    if (iterate_frozen(solver, equation, iteration, d, report)) {
+      solver.stale = report.iterations > kMany;
+      return report;
+    }
+    solver.stale = true;
+  }
+  iteration.last = std::numeric_limits<double>::infinity();  // Newton has not stalled yet
+  iterate_newton(solver, equation, iteration, d, report);
+  return report;
+}
+
+Vector linear_response(FullOrderSolver& solver, const Vector& force) {
+  const StepEquation linear{0.0, 1.0, {}, Vector::Zero(force.size()), -force};
+  Vector response = Vector::Zero(force.size());
+  if (!solve(solver, linear, 0.0, response).converged)
+    throw Failure({ErrorKind::kSolver, "the linear response to the load did not converge"});
+  return response;
+}
+
+SecondOrderSystem make_system(FullOrderSolver& solver) {
+  const FullOrder& body = *solver.body;
+  return {body.size(), [&body](const Vector& x) { return multiply(body, body.mass, x); },
+          [&body](const Vector& x) { return multiply(body, body.stiffness, x); },
+          [&body](const Vector& u) { return potential_energy(body, u); },
+          [&solver](const StepEquation& equation, double energy, Vector& d) {
+            return solve(solver, equation, energy, d);
+          }};
+}
+
+}  // namespace tremolo

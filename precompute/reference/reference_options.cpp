@@ -1,0 +1,88 @@
+#include "precompute/reference/reference_options.h"
+
+#include <iostream>
+
+#include "precompute/solid_options.h"
+
+namespace tremolo {
+namespace {
+
+void add_time_options(CLI::App& app, ReferenceOptions& options, std::string& scheme) {
+  app.add_option("--integrator", scheme, "midpoint, or avf, which keeps the energy")
+      ->check(CLI::IsMember({"midpoint", "avf"}))
+      ->capture_default_str();
+  app.add_option("--step", options.time.step, "s")->capture_default_str();
+  app.add_option("--duration", options.duration, "s")->capture_default_str();
+  app.add_option("--load", options.load,
+                 "of the default load in time: impulse (3 ms), square (0.3 s), sine (1 Hz), "
+                 "constant, none (default: impulse)");
+  app.add_option("--alpha", options.time.alpha, "damping by the mass, 1/s")->capture_default_str();
+  app.add_option("--beta", options.time.beta, "damping by the stiffness at rest, s")
+      ->capture_default_str();
+}
+
+void add_output_options(CLI::App& app, ReferenceOptions& options) {
+  app.add_option("--probe", options.probes,
+                 "vertex or selector whose displacements are recorded; may be repeated");
+  app.add_option("--out", options.out, "folder for run.csv");
+  app.add_option("--every", options.every, "every so many steps one is recorded")
+      ->capture_default_str();
+  app.add_option(
+      "--compare", options.compare,
+      "basis file of this mesh: its reduced model moves alongside, by the same steps; may be "
+      "repeated");
+  app.add_option("--modes", options.modes, "use their first R coordinates")
+      ->needs("--compare")
+      ->configurable(false);
+  app.add_flag("--json", options.json, "print one JSON object on stdout");
+}
+
+}  // namespace
+
+std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words) {
+  ReferenceOptions options;
+  std::vector<std::string> own;
+  int at = 1;
+  for (; at < count && std::string(words[at]) != "--"; ++at) own.emplace_back(words[at]);
+  for (++at; at < count; ++at) options.petsc_options.emplace_back(words[at]);
+
+  CLI::App app{
+      "Moves the whole mesh, no basis: the full-order reference of a reduced model. From rest, "
+      "under the default load (--load-at, --load-force) and gravity. Units are SI."};
+  app.name("tremolo-precompute reference");
+  app.allow_config_extras(CLI::config_extras_mode::ignore_all);
+  app.set_config("--config", "",
+                 "read options from a TOML file, also one made for the precompute: keys that mean "
+                 "nothing here are passed over");
+  SolidTexts texts;
+  std::string scheme = "avf", gravity;
+  add_solid_options(app, options.solid, texts);
+  app.add_flag("--static", options.statics, "the equilibrium under the whole load, no motion");
+  app.add_option("--scale", options.scale, "times the default load")->capture_default_str();
+  app.add_option("--gravity", gravity, "X,Y,Z, m/s^2: acts on all mass from t = 0 on");
+  add_time_options(app, options, scheme);
+  app.add_option("--tolerance", options.tolerance,
+                 "of the solves: what is left of the force, in the energy norm")
+      ->capture_default_str();
+  app.add_option("--max-iterations", options.max_iterations, "Newton iterations of a solve")
+      ->capture_default_str();
+  add_output_options(app, options);
+
+  const int usage = exit_code({ErrorKind::kUsage, ""});
+  try {
+    std::vector<std::string> reversed(own.rbegin(), own.rend());
+    app.parse(reversed);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : usage;
+  }
+  if (!finish_solid_options(texts, options.solid)) return usage;
+  if (!gravity.empty() && !parse_vector(gravity, options.gravity)) {
+    std::cerr << "tremolo-precompute: --gravity " << gravity
+              << ": expected three numbers, X,Y,Z in m/s^2\n";
+    return usage;
+  }
+  options.time.scheme = scheme == "midpoint" ? TimeScheme::kMidpoint : TimeScheme::kAveragedField;
+  return options;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,356 @@
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+
+#include "common/format_text.h"
+#include "common/stage_log.h"
+#include "formats/atomic_file.h"
+#include "formats/basis_reader.h"
+#include "formats/selector_reader.h"
+#include "precompute/blas_threads.h"
+#include "precompute/failure.h"
+#include "precompute/reference/reference_loads.h"
+#include "precompute/reference/reference_report.h"
+#include "precompute/reference/reference_table.h"
+
+namespace tremolo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::vector<VertexId> probe_vertices(const ReferenceOptions& options, const TetMesh& mesh) {
+  std::vector<VertexId> ids;
+  for (const std::string& text : options.probes) {
+    VertexId id = 0;
+    const char* end = text.data() + text.size();
+    const auto [stop, code] = std::from_chars(text.data(), end, id);
+    const bool number = stop == end && code == std::errc{};
+    for (VertexId v : unwrap(resolve_selector(number ? "vertex:" + text : text, mesh)))
+      if (std::find(ids.begin(), ids.end(), v) == ids.end()) ids.push_back(v);
+  }
+  return ids;
+}
+
+// A reduced model that goes alongside, until it breaks off.
+struct Companion {
+  std::string file;
+  ReducedBody body;
+  std::vector<Moment> moments = {};
+  double seconds = 0;
+  std::optional<Failure> broken = {};
+};
+
+struct Work {
+  const ReferenceOptions& options;
+  const FullOrder& body;
+  FullOrderSolver& solver;
+  BodyLoads loads;
+  std::vector<VertexId> probes;
+  std::vector<VertexId> watched;  // the probes, else where the load acts
+  std::vector<Companion> companions;
+  Json json = {};
+  std::optional<Failure> broken = {};  // why it ended before its time
+
+  SolveOptions solving() const { return {options.tolerance, options.max_iterations}; }
+};
+
+std::vector<Companion> load_companions(const ReferenceOptions& options, const Problem& problem,
+                                       const FullOrder& body) {
+  std::vector<Companion> companions;
+  for (const std::string& file : options.compare) {
+    const BasisData data = unwrap(read_basis(file));
+    companions.push_back(
+        {file, make_reduced_body(body, data, problem.mesh_hash, options.modes, file)});
+  }
+  return companions;
+}
+
+std::string table_path(const ReferenceOptions& options) {
+  return (std::filesystem::path(options.out) / "run.csv").string();
+}
+
+// What the computation has given is told even if it cannot be written.
+void write_table(Work& work, const ReferenceTable& table) {
+  if (work.options.out.empty()) return;
+  const Status written = write_file(table_path(work.options), table.text);
+  if (!written && !work.broken) work.broken = Failure(written.error());
+}
+
+// A number for information is no reason to give up what has been solved.
+Vector response_to_load(Work& work) {
+  try {
+    return linear_response(work.solver, work.loads.all());
+  } catch (const Failure& failure) {
+    std::fprintf(stderr, "  what the basis cannot see of the load is not known: %s\n",
+                 failure.error().message.c_str());
+    return Vector::Zero(work.body.size());
+  }
+}
+
+void report_comparisons(Work& work) {
+  if (work.companions.empty()) return;
+  const Vector load = work.loads.all(), response = response_to_load(work);
+  Json list = Json::array();
+  for (const Companion& companion : work.companions) {
+    const ComparisonSummary summary = summarise(companion.moments);
+    const double unseen = unseen_load(companion.body, load, response);
+    Json json = comparison_json(companion.file, companion.body, summary, unseen, companion.seconds);
+    json["reason"] = companion.broken ? Json(companion.broken->error().message) : Json(nullptr);
+    list.push_back(std::move(json));
+    say_comparison(companion.file, companion.body, summary, unseen);
+    if (companion.broken && !work.broken)
+      work.broken = Failure({companion.broken->error().kind,
+                             companion.file + ": " + companion.broken->error().message});
+  }
+  if (list.size() == 1)
+    work.json["comparison"] = list.front();
+  else if (list.size() > 1)
+    work.json["comparisons"] = list;
+}
+
+// reduced: a motion of each companion, of no meaning where it is broken.
+void record(Work& work, const Motion& motion, const std::vector<const Motion*>& reduced,
+            ReferenceTable& table) {
+  const bool writing = !work.options.out.empty();
+  Vector mass_u;
+  if (!work.companions.empty()) mass_u = multiply(work.body, work.body.mass, motion.u);
+  std::vector<std::optional<ReducedRow>> rows;
+  for (std::size_t i = 0; i < work.companions.size(); ++i) {
+    Companion& companion = work.companions[i];
+    rows.emplace_back();
+    if (companion.broken) continue;
+    Moment moment =
+        compare(work.body, companion.body, motion.u, mass_u, reduced[i]->u, work.watched);
+    moment.energy_difference = reduced[i]->total() - motion.total();
+    companion.moments.push_back(moment);
+    if (writing)
+      rows.back() = {moment, reduced[i]->total(),
+                     expand(work.body.unknowns, companion.body.basis * reduced[i]->u)};
+  }
+  if (writing) add_row(motion, expand(work.body.unknowns, motion.u), rows, table);
+}
+
+// Equilibrium as a motion that stands still.
+Motion at_rest(const StaticSolution& solution) {
+  Motion motion;
+  motion.u = solution.u;
+  motion.potential = solution.energy;
+  motion.work = solution.work;
+  return motion;
+}
+
+// Does work that may break off; returns the seconds that it took.
+template <class Part>
+double attempt(const Part& part, std::optional<Failure>& broken) {
+  const Clock::time_point start = Clock::now();
+  try {
+    part();
+  } catch (const Failure& failure) {
+    broken = failure;
+  }
+  return seconds_since(start);
+}
+
+void run_statics(Work& work) {
+  StaticSolution solution;
+  const double seconds = attempt(
+      [&] { solution = static_solution(make_system(work.solver), work.loads.all()); }, work.broken);
+  if (work.broken) return;
+  const Vector field = expand(work.body.unknowns, solution.u);
+  report_statics(solution, seconds, work.json);
+  work.json["largest"] = largest_json(field);
+  work.json["probes"] = probe_json(work.probes, field);
+  std::fprintf(stderr, "  largest displacement %.6g m\n",
+               work.json["largest"]["displacement"].get<double>());
+  ReferenceTable table = begin_table(work.probes, work.companions.size());
+  std::vector<Motion> reduced(work.companions.size());
+  std::vector<const Motion*> motions;
+  for (std::size_t i = 0; i < reduced.size(); ++i) {
+    Companion& companion = work.companions[i];
+    companion.seconds = attempt(
+        [&] {
+          reduced[i] =
+              at_rest(static_solution(make_system(companion.body.model, work.solving()),
+                                      companion.body.basis.transpose() * work.loads.all()));
+        },
+        companion.broken);
+    motions.push_back(&reduced[i]);
+  }
+  record(work, at_rest(solution), motions, table);
+  report_comparisons(work);
+  write_table(work, table);
+}
+
+// A reduced model's system, load and motion.
+struct Follower {
+  SecondOrderSystem system;
+  LoadHistory load;
+  Motion motion;
+};
+
+Follower make_follower(const Work& work, const ReducedBody& body) {
+  Follower follower;
+  follower.system = make_system(body.model, work.solving());
+  follower.load = [&work, &body](double time, double step) -> Vector {
+    return body.basis.transpose() * work.loads.mean(time, step);
+  };
+  const Vector zero = Vector::Zero(follower.system.size);
+  follower.motion = start_motion(follower.system, zero, zero);
+  return follower;
+}
+
+// An orbit with ten times all that was ever put in has left its bound, as in `tremolo run`.
+void require_bounded(const Motion& motion, double& most_input) {
+  constexpr double kBound = 10.0;
+  most_input = std::max(most_input, motion.work);
+  const bool finite = std::isfinite(motion.total());
+  if (finite && (most_input <= 0 || motion.total() <= kBound * most_input)) return;
+  throw Failure({ErrorKind::kBound,
+                 finite ? text("at t = %.6g s the energy, %.3g J, is more than %g times all that "
+                               "the load put in",
+                               motion.time, motion.total(), kBound)
+                        : text("at t = %.6g s the energy is no number", motion.time)});
+}
+
+struct Course {
+  Motion motion;
+  std::vector<Follower> followers;
+  EnergyDrift drift;
+  ReferenceTable table;
+  double seconds = 0;  // of the full body's steps
+};
+
+void move(Work& work, const SecondOrderSystem& system, std::int64_t steps, Course& course) {
+  const ReferenceOptions& options = work.options;
+  const LoadHistory load = [&](double t, double h) { return work.loads.mean(t, h); };
+  const Clock::time_point start = Clock::now();
+  Motion& motion = course.motion;
+  std::vector<const Motion*> reduced;
+  for (const Follower& follower : course.followers) reduced.push_back(&follower.motion);
+  double said = 0, most_input = 0;  // seconds; J
+  for (;;) {
+    course.drift.observe(motion, work.loads.to_come(motion.time, options.time.step));
+    if (motion.steps % options.every == 0 || motion.steps == steps)
+      record(work, motion, reduced, course.table);
+    if (motion.steps == steps) break;
+    const Clock::time_point begin = Clock::now();
+    advance(system, options.time, load, motion);
+    course.seconds += seconds_since(begin);
+    require_bounded(motion, most_input);
+    for (std::size_t i = 0; i < course.followers.size(); ++i) {
+      Companion& companion = work.companions[i];
+      Follower& follower = course.followers[i];
+      if (companion.broken) continue;
+      companion.seconds +=
+          attempt([&] { advance(follower.system, options.time, follower.load, follower.motion); },
+                  companion.broken);
+    }
+    if (seconds_since(start) < said + 5.0) continue;
+    said = seconds_since(start);
+    say_progress(motion, steps, said);
+  }
+  say_progress(motion, steps, seconds_since(start));
+}
+
+void run_motion(Work& work) {
+  const ReferenceOptions& options = work.options;
+  const SecondOrderSystem system = make_system(work.solver);
+  const double step = options.time.step;
+  const Vector zero = Vector::Zero(system.size);
+  Course course{
+      start_motion(system, zero, zero), {}, {}, begin_table(work.probes, work.companions.size())};
+  for (const Companion& companion : work.companions)
+    course.followers.push_back(make_follower(work, companion.body));
+  try {
+    move(work, system, static_cast<std::int64_t>(std::llround(options.duration / step)), course);
+  } catch (const Failure& failure) {
+    work.broken = failure;
+  }
+  const Motion& motion = course.motion;
+  work.json["integrator"] = options.time.scheme == TimeScheme::kMidpoint ? "midpoint" : "avf";
+  work.json["step"] = step;
+  work.json["duration"] = options.duration;
+  report_motion(motion, course.drift, course.seconds, work.json);
+  work.json["probes"] = probe_json(work.probes, expand(work.body.unknowns, motion.u));
+  report_comparisons(work);
+  write_table(work, course.table);
+}
+
+void make_folder(const std::string& path) {
+  if (path.empty()) return;
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw Failure(system_error(path + ": cannot create: " + error.message()));
+}
+
+// What cannot be written is told before hours of work.
+void require_place(const ReferenceOptions& options) {
+  if (options.out.empty()) return;
+  make_folder(options.out);
+  const Result<AtomicFile> file = AtomicFile::create(table_path(options));
+  if (!file) throw Failure(file.error());
+}
+
+}  // namespace
+
+void run_reference(const ReferenceOptions& options) {
+  check_reference(options);
+  StageLog log(mpi_rank() != 0);
+  log.begin("mesh");
+  const Problem problem = load_problem(options.solid);
+  const std::vector<VertexId> probes = probe_vertices(options, problem.mesh);
+  log.end(text("%zu vertices, %zu tetrahedra, %zu fixed vertices", problem.mesh.vertices.size(),
+               problem.mesh.tetrahedra.size(), problem.fixed.size()));
+  for (const std::string& note : problem.notes) log.note(note);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (!problem.held[axis].empty())
+      log.note(text("%zu vertices are held along %c", problem.held[axis].size(),
+                    static_cast<char>('x' + axis)));
+  require_place(options);
+
+  log.begin("matrices");
+  const FullOrder body = make_full_order(problem, options.solid.mass, options.solid.threads);
+  log.end(text("%d dofs, %.6g kg", static_cast<int>(body.size()), total_mass(body.solid)));
+  if (problem.free_body)
+    log.note(
+        "a free body: its rigid motion is left out, and so is the share of the load that would set "
+        "it in motion");
+
+  constexpr Eigen::Index kSmall = 100'000;  // dofs; as in the precompute
+  const BlasThreads blas(body.size() < kSmall ? 1 : static_cast<int>(options.solid.threads));
+  FullOrderSolver solver;
+  solver.body = &body;
+  solver.options = {options.tolerance, options.max_iterations};
+  Work work{options,
+            body,
+            solver,
+            make_body_loads(options, problem, body),
+            probes,
+            probes.empty() ? problem.load.vertices : probes,
+            load_companions(options, problem, body),
+            {}};
+  work.json["mesh"] = options.solid.mesh_path;
+  work.json["n"] = problem.mesh.vertices.size();
+  work.json["m"] = problem.mesh.tetrahedra.size();
+  work.json["dofs"] = body.size();
+  if (options.statics)
+    run_statics(work);
+  else
+    run_motion(work);
+  work.json["exit_code"] = work.broken ? exit_code(work.broken->error()) : 0;
+  work.json["reason"] = work.broken ? Json(work.broken->error().message) : Json(nullptr);
+  if (options.json)
+    std::cout << work.json.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
+  if (work.broken) throw Failure(*work.broken);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,71 @@
+#include "precompute/solid_options.h"
+
+#include <charconv>
+#include <iostream>
+#include <thread>
+
+#include "precompute/material_rules.h"
+#include "precompute/mesher/surface_options.h"
+
+namespace tremolo {
+
+bool parse_vector(const std::string& text, Eigen::Vector3d& vector) {
+  const char* at = text.data();
+  const char* end = at + text.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [next, error] = std::from_chars(at, end, vector[axis]);
+    if (error != std::errc{}) return false;
+    at = next;
+    if (axis < 2) {
+      if (at == end || *at != ',') return false;
+      ++at;
+    }
+  }
+  return at == end;
+}
+
+void add_solid_options(CLI::App& app, PrecomputeOptions& options, SolidTexts& texts) {
+  app.add_option(
+         "mesh", options.mesh_path,
+         "tetrahedral mesh (.msh .vtk .vtu .veg .vegb .node .ele), or a surface (.obj .ply\n"
+         ".stl .gltf .glb .fbx .dae ...), which is meshed first")
+      ->required();
+  app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
+  app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
+  app.add_option("--density", options.material.density, "density, kg/m^3")->capture_default_str();
+  app.add_option(
+      "--material", options.materials,
+      std::string("a material of a region of the mesh, later ones decide; may be repeated: ") +
+          kMaterialGrammar);
+  app.add_option("--point-mass", options.point_masses,
+                 "SELECTOR=KG: a mass shared by the selected vertices; may be repeated");
+  app.add_option("--fix", options.fix,
+                 "vertices that do not move: x<0.01, y>=90%, box:x0,y0,z0,x1,y1,z1, "
+                 "sphere:x,y,z,r, plane:x,y,z,nx,ny,nz, near:x,y,z,k, vertex:ID, file:ids.txt, "
+                 "colour:red, a set of the mesh, or none for a free body; may be repeated");
+  constexpr const char* kAxes[] = {"x", "y", "z"};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    app.add_option(std::string("--fix-") + kAxes[axis], options.fix_axis[axis],
+                   std::string("vertices that do not move along ") + kAxes[axis] +
+                       " (selector); may be repeated");
+  app.add_option("--load-at", options.load_at, "vertices that the default load acts on (selector)");
+  app.add_option("--load-force", texts.force, "the default load, X,Y,Z in N, shared among them")
+      ->needs("--load-at");
+  app.add_option("--mass", texts.mass,
+                 "consistent or lumped; with --import-basis: the basis is made orthonormal in it")
+      ->check(CLI::IsMember({"consistent", "lumped"}))
+      ->capture_default_str();
+  add_surface_options(app, options.meshing, options.unit);
+  options.threads = std::max(1u, std::thread::hardware_concurrency());
+  app.add_option("--threads", options.threads, "threads of a rank")->check(CLI::PositiveNumber);
+}
+
+bool finish_solid_options(const SolidTexts& texts, PrecomputeOptions& options) {
+  options.mass = texts.mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;
+  if (texts.force.empty() || parse_vector(texts.force, options.load_force)) return true;
+  std::cerr << "tremolo-precompute: --load-force " << texts.force
+            << ": expected three numbers, X,Y,Z in N\n";
+  return false;
+}
+
+}  // namespace tremolo

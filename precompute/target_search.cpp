@@ -1,0 +1,184 @@
+// The measurement of --target-error: candidates against the whole mesh.
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "common/format_text.h"
+#include "precompute/coefficients.h"
+#include "precompute/failure.h"
+#include "precompute/halo.h"
+#include "precompute/reference/full_order_solver.h"
+#include "precompute/reference/reduced_model.h"
+#include "precompute/target_error.h"
+
+namespace tremolo {
+namespace {
+
+constexpr int kBatch = 15;  // coefficients cost r^4: no more of them than are looked at
+constexpr int kBeyond = 3;  // larger candidates that must keep the target, too
+
+void solve_exactly(const Problem& problem, FullOrderSolver& solver, TargetSearch& search) {
+  const FullOrder& body = *solver.body;
+  search.load = deforming_load(body, point_load(body, problem.load));
+  const auto refuse = [] {
+    throw Failure(content_error(
+        "--target-error: the default load (--load-at, --load-force) deforms nothing"));
+  };
+  if (search.load.isZero(0.0)) refuse();
+  search.exact = static_solution(make_system(solver), search.load).u;
+  search.response = linear_response(solver, search.load);
+  search.largest = largest_displacement(body, problem.load.vertices, search.exact);
+  if (!(search.load.dot(search.response) > 0 && search.largest > 0)) refuse();
+}
+
+// The static answer to s F is s u1 + s^2/2 u2 + ...: K u1 = F, K u2 = -H[u1, u1].
+Columns load_vectors(const PrecomputeResult& result, const Solid& solid, FullOrderSolver& solver,
+                     TargetSearch& search) {
+  if (search.second.size() == 0) {
+    const Field field = expand(solver.body->unknowns, search.response);
+    Vector force = Vector::Zero(search.response.size());
+    add_second_derivative(solid, result.local.elements, field, field, result.local.row_of_vertex,
+                          force.data());
+    remove_rigid_force(*solver.body, force);
+    search.second = linear_response(solver, -force);
+  }
+  Columns vectors(search.response.size(), kLoadVectors);
+  vectors.col(0) = search.response;
+  vectors.col(1) = search.second;
+  return vectors;
+}
+
+// Candidates: each prefix of `vectors` spans what the same prefix of the principal columns does.
+// vectors^T K vectors = 1, so that a prefix's model has a unit stiffness whatever its size.
+struct Candidates {
+  Columns vectors;
+  std::vector<double> projection;  // |u - its projection| / |u| of r columns at [r]
+  std::vector<double> unseen;      // at [r]
+};
+
+Candidates make_candidates(const FullOrder& body, const PrincipalColumns& principal,
+                           const TargetSearch& search) {
+  const auto r = std::min<Eigen::Index>(kMostTargetModes, principal.size());
+  Candidates candidates{principal.first(r), {1.0}, {1.0}};
+  Columns& vectors = candidates.vectors;
+  const Vector heavy = multiply(body, body.mass, search.exact);
+  const double square = search.exact.dot(heavy);
+  double left = square;
+  for (Eigen::Index i = 0; i < r; ++i) {
+    left -= std::pow(vectors.col(i).dot(heavy), 2);
+    candidates.projection.push_back(std::sqrt(std::max(0.0, left / square)));
+  }
+  Columns image(vectors.rows(), r);
+  for (Eigen::Index i = 0; i < r; ++i)
+    image.col(i) = multiply(body, body.stiffness, vectors.col(i));
+  const Eigen::LLT<Eigen::MatrixXd> factor(transposed_product(vectors, image));
+  const Eigen::MatrixXd inverse = factor.matrixU().solve(Eigen::MatrixXd::Identity(r, r));
+  add_product(1.0, Columns(vectors), inverse, 0.0, vectors);
+  const double compliance = search.load.dot(search.response);
+  double seen = 0;
+  for (Eigen::Index i = 0; i < r; ++i) {
+    seen += std::pow(vectors.col(i).dot(search.load), 2);
+    candidates.unseen.push_back(std::max(0.0, 1 - seen / compliance));
+  }
+  return candidates;
+}
+
+ReducedModel model_of(const PrecomputeResult& result, const Solid& solid, const Columns& vectors,
+                      unsigned threads) {
+  const BasisRows rows = expand_to_vertices(result.map, result.local, vectors);
+  const auto r = static_cast<int>(vectors.cols());
+  const Coefficients coefficients =
+      coefficients_from_gram(strain_gram(solid, rows, 0, result.local.counted, threads), r);
+  return make_reduced_model(Vector::Ones(r), coefficients.cubic, coefficients.quartic);
+}
+
+TargetRow measure(const FullOrder& body, const Problem& problem, const Candidates& candidates,
+                  const ReducedModel& largest, int r, const TargetSearch& search) {
+  TargetRow row;
+  row.modes = r;
+  row.projection = candidates.projection[static_cast<std::size_t>(r)];
+  row.unseen = candidates.unseen[static_cast<std::size_t>(r)];
+  const auto vectors = candidates.vectors.leftCols(r);
+  const ReducedModel model = first_coordinates(largest, r);
+  try {
+    const Vector q = static_solution(make_system(model, {}), vectors.transpose() * search.load).u;
+    const Vector off = search.exact - vectors * q;
+    row.error = std::sqrt(off.dot(multiply(body, body.mass, off)) /
+                          search.exact.dot(multiply(body, body.mass, search.exact)));
+    row.tip = largest_displacement(body, problem.load.vertices, off) / search.largest;
+  } catch (const Failure& failure) {
+    if (failure.error().kind != ErrorKind::kSolver) throw;
+  }
+  return row;
+}
+
+// The first from which on so many keep the target, or all that there are.
+TargetRow choose(const std::vector<TargetRow>& rows, double target, bool all_measured) {
+  std::size_t good = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    good = rows[i].error <= target ? good + 1 : 0;
+    if (good > kBeyond) return rows[i + 1 - good];
+  }
+  return all_measured && good > 0 ? rows[rows.size() - good] : TargetRow();
+}
+
+// Measures until one is chosen.
+void search_prefixes(const FullOrder& body, const PrecomputeOptions& options,
+                     const PrecomputeResult& result, const Solid& solid,
+                     const PrincipalColumns& principal, const Candidates& candidates,
+                     const TargetSearch& search, TargetFindings& findings) {
+  const auto kept = static_cast<int>(principal.kept.cols());
+  const auto most = static_cast<int>(candidates.vectors.cols());
+  findings.rows.clear();
+  // At rest a few are enough; the linear modes were asked for to vibrate.
+  const int least = std::min(most, kept + static_cast<int>(principal.linear_modes));
+  for (int first = least; first <= most; first += kBatch) {
+    const int last = std::min(most, first + kBatch - 1);
+    const ReducedModel model =
+        model_of(result, solid, candidates.vectors.leftCols(last), options.threads);
+    for (int r = first; r <= last; ++r) {
+      // A cut between equals would leave to chance which of them stays.
+      if (cluster_at_cut(principal.singular_values.head(principal.rank), r - kept, {}).count > 0)
+        continue;
+      findings.rows.push_back(measure(body, result.problem, candidates, model, r, search));
+      findings.chosen = choose(findings.rows, findings.asked, false);
+      if (findings.kept()) return;
+    }
+  }
+  // The last may have been passed over, as a cut between equals.
+  findings.chosen = choose(findings.rows, findings.asked, true);
+}
+
+}  // namespace
+
+TargetFindings find_coordinates(const PrecomputeOptions& options, const PrecomputeResult& result,
+                                const Solid& solid, const Matrices& matrices,
+                                PrincipalColumns& principal, TargetSearch& search) {
+  const FullOrder body = make_full_order(result.problem, options.mass, options.threads);
+  FullOrderSolver solver;
+  solver.body = &body;
+  if (search.exact.size() == 0) solve_exactly(result.problem, solver, search);
+  TargetFindings findings;
+  findings.asked = search.asked;
+  findings.linear_modes = static_cast<int>(principal.linear_modes);
+  findings.load = options.load_at + text(", %g,%g,%g N", options.load_force.x(),
+                                         options.load_force.y(), options.load_force.z());
+  const auto look = [&] {
+    search_prefixes(body, options, result, solid, principal,
+                    make_candidates(body, principal, search), search, findings);
+  };
+  const bool sees_load = make_candidates(body, principal, search).unseen.back() <= search.asked;
+  if (sees_load) look();
+  if (findings.kept() && findings.chosen.unseen <= search.asked) return findings;
+  const TargetFindings without = findings;
+  const PrincipalColumns untouched = findings.kept() ? principal : PrincipalColumns();
+  keep_always(matrices, load_vectors(result, solid, solver, search), options.threads, principal);
+  findings.load_vectors = static_cast<int>(principal.kept.cols());
+  look();
+  if (findings.kept() || !without.kept()) return findings;
+  principal = untouched;
+  return without;
+}
+
+}  // namespace tremolo
