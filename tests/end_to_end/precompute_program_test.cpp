@@ -7,9 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/basis_reader.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/joined_mesh.h"
 #include "tests/support/mesh_file.h"
 #include "tests/support/run_program.h"
+#include "tests/support/symmetric_mesh.h"
 
 namespace tremolo {
 namespace {
@@ -247,26 +248,91 @@ TEST_F(PrecomputeProgram, APartThatNothingHoldsIsNamed) {
   EXPECT_EQ(nlohmann::json::parse(free.out)["rigid_modes"], 12);
 }
 
-TEST_F(PrecomputeProgram, APartThatHangsByAVertexOrAnEdgeIsRefused) {
+TEST_F(PrecomputeProgram, APartThatHangsByAVertexOrAnEdgeIsNamed) {
   const TetMesh cube = box_mesh({2, 2, 2}, {0.2, 0.2, 0.2});
-  for (const Eigen::Vector3d& offset :
-       {Eigen::Vector3d(0.2, 0.2, 0.2), Eigen::Vector3d(0.2, 0.2, 0)}) {
-    TetMesh joined = cube;
-    std::vector<VertexId> ids;
-    for (const Eigen::Vector3d& x : cube.vertices) {
-      const Eigen::Vector3d moved = x + offset;
-      VertexId id = 0;
-      while (id < static_cast<VertexId>(joined.vertices.size()) &&
-             (joined.vertices[id] - moved).norm() > 1e-9)
-        ++id;
-      if (id == static_cast<VertexId>(joined.vertices.size())) joined.vertices.push_back(moved);
-      ids.push_back(id);
-    }
-    for (const Tetrahedron& tet : cube.tetrahedra)
-      joined.tetrahedra.push_back({ids[tet[0]], ids[tet[1]], ids[tet[2]], ids[tet[3]]});
-    expect_failure(run_on(joined), 3, "moves without strain");
-    expect_failure(run_on(joined, "-o out.tremolo --fix none"), 3, "moves without strain");
+  TetMesh corner = cube, edge = cube;
+  testing::join(corner, cube, {0.2, 0.2, 0.2});
+  testing::join(edge, cube, {0.2, 0.2, 0});
+  for (const char* arguments : {kGood, "-o out.tremolo --fix none"}) {
+    expect_failure(run_on(corner, arguments), 3, "moves without strain: piece");
+    expect_failure(run_on(corner, arguments), 3,
+                   "turns on piece 1 about vertex 26 at 0.2, 0.2, 0.2 (a ball joint: 3 motions)");
+    expect_failure(run_on(edge, arguments), 3, "(a hinge: 1 motion)");
   }
+  // The same joints, with enough held behind them.
+  const ProgramResult held = run_on(edge, "-o held.tremolo --fix 'x<0.001' --fix 'x>0.399'");
+  EXPECT_EQ(held.code, 0) << held.err;
+}
+
+// More pieces than are looked at: what the modes show is told.
+TEST_F(PrecomputeProgram, ALongChainOfHingesIsRefusedToo) {
+  const TetMesh cube = box_mesh({1, 1, 1}, {0.2, 0.2, 0.2});
+  // Rounding decides whether a factor of the singular stiffness exists: it differs by direction.
+  for (const Eigen::Vector3d& along :
+       {Eigen::Vector3d{1, 1, 0}, {1, 0, 1}, {1, -1, 0}, {1, 0, -1}, {1, 1, 1}}) {
+    TetMesh chain = cube;
+    for (int i = 1; i <= 101; ++i) testing::join(chain, cube, 0.2 * i * along);
+    for (const char* fix : {"'x<0.001'", "none"})
+      expect_failure(run_on(chain, std::string("-o out.tremolo --linear-modes 4 --fix ") + fix), 3,
+                     "moves without strain: it hangs by a vertex or an edge only");
+  }
+}
+
+// OpenBLAS may be older than the processor.
+TEST_F(PrecomputeProgram, DenseProductsUseTheProcessorsVectors) {
+#if defined(__x86_64__)
+  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "it has no AVX2";
+  const ProgramResult result =
+      run_program(folder_, "env -u OPENBLAS_CORETYPE OPENBLAS_VERBOSE=2 " TREMOLO_BIN_DIR
+                           "/tremolo-precompute block.veg " +
+                               std::string(kGood));
+  ASSERT_EQ(result.code, 0) << result.err;
+  const std::size_t at = result.err.rfind("Core: ");
+  ASSERT_NE(at, std::string::npos) << result.err;
+  const std::string core = result.err.substr(at + 6, result.err.find('\n', at) - at - 6);
+  for (const char* slow : {"Prescott", "Nehalem", "Sandybridge"}) EXPECT_NE(core, slow);
+  // What a user asks for stays.
+  const ProgramResult asked =
+      run_program(folder_, "env OPENBLAS_CORETYPE=Prescott OPENBLAS_VERBOSE=2 " TREMOLO_BIN_DIR
+                           "/tremolo-precompute block.veg " +
+                               std::string(kGood));
+  EXPECT_NE(asked.err.find("Core: Prescott"), std::string::npos) << asked.err;
+#endif
+}
+
+// PETSc does not tell by itself.
+TEST_F(PrecomputeProgram, AFactorThatDoesNotFitIsSaidToBeThat) {
+  const TetMesh block = box_mesh({14, 10, 10}, {0.3, 0.2, 0.2});
+  expect_failure(run_on(block,
+                        "-o out.tremolo --fix 'x<0.001' --linear-modes 4 --modes 8 --solver mumps "
+                        "-- -mat_mumps_icntl_23 1"),
+                 1, "out of memory for the factor of the stiffness (mumps, INFOG(1) = ");
+}
+
+TEST_F(PrecomputeProgram, DerivativesThatDoNotBalanceAreRefused) {
+  const TetMesh block = box_mesh({8, 4, 4}, {0.3, 0.15, 0.15});
+  expect_failure(run_on(block,
+                        "-o out.tremolo --fix 'x<0.001' --linear-modes 4 --modes 8 --solver "
+                        "iterative -- -cg_ksp_rtol 1e-3"),
+                 4, "residual of the modes");
+}
+
+TEST_F(PrecomputeProgram, AHoldThatIsNotEnoughSaysWhatIsLeft) {
+  expect_failure(run("block.veg -o out.tremolo --fix vertex:0,1,2"), 3,
+                 "1 rigid motion is left (rotation about the line through vertex");
+  expect_failure(run("block.veg -o out.tremolo --fix vertex:3"), 3,
+                 "rotations about vertex 3 at 0.3, 0, 0, the only fixed one");
+}
+
+TEST_F(PrecomputeProgram, ADefaultDoesNotCutAPairOfModesAndAGivenCutIsTold) {
+  const TetMesh beam = testing::symmetric_box({8, 2, 2}, {0.4, 0.1, 0.1});
+  const ProgramResult whole = run_on(beam, "-o whole.tremolo --fix 'x<-0.199' --json");
+  ASSERT_EQ(whole.code, 0) << whole.err;
+  EXPECT_EQ(nlohmann::json::parse(whole.out)["linear_modes"], 21);
+  EXPECT_NE(whole.err.find("21 linear modes, not 20"), std::string::npos) << whole.err;
+  const ProgramResult cut = run("changed.veg -o cut.tremolo --fix 'x<-0.199' --linear-modes 20");
+  ASSERT_EQ(cut.code, 0) << cut.err;
+  EXPECT_NE(cut.err.find("--linear-modes 21 takes both"), std::string::npos) << cut.err;
 }
 
 TEST_F(PrecomputeProgram, BadMeshesAreRefusedWithoutTouchingTheOutput) {

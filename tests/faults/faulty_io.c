@@ -7,6 +7,7 @@
  *                   open-full:N     from the Nth file on, none can be created
  *                   fsync-eintr:N, fsync-fail:N, rename-fail:N, close-fail:N
  *                   write-kill:N, fsync-kill:N, rename-kill:N   SIGKILL in that call
+ *                   write-term:N    SIGTERM in that call
  *
  * N counts from 1. If the fault came, TREMOLO_FAULT_MARK names a file that is created. */
 #define _GNU_SOURCE
@@ -93,21 +94,35 @@ int open64(const char* path, int flags, ...) {
   return open_file(path, flags | O_LARGEFILE, mode);
 }
 
-ssize_t write(int descriptor, const void* bytes, size_t size) {
-  if (descriptor > 2 && descriptor_below(descriptor)) {
-    ++calls[kWrite];
-    if (fails(kWrite, "write-kill", 0)) kill(getpid(), SIGKILL);
-    if (fails(kWrite, "write-eintr", 3)) {
-      errno = EINTR;
-      return -1;
-    }
-    if (fails(kWrite, "write-full", 0)) {
-      errno = ENOSPC;
-      return -1;
-    }
-    if (fails(kWrite, "write-short", 0)) size = size / 3 + 1;
+/* How many of the bytes are to be written; -1: none, errno tells why. */
+static ssize_t size_to_write(int descriptor, size_t size) {
+  if (descriptor <= 2 || !descriptor_below(descriptor)) return (ssize_t)size;
+  ++calls[kWrite];
+  if (fails(kWrite, "write-kill", 0)) kill(getpid(), SIGKILL);
+  if (fails(kWrite, "write-term", 1)) kill(getpid(), SIGTERM);
+  if (fails(kWrite, "write-eintr", 3)) {
+    errno = EINTR;
+    return -1;
   }
-  return syscall(SYS_write, descriptor, bytes, size);
+  if (fails(kWrite, "write-full", 0)) {
+    errno = ENOSPC;
+    return -1;
+  }
+  return (ssize_t)(fails(kWrite, "write-short", 0) ? size / 3 + 1 : size);
+}
+
+ssize_t write(int descriptor, const void* bytes, size_t size) {
+  const ssize_t part = size_to_write(descriptor, size);
+  return part < 0 ? -1 : syscall(SYS_write, descriptor, bytes, (size_t)part);
+}
+
+ssize_t pwrite(int descriptor, const void* bytes, size_t size, off_t offset) {
+  const ssize_t part = size_to_write(descriptor, size);
+  return part < 0 ? -1 : syscall(SYS_pwrite64, descriptor, bytes, (size_t)part, offset);
+}
+
+ssize_t pwrite64(int descriptor, const void* bytes, size_t size, off_t offset) {
+  return pwrite(descriptor, bytes, size, offset);
 }
 
 int fsync(int descriptor) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "formats/basis_writer.h"
+#include "formats/checkpoint_file.h"
 #include "formats/reduced_files.h"
 #include "formats/surface_answer.h"
 #include "tests/support/mesh_variants.h"
@@ -51,6 +52,20 @@ void save_bases(const fs::path& root) {
   for (const fs::directory_entry& entry : fs::directory_iterator(golden))
     if (entry.path().extension() == ".tremolo")
       save(root, entry.path().stem().string(), file_contents(entry.path()));
+}
+
+void save_checkpoints(const fs::path& root) {
+  const std::vector<double> values = {1, 2, 3, 4, 5, 6};
+  const std::vector<std::int64_t> integers = {-1, 0, std::int64_t{1} << 62};
+  const std::vector<NamedArray> arrays = {
+      named_array("identity", "mesh 0123456789abcdef\n"), named_array("values", values, 3, 2),
+      named_array("integers", integers), named_array("nothing", std::span<const double>{}, 0)};
+  for (std::size_t count = 1; count <= arrays.size(); ++count) {
+    const std::string name = std::to_string(count);
+    save(root, name, "");
+    if (!write_checkpoint_file((root / name).string(), std::span(arrays).first(count)))
+      std::fprintf(stderr, "fuzz_seeds: a checkpoint cannot be written\n");
+  }
 }
 
 void save_reduced(const fs::path& root) {
@@ -118,6 +133,7 @@ int main(int count, char** words) {
   tremolo::save_meshes(words[1]);
   tremolo::save_bases(std::filesystem::path(words[1]) / "basis");
   tremolo::save_bases(std::filesystem::path(words[1]) / "model");
+  tremolo::save_checkpoints(std::filesystem::path(words[1]) / "checkpoint");
   tremolo::save_reduced(std::filesystem::path(words[1]) / "reduced");
   tremolo::save_surfaces(std::filesystem::path(words[1]) / "surface");
   tremolo::save_texts(words[1]);

@@ -14,6 +14,7 @@
 #include "precompute/coefficients.h"
 #include "precompute/derivatives.h"
 #include "precompute/element_group.h"
+#include "precompute/halo.h"
 #include "precompute/modes.h"
 #include "precompute/point_mass.h"
 #include "precompute/polynomial_check.h"
@@ -344,7 +345,9 @@ TEST(Materials, ThePolynomialIsTheProjectedForceOfTheMixedMesh) {
   const Coefficients c =
       coefficients_from_gram(strain_gram(body.solid, rows, 0, body.solid.samples.size(), 2), 9);
   for (double reach : {1e-3, 0.3})
-    EXPECT_LE(polynomial_error(body.solid, rows, basis.lambda, c.cubic, c.quartic, reach), 1e-12);
+    EXPECT_LE(polynomial_error(body.solid, body.solid.samples.size(), rows, basis.lambda, c.cubic,
+                               c.quartic, reach),
+              1e-12);
   EXPECT_LE((c.quadratic - Eigen::MatrixXd(basis.lambda.asDiagonal())).cwiseAbs().maxCoeff(),
             1e-10 * basis.lambda.maxCoeff());
 }

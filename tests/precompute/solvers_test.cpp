@@ -118,17 +118,19 @@ TEST(BlockLanczos, FindsTheLowestModesOfAClampedBlock) {
   const System system({8, 4, 4}, {0.6, 0.2, 0.2}, true);  // a square section: double modes
   const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
   const Columns none(system.local.dofs(), 0);
-  const Pencil pencil{sparse_rows(system.matrices.mass.get()), &factor, &none};
-  expect_lowest_modes(system, block_lanczos(pencil, 15, 1e-11, 1), 0, 0.0);
+  const Pencil pencil = thread_pencil(system.matrices.mass.get(), factor, none, 2);
+  expect_lowest_modes(system, block_lanczos(pencil, 15, 1e-11), 0, 0.0);
 }
 
 TEST(BlockLanczos, DoesNotDependOnTheThreads) {
   const System system({8, 4, 4}, {0.6, 0.2, 0.2}, true);
   const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
   const Columns none(system.local.dofs(), 0);
-  const Pencil pencil{sparse_rows(system.matrices.mass.get()), &factor, &none};
-  const LanczosPairs one = block_lanczos(pencil, 9, 1e-11, 1);
-  const LanczosPairs three = block_lanczos(pencil, 9, 1e-11, 3);
+  const auto pairs = [&](unsigned threads) {
+    return block_lanczos(thread_pencil(system.matrices.mass.get(), factor, none, threads), 9,
+                         1e-11);
+  };
+  const LanczosPairs one = pairs(1), three = pairs(3);
   EXPECT_EQ(one.values, three.values);
   EXPECT_EQ(one.vectors, three.vectors);
 }
@@ -143,17 +145,32 @@ TEST(BlockLanczos, StaysAwayFromRigidMotion) {
   ASSERT_EQ(MatDuplicate(system.matrices.stiffness.get(), MAT_COPY_VALUES, shifted.out()), 0);
   ASSERT_EQ(MatAXPY(shifted.get(), -kShift, system.matrices.mass.get(), SUBSET_NONZERO_PATTERN), 0);
   const SparseCholesky factor(sparse_rows(shifted.get()));
-  const Pencil pencil{sparse_rows(system.matrices.mass.get()), &factor, &rigid};
-  expect_lowest_modes(system, block_lanczos(pencil, 10, 1e-11, 2), 6, kShift);
+  const Pencil pencil = thread_pencil(system.matrices.mass.get(), factor, rigid, 2);
+  expect_lowest_modes(system, block_lanczos(pencil, 10, 1e-11), 6, kShift);
 }
 
 TEST(BlockLanczos, EndsWhenTheSpaceDoes) {
   const System system({1, 1, 1}, {0.6, 0.2, 0.25}, true);  // twelve dofs, blocks of eight
   const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
   const Columns none(system.local.dofs(), 0);
-  const Pencil pencil{sparse_rows(system.matrices.mass.get()), &factor, &none};
-  const LanczosPairs pairs = block_lanczos(pencil, 5, 1e-11, 1);
-  if (pairs.converged) expect_lowest_modes(system, pairs, 0, 0.0);
+  const Pencil pencil = thread_pencil(system.matrices.mass.get(), factor, none, 2);
+  const LanczosPairs pairs = block_lanczos(pencil, 5, 1e-11);
+  ASSERT_TRUE(pairs.converged);
+  expect_lowest_modes(system, pairs, 0, 0.0);
+}
+
+TEST(Modes, OfAFactorByMumpsAreThoseOfCholmod) {
+  const System system({12, 5, 5}, {0.6, 0.2, 0.2}, true);  // double modes
+  const Columns none(system.local.dofs(), 0);
+  const Modes cholmod = compute_modes(system.matrices, 9, none, 0.0, 2);
+  const Modes mumps = compute_modes(system.matrices, 9, none, 0.0, 2, LinearSolver::kMumps);
+  EXPECT_EQ(mumps.factorisation, "mumps");
+  EXPECT_EQ(mumps.solver, cholmod.solver);
+  EXPECT_EQ(mumps.cholesky, nullptr);
+  for (int i = 0; i < 9; ++i)
+    EXPECT_NEAR(mumps.squared_frequencies[i], cholmod.squared_frequencies[i],
+                1e-11 * cholmod.squared_frequencies[i]);
+  EXPECT_LE(mumps.residuals.maxCoeff(), 1e-8);
 }
 
 TEST(Modes, OfALargerMeshAreTheSameByBlocksAndBySlepc) {

@@ -10,6 +10,7 @@
 #include "precompute/coefficients.h"
 #include "precompute/derivatives.h"
 #include "precompute/failure.h"
+#include "precompute/halo.h"
 #include "precompute/modes.h"
 #include "precompute/polynomial_check.h"
 #include "precompute/rigid_motion.h"
@@ -81,6 +82,7 @@ TEST(DofMap, RanksShareTheNodesWithoutGapsAndEachSeesItsElements) {
   EXPECT_EQ(map.rank_begin.front(), 0);
   EXPECT_EQ(map.rank_begin.back(), map.nodes());
   std::set<int> rows;
+  std::set<std::size_t> counted;
   for (int rank = 0; rank < 3; ++rank) {
     const LocalDofs local = local_dofs(mesh, map, rank);
     EXPECT_GT(local.nodes, 0);
@@ -88,8 +90,23 @@ TEST(DofMap, RanksShareTheNodesWithoutGapsAndEachSeesItsElements) {
       if (row < 0) continue;
       EXPECT_TRUE(rows.insert(3 * local.first_node + row).second);
     }
+    for (std::size_t i = 0; i < local.counted; ++i)
+      EXPECT_TRUE(counted.insert(local.tetrahedra[i]).second);
+    // The part is cut out as it is, and every element around an own node is in it.
+    const TetMesh part = part_mesh(mesh, local);
+    std::size_t touched = 0;
+    for (const Tetrahedron& tet : mesh.tetrahedra)
+      touched += std::any_of(tet.begin(), tet.end(), [&](VertexId v) {
+        const int node = map.node_of_vertex[v];
+        return node >= map.rank_begin[rank] && node < map.rank_begin[rank + 1];
+      });
+    EXPECT_EQ(part.tetrahedra.size(), touched);
+    for (std::size_t i = 0; i < part.tetrahedra.size(); ++i)
+      EXPECT_EQ(signed_volume(part, part.tetrahedra[i]),
+                signed_volume(mesh, mesh.tetrahedra[local.tetrahedra[i]]));
   }
   EXPECT_EQ(rows.size(), mesh.vertices.size());
+  EXPECT_EQ(counted.size(), mesh.tetrahedra.size());
 }
 
 TEST(Matrices, AreSymmetricAndRigidMotionIsTheNullSpaceOfTheFreeStiffness) {
@@ -279,6 +296,40 @@ TEST(Basis, KeepsTheFirstModeAndTheSingularValuesDescend) {
   EXPECT_LE(basis.lambda[0], modes.squared_frequencies[0] * 1.001);
 }
 
+// What keep_always() takes in is in every basis, whatever the cut; the rest is the same span as
+// without it.
+TEST(Basis, WhatIsKeptIsInTheSpanOfEveryCutAndTheWholeSpanStays) {
+  const Block block = clamped_block();
+  Modes modes = compute_modes(block.matrices, 4, no_rigid(block), 0.0);
+  const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
+  const Columns input =
+      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 1)
+          .columns;
+  Columns vectors = Columns::Random(input.rows(), 2);
+  vectors.col(1) *= 1e-6;
+  const auto left_by = [&](const Columns& basis, const Columns& x) {
+    const Columns heavy = multiply(block.matrices.mass.get(), basis);
+    const Columns off = x - basis * (heavy.transpose() * x);
+    return (off.colwise().norm().array() / x.colwise().norm().array()).maxCoeff();
+  };
+  for (int r : {3, 9, 16}) {
+    PrincipalColumns principal =
+        principal_columns(block.matrices, input, modes.squared_frequencies, 0.05, 2);
+    keep_always(block.matrices, vectors, 2, principal);
+    EXPECT_EQ(principal.size(), 16);
+    const Columns first = principal.first(r);
+    const Eigen::MatrixXd gram = first.transpose() * multiply(block.matrices.mass.get(), first);
+    EXPECT_LE((gram - Eigen::MatrixXd::Identity(r, r)).cwiseAbs().maxCoeff(), 1e-10);
+    const Basis basis = make_basis(block.matrices, std::move(principal), r, 1);
+    EXPECT_LE(basis.orthonormality_error, 1e-10);
+    EXPECT_LE(left_by(basis.vectors, vectors), 1e-9);
+    EXPECT_LE(left_by(basis.vectors, first), 1e-9);  // the cut is a prefix
+    if (r == 16) {
+      EXPECT_LE(left_by(basis.vectors, input), 1e-8);
+    }
+  }
+}
+
 TEST(Basis, MoreCoordinatesThanColumnsAreRefused) {
   const Block block = clamped_block();
   EXPECT_THROW(make_sample_basis(block, 21), Failure);
@@ -292,7 +343,8 @@ TEST(Coefficients, ThePolynomialIsTheProjectedForceOfTheFullMesh) {
       coefficients_from_gram(strain_gram(block.solid, rows, 0, block.solid.samples.size(), 2), 12);
   const double size = bounding_box(block.mesh.vertices).diagonal();
   for (double reach : {1e-3, 0.05, 0.5})
-    EXPECT_LE(polynomial_error(block.solid, rows, basis.lambda, c.cubic, c.quartic, reach * size),
+    EXPECT_LE(polynomial_error(block.solid, block.solid.samples.size(), rows, basis.lambda, c.cubic,
+                               c.quartic, reach * size),
               1e-12)
         << reach;
   EXPECT_LE((c.quadratic - Eigen::MatrixXd(basis.lambda.asDiagonal())).cwiseAbs().maxCoeff(),
@@ -316,11 +368,11 @@ TEST(Signs, TheFirstLargeEntryIsPositiveWhateverTheSolverGave) {
   const Block block = clamped_block();
   const Modes modes = compute_modes(block.matrices, 4, no_rigid(block), 0.0);
   Columns vectors = modes.vectors;
-  Eigen::MatrixXd expanded = expand_to_vertices(block.map, block.local, vectors);
+  BasisRows expanded = expand_to_vertices(block.map, block.local, vectors);
   Columns mirrored = -vectors;
-  Eigen::MatrixXd mirrored_expanded = -expanded;
-  fix_signs(vectors, expanded);
-  fix_signs(mirrored, mirrored_expanded);
+  BasisRows mirrored_expanded = -expanded;
+  fix_signs(block.local, vectors, expanded);
+  fix_signs(block.local, mirrored, mirrored_expanded);
   EXPECT_EQ(vectors, mirrored);
   EXPECT_EQ(expanded, mirrored_expanded);
 }

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/checksum.h"
 #include "runtime/body.h"
-#include "runtime/program/checksum.h"
 #include "runtime/program/energy_bound.h"
 #include "runtime/program/reproduce/loads.h"
 #include "runtime/program/reproduce/long_run.h"

@@ -66,7 +66,7 @@ inline std::size_t add_unused_vertices(TetMesh& mesh, Random& random) {
   const std::size_t added = count(random);
   for (std::size_t n = 0; n < added; ++n)
     mesh.vertices.push_back(n % 2 == 0 ? mesh.vertices[any(random)]
-                                       : Eigen::Vector3d(9, 9, 9.0 + n));
+                                       : Eigen::Vector3d(9, 9, 9.0 + static_cast<double>(n)));
   mesh = renumbered(mesh, random_permutation(mesh.vertices.size(), random));
   return added;
 }

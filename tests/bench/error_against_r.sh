@@ -1,0 +1,179 @@
+#!/usr/bin/env bash
+# Reduction error and integration error side by side, against the number of coordinates r.
+#
+#   tests/bench/error_against_r.sh BIN OUT [MODEL...]
+#
+# BIN: the folder of tremolo and tremolo-precompute; models: all six samples unless named. For each
+# model a basis is made for each r (k = r/2 linear modes, at least 3, at most 24: a prefix of one
+# large basis is not a small basis), and for its default load as impulse, square and sine
+#   reduction    max |u - Uq| / max |u| in the M norm: the whole mesh against the reduced model, both
+#                by the same steps of the averaged vector field;
+#   projection   the least that any q could leave, likewise; tip: |u - Uq| where the load acts;
+#   integration  max |q - q'| / max |q'|: ep4 and newmark at their step against ep4 at a fifteenth.
+# OUT/MODEL.csv keeps what is done: a second start goes on. Then OUT/error.csv, OUT/table.md and
+# OUT/error-against-r.png are made of all there is.
+#
+# Environment: ORDERS (5 10 15 20 30 40 60), TARGET (0.02: a basis of --target-error beside them; empty:
+# none), STEP (0.003 s), DURATION (0.45 s), THREADS (1).
+set -euo pipefail
+
+bin=${1:?usage: error_against_r.sh BIN OUT [MODEL...]}
+out=${2:?usage: error_against_r.sh BIN OUT [MODEL...]}
+shift 2
+models=${*:-beam horse heart bridge basket tower}
+root=$(cd "$(dirname "$0")/../.." && pwd)
+orders=${ORDERS:-5 10 15 20 30 40 60}
+target=${TARGET-0.02}
+step=${STEP:-0.003} duration=${DURATION:-0.45} threads=${THREADS:-1}
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+mkdir -p "$out"
+
+# max |q - q'| / max |q'| of two run.csv with rows at the same times; empty if one broke off.
+distance() {
+  [ -s "$1" ] && [ -s "$2" ] && [ "$(wc -l < "$1")" = "$(wc -l < "$2")" ] || return 0
+  paste -d, "$1" "$2" | awk -F, '
+    NR == 1 { for (i = 1; i <= NF; i++) if ($i ~ /^q[0-9]+$/) column[++count] = i; next }
+    { off = 0; size = 0
+      for (i = 1; i <= count / 2; i++) {
+        a = $column[i]; b = $column[i + count / 2]; off += (a - b)^2; size += b * b }
+      if (off > worst) worst = off
+      if (size > largest) largest = size }
+    END { if (largest > 0) printf "%.6g", sqrt(worst / largest) }'
+}
+
+simulate() { # FILE LOAD INTEGRATOR PARTS FOLDER: steps of STEP / PARTS
+  local r coordinates=()
+  rm -f "$5/run.csv"
+  r=$(field "$1" r)
+  for ((i = 0; i < r; i++)); do coordinates+=(--coordinate "$i"); done
+  "$bin/tremolo" run "$1" --load "$2" --integrator "$3" --tolerance 1e-9 --out "$5" \
+    --step "$(awk -v h="$step" -v n="$4" 'BEGIN { printf "%.17g", h / n }')" --every "$4" \
+    --duration "$duration" "${coordinates[@]}" --json > "$5.json" 2> "$5.log" ||
+    rm -f "$5/run.csv"
+}
+
+field() { # FILE NAME: a number that inspect tells
+  "$bin/tremolo" inspect "$1" --json | sed -n "s/^ *\"$2\": *\([0-9]*\).*/\1/p" | head -n 1
+}
+
+# The numbers of a file, as the reference printed them.
+reduction_of() { # FILE JSON
+  awk -v file="$1" '
+    index($0, "\"" file "\"") { inside = 1 }
+    inside && match($0, /"[a-z_]+": *[^,]*/) {
+      split(substr($0, RSTART + 1, RLENGTH - 1), part, /": */); value[part[1]] = part[2] }
+    /}/ { inside = 0 }
+    function number(name) { return value[name] ~ /^[-0-9]/ ? sprintf("%.6g", value[name]) : "" }
+    END { printf "%s,%s,%s,%s", number("error_of_largest"), number("projection_of_largest"),
+          number("tip_error_of_largest"), number("load_unseen") }' "$2"
+}
+
+make_basis() { # MODEL NAME OPTIONS...
+  local model=$1 file=$out/work-$1/$2.tremolo
+  shift 2
+  [ -s "$file" ] || "$bin/tremolo-precompute" "$root/assets/meshes/$model.msh" \
+    --config "$root/assets/models/$model.toml" "$@" --no-certify --threads "$threads" \
+    -o "$file" 2> "${file%.tremolo}.log"
+}
+
+study() { # MODEL
+  local model=$1 work=$out/work-$1 table=$out/$1.csv names=()
+  mkdir -p "$work"
+  [ -s "$table" ] ||
+    echo "model,load,r,k,reduction,projection,tip,unseen,ep4,newmark,basis" > "$table"
+  for r in $orders; do
+    local k=$(((r + 1) / 2))
+    k=$((k < 3 ? 3 : k > 24 ? 24 : k))
+    make_basis "$model" "$r" --linear-modes "$k" --modes "$r"
+    names+=("$r")
+  done
+  if [ -n "$target" ]; then
+    # A target that is missed leaves no file.
+    if make_basis "$model" "target-$target" --target-error "$target"; then
+      names+=("target-$target")
+    else
+      tail -n 1 "$work/target-$target.log" >&2
+    fi
+  fi
+  for load in impulse square sine; do
+    local compare=() pending=()
+    for name in "${names[@]}"; do
+      grep -q "^$model,$load,.*,$name\$" "$table" && continue
+      pending+=("$name")
+      compare+=(--compare "$work/$name.tremolo")
+    done
+    [ ${#pending[@]} -gt 0 ] || continue
+    # Code 4: one of the reduced models broke off; the others are told.
+    "$bin/tremolo-precompute" reference "$root/assets/meshes/$model.msh" \
+      --config "$root/assets/models/$model.toml" --integrator avf --load "$load" --step "$step" \
+      --duration "$duration" --threads "$threads" "${compare[@]}" --out "$work/$load" --json \
+      > "$work/$load.json" 2> "$work/$load.log" || [ $? = 4 ]
+    local rows=() file
+    for name in "${pending[@]}"; do
+      file=$work/$name.tremolo
+      for method in ep4 newmark; do simulate "$file" "$load" "$method" 1 "$work/$method"; done
+      simulate "$file" "$load" ep4 15 "$work/fine"
+      rows+=("$model,$load,$(field "$file" r),$(field "$file" linear_modes),$(
+        reduction_of "$file" "$work/$load.json"),$(
+        distance "$work/ep4/run.csv" "$work/fine/run.csv"),$(
+        distance "$work/newmark/run.csv" "$work/fine/run.csv"),$name")
+    done
+    printf '%s\n' "${rows[@]}" >> "$table"
+  done
+}
+
+for model in $models; do study "$model"; done
+
+awk 'FNR > 1 || NR == 1' "$out"/{beam,horse,heart,bridge,basket,tower}.csv 2> /dev/null \
+  > "$out/error.csv" || true
+
+# One row a model and load: reduction and integration (ep4) in per cent, a column for each r.
+awk -F, '
+  function percent(x) { return x == "" ? "-" : sprintf("%.2g", 100 * x) }
+  NR == 1 { next }
+  { if (!($11 in seen)) { seen[$11] = 1; order[++orders] = $11 }
+    key = $1 " | " $2; if (!(key in known)) { known[key] = 1; keys[++count] = key }
+    cell[key, $11] = percent($5) " / " percent($9)
+    if ($11 ~ /^target/) cell[key, $11] = cell[key, $11] ", r = " $3 }
+  END {
+    printf "| model | load |"
+    for (i = 1; i <= orders; i++) printf order[i] ~ /^target/ ? " %s |" : " r = %s |", order[i]
+    printf "\n|---|---|"; for (i = 1; i <= orders; i++) printf "---|"; print ""
+    for (n = 1; n <= count; n++) {
+      printf "| %s |", keys[n]
+      for (i = 1; i <= orders; i++) printf " %s |", cell[keys[n], order[i]]
+      print "" } }' "$out/error.csv" > "$out/table.md"
+
+# Two panels a load: what the basis leaves out, what the step leaves out.
+command -v gnuplot > /dev/null || { echo "no gnuplot: no plot" >&2; exit 0; }
+present=$(awk -F, 'NR > 1 && !seen[$1]++ { printf "%s ", $1 }' "$out/error.csv")
+{
+  echo "set terminal pngcairo size 960,980 font 'sans,10' background 'white'"
+  echo "set output '$out/error-against-r.png'"
+  echo "set datafile separator ','"
+  echo "set multiplot layout 3,2 margins 0.07,0.98,0.1,0.96 spacing 0.07,0.06"
+  echo "set logscale y; set yrange [5e-7:2]; set format y '10^{%L}'; set xrange [3:62]"
+  echo "set grid lc rgb '#dddddd'; set key off"
+  for load in impulse square sine; do
+    for what in "5 reduction (cross: --target-error $target)" \
+                "9 integration, ep4 (circles: newmark)"; do
+      column=${what%% *}
+      echo "set title \"$load, ${what#* }\" offset 0,-0.7"
+      [ "$load" = sine ] && echo "set xlabel 'coordinates r' offset 0,0.5" || echo "unset xlabel"
+      [ "$load$column" = sine5 ] && echo "set key at screen 0.5,0.01 center bottom horizontal maxrows 1 samplen 2 width 3"
+      plots=() color=0
+      for model in $present; do
+        color=$((color + 1))
+        pick="\"<grep '^$model,$load,.*,[0-9]*\$' '$out/error.csv'\""
+        aimed="\"<grep '^$model,$load,.*,target' '$out/error.csv'\""
+        plots+=("$pick using 3:$column with linespoints lw 2 pt 7 ps 0.4 lt $color title '$model'")
+        [ "$column" = 9 ] && plots+=("$pick using 3:10 with points pt 6 ps 0.6 lt $color notitle")
+        [ "$column" = 5 ] && grep -q "^$model,$load,.*,target" "$out/error.csv" &&
+          plots+=("$aimed using 3:5 with points pt 2 ps 1 lw 2 lt $color notitle")
+      done
+      (IFS=,; echo "plot ${plots[*]}")
+      echo "set key off"
+    done
+  done
+} > "$out/plot.gp"
+gnuplot "$out/plot.gp"

@@ -1,0 +1,125 @@
+// Who solves, and the solver that needs no factor.
+#include <gtest/gtest.h>
+
+#include "common/mesh_check.h"
+#include "precompute/derivatives.h"
+#include "precompute/failure.h"
+#include "precompute/halo.h"
+#include "precompute/modes.h"
+#include "precompute/rigid_motion.h"
+#include "tests/support/box_mesh.h"
+
+namespace tremolo {
+namespace {
+
+using testing::box_mesh;
+using testing::vertices_on_plane;
+
+struct System {
+  TetMesh mesh;
+  MeshReport report;
+  DofMap map;
+  LocalDofs local;
+  Solid solid;
+  Matrices matrices;
+  Columns rigid;
+
+  System(const std::array<int, 3>& cells, bool clamped)
+      : mesh(box_mesh(cells, {1.0, 0.21, 0.26})),
+        report(*check_mesh(mesh)),
+        map(make_dof_map(mesh, clamped ? vertices_on_plane(mesh, 0, 0.0) : std::vector<VertexId>{},
+                         1)),
+        local(local_dofs(mesh, map, 0)),
+        solid(make_solid(mesh, {1e6, 0.3, 1100.0})),
+        matrices(assemble(solid, map, local, MassKind::kConsistent)),
+        rigid(clamped ? Columns(local.dofs(), 0)
+                      : rigid_modes(mesh, report.part_of_vertex, 1, local, matrices.mass.get())) {}
+
+  std::vector<Eigen::Vector3d> positions() const {
+    std::vector<Eigen::Vector3d> x;
+    for (const int v : map.vertex_of_node) x.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+    return x;
+  }
+};
+
+TEST(SolverChoice, TheFactorIsAsLargeAsForetold) {
+  for (const std::array<int, 3>& cells : {std::array{40, 3, 3}, {20, 8, 7}, {12, 12, 12}}) {
+    const System system(cells, true);
+    const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
+    EXPECT_NEAR(count_factor_entries(system.map), static_cast<double>(factor.entries()),
+                0.2 * static_cast<double>(factor.entries()));
+  }
+}
+
+TEST(SolverChoice, GoesByTheMemoryThereIs) {
+  const System system({12, 12, 12}, true);
+  SolverRequest request;
+  request.linear_modes = 4;
+  request.modes = 8;
+  const SolverChoice rich = choose_solver(system.map, system.local, request);
+  EXPECT_EQ(rich.solver, LinearSolver::kCholmod);
+  EXPECT_GT(rich.estimate.direct(), rich.estimate.iterative());
+  request.memory = 0.5 * (rich.estimate.direct() + rich.estimate.iterative());
+  EXPECT_EQ(choose_solver(system.map, system.local, request).solver, LinearSolver::kIterative);
+  request.solver = LinearSolver::kMumps;
+  EXPECT_EQ(choose_solver(system.map, system.local, request).solver, LinearSolver::kMumps);
+  EXPECT_NE(choose_solver(system.map, system.local, request).reason.find("MAY RUN OUT"),
+            std::string::npos);
+}
+
+TEST(SolverChoice, SaysWhatWouldFitWhenNothingDoes) {
+  const System system({12, 12, 12}, true);
+  SolverRequest request;
+  request.linear_modes = request.modes = 60;
+  SolverRequest less = request;
+  less.linear_modes = 20;
+  request.memory = choose_solver(system.map, system.local, less).estimate.iterative();
+  try {
+    choose_solver(system.map, system.local, request);
+    FAIL() << "it fits";
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.error().kind, ErrorKind::kSystem);
+    EXPECT_NE(failure.error().message.find("--linear-modes 20 would fit"), std::string::npos)
+        << failure.error().message;
+  }
+}
+
+TEST(Iterative, ModesAndDerivativesAreThoseOfAFactor) {
+  for (const bool clamped : {true, false}) {
+    const System system({10, 3, 4}, clamped);
+    const double shift = clamped ? 0.0 : -200.0;
+    const Modes direct = compute_modes(system.matrices, 6, system.rigid, shift);
+    const Modes iterated =
+        compute_modes_iteratively(system.matrices, 6, system.rigid, shift, system.positions());
+    const Columns mass_direct = multiply(system.matrices.mass.get(), direct.vectors);
+    for (int i = 0; i < 6; ++i)
+      EXPECT_NEAR(iterated.squared_frequencies[i], direct.squared_frequencies[i],
+                  1e-11 * direct.squared_frequencies[i]);
+    EXPECT_LE(iterated.residuals.maxCoeff(), 1e-7);
+    const Columns outside =
+        iterated.vectors - direct.vectors * inner_products(mass_direct, iterated.vectors);
+    EXPECT_LE(std::sqrt(inner_products(outside, multiply(system.matrices.mass.get(), outside))
+                            .diagonal()
+                            .maxCoeff()),
+              1e-7);
+    if (!clamped) {
+      const Columns mass_rigid = multiply(system.matrices.mass.get(), system.rigid);
+      EXPECT_LE(inner_products(mass_rigid, iterated.vectors).cwiseAbs().maxCoeff(), 1e-9);
+    }
+    // The same modes, so that the derivatives are those of the same loads.
+    Modes same = compute_modes(system.matrices, 6, system.rigid, shift);
+    same.cholesky.reset();
+    same.iterative = std::make_unique<IterativeSolver>(
+        make_iterative_solver(system.matrices, system.positions(), system.rigid, shift));
+    const BasisRows psi = expand_to_vertices(system.map, system.local, direct.vectors);
+    const ModalDerivatives expected = modal_derivatives(system.solid, system.local, system.matrices,
+                                                        direct, psi, system.rigid, 1);
+    const ModalDerivatives found =
+        modal_derivatives(system.solid, system.local, system.matrices, same, psi, system.rigid, 1);
+    EXPECT_LE((found.vectors() - expected.vectors()).norm(), 1e-9 * expected.vectors().norm());
+    EXPECT_LE(found.residual, 1e-8);
+  }
+}
+
+}  // namespace
+}  // namespace tremolo

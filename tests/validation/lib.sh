@@ -1,0 +1,99 @@
+# Sourced by every case, CASE.sh BIN_DIR OUT_DIR [--short]: runs the programs, keeps what they say in
+# OUT_DIR/CASE, writes its rows to OUT_DIR/CASE/rows.tsv and prints them. Exit code 6 when a
+# criterion is missed. --short: coarse meshes, seconds, with the bounds of coarse meshes.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+case_name=$(basename "$0" .sh)
+[ $# -ge 2 ] && [ $# -le 3 ] && [ "${3---short}" = --short ] ||
+  { echo "usage: $case_name.sh BIN_DIR OUT_DIR [--short]" >&2; exit 2; }
+bin=$(cd "$1" && pwd)
+mkdir -p "$2/$case_name"
+out=$(cd "$2/$case_name" && pwd)
+short=${3:+yes}
+rows=$out/rows.tsv
+: >"$rows"
+# Open MPI wants to be told, as root.
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+
+# strip NAME NX NY BOX THICK [ARC]: OUT/NAME.veg, unless it is there (strip.awk).
+strip() {
+  [ -e "$out/$1.veg" ] && return
+  awk -v nx="$2" -v ny="$3" -v box="$4" -v thick="$5" -v arc="${6-}" -f "$here/strip.awk" \
+    >"$out/$1.partial"
+  mv "$out/$1.partial" "$out/$1.veg"
+}
+
+# run LOG PROGRAM ARGUMENTS...: stdout to OUT/LOG.json, stderr to OUT/LOG.log, shown if it fails.
+run() {
+  local log=$1 program=$2 code=0
+  shift 2
+  "$bin/$program" "$@" >"$out/$log.json" 2>"$out/$log.log" || code=$?
+  [ $code = 0 ] && return
+  tail -n 5 "$out/$log.log" >&2
+  echo "$case_name: $program ended with code $code: $program $*" >&2
+  exit 1
+}
+
+# basis NAME MESH K R ARGUMENTS...: OUT/NAME.tremolo of K linear modes and R coordinates.
+basis() {
+  local name=$1 mesh=$2 k=$3 r=$4
+  shift 4
+  run "$name" tremolo-precompute "$out/$mesh.veg" -o "$out/$name.tremolo" --linear-modes "$k" \
+    --modes "$r" "$@"
+}
+
+# field LOG NAME [WHICH]: a number, or a list of numbers with blanks between, of OUT/LOG.json; where
+# the name occurs several times, the last or the WHICHth. What is no number is told and left empty:
+# no criterion is met by it.
+field() {
+  local value
+  value=$(tr -d '\n ' <"$out/$1.json" | grep -o "\"$2\":\[\{0,1\}[-+0-9.e,]*" | sed -n "${3-$}p" |
+    sed 's/.*:\[\{0,1\}//' | tr ',' ' ')
+  [ -n "$value" ] || echo "$case_name: no number '$2' in $out/$1.json" >&2
+  printf '%s\n' "$value"
+}
+
+# calc EXPRESSION: a number, by awk, with the closed forms.
+calc() { awk -f "$here/closed_forms.awk" -f <(printf 'BEGIN { printf "%%.9g\\n", %s }\n' "$1"); }
+
+published() {  # QUANTITY: its value in published.csv
+  awk -F, -v want="$case_name" -v what="$1" \
+    '$1 == want && $2 == what { print $3; found = 1 } END { exit !found }' "$here/published.csv"
+}
+
+# within WHAT MEASURED EXPECTED PERCENT: a row; met if they differ by at most so much.
+within() {
+  awk -v name="$case_name" -v what="$1" -v m="$2" -v e="$3" -v most="$4" 'BEGIN {
+    OFS = "\t"; off = 100 * (m / e - 1); met = off <= most && off >= -most
+    print name, what, sprintf("%.5g", m), sprintf("%.5g", e), sprintf("%+.2g %%", off),
+          "within " most " %", met ? "met" : "MISSED" }' >>"$rows"
+}
+
+# between WHAT MEASURED LOW HIGH: a row; met if it lies there.
+between() {
+  awk -v name="$case_name" -v what="$1" -v m="$2" -v low="$3" -v high="$4" 'BEGIN {
+    OFS = "\t"; met = m >= low && m <= high
+    print name, what, sprintf("%.3g", m), "", "", low " to " high, met ? "met" : "MISSED" }' >>"$rows"
+}
+
+# at_most WHAT FRACTION PERCENT: a row; met if the fraction is at most so many percent.
+at_most() {
+  awk -v name="$case_name" -v what="$1" -v m="$2" -v most="$3" 'BEGIN {
+    OFS = "\t"; met = m != "" && m >= 0 && 100 * m <= most
+    print name, what, sprintf("%.2g %%", 100 * m), "", "", "at most " most " %",
+          met ? "met" : "MISSED" }' >>"$rows"
+}
+
+# told WHAT TEXT: a row without a criterion.
+told() { printf '%s\t%s\t%s\t\t\t\ttold\n' "$case_name" "$1" "$2" >>"$rows"; }
+
+percent() { calc "100 * $1" | awk '{ printf "%.2g %%\n", $1 }'; }
+
+# Of values on meshes refined by two and once more: the order seen, and the limit at order 2.
+order() { calc "log(($1 - $2) / ($2 - $3)) / log(2)"; }
+refined() { calc "$3 + ($3 - $2) / 3"; }
+
+# The case's last line: prints its rows.
+finish() {
+  "$here/table.sh" "$rows"
+}
