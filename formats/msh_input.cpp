@@ -51,13 +51,14 @@ std::string MshInput::format() const {
   return "MSH " + version_ + (binary_ ? " binary" : " text");
 }
 
-std::string_view MshInput::next_section() {
+bool MshInput::next_section(std::string_view& name) {
   const std::string_view found = text_.token();
-  if (!found.starts_with('$')) {
-    if (!found.empty()) text_.fail("a section such as $Nodes", found);
-    return found.empty() ? found : "?";
-  }
-  return found.substr(1);
+  name = {};
+  if (found.empty()) return true;
+  if (found.front() != '$' || found.size() == 1)
+    return text_.fail("a section such as $Nodes", found);
+  name = found.substr(1);
+  return true;
 }
 
 bool MshInput::skip_section(std::string_view name) {

@@ -32,7 +32,7 @@ class MshInput {
   std::string format() const;
 
   // The name of the next section without its $, empty at the end of the file.
-  std::string_view next_section();
+  bool next_section(std::string_view& name);
   // Goes behind the $End line of a section that is not read.
   bool skip_section(std::string_view name);
   // Expects the $End line of a section that was read.

@@ -44,7 +44,6 @@ Status read_section(MshInput& input, std::string_view name, MshFile& file) {
     if (!file.groups.read_names(input)) return input.error();
     return Success{};
   }
-  if (name == "?") return input.error();
   if (name == "PartitionedEntities")
     file.builder.add_note("groups of partitioned entities are not read");
   if (!input.skip_section(name)) return input.error();
@@ -58,7 +57,10 @@ Result<MeshFile> read_msh(std::string_view text, const std::string& path) {
   if (!opened) return opened.error();
   MshInput& input = *opened;
   MshFile file{MeshBuilder(path), {}, {}, {}, false, false};
-  for (std::string_view name = input.next_section(); !name.empty(); name = input.next_section()) {
+  for (;;) {
+    std::string_view name;
+    if (!input.next_section(name)) return input.error();
+    if (name.empty()) break;
     const Status status = read_section(input, name, file);
     if (!status) return status.error();
   }

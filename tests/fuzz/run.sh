@@ -17,7 +17,7 @@ fuzz_one() {
   # Inputs are small: 64 MB at once, or 512 MB in all with what the sanitizer keeps, is too much.
   ASAN_OPTIONS=quarantine_size_mb=16:allocator_release_to_os_interval_ms=500 \
     nice "$tree/bin/fuzz_$target" "$limit" -max_len=4096 -timeout=10 -malloc_limit_mb=64 \
-    -rss_limit_mb=512 -seed="${TREMOLO_FUZZ_SEED:-0}" -print_final_stats=1 -verbosity=1 \
+    -rss_limit_mb=512 -seed="${TREMOLO_FUZZ_SEED:-0}" -reload=0 -print_final_stats=1 -verbosity=1 \
     -artifact_prefix="$tree/findings/$target/" \
     "$tree/learned/$target" "$tree/seeds/$target" "${options[@]}" >"$log" 2>&1 || code=$?
   local runs rate found=none
