@@ -83,7 +83,7 @@ TEST(Msh2Errors, SectionsMustBeThereOnceAndInOrder) {
   expect_error("a.msh", format + nodes + elements + elements, {"line 11", "second"});
   expect_error("a.msh", format + "stray", {"line 4", "section", "`stray`"});
   expect_error("a.msh", format + "$", {"line 4", "section", "`$`"});
-  expect_error("a.msh", format + "$?\n", {"line 4", "`$End?`"});
+  expect_error("a.msh", format + "$?\n", {"line 5", "`$End?`"});
   expect_error("a.msh", format + "$\n" + nodes + elements, {"line 4", "section", "`$`"});
 }
 
