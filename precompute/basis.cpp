@@ -3,12 +3,11 @@
 #include <limits>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 
 #include "common/format_text.h"
 #include "common/packed_index.h"
 #include "precompute/blas_threads.h"
+#include "precompute/dense_decompositions.h"
 #include "precompute/failure.h"
 #include "precompute/parallel_columns.h"
 #include "precompute/sparse_rows.h"
@@ -81,13 +80,13 @@ Factored orthonormalise(Mat mass, Columns& columns, const Eigen::VectorXd& weigh
       first.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
   const Eigen::MatrixXd scaled =
       norms.cwiseInverse().asDiagonal() * first * norms.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const EigenPairs eigen = eigenpairs(scaled);
   constexpr double kResolved = 1e-12;  // of the largest: what a Gram matrix holds above rounding
-  const double largest = eigen.eigenvalues().maxCoeff();
+  const double largest = eigen.values.maxCoeff();
   Factored factored;
-  factored.rank = (eigen.eigenvalues().array() > kResolved * largest).count();
-  const Eigen::VectorXd root = eigen.eigenvalues().tail(factored.rank).cwiseSqrt();
-  const Eigen::MatrixXd directions = eigen.eigenvectors().rightCols(factored.rank);
+  factored.rank = (eigen.values.array() > kResolved * largest).count();
+  const Eigen::VectorXd root = eigen.values.tail(factored.rank).cwiseSqrt();
+  const Eigen::MatrixXd directions = eigen.vectors.rightCols(factored.rank);
   transform(columns,
             norms.cwiseInverse().asDiagonal() * directions * root.cwiseInverse().asDiagonal(),
             threads);
@@ -109,11 +108,11 @@ void choose_at_cut(Mat mass, const Marker& marker, const Cluster& cut,
 
 void find_directions(PrincipalColumns& principal) {
   constexpr double kRank = 1e-13;  // of the largest singular value: below is rounding
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(principal.t, Eigen::ComputeThinU);
-  principal.singular_values = svd.singularValues();
+  const SingularPairs pairs = singular_pairs(principal.t, SingularVectors::kThinLeft);
+  principal.singular_values = pairs.values;
   principal.rank =
       (principal.singular_values.array() > kRank * principal.singular_values[0]).count();
-  principal.turn = principal.q * svd.matrixU();
+  principal.turn = principal.q * pairs.vectors;
 }
 
 }  // namespace
@@ -157,10 +156,10 @@ void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
   // columns * q is no longer orthonormal: its Gram matrix is I - A^T A.
   const Eigen::MatrixXd held = shares * principal.q;
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(held.cols(), held.cols());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> left(identity - held.transpose() * held);
-  const auto count = (left.eigenvalues().array() > kLeft).count();
-  const Eigen::VectorXd root = left.eigenvalues().tail(count).cwiseSqrt();
-  const Eigen::MatrixXd directions = left.eigenvectors().rightCols(count);
+  const EigenPairs left = eigenpairs(identity - held.transpose() * held);
+  const auto count = (left.values.array() > kLeft).count();
+  const Eigen::VectorXd root = left.values.tail(count).cwiseSqrt();
+  const Eigen::MatrixXd directions = left.vectors.rightCols(count);
   principal.q = Eigen::MatrixXd(principal.q * directions * root.cwiseInverse().asDiagonal());
   principal.t = Eigen::MatrixXd(root.asDiagonal() * directions.transpose() * principal.t);
   principal.kept = std::move(vectors);
@@ -200,10 +199,10 @@ Basis make_basis(const Matrices& matrices, PrincipalColumns principal, int r, un
   principal.columns.resize(0, 0);
 
   // The generalised form takes up what rounding has left of orthonormality.
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> rotation(
-      gram(matrices.stiffness.get(), reduced, threads), gram(mass, reduced, threads));
-  basis.lambda = rotation.eigenvalues();
-  transform(reduced, rotation.eigenvectors(), threads);
+  const EigenPairs rotation =
+      eigenpairs(gram(matrices.stiffness.get(), reduced, threads), gram(mass, reduced, threads));
+  basis.lambda = rotation.values;
+  transform(reduced, rotation.vectors, threads);
   // What is turned here is off the diagonal by as much as its Lambdas differ: rounding, no more.
   const Nearness equal{1e-9, 1e-12 * basis.lambda[r - 1]};
   if (marker != nullptr) make_canonical(mass, *marker, find_clusters(basis.lambda, equal), reduced);

@@ -2,10 +2,8 @@
 
 #include <random>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
 #include "precompute/blas_threads.h"
+#include "precompute/dense_decompositions.h"
 #include "precompute/parallel_columns.h"
 
 namespace tremolo {
@@ -45,19 +43,19 @@ struct Orthonormalised {
 };
 Orthonormalised orthonormalise(const Pencil& pencil, ColumnsOut w, double scale) {
   const Eigen::MatrixXd gram = products_of(w, pencil.mass(w));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (gram + gram.transpose()));
+  const EigenPairs eigen = eigenpairs(0.5 * (gram + gram.transpose()));
   constexpr double kRounding = 1e-14;
-  const double largest = eigen.eigenvalues().maxCoeff();
+  const double largest = eigen.values.maxCoeff();
   const double least = std::max(kRounding * largest, std::pow(kRounding * scale, 2));
   Orthonormalised result;
-  result.rank = (eigen.eigenvalues().array() > least).count();
-  const Eigen::VectorXd root = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  result.rank = (eigen.values.array() > least).count();
+  const Eigen::VectorXd root = eigen.values.cwiseMax(0.0).cwiseSqrt();
   const Columns old = w;
-  add_product(1.0, old,
-              eigen.eigenvectors().rightCols(result.rank) *
-                  root.tail(result.rank).cwiseInverse().asDiagonal(),
-              0.0, w.leftCols(result.rank));
-  result.b = root.asDiagonal() * eigen.eigenvectors().transpose();
+  add_product(
+      1.0, old,
+      eigen.vectors.rightCols(result.rank) * root.tail(result.rank).cwiseInverse().asDiagonal(),
+      0.0, w.leftCols(result.rank));
+  result.b = root.asDiagonal() * eigen.vectors.transpose();
   return result;
 }
 
@@ -134,12 +132,12 @@ LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance) {
     t.block(0, first, size, width) = along;
     t.block(first, 0, width, size) = along.transpose();
 
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(t.topLeftCorner(size, size));
-    largest = std::max(largest, ritz.eigenvalues().cwiseAbs().maxCoeff());
+    const EigenPairs ritz = eigenpairs(t.topLeftCorner(size, size));
+    largest = std::max(largest, ritz.values.cwiseAbs().maxCoeff());
     const auto [next, coupling] = orthonormalise(pencil, w, largest);
     if (size >= wanted) {
-      const Eigen::MatrixXd chosen = ritz.eigenvectors().rightCols(wanted).rowwise().reverse();
-      pairs.values = ritz.eigenvalues().tail(wanted).reverse();
+      const Eigen::MatrixXd chosen = ritz.vectors.rightCols(wanted).rowwise().reverse();
+      pairs.values = ritz.values.tail(wanted).reverse();
       const Eigen::VectorXd residuals =
           (coupling * chosen.middleRows(first, width)).colwise().norm();
       if ((residuals.array() <= tolerance * pairs.values.array()).all()) {

@@ -6,13 +6,11 @@
 #include <numeric>
 #include <random>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
 #include "common/format_text.h"
 #include "common/hash.h"
 #include "formats/surface_reader.h"
 #include "formats/whole_file.h"
+#include "precompute/dense_decompositions.h"
 #include "precompute/failure.h"
 #include "precompute/pipeline.h"
 #include "precompute/reduced_tensors.h"
@@ -144,17 +142,16 @@ Coordinates diagonalise(const Eigen::MatrixXd& stiffness,
                         const std::optional<Eigen::MatrixXd>& mass) {
   const Eigen::Index r = stiffness.rows();
   if (mass) {
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, *mass);
-    const Eigen::VectorXd sizes =
-        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(*mass).eigenvalues();
-    if (!(sizes[0] > 1e-12 * sizes[r - 1]) || solver.info() != Eigen::Success)
+    const EigenPairs pairs = eigenpairs(stiffness, *mass);
+    const Eigen::VectorXd sizes = eigenpairs(*mass).values;
+    if (!(sizes[0] > 1e-12 * sizes[r - 1]) || !pairs.found)
       refuse("the basis cannot be made orthonormal: its columns depend on each other");
-    return {solver.eigenvectors(), solver.eigenvalues()};
+    return {pairs.vectors, pairs.values};
   }
   if (!stiffness.isDiagonal(0)) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness);
-    if (solver.info() != Eigen::Success) refuse("the linear terms of the .cub have no eigenvalues");
-    return {solver.eigenvectors(), solver.eigenvalues()};
+    const EigenPairs pairs = eigenpairs(stiffness);
+    if (!pairs.found) refuse("the linear terms of the .cub have no eigenvalues");
+    return {pairs.vectors, pairs.values};
   }
   std::vector<Eigen::Index> order(static_cast<std::size_t>(r));
   std::iota(order.begin(), order.end(), 0);

@@ -4,11 +4,9 @@
 #include <map>
 #include <numeric>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
-
 #include "common/tet_faces.h"
 #include "common/union_find.h"
+#include "precompute/dense_decompositions.h"
 
 namespace tremolo {
 namespace {
@@ -68,8 +66,7 @@ Contacts find_contacts(const std::vector<Body>& bodies, const std::vector<Vertex
 // Equations that say the same in no more rows than columns.
 Eigen::MatrixXd compressed(const Eigen::MatrixXd& equations) {
   if (equations.rows() <= equations.cols()) return equations;
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(equations);
-  return qr.matrixQR().topRows(equations.cols()).triangularView<Eigen::Upper>();
+  return triangular_factor(equations);
 }
 
 // The motions (t, w of each body) that keep contacts together: 6 bodies x d, orthonormal. still: a
@@ -104,11 +101,11 @@ Eigen::MatrixXd motions_left(const TetMesh& mesh, const std::vector<Body>& bodie
   Eigen::MatrixXd square = Eigen::MatrixXd::Zero(columns, columns);
   const Eigen::MatrixXd few = compressed(equations);
   square.topRows(few.rows()) = few;
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(square, Eigen::ComputeFullV);
+  const SingularPairs pairs = singular_pairs(square, SingularVectors::kFullRight);
   // A lever of less than this, relative to the piece, is rounding of its coordinates; what is held
   // by little more is seen by the solver.
   constexpr double kFree = 1e-7;
-  return svd.matrixV().rightCols((svd.singularValues().array() < kFree).count());
+  return pairs.vectors.rightCols((pairs.values.array() < kFree).count());
 }
 
 // Turns of `b` against `a`, relative to the smaller one's size; 3 x d.
@@ -141,8 +138,9 @@ std::vector<Joint> moving_joints(const TetMesh& mesh, const std::vector<Body>& b
   std::vector<Joint> joints;
   for (const auto& [pair, vertices] : contacts) {
     const auto [a, b] = pair;
-    const Eigen::JacobiSVD<Eigen::MatrixXd> turns(relative_turns(bodies, motions, a, b));
-    const auto count = (turns.singularValues().array() > kMoves).count();
+    const SingularPairs turns =
+        singular_pairs(relative_turns(bodies, motions, a, b), SingularVectors::kNone);
+    const auto count = (turns.values.array() > kMoves).count();
     if (count == 0) continue;
     const bool a_hangs =
         a != kGround && moves(a) && (!moves(b) || bodies[a].tetrahedra < bodies[b].tetrahedra);

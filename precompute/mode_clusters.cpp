@@ -4,10 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
-
 #include "common/format_text.h"
 #include "common/hertz.h"
+#include "precompute/dense_decompositions.h"
 
 namespace tremolo {
 namespace {
@@ -93,8 +92,7 @@ Marker make_marker(const TetMesh& mesh, const std::vector<int>& part_of_vertex,
 Eigen::MatrixXd canonical_rotation(Mat mass, const Marker& marker, const Columns& vectors) {
   const Columns x = marked(marker, vectors);
   const Eigen::MatrixXd products = inner_products(x, multiply(mass, x));
-  Eigen::MatrixXd rotation =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(products).eigenvectors();
+  Eigen::MatrixXd rotation = eigenpairs(products).vectors;
   // Processors of different kinds may round differently: one rank speaks.
   MPI_Bcast(rotation.data(), static_cast<int>(rotation.size()), MPI_DOUBLE, 0, PETSC_COMM_WORLD);
   return rotation;

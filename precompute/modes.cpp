@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
 #include "precompute/block_lanczos.h"
+#include "precompute/dense_decompositions.h"
 #include "precompute/failure.h"
 
 namespace tremolo {
@@ -205,11 +204,10 @@ void rotate_to_modes(const Matrices& matrices, Modes& modes) {
   const auto gram = [&](Mat matrix) {
     return inner_products(modes.vectors, multiply(matrix, modes.vectors));
   };
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> rotation(
-      gram(matrices.stiffness.get()), gram(matrices.mass.get()));
-  modes.squared_frequencies = rotation.eigenvalues();
+  const EigenPairs rotation = eigenpairs(gram(matrices.stiffness.get()), gram(matrices.mass.get()));
+  modes.squared_frequencies = rotation.values;
   Columns rotated(modes.vectors.rows(), modes.vectors.cols());
-  add_product(1.0, modes.vectors, rotation.eigenvectors(), 0.0, rotated);
+  add_product(1.0, modes.vectors, rotation.vectors, 0.0, rotated);
   modes.vectors = std::move(rotated);
 }
 
