@@ -14,9 +14,10 @@ struct PlotSource {
   std::string csv;
 };
 
-// Total and high-band energy of the runs over time, stacked panels, one curve a run. The ending of
-// `output` chooses .svg or .png. Errors: kUsage for another ending, kSystem if gnuplot is missing
-// (the message tells how to get it) or fails.
+// Total energy of the runs over time, one curve a run, and below it that of the high band for those
+// that have one (`tremolo-precompute reference` has none). The ending of `output` chooses .svg or
+// .png. Errors: kUsage for another ending, kContent for a CSV without the columns t and total,
+// kSystem if gnuplot is missing (the message tells how to get it) or fails.
 Status plot_energies(const std::vector<PlotSource>& sources, const std::string& output);
 
 }  // namespace tremolo

@@ -152,6 +152,9 @@ TEST_F(RunProgram, DrawsTheEnergyOfSeveralRuns) {
   EXPECT_NE(slurp(folder_ + "/both.svg").find("total energy"), std::string::npos);
   expect_failure(run("plot a nowhere -o both.svg"), 1, "nowhere");
   expect_failure(run("plot a -o both.bmp"), 2, ".svg or .png");
+  std::ofstream(folder_ + "/other.csv") << "time,total\n0,0\n";
+  expect_failure(run("plot a other.csv -o other.svg"), 3, "column `t`");
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "/other.svg"));
 }
 
 TEST_F(RunProgram, AnOrbitThatLeavesItsEnergyBoundIsReported) {
