@@ -99,7 +99,8 @@ Status check_volumes(const TetMesh& mesh) {
     const double edge = longest_edge(mesh, mesh.tetrahedra[t]);
     const double volume = std::abs(signed_volume(mesh, mesh.tetrahedra[t]));
     // Written so that what overflowed to infinity or NaN is refused too.
-    if (!(volume > kDegenerateVolume * edge * edge * edge)) culprits.add(t);
+    if (!(volume > kDegenerateVolume * edge * edge * edge) || !std::isfinite(volume))
+      culprits.add(t);
   }
   if (culprits.any()) return culprits.error("no volume (degenerate)");
   return Success{};
@@ -172,6 +173,8 @@ Result<MeshReport> check_mesh(TetMesh& mesh) {
   }
   MeshReport report;
   report.flipped = orient(mesh, report.volume);
+  if (!std::isfinite(report.volume))
+    return content_error("the volume of the mesh is beyond what a number can hold");
   label_parts(mesh, report);
   add_notes(report);
   return report;

@@ -149,7 +149,7 @@ struct Finder {
   Result<Ids> operator()(const SelectPlane& plane) const {
     const Eigen::Vector3d through = point(plane.point, box);
     // A vertex on an oblique plane is not lost to rounding.
-    const double slack = 1e-12 * (box.diagonal() + through.norm());
+    const double slack = 1e-12 * (box.diagonal() + through.stableNorm());
     return vertices_where(space, [&](std::size_t v) {
       return plane.normal.dot(space.vertices[v] - through) >= -slack;
     });
@@ -157,6 +157,9 @@ struct Finder {
 
   Result<Ids> operator()(const SelectNear& near) const {
     const Eigen::Vector3d centre = point(near.point, box);
+    if (!centre.allFinite())
+      return content_error("selector `" + selector.text +
+                           "`: its point is beyond what a number can hold");
     Ids ids = vertices_where(space, [](std::size_t) { return true; });
     const auto nearer = [&](VertexId a, VertexId b) {
       const double x = (space.vertices[a] - centre).squaredNorm();
@@ -172,11 +175,13 @@ struct Finder {
 
   Result<Ids> operator()(const SelectVertices& list) const {
     for (const VertexId id : list.ids) {
-      const std::string who = "selector `" + selector.text + "`: vertex " + std::to_string(id);
+      const auto who = [&] {
+        return "selector `" + selector.text + "`: vertex " + std::to_string(id);
+      };
       if (id < 0 || static_cast<std::size_t>(id) >= space.selectable.size())
-        return content_error(who + " is not in the mesh, whose vertices are 0 to " +
+        return content_error(who() + " is not in the mesh, whose vertices are 0 to " +
                              std::to_string(space.selectable.size() - 1));
-      if (!space.selectable[id]) return content_error(who + " " + space.unselectable);
+      if (!space.selectable[id]) return content_error(who() + " " + space.unselectable);
     }
     return list.ids;
   }

@@ -41,7 +41,9 @@ bool MshGroups::read_names(MshInput& input) {
       return false;
     if (dimension < 0 || dimension > 3)
       return text.fail("a dimension from 0 to 3", std::to_string(dimension));
-    if (!name.empty()) names_[{dimension, magnitude(tag)}] = name;
+    if (name.empty()) continue;
+    names_[{dimension, magnitude(tag)}] = name;
+    given_.insert(name);
   }
   return input.end_section("PhysicalNames");
 }
@@ -54,9 +56,10 @@ void MshGroups::add(int dimension, std::int64_t tag, std::span<const VertexId> v
 
 std::string MshGroups::name(int dimension, std::int64_t tag) const {
   const auto found = names_.find({dimension, magnitude(tag)});
-  return found != names_.end()
-             ? found->second
-             : std::string(kDimensionNames[dimension]) + " " + std::to_string(magnitude(tag));
+  if (found != names_.end()) return found->second;
+  std::string text = std::string(kDimensionNames[dimension]) + " " + std::to_string(magnitude(tag));
+  while (given_.contains(text)) text += " (unnamed)";
+  return text;
 }
 
 void MshGroups::give_to(MeshBuilder& builder, std::span<const std::int64_t> volume_of_tet) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -14,7 +15,8 @@
 namespace tremolo {
 
 // A group of dimension 0 to 3 with a tag; its set holds the vertices of all its elements. It is
-// called by its physical name, or "point 7", "curve 7", "surface 7", "volume 7" without one.
+// called by its physical name, or "point 7", "curve 7", "surface 7", "volume 7" without one, with
+// " (unnamed)" behind it if another group has that for its name.
 class MshGroups {
  public:
   // The body of $PhysicalNames.
@@ -30,6 +32,7 @@ class MshGroups {
  private:
   using Key = std::pair<int, std::int64_t>;
   std::map<Key, std::string> names_;
+  std::set<std::string> given_;
   std::map<Key, std::vector<VertexId>> members_;
 };
 

@@ -255,6 +255,10 @@ Result<SurfaceFile> decode_surface(std::span<const std::byte> bytes) {
   if (kind == kRefusal) {
     std::string message;
     if (!reader.text(message, kLongestMessage) || !reader.at_end()) return reader.error();
+    if (message.find_first_not_of(' ') == std::string::npos) {
+      reader.fail("a refusal without words");
+      return reader.error();
+    }
     return content_error(message);
   }
   SurfaceFile file;

@@ -108,6 +108,7 @@ Result<bool> read_set(VegInput& input, VegFile& file) {
   const std::vector<Tetrahedron>& tets = file.builder.mesh().tetrahedra;
   const auto count = static_cast<std::int64_t>(tets.size());
   std::vector<std::int32_t>& elements = file.regions.sets[name];
+  std::vector<VertexId> vertices;
   bool more = input.next_line();
   for (; more && !input.line().peek().starts_with('*'); more = input.next_line()) {
     while (!input.line().at_line_end()) {
@@ -119,10 +120,12 @@ Result<bool> read_set(VegInput& input, VegFile& file) {
                                     std::to_string(file.first_element) + " to " +
                                     std::to_string(file.first_element + count - 1));
       const std::int64_t element = id - file.first_element;
-      file.builder.add_to_set(name, tets[static_cast<std::size_t>(element)]);
+      const Tetrahedron& tet = tets[static_cast<std::size_t>(element)];
+      vertices.insert(vertices.end(), tet.begin(), tet.end());
       elements.push_back(static_cast<std::int32_t>(element));
     }
   }
+  if (!vertices.empty()) file.builder.add_to_set(name, vertices);
   return more;
 }
 

@@ -3,15 +3,28 @@
 #include <algorithm>
 #include <set>
 #include <string_view>
+#include <utility>
 
 namespace tremolo {
+
+namespace {
+
+// Without a name the tetrahedra would be of no region, and get the default material unseen.
+std::string name_of(const FileMaterial& material) {
+  return material.region.empty() ? "(unnamed)" : material.region;
+}
+
+}  // namespace
 
 void set_veg_regions(const VegRegions& file, MeshBuilder& builder) {
   constexpr const char* kAll = "allElements";
   std::map<std::string_view, std::size_t> material_of_name;
   for (std::size_t i = 0; i < file.materials.size(); ++i)
-    if (material_of_name.try_emplace(file.materials[i].region, i).second)
-      builder.add_material(file.materials[i]);
+    if (material_of_name.try_emplace(file.materials[i].region, i).second) {
+      FileMaterial material = file.materials[i];
+      material.region = name_of(material);
+      builder.add_material(std::move(material));
+    }
   std::vector<std::int64_t> material_of(builder.mesh().tetrahedra.size(), -1);
   // From the last on, and of regions of one set the last alone: the work is bounded by the file.
   std::set<std::string_view> done;
@@ -45,7 +58,7 @@ void set_veg_regions(const VegRegions& file, MeshBuilder& builder) {
     builder.add_note(std::to_string(several) +
                      " tetrahedra are in several regions: the last decides");
   builder.set_regions(material_of, [&file](std::int64_t label) {
-    return label < 0 ? std::string() : file.materials[static_cast<std::size_t>(label)].region;
+    return label < 0 ? std::string() : name_of(file.materials[static_cast<std::size_t>(label)]);
   });
 }
 

@@ -25,6 +25,10 @@ namespace {
 
 constexpr bool kSwap = std::endian::native != std::endian::little;
 
+// Regions repeat the names of their set and material: without a bound they would take far more than
+// the file.
+constexpr std::size_t kLongestName = 256;
+
 // A count of items that take at least `bytes` each, none below `lowest`.
 Status read_count(ByteScanner& input, std::string_view what, std::size_t bytes, std::int32_t lowest,
                   std::size_t& count) {
@@ -41,6 +45,10 @@ Status read_count(ByteScanner& input, std::string_view what, std::size_t bytes, 
 Status read_name(ByteScanner& input, std::string_view what, std::string& name) {
   std::size_t length = 0;
   if (Status status = read_count(input, what, 1, 0, length); !status) return status;
+  if (length > kLongestName)
+    return input.problem("expected " + std::string(what) + " of at most " +
+                         std::to_string(kLongestName) + " characters, found " +
+                         std::to_string(length));
   name.resize(length);
   for (char& c : name)
     if (!input.read(c, what)) return input.error();
@@ -143,15 +151,18 @@ Status read_set(ByteScanner& input, MeshBuilder& builder, VegRegions& regions,
   const std::vector<Tetrahedron>& tets = builder.mesh().tetrahedra;
   std::vector<std::int32_t>& elements = regions.sets[name];
   names.push_back(name);
+  std::vector<VertexId> vertices;
   for (std::size_t i = 0; i < count; ++i) {
     std::int32_t id = 0;
     if (!input.read(id, "an element of a set")) return input.error();
     if (id < 0 || static_cast<std::size_t>(id) >= tets.size())
       return input.problem("set " + quoted_text(name) + " names element " + std::to_string(id) +
                            ", expected one below " + std::to_string(tets.size()));
-    builder.add_to_set(name, tets[static_cast<std::size_t>(id)]);
+    const Tetrahedron& tet = tets[static_cast<std::size_t>(id)];
+    vertices.insert(vertices.end(), tet.begin(), tet.end());
     elements.push_back(id);
   }
+  if (!vertices.empty()) builder.add_to_set(name, vertices);
   return Success{};
 }
 

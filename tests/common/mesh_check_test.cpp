@@ -121,6 +121,14 @@ TEST(MeshCheck, VolumesThatOverflowAreRefused) {
   TetMesh mesh = testing::box_mesh({1, 1, 1}, {1, 1, 1});
   for (Eigen::Vector3d& x : mesh.vertices) x *= 1e200;
   expect_refused(mesh, {"degenerate"});
+  // The volume overflows, 1e-15 of it does not.
+  mesh = testing::box_mesh({1, 1, 1}, {1, 1, 1});
+  for (Eigen::Vector3d& x : mesh.vertices) x *= 1e104;
+  expect_refused(mesh, {"degenerate"});
+  // Each is finite, their sum is not.
+  mesh = testing::box_mesh({3, 1, 1}, {3, 1, 1});
+  for (Eigen::Vector3d& x : mesh.vertices) x *= std::cbrt(1e308);
+  expect_refused(mesh, {"volume of the mesh"});
 }
 
 TEST(MeshCheck, DuplicatesInAnyOrderOfVerticesAreNamed) {

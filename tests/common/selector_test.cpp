@@ -82,6 +82,16 @@ TEST(Selector, APlaneChoosesItselfAndTheSideOfItsNormal) {
   expect_selected("plane:1,0,0,-1,-1,-1", {0, 1, 3, 6});
 }
 
+TEST(Selector, WhatIsFarOutsideStaysOutside) {
+  EXPECT_FALSE(select("plane:1e300,0,0,1,0,0", two_cubes()));
+  expect_selected("plane:-1e300,0,0,1,0,0", {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
+  TetMesh wide = two_cubes();
+  for (Eigen::Vector3d& x : wide.vertices) x += Eigen::Vector3d(1e3, 1e3, 1e3);
+  const Result<Ids> beyond = select("near:1e308%,0,0,2", wide);
+  ASSERT_FALSE(beyond);
+  EXPECT_NE(beyond.error().message.find("beyond"), std::string::npos);
+}
+
 TEST(Selector, NearChoosesTheNearestAndOfEqualsTheFirst) {
   expect_selected("near:2.1,0.9,1.4", {11});
   expect_selected("near:1.9,0,0,2", {1, 2});

@@ -258,6 +258,8 @@ TEST(VegErrors, IncludesStayInTheirFolderAndEndSomewhere) {
   expect_error("a.veg", start + "\n", {"line 2", "name of a file"});
   // A file that includes itself is read as its own inclusion once and then refused.
   expect_error("a.veg", "*INCLUDE a.veg\n", {"each once", "`a.veg`"});
+  // To the system a name ends at a NUL: it would be another spelling of one file.
+  expect_error("a.veg", start + std::string("b.node\0x", 8) + "\n", {"line 2", "each once"});
   const TemporaryFolder folder;
   const Result<MeshFile> file = read_tet_mesh(folder.write("a.veg", start + "none.node\n"));
   ASSERT_FALSE(file);
@@ -328,6 +330,10 @@ TEST(VegbErrors, NameByteExpectedAndFound) {
   expect_error("a.vegb", vegb_with(180, 0x7fffffff), {"byte 184", "name of a material"});
   expect_error("a.vegb", vegb_with(194, 4), {"byte 194", "type 1, 2 or 3", "4", "material 0"});
   expect_error("a.vegb", good + "x", {"end of the file", "1 more bytes"});
+  const std::string name(300, 'n');
+  expect_error("a.vegb",
+               good.substr(0, 180) + bytes_of(std::int32_t{300}) + name + good.substr(184 + 10),
+               {"name of a material", "at most 256", "300"});
   // From the end: two regions of 8 bytes, their number, the element of the set, its number.
   const std::size_t end = good.size();
   expect_error("a.vegb", vegb_with(end - 4, 2), {"region 1", "set 2", "below 2"});

@@ -30,6 +30,19 @@ TEST(MshGroups, WithoutANameAreCalledByDimensionAndTag) {
   }
 }
 
+TEST(MshGroups, WithoutANameAreToldApartFromOneOfThatName) {
+  const TemporaryFolder folder;
+  // The surface's group 8 is called as the volume's group 4 would be without its name.
+  const std::string text = testing::msh2_text();
+  const std::size_t names = text.find("$PhysicalNames");
+  const std::size_t end = text.find("$EndPhysicalNames\n");
+  const Result<MeshFile> file = read_tet_mesh(folder.write(
+      "a.msh", text.substr(0, names) + "$PhysicalNames\n1\n2 8 \"volume 4\"\n" + text.substr(end)));
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->mesh.node_sets.at("volume 4"), (Ids{0, 1, 2}));
+  EXPECT_EQ(file->mesh.node_sets.at("volume 4 (unnamed)"), (Ids{0, 1, 2, 3, 4}));
+}
+
 TEST(MshGroups, ATetrahedronOfTwoGroupsIsTakenOnce) {
   // Version 2 writes it once for each group; the same group twice stays a duplicate.
   const TemporaryFolder folder;

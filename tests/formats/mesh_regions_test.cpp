@@ -1,4 +1,5 @@
 // Regions and materials: every format that can hold them gives the same ones.
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -177,6 +178,15 @@ TEST(Regions, OfAVegFileAreItsMaterials) {
   EXPECT_NE(all_notes(partly).find("does not have"), std::string::npos);
 }
 
+TEST(Regions, OfAMaterialWithoutANameAreNotLost) {
+  const MeshFile file = read("a.veg", veg_with("*MATERIAL\nENU, 600, 1e9, 0.3\n"
+                                               "*REGION\nallElements\n"));
+  EXPECT_EQ(file.mesh.region_of, (Regions{0, 0}));
+  EXPECT_EQ(file.mesh.region_names, Names{"(unnamed)"});
+  ASSERT_EQ(file.materials.size(), 1u);
+  EXPECT_EQ(file.materials[0].region, "(unnamed)");
+}
+
 TEST(Regions, OfAVegbFileAreItsMaterialsToo) {
   const MeshFile file = read("a.vegb", testing::vegb_bytes(testing::small_mesh()));
   // All elements are of material 0, then the first one of material 2, which is no St. Venant's.
@@ -242,6 +252,12 @@ TEST(VegMaterial, OfEveryOrthotropicKindIsRead) {
   std::vector<double> skewed = nine;
   skewed.insert(skewed.end(), {1, 0.1, 0, 0, 1, 0, 0, 0, 1});
   EXPECT_FALSE(veg_material("ORTHOTROPIC", skewed));
+  for (std::size_t i = 0; i < 9; ++i) {
+    std::vector<double> hollow = nine;
+    hollow.insert(hollow.end(), {1, 0, 0, 0, 1, 0, 0, 0, 1});
+    hollow[10 + i] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(veg_material("ORTHOTROPIC", hollow)) << i;
+  }
 }
 
 TEST(MeshCheck, RefusesRegionsThatDoNotFitTheMesh) {

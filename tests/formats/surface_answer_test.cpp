@@ -122,6 +122,17 @@ TEST(SurfaceAnswer, EachBrokenPromiseIsSeen) {
   }));
 }
 
+TEST(SurfaceAnswer, ARefusalSaysWhy) {
+  const Result<SurfaceFile> told = decode_surface(encode_refusal("a hole"));
+  ASSERT_FALSE(told);
+  EXPECT_EQ(told.error().message, "a hole");
+  for (const char* text : {"", "  "}) {
+    const Result<SurfaceFile> silent = decode_surface(encode_refusal(text));
+    ASSERT_FALSE(silent);
+    EXPECT_NE(silent.error().message.find("without words"), std::string::npos);
+  }
+}
+
 TEST(SurfaceAnswer, TextIsMadePrintable) {
   EXPECT_EQ(printable_text("Körper 球 🎻", 100), "Körper 球 🎻");
   EXPECT_EQ(printable_text("a\nb\x7f", 100), "a b ");

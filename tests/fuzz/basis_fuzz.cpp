@@ -5,9 +5,11 @@
 void tremolo::fuzz::read_input(std::string_view bytes) {
   Result<BasisReader> reader =
       BasisReader::from_memory(std::as_bytes(std::span(bytes.data(), bytes.size())));
+  check_error(reader);
   if (!reader) return;
   if (!reader->verify_all()) finding("a checksum was looked at");
   const Result<BasisData> data = read_basis(*reader);
+  check_error(data);
   if (!data) return;
   if (!data->lambda.allFinite() || !data->surface.rows.allFinite() ||
       !data->interior.rows.allFinite())

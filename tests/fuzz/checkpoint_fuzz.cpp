@@ -5,10 +5,8 @@
 void tremolo::fuzz::read_input(std::string_view bytes) {
   const Result<CheckpointFile> file =
       CheckpointFile::from_memory(std::as_bytes(std::span(bytes.data(), bytes.size())));
-  if (!file) {
-    if (file.error().message.empty()) finding("an error without a message");
-    return;
-  }
+  check_error(file);
+  if (!file) return;
   for (const NamedArray& array : file->arrays()) {
     const auto values = file->matrix(array.name);
     const auto integers = file->integers(array.name);

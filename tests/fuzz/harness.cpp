@@ -42,10 +42,8 @@ void finding(const char* what) {
 }
 
 void check_mesh_file(Result<MeshFile> file) {
-  if (!file) {
-    if (file.error().message.empty()) finding("an error without a message");
-    return;
-  }
+  check_error(file);
+  if (!file) return;
   TetMesh& mesh = file->mesh;
   if (mesh.tetrahedra.empty()) finding("a mesh without tetrahedra");
   for (const Eigen::Vector3d& x : mesh.vertices)

@@ -22,6 +22,12 @@ inline constexpr std::size_t kBytesAByte = 400;
 // Ends the process with this text.
 [[noreturn]] void finding(const char* what);
 
+// An error says what is wrong.
+template <class T>
+void check_error(const Result<T>& result) {
+  if (!result && result.error().message.empty()) finding("an error without a message");
+}
+
 // What a mesh reader promises of a mesh that it returns; then check_mesh() sees it.
 void check_mesh_file(Result<MeshFile> file);
 

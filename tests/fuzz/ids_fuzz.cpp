@@ -7,6 +7,7 @@
 void tremolo::fuzz::read_input(std::string_view bytes) {
   constexpr std::size_t kVertices = 1000;
   const Result<std::vector<VertexId>> ids = parse_id_list(bytes, "input.txt", kVertices);
+  check_error(ids);
   if (!ids) return;
   if (ids->empty() || !std::is_sorted(ids->begin(), ids->end()) || ids->front() < 0 ||
       static_cast<std::size_t>(ids->back()) >= kVertices)

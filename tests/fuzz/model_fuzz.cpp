@@ -6,6 +6,7 @@
 void tremolo::fuzz::read_input(std::string_view bytes) {
   const Result<Model::Pointer> loaded =
       Model::load_from_memory(std::as_bytes(std::span(bytes.data(), bytes.size())));
+  check_error(loaded);
   if (!loaded) return;
   const Model& model = **loaded;
   if (!(model.explicit_step_limit() > 0)) finding("a model without a step limit");

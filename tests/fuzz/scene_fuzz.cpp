@@ -4,6 +4,7 @@
 
 void tremolo::fuzz::read_input(std::string_view bytes) {
   const Result<std::vector<RunOptions>> bodies = parse_scene(bytes, "folder/input.toml");
+  check_error(bodies);
   if (!bodies) return;
   if (bodies->empty()) finding("a scene without a body");
   for (const RunOptions& body : *bodies)

@@ -12,8 +12,10 @@ void tremolo::fuzz::read_input(std::string_view bytes) {
     return made;
   }();
   const Result<Selector> selector = parse_selector(std::string(bytes));
+  check_error(selector);
   if (!selector) return;
   const Result<std::vector<VertexId>> ids = select_vertices(*selector, mesh);
+  check_error(ids);
   if (!ids) return;
   if (ids->empty() != std::holds_alternative<SelectNone>(selector->choice))
     finding("a selector that silently selects nothing");

@@ -7,6 +7,7 @@
 void tremolo::fuzz::read_input(std::string_view bytes) {
   const Result<SurfaceFile> file =
       decode_surface(std::as_bytes(std::span(bytes.data(), bytes.size())));
+  check_error(file);
   if (!file) return;
   const RenderSurface& surface = file->surface;
   const std::size_t s = surface.vertices.size(), t = surface.triangles.size();
