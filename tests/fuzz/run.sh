@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Runs the libFuzzer targets of build/fuzz, two at a time, and prints what each did.
 #     tests/fuzz/run.sh [SECONDS | -runs=N] [TARGET]...
-# 20 seconds each unless told otherwise; TREMOLO_FUZZ_SEED=N does the same again. Exit code 1 if
-# there is a finding; its input stays in build/fuzz/findings and is printed, since a file can be out
-# of reach. TREMOLO_FUZZ_LENGTH=N lets inputs grow to N bytes, 4 096 unless told. What a run learns stays in build/fuzz/learned and starts the next one.
+# 20 seconds each unless told otherwise; TREMOLO_FUZZ_SEED=N does the same again;
+# TREMOLO_FUZZ_LENGTH=N lets inputs grow to N bytes, 4 096 unless told. Exit code 1 if there is a
+# finding; its input stays in build/fuzz/findings and is printed, since a file can be out of reach.
+# What a run learns stays in build/fuzz/learned and starts the next one.
 set -eu
 cd "$(dirname "$0")/../.."
 readonly tree=build/fuzz here=tests/fuzz
@@ -34,9 +35,9 @@ fuzz_one() {
   mkdir -p "$learned"
   # Inputs are small: 64 MB at once, or 512 MB in all with what the sanitizer keeps, is too much.
   ASAN_OPTIONS=quarantine_size_mb=16:allocator_release_to_os_interval_ms=500 \
-    nice "${fixed[@]}" "$tree/bin/fuzz_$target" "$limit" -max_len="${TREMOLO_FUZZ_LENGTH:-4096}" -timeout=10 \
-    -malloc_limit_mb=64 -rss_limit_mb=512 -seed="${TREMOLO_FUZZ_SEED:-0}" -print_final_stats=1 \
-    -verbosity=1 -artifact_prefix="$tree/findings/$target/" \
+    nice "${fixed[@]}" "$tree/bin/fuzz_$target" "$limit" \
+    -max_len="${TREMOLO_FUZZ_LENGTH:-4096}" -timeout=10 -malloc_limit_mb=64 -rss_limit_mb=512 \
+    -seed="${TREMOLO_FUZZ_SEED:-0}" -print_final_stats=1 -verbosity=1 -artifact_prefix="$tree/findings/$target/" \
     "$learned" "$tree/seeds/$target" "${options[@]}" >"$log" 2>&1 || code=$?
   local runs rate found=none
   runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
