@@ -119,6 +119,11 @@ Status read_body(const std::string& path, const toml::table& table, RunOptions& 
     if (!known->store(node, body))
       return error_at(path, node.source(),
                       "the value of '" + std::string(key.str()) + "' has the wrong type");
+    // The system would open what stands before it.
+    const auto text = node.value_exact<std::string_view>();
+    if (text && text->find('\0') != std::string_view::npos)
+      return error_at(path, node.source(),
+                      "the value of '" + std::string(key.str()) + "' holds a NUL");
   }
   if (body.model.empty())
     return error_at(path, table.source(), "body '" + body.name + "' names no model");

@@ -52,6 +52,12 @@ TEST(Scene, PathsMayHaveManyDots) {
   ASSERT_TRUE(scene) << scene.error().message;
 }
 
+TEST(Scene, TextsWithANulAreRefusedWithTheirKey) {
+  const auto scene = parse_scene("[b]\nmodel = \"x.tremolo\\u0000y\"\n", "s.toml");
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.error().message, "s.toml: line 2: the value of 'model' holds a NUL");
+}
+
 TEST(Scene, AWholeNumberMayBeWrittenAsAFloatThatFits) {
   const auto parse = [](const std::string& value) {
     return parse_scene("[b]\nmodel = 'x.tremolo'\nprobe = " + value + "\nevery = 2.0\n", "s.toml");
