@@ -238,7 +238,7 @@ Result<std::vector<VertexId>> select_vertices(const Selector& selector,
   Result<Ids> ids = find(selector, space);
   if (!ids) return ids;
   for (const Selector& other : selector.further) {
-    const Result<Ids> more = find(other, space);
+    Result<Ids> more = find(other, space);
     if (!more) return more;
     Ids both;
     std::set_intersection(ids->begin(), ids->end(), more->begin(), more->end(),

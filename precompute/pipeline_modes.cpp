@@ -69,7 +69,8 @@ StageWork solves_on(const SparseCholesky& factor, int columns, int width) {
   StageWork work;
   work.flops = 4.0 * static_cast<double>(factor.entries()) * columns;
   work.factor_bytes = 8.0 * static_cast<double>(factor.entries());
-  work.passes = 2.0 * ((columns + width - 1) / width);
+  const int blocks = (columns + width - 1) / width;
+  work.passes = 2.0 * blocks;
   return work;
 }
 

@@ -171,7 +171,7 @@ TargetFindings find_coordinates(const PrecomputeOptions& options, const Precompu
   const bool sees_load = make_candidates(body, principal, search).unseen.back() <= search.asked;
   if (sees_load) look();
   if (findings.kept() && findings.chosen.unseen <= search.asked) return findings;
-  const TargetFindings without = findings;
+  TargetFindings without = findings;
   const PrincipalColumns untouched = findings.kept() ? principal : PrincipalColumns();
   keep_always(matrices, load_vectors(result, solid, solver, search), options.threads, principal);
   findings.load_vectors = static_cast<int>(principal.kept.cols());
