@@ -1,4 +1,6 @@
 // Regions and materials: every format that can hold them gives the same ones.
+#include <algorithm>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -257,6 +259,20 @@ TEST(VegMaterial, OfEveryOrthotropicKindIsRead) {
     hollow.insert(hollow.end(), {1, 0, 0, 0, 1, 0, 0, 0, 1});
     hollow[10 + i] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(veg_material("ORTHOTROPIC", hollow)) << i;
+  }
+}
+
+TEST(Regions, OfAVegbFileHaveTheVerticesOfTheirOwnElements) {
+  const TetMesh mesh = testing::small_mesh();
+  const std::string bytes = testing::vegb_bytes(mesh);
+  for (std::int32_t element : {0, 1}) {
+    // The set's one element stands before the number of regions and the two regions.
+    std::string turned = bytes;
+    std::memcpy(&turned[bytes.size() - 24], &element, 4);
+    Tetrahedron expected = mesh.tetrahedra[static_cast<std::size_t>(element)];
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(read("a.vegb", turned).mesh.node_sets.at("first"),
+              std::vector<VertexId>(expected.begin(), expected.end()));
   }
 }
 
