@@ -18,8 +18,11 @@ struct LaneBlock {
   std::size_t width;
   double step;
   const double* lambda;
-  const double* decay;  // null: no damping
+  const double* decay;  // with reach: null without damping
+  const double* reach;
+  const double* stiff;
   const double* drift;
+  const double* change;
   Vector* q;
   Vector* p;
   Vector* force;
@@ -32,36 +35,33 @@ Vector* vectors(LaneRow* rows) {
   return reinterpret_cast<Vector*>(rows);
 }
 
-// p <- p + (h/2) (f - R_s).
-[[gnu::always_inline]] inline void kick(const LaneBlock& b, std::size_t at) {
-  if (b.load != nullptr)
-    b.p[at] += (0.5 * b.step) * (b.load[at] - b.force[at]);
+// p <- p + (h/2) (f - R_s), on a damped low row the kick of runtime/damping.h.
+[[gnu::always_inline]] inline void kick(const LaneBlock& b, std::size_t i, std::size_t at) {
+  const Vector force = b.load != nullptr ? b.load[at] - b.force[at] : -b.force[at];
+  if (b.decay != nullptr)
+    b.p[at] = b.decay[i] * b.p[at] + b.reach[i] * force;
   else
-    b.p[at] -= (0.5 * b.step) * b.force[at];
+    b.p[at] += (0.5 * b.step) * force;
 }
 
 TREMOLO_CLONES void kick_and_drift(const LaneBlock& b) {
   const double h = b.step;
   for (std::size_t i = 0; i < b.modes; ++i)
     for (std::size_t at = i * b.width; at < (i + 1) * b.width; ++at) {
-      if (b.decay != nullptr) b.p[at] *= b.decay[i];
-      kick(b, at);
+      kick(b, i, at);
       if (i < b.low) {
         b.q[at] += h * b.p[at];
       } else {
-        const Vector d = (h * b.p[at] - (0.5 * h * h * b.lambda[i]) * b.q[at]) * b.drift[i];
+        const Vector d = (h * b.p[at] - b.stiff[i] * b.q[at]) * b.drift[i];
         b.q[at] += d;
-        b.p[at] = (2.0 / h) * d - b.p[at];
+        b.p[at] += b.change[i] * (d / h - b.p[at]);
       }
     }
 }
 
 TREMOLO_CLONES void kick_again(const LaneBlock& b) {
   for (std::size_t i = 0; i < b.modes; ++i)
-    for (std::size_t at = i * b.width; at < (i + 1) * b.width; ++at) {
-      kick(b, at);
-      if (b.decay != nullptr) b.p[at] *= b.decay[i];
-    }
+    for (std::size_t at = i * b.width; at < (i + 1) * b.width; ++at) kick(b, i, at);
 }
 
 // x = scale q.
@@ -155,14 +155,21 @@ Result<LaneGroup> LaneGroup::create(const Model& model, std::string_view integra
   group.damped_ = options.alpha > 0.0 || options.beta > 0.0;
   const Eigen::VectorXd lambda = model.lambda().head(r);
   const Split split{static_cast<Eigen::Index>(*low), r - static_cast<Eigen::Index>(*low)};
-  const Eigen::VectorXd decay =
-      split_decay(lambda, split, options.alpha, options.beta, 0.5 * options.step);
   const double h = options.step;
-  const Eigen::VectorXd drift =
-      (1.0 + (0.25 * h * h + 0.5 * h * options.beta) * lambda.array()).inverse().matrix();
+  const Eigen::VectorXd rates = damping_rates(lambda, options.alpha, options.beta);
+  Eigen::VectorXd low_rates = rates;
+  low_rates.tail(split.high).setZero();
+  const DampedKick kick(low_rates, h);
+  const Eigen::ArrayXd divisor = midpoint_damping(rates, lambda, h).array();
+  const Eigen::ArrayXd stiff = (0.5 * h * h) * divisor * lambda.array();
+  const Eigen::ArrayXd drift = (1.0 + 0.5 * (stiff + h * divisor * rates.array())).inverse();
+  const Eigen::ArrayXd change = 2.0 / divisor;
   group.lambda_.assign(lambda.begin(), lambda.end());
-  group.decay_.assign(decay.begin(), decay.end());
+  group.decay_.assign(kick.decay().begin(), kick.decay().end());
+  group.reach_.assign(kick.reach().begin(), kick.reach().end());
+  group.stiff_.assign(stiff.begin(), stiff.end());
   group.drift_.assign(drift.begin(), drift.end());
+  group.change_.assign(change.begin(), change.end());
   if (precision == LanePrecision::kDouble) {
     group.lanes_ = kLanes<double>;
     group.coefficients_ = make_lane_coefficients<double>(modes, model.cubic(), model.quartic());
@@ -262,7 +269,10 @@ LaneGroup::Outcome LaneGroup::step_block(std::size_t block, const QuietRule& rul
                        .step = step_,
                        .lambda = lambda_.data(),
                        .decay = damped_ ? decay_.data() : nullptr,
+                       .reach = reach_.data(),
+                       .stiff = stiff_.data(),
                        .drift = drift_.data(),
+                       .change = change_.data(),
                        .q = vectors(&q_[first]),
                        .p = vectors(&p_[first]),
                        .force = vectors(&force_[first]),

@@ -107,8 +107,12 @@ class LaneGroup {
   double step_ = 0.0;
   bool damped_ = false;
   std::vector<double> lambda_;
-  std::vector<double> decay_;  // e^{-D h/2}, as split_decay
-  std::vector<double> drift_;  // of high rows: 1 / (1 + h^2/4 lambda + h/2 beta lambda)
+  std::vector<double> decay_;   // DampedKick's on low rows, 1 on high rows
+  std::vector<double> reach_;   // likewise; h/2 on high rows
+  // Of high rows, with g = 1 + 2 theta h D (runtime/damping.h):
+  std::vector<double> stiff_;   // g h^2/2 lambda
+  std::vector<double> drift_;   // 1 / (1 + g (h^2/4 lambda + h/2 D))
+  std::vector<double> change_;  // 2/g: Dp = change (d/h - p0)
   std::variant<LaneCoefficients<double>, LaneCoefficients<float>> coefficients_;
 
   // The force is that of the kicks: without lambda q on the high rows.

@@ -22,58 +22,65 @@ constexpr double kSlow = 0.6;          // a residual that falls by less is slow
 constexpr double kFilterShare = 1e-3;  // of a residual: by how much less N is off
 constexpr double kSurplus = 1e-2;      // of the tolerance: after one correction from a guess
 constexpr int kFilterFollows = 3;      // corrections at most, lest N and d chase each other
+constexpr double kStrongDamping = 0.02;  // of the frozen Jacobian's diagonal: by how much it grows
 constexpr double kFarthestFix = 0.1;   // of T(p1): no larger energy defect is taken back
 
-// ---- N at rest, for each coordinate ----
+// ---- N at rest, x = h omega/2 ----
 
-VectorXd cotangent_filter(const VectorXd& lambda, double h) {
-  return lambda.unaryExpr([h](double l) {
-    const double x = std::min(0.5 * h * std::sqrt(l), kEp2Limit);
-    return x < 1e-4 ? 1.0 - x * x / 3.0 : x / std::tan(x);
-  });
+double cotangent_weight(double x) {
+  x = std::min(x, kEp2Limit);
+  return x < 1e-4 ? 1.0 - x * x / 3.0 : x / std::tan(x);
 }
 
-VectorXd rational_rest_filter(const VectorXd& lambda, double h) {
-  return lambda.unaryExpr([h](double l) { return filter_value(kRobustShape, 0.25 * h * h * l); });
+double rational_weight(double x) {
+  return filter_value(kRobustShape, x * x);
 }
 
-// ---- D' of the header ----
+// What damping makes of a step's two weights, for each coordinate; r each.
+struct Damping {
+  VectorXd rates;    // D, 1/s
+  VectorXd theta;
+  VectorXd inertia;  // n: N at rest, damped
+  VectorXd shift;    // n less N at rest
+  VectorXd divisor;  // 1 + 2 theta h D = 2/S
+  VectorXd slope;    // n^2/(1 + 2 theta h D) + h D/2: of (a) and (b) in the frozen Jacobian
+  bool present = false;
+};
 
-double tuned_rate(double rate, double x, double n, double h, bool fourth) {
-  const double t = std::tanh(0.5 * rate * h);
-  const double area = n * n + x * x;
-  if (!fourth) return 2.0 * t / h * area;
-  const double a = t * h * h / 12.0;
-  const double b = 0.5 * h * (1.0 + x * x / 3.0);
-  const double c = t * area;
-  const double discriminant = b * b - 4.0 * a * c;
-  return discriminant > 0.0 ? 2.0 * c / (b + std::sqrt(discriminant)) : rate;
+Damping make_damping(const Model& model, const IntegratorOptions& options, InertiaWeight at_rest) {
+  const double h = options.step;
+  const Index r = model.modes();
+  Damping damping;
+  damping.rates = damping_rates(model.lambda(), options.alpha, options.beta);
+  damping.present = damping.rates.maxCoeff() > 0.0;
+  for (VectorXd* v :
+       {&damping.theta, &damping.inertia, &damping.shift, &damping.divisor, &damping.slope})
+    v->setZero(r);
+  for (Index i = 0; i < r; ++i) {
+    const double c = h * damping.rates[i], w = h * std::sqrt(model.lambda()[i]);
+    const DampedWeights weights = damped_weights(c, w, at_rest);
+    damping.theta[i] = weights.theta;
+    damping.inertia[i] = weights.n;
+    damping.shift[i] = weights.n - at_rest(0.5 * w);
+    damping.divisor[i] = 1.0 + 2.0 * weights.theta * c;
+    damping.slope[i] = weights.n * weights.n / damping.divisor[i] + 0.5 * c;
+  }
+  return damping;
 }
 
-VectorXd tuned_rates(const VectorXd& rates, const VectorXd& lambda, const VectorXd& n, double h,
-                     bool fourth) {
-  VectorXd result(rates.size());
-  for (Index i = 0; i < rates.size(); ++i)
-    result[i] = tuned_rate(rates[i], 0.5 * h * std::sqrt(lambda[i]), n[i], h, fourth);
-  return result;
-}
-
-// ---- the two kinds of N within a step ----
+// ---- the kinds of N within a step ----
 
 // N diagonal and fixed; the frozen Jacobian, damping included, by Cholesky.
 class DiagonalFilter {
  public:
   static constexpr bool kFollowsTheState = false;
 
-  DiagonalFilter(VectorXd n, VectorXd damping)
-      : square_(n.cwiseAbs2()),
-        n_(std::move(n)),
-        damping_(std::move(damping)),
-        factor_(n_.size()) {}
+  explicit DiagonalFilter(const Damping& damping)
+      : n_(damping.inertia), slope_(damping.slope), factor_(n_.size()) {}
 
   // z: (h^2/4) K; may be changed. False if the Jacobian is not positive definite.
   bool compute(MatrixXd& z) {
-    z.diagonal() += square_ + damping_;
+    z.diagonal() += slope_;
     return factor_.compute(z);
   }
   void to_basis(VectorXd&) const {}
@@ -82,13 +89,12 @@ class DiagonalFilter {
   void solve(VectorXd& x) const { factor_.solve(x); }
 
  private:
-  VectorXd square_;
   VectorXd n_;
-  VectorXd damping_;  // (h/2) D'
+  VectorXd slope_;
   SmallCholesky factor_;
 };
 
-// N a function of Z; the frozen Jacobian N^2 + Z leaves damping to Broyden's updates.
+// N a function of Z, without damping: all in the basis in which N^2 + Z is simple.
 class MatrixFilter : public RationalFilter {
  public:
   static constexpr bool kFollowsTheState = true;
@@ -100,26 +106,91 @@ class MatrixFilter : public RationalFilter {
   }
 };
 
+// N a function of Z plus the shift of each damped coordinate, in the model's coordinates. For the
+// frozen Jacobian N S N/2 + Z + h D/2 stands that without damping where damping changes it little;
+// else its first order in Z less the value at rest, diag(z), where the derivative of N S N/2 is a
+// factor for each entry (filter_slope).
+class DampedMatrixFilter {
+ public:
+  static constexpr bool kFollowsTheState = true;
+
+  // at_rest: z, r.
+  DampedMatrixFilter(const Damping& damping, const VectorXd& at_rest)
+      : shift_(damping.shift),
+        shifted_(shift_),
+        slope_(damping.slope),
+        factors_(shift_.size(), shift_.size()),
+        filter_(shift_.size(), kRobustShape),
+        factor_(shift_.size()) {
+    const VectorXd weight = damping.inertia.cwiseProduct(damping.divisor.cwiseInverse());
+    for (Index j = 0; j < shift_.size(); ++j)
+      for (Index i = 0; i < shift_.size(); ++i)
+        factors_(i, j) =
+            1.0 + filter_slope(kRobustShape, at_rest[i], at_rest[j]) * (weight[i] + weight[j]);
+    const Eigen::ArrayXd undamped = (damping.inertia - damping.shift).array().square();
+    const Eigen::ArrayXd change = (slope_.array() - undamped).abs() / (undamped + at_rest.array());
+    strong_ = change.maxCoeff() > kStrongDamping;
+    slope_.array() += (1.0 - factors_.diagonal().array()) * at_rest.array();
+  }
+
+  bool compute(MatrixXd& z) {
+    filter_.compute(z);
+    if (!strong_) return true;
+    z.array() *= factors_.array();
+    z.diagonal() += slope_;
+    return factor_.compute(z);
+  }
+  void to_basis(VectorXd&) const {}
+  void from_basis(VectorXd&) const {}
+  void apply(VectorXd& x) {
+    shifted_ = shift_.cwiseProduct(x);
+    filter_.to_basis(x);
+    filter_.apply(x);
+    filter_.from_basis(x);
+    x += shifted_;
+  }
+  void solve(VectorXd& x) {
+    if (strong_) return factor_.solve(x);
+    filter_.to_basis(x);
+    filter_.solve(x);
+    filter_.from_basis(x);
+  }
+  void multiply(VectorXd& x) const {
+    filter_.to_basis(x);
+    filter_.multiply(x);
+    filter_.from_basis(x);
+  }
+
+ private:
+  VectorXd shift_;
+  VectorXd shifted_;
+  bool strong_ = false;
+  VectorXd slope_;    // of the Jacobian at rest, less factors_ z
+  MatrixXd factors_;  // r x r, symmetric
+  RationalFilter filter_;
+  SmallCholesky factor_;
+};
+
 // ---- the step ----
 
 template <class Filter>
 class EnergyPreserving final : public Integrator {
  public:
   EnergyPreserving(std::string_view name, Model::Pointer model, const IntegratorOptions& options,
-                   VectorXd rates, bool fourth, Filter filter)
+                   const Damping& damping, bool fourth, Filter filter)
       : name_(name),
         model_(std::move(model)),
         options_(options),
         fourth_(fourth),
-        damped_(rates.maxCoeff() > 0.0),
-        rates_(std::move(rates)),
-        weight_(VectorXd::Constant(rates_.size(), 2.0)),
+        damped_(damping.present),
+        rates_(damping.rates),
+        momentum_rates_(damping.theta.cwiseProduct(rates_)),
+        weight_((0.5 + options.step * momentum_rates_.array()).inverse().matrix()),
         filter_(std::move(filter)),
         workspace_(model_->potential().make_workspace(kUseSegment)),
         matrix_(MatrixXd::Zero(rates_.size(), rates_.size())),
         filter_matrix_(matrix_),
         newton_(rates_.size()) {
-    if (fourth_) weight_ = (0.5 + options.step / 12.0 * rates_.array()).inverse().matrix();
     for (VectorXd* v : {&d_, &q1_, &gradient_, &last_gradient_, &last_place_, &expected_, &missed_,
                         &place_, &change_, &push_, &image_, &residual_})
       v->setZero(rates_.size());
@@ -144,8 +215,9 @@ class EnergyPreserving final : public Integrator {
     if (!report.converged) return report;
     const double defect = 2.0 / (h * h) * residual_.dot(place_);
     filter_.from_basis(change_);
-    if (damped_) report.dissipated = rates_.dot(d_.cwiseAbs2()) / h;
-    if (fourth_ && damped_) report.dissipated += h / 12.0 * rates_.dot(change_.cwiseAbs2());
+    if (damped_)
+      report.dissipated =
+          rates_.dot(d_.cwiseAbs2()) / h + h * momentum_rates_.dot(change_.cwiseAbs2());
     if (fourth_ && load.active) report.extra_work = h / 12.0 * (load.end - load.start).dot(change_);
     state.q = q1_;
     state.p += change_;
@@ -352,8 +424,9 @@ class EnergyPreserving final : public Integrator {
   bool has_filter_ = false;  // filter_ is that of the last step that was made
   bool extrapolated_ = false;
   State end_;        // of that step
-  VectorXd rates_;   // D'
-  VectorXd weight_;  // S
+  VectorXd rates_;           // D
+  VectorXd momentum_rates_;  // theta D
+  VectorXd weight_;          // S
   Filter filter_;
   PotentialWorkspace workspace_;
   MatrixXd matrix_;
@@ -378,35 +451,35 @@ class EnergyPreserving final : public Integrator {
   const StepLoad* load_ = nullptr;
 };
 
-std::unique_ptr<Integrator> make_diagonal(std::string_view name, Model::Pointer model,
-                                          const IntegratorOptions& options, const VectorXd& n) {
-  const double h = options.step;
-  const VectorXd rates = tuned_rates(damping_rates(model->lambda(), options.alpha, options.beta),
-                                     model->lambda(), n, h, false);
-  DiagonalFilter filter(n, 0.5 * h * rates);
-  return std::make_unique<EnergyPreserving<DiagonalFilter>>(name, std::move(model), options, rates,
-                                                            false, std::move(filter));
+template <class Filter>
+std::unique_ptr<Integrator> make_step(std::string_view name, Model::Pointer model,
+                                      const IntegratorOptions& options, const Damping& damping,
+                                      bool fourth, Filter filter) {
+  return std::make_unique<EnergyPreserving<Filter>>(name, std::move(model), options, damping,
+                                                    fourth, std::move(filter));
 }
 
 }  // namespace
 
 std::unique_ptr<Integrator> make_avf(Model::Pointer model, const IntegratorOptions& options) {
-  const VectorXd n = VectorXd::Ones(model->modes());
-  return make_diagonal("avf", std::move(model), options, n);
+  const Damping damping = make_damping(*model, options, unit_weight);
+  return make_step("avf", std::move(model), options, damping, false, DiagonalFilter(damping));
 }
 
 std::unique_ptr<Integrator> make_ep2(Model::Pointer model, const IntegratorOptions& options) {
-  const VectorXd n = cotangent_filter(model->lambda(), options.step);
-  return make_diagonal("ep2", std::move(model), options, n);
+  const Damping damping = make_damping(*model, options, cotangent_weight);
+  return make_step("ep2", std::move(model), options, damping, false, DiagonalFilter(damping));
 }
 
 std::unique_ptr<Integrator> make_ep4(Model::Pointer model, const IntegratorOptions& options) {
-  const VectorXd n = rational_rest_filter(model->lambda(), options.step);
-  const VectorXd rates = tuned_rates(damping_rates(model->lambda(), options.alpha, options.beta),
-                                     model->lambda(), n, options.step, true);
+  const Damping damping = make_damping(*model, options, rational_weight);
+  if (damping.present) {
+    const VectorXd at_rest = (0.25 * options.step * options.step) * model->lambda();
+    return make_step("ep4", std::move(model), options, damping, true,
+                     DampedMatrixFilter(damping, at_rest));
+  }
   const Index r = model->modes();
-  return std::make_unique<EnergyPreserving<MatrixFilter>>("ep4", std::move(model), options, rates,
-                                                          true, MatrixFilter(r));
+  return make_step("ep4", std::move(model), options, damping, true, MatrixFilter(r));
 }
 
 }  // namespace tremolo

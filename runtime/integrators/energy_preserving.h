@@ -4,24 +4,24 @@
 // (Potential::averaged_gradient); call it G. With d = q1 - q0, v = d/h, Dp = p1 - p0, any symmetric
 // positive N that is fixed within the step and any diagonal S > 0, the step
 //
-//     (a)  S^-1 Dp = N d/h - p0 [+ (h/12) Df]        S^-1 = I/2 [+ (h/12) D]
+//     (a)  S^-1 Dp = N d/h - p0 [+ (h/12) Df]        S^-1 = I/2 + theta h D
 //     (b)  N Dp/h + G + D v = f
 //
 // has, since in Dp . (a) + d . (b) the terms with N cancel and what is left on the left-hand side
 // is Dp . (p0 + Dp/2) + d . G = T(p1) - T(p0) + V(q1) - V(q0),
 //
-//     H1 - H0 = f . d [+ (h/12) Df . Dp]  -  h v . D v [- (h/12) Dp . D Dp]
+//     H1 - H0 = f . d [+ (h/12) Df . Dp]  -  h v . D v - h Dp . theta D Dp
 //
-// for every h: without load and damping the energy stays, with damping it falls. f is the load's
-// average over the step, Df its change from end to end; what stands in brackets is ep4's. All that
-// differs is N:
+// for every h and every theta >= 0: without load and damping the energy stays, with damping it
+// falls. f is the load's average over the step, Df its change from end to end; what stands in
+// brackets is ep4's. theta is diagonal, 1/12 + O(h^2) where N = I - h^2 K/12. All that differs is N:
 //
 //     avf   N = I                                     (Quispel & McLaren 2008)
 //     ep2   N = diag(x_i cot x_i),  x_i = min(h omega_i/2, 1.2): small vibrations have their exact
 //           frequency up to h omega = 2.4
 //     ep4   N = N(Z), Z = h^2 K/4 with K taken at the midpoint (runtime/integrators/
 //           rational_filter.h): fourth order for the nonlinear problem, since N = I - h^2 K/12 +
-//           O(h^4), also with a smooth load and with damping by the brackets
+//           O(h^4), also with a smooth load, by the brackets, and with damping
 //
 // All are time-reversible; avf and ep2 exactly. ep4 takes K not at the solution's midpoint but at
 // that of an iterate near it: the first, and later ones until the difference is lost in the solve's
@@ -29,14 +29,10 @@
 // midpoint q0 + (h/2) p0, which is of the same order but knows the direction of time, energy moves
 // into the fast modes, as fast as e-fold in 70 s on the horse at h omega up to 9.7.
 //
-// Damping. D = alpha I + beta Lambda in (a) and (b) would damp small fast vibrations too little.
-// Here each D_i is replaced by the value with which a step of a free linear mode shrinks areas of
-// its phase plane by exactly e^{-D_i h}: with x = h omega_i/2, n = N(x^2), t = tanh(D_i h/2)
-//
-//     avf, ep2   D'_i = (2 t/h) (n^2 + x^2)
-//     ep4        t (h^2/12) D'^2 - (1 + x^2/3) (h/2) D' + t (n^2 + x^2) = 0    (D_i where no root)
-//
-// which is D_i (1 + O(h^2)) for the first two and D_i (1 + O(h^4)) for ep4: no order is lost.
+// Damping. D = alpha I + beta Lambda itself stands in (b), so that the damping force is right on
+// coordinates that are slaved to others. theta and, for each coordinate, a change of N's value are
+// chosen so that a free linear mode has its exact roots up to h omega = 2.4 at any D
+// (runtime/damping.h); both tend to what stands without damping fast enough that no order is lost.
 // `dissipated` is exact: the negative terms of the balance above.
 //
 // Solving. Without Dp, times h^2/2, for d:

@@ -3,20 +3,24 @@
 #include <algorithm>
 #include <utility>
 
+#include "runtime/damping.h"
+
 namespace tremolo {
 
-HighRows::HighRows(const Potential& potential, Split split, const Eigen::VectorXd& rates,
-                   const IntegratorOptions& options, HighDamping damping, SolveNorm norm,
-                   std::shared_ptr<HighScratch> scratch)
-    : potential_(potential),
+HighRows::HighRows(const Model& model, Split split, const IntegratorOptions& options,
+                   HighDamping damping, SolveNorm norm, std::shared_ptr<HighScratch> scratch)
+    : potential_(model.potential()),
       split_(split),
-      rates_(rates.tail(split.high)),
+      rates_(damping_rates(model.lambda().tail(split.high), options.alpha, options.beta)),
+      divisor_(damping == HighDamping::kMeanVelocity
+                   ? midpoint_damping(rates_, model.lambda().tail(split.high), options.step)
+                   : Eigen::VectorXd::Ones(split.high)),
       step_(options.step),
       tolerance_(options.tolerance),
       max_iterations_(options.max_iterations),
       damping_(damping),
       norm_(norm),
-      scratch_(scratch ? std::move(scratch) : std::make_shared<HighScratch>(potential)),
+      scratch_(scratch ? std::move(scratch) : std::make_shared<HighScratch>(potential_)),
       newton_(split.high) {}
 
 StepReport HighRows::advance(const Eigen::VectorXd& q0, State& state, const Eigen::VectorXd& load) {
@@ -31,10 +35,12 @@ StepReport HighRows::advance(const Eigen::VectorXd& q0, State& state, const Eige
       solve_newton(newton_, max_iterations_, [&] { return evaluate(q0, state, load); });
   if (!report.converged) return report;
   state.q.tail(split_.high) += d;
-  p = (2.0 / h) * d - p;
+  newton_.correction.array() = (2.0 / divisor_.array()) * (d.array() / h - p.array());  // Dp
+  p += newton_.correction;
   // The force -D v acts along d: v is the mean or the end velocity.
   if (damping_ == HighDamping::kMeanVelocity)
-    report.dissipated = (d.array().square() * rates_.array()).sum() / h;
+    report.dissipated = (d.array().square() * rates_.array()).sum() / h +
+                        0.5 * ((divisor_.array() - 1.0) * newton_.correction.array().square()).sum();
   else
     report.dissipated = (d.array() * rates_.array() * p.array()).sum();
   return report;
@@ -50,11 +56,12 @@ double HighRows::evaluate(const Eigen::VectorXd& q0, const State& state,
   potential_.evaluate_trailing(scratch_->middle, split_.low, kWantForce | kWantTangent,
                                scratch_->workspace, scratch_->evaluation);
   const auto force = scratch_->evaluation.force.tail(high);
-  newton_.residual = d - h * p + (0.5 * h * h) * (force - load.tail(high));
+  newton_.residual.array() = (d - h * p).array() / divisor_.array() +
+                             (0.5 * h * h) * (force - load.tail(high)).array();
   newton_.jacobian = (0.25 * h * h) * scratch_->evaluation.tangent.bottomRightCorner(high, high);
   if (damping_ == HighDamping::kMeanVelocity) {
     newton_.residual.array() += (0.5 * h) * rates_.array() * d.array();
-    newton_.jacobian.diagonal().array() += 1.0 + (0.5 * h) * rates_.array();
+    newton_.jacobian.diagonal().array() += divisor_.array().inverse() + (0.5 * h) * rates_.array();
   } else {
     newton_.residual.array() += rates_.array() * (h * d.array() - (0.5 * h * h) * p.array());
     newton_.jacobian.diagonal().array() += 1.0 + h * rates_.array();

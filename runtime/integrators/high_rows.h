@@ -13,7 +13,7 @@ namespace tremolo {
 
 // How the damping force on the high rows is written.
 enum class HighDamping {
-  kMeanVelocity,  // D d/h: second order
+  kMeanVelocity,  // D d/h, with theta of runtime/damping.h: second order
   kEndVelocity,   // D p1, p1 = 2 d/h - p0: first order, the thesis's
 };
 
@@ -37,17 +37,16 @@ struct HighScratch {
 
 class HighRows {
  public:
-  // rates: diagonal of D on all rows, 1/s, r; the low rows' are not used. scratch: one's own if
-  // none is given.
-  HighRows(const Potential& potential, Split split, const Eigen::VectorXd& rates,
-           const IntegratorOptions& options, HighDamping damping, SolveNorm norm,
-           std::shared_ptr<HighScratch> scratch = nullptr);
+  // The model must live on. scratch: one's own if none is given.
+  HighRows(const Model& model, Split split, const IntegratorOptions& options, HighDamping damping,
+           SolveNorm norm, std::shared_ptr<HighScratch> scratch = nullptr);
 
   // q0: before the step, r. state: low rows of q already at the step's end, high rows of q and p
-  // before it. load: average over the step, r. Solves
-  //     d - h p0 + (h^2/2) [R(qm) + damping force - f]_h = 0
+  // before it. load: average over the step, r. Solves, with sigma = 1/2 + theta h D,
+  //     (d - h p0)/(2 sigma) + (h^2/2) [R(qm) + damping force - f]_h = 0,
+  //     sigma (p1 - p0) = d/h - p0
   // and moves the high rows of state to the end; leaves them alone if it does not converge.
-  // dissipated: the work of the damping force.
+  // dissipated: what damping took, J.
   StepReport advance(const Eigen::VectorXd& q0, State& state, const Eigen::VectorXd& load);
 
  private:
@@ -55,7 +54,8 @@ class HighRows {
 
   const Potential& potential_;
   Split split_;
-  Eigen::VectorXd rates_;
+  Eigen::VectorXd rates_;    // D
+  Eigen::VectorXd divisor_;  // 2 sigma
   double step_;
   double tolerance_;
   int max_iterations_;

@@ -15,23 +15,19 @@ class Imexv final : public Integrator {
       : model_(std::move(model)),
         split_(split),
         step_(options.step),
-        damped_(options.alpha > 0.0 || options.beta > 0.0),
-        decay_(split_decay(model_->lambda(), split, options.alpha, options.beta, 0.5 * step_)),
+        kick_(damping_rates(model_->lambda(), options.alpha, options.beta), step_),
         forces_(model_->potential()),
-        high_(model_->potential(), split, damping_rates(model_->lambda(), 0.0, options.beta),
-              options, HighDamping::kMeanVelocity, SolveNorm::kRelative),
-        start_{decay_, decay_} {}
+        high_(*model_, split, options, HighDamping::kMeanVelocity, SolveNorm::kRelative),
+        start_{model_->lambda(), model_->lambda()} {}
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
     const double h = step_;
     const Eigen::Index low = split_.low;
     start_ = state;
-    double dissipated = damped_ ? decay_momentum(decay_, state.p) : 0.0;
-    if (low > 0) kick_low(state, load.start);
+    double dissipated = kick_low(state, load.start);
     state.q.head(low) += h * state.p.head(low);
     StepReport report = high_.advance(start_.q, state, load.average);
-    if (report.converged && low > 0) kick_low(state, load.end);
-    if (damped_) dissipated += decay_momentum(decay_, state.p);
+    if (report.converged) dissipated += kick_low(state, load.end);
     report.dissipated += dissipated;
     report.converged = report.converged && state.q.allFinite() && state.p.allFinite();
     if (!report.converged) state = start_;
@@ -42,16 +38,15 @@ class Imexv final : public Integrator {
   std::optional<Split> split() const override { return split_; }
 
  private:
-  void kick_low(State& state, const Eigen::VectorXd& load) {
-    const Eigen::VectorXd& force = forces_.force(state.q);
-    state.p.head(split_.low) += 0.5 * step_ * (load - force).head(split_.low);
+  double kick_low(State& state, const Eigen::VectorXd& load) {
+    if (split_.low == 0) return 0.0;
+    return kick_((load - forces_.force(state.q)).head(split_.low), state.p);
   }
 
   Model::Pointer model_;
   Split split_;
   double step_;
-  bool damped_;
-  Eigen::VectorXd decay_;
+  DampedKick kick_;
   ForceCache forces_;
   HighRows high_;
   State start_;

@@ -4,23 +4,21 @@
 // discrete Lagrangian takes V by the trapezoid rule along l and by the midpoint along h; its step,
 // with d = q1 - q0 and qm = (q0 + q1)/2 and M = I, is
 //
-//     p_i <- e^{-(alpha + beta lambda_i) h/2} p_i  on low rows,  e^{-alpha h/2} p_i  on high rows
-//     p_l <- p_l + (h/2) (f_l(t+) - R_l(q0))
+//     p_l <- p_l + (h/2) (f_l(t+) - R_l(q0))        damped: DampedKick
 //     q_l <- q_l + h p_l
-//     solve for d_h:  d_h - h p_h + (h^2/2) [R(qm) + beta Lambda d/h - fm]_h = 0
-//                     Jacobian  I + (h^2/4) K_hh(qm) + (h beta/2) Lambda_hh
-//     p_h <- 2 d_h/h - p_h
-//     p_l <- p_l + (h/2) (f_l((t+h)-) - R_l(q1))
-//     the first line once more
+//     solve for d_h:  (d_h - h p_h)/g + (h^2/2) [R(qm) + D d/h - fm]_h = 0
+//                     Jacobian  1/g + (h^2/4) K_hh(qm) + (h/2) D_h
+//     p_h <- p_h + (2/g) (d_h/h - p_h)
+//     p_l <- p_l + (h/2) (f_l((t+h)-) - R_l(q1))    damped: DampedKick
 //
-// fm is the load's average over the step. While the high rows are solved the low ones stand still,
+// with g = 1 + 2 theta h D_h; DampedKick and theta: runtime/damping.h. fm is the load's average over the step. While the high rows are solved the low ones stand still,
 // so the unknowns and the rows that are evaluated are the high ones only.
 //
 // Second order, also with load and damping; time-reversible without damping. Symplectic only where
-// V does not couple low and high rows. All low: it is `verlet`; all high and
-// alpha = 0: it is `midpoint`. Mass damping takes exactly e^{-alpha h} a step off each linear mode.
-// Linearly stable iff h omega < 2 on the low rows. `dissipated` is exact for the exponentials and
-// d.D d/h for the high rows' beta.
+// V does not couple low and high rows. All low: it is `verlet`; all high and undamped: it is
+// `midpoint`. A free linear mode loses e^{-D h} of the area of its phase plane in a step: exactly on
+// low rows, to O((D h)^2) of the exponent on high ones. Linearly stable iff h omega < 2 on the low
+// rows, damped there somewhat beyond. `dissipated` is that of runtime/damping.h.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

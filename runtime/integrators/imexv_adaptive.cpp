@@ -39,14 +39,12 @@ class ImexvAdaptive final : public Integrator {
       : model_(std::move(model)),
         options_(options),
         low_(split.low),
-        damped_(options.alpha > 0.0 || options.beta > 0.0),
-        low_decay_(decay(damping_rates(model_->lambda(), options.alpha, options.beta))),
-        high_decay_(std::exp(-0.5 * options.step * options.alpha)),
+        kick_(damping_rates(model_->lambda(), options.alpha, options.beta), options.step),
         most_low_(model_->modes()),
         forces_(model_->potential(), true),
         factor_(Eigen::MatrixXd::Zero(model_->modes(), model_->modes())),
-        start_{low_decay_, low_decay_},
-        end_{low_decay_, low_decay_} {
+        start_{model_->lambda(), model_->lambda()},
+        end_(start_) {
     const double h = options.step;
     const double leave = 0.5 * (1.0 + options.split.safety);
     leave_bound_ = 4.0 * leave * leave / (h * h);
@@ -55,11 +53,10 @@ class ImexvAdaptive final : public Integrator {
     wait_ = static_cast<int>(std::clamp(std::ceil(period / h), kShortestWait, kLongestWait));
     const auto scratch = std::make_shared<HighScratch>(model_->potential());
     const Index r = model_->modes();
-    const Eigen::VectorXd rates = damping_rates(model_->lambda(), 0.0, options.beta);
     high_.reserve(static_cast<std::size_t>(r) + 1);
     for (Index low = 0; low <= r; ++low)
-      high_.emplace_back(model_->potential(), Split{low, r - low}, rates, options,
-                         HighDamping::kMeanVelocity, SolveNorm::kRelative, scratch);
+      high_.emplace_back(*model_, Split{low, r - low}, options, HighDamping::kMeanVelocity,
+                         SolveNorm::kRelative, scratch);
   }
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
@@ -103,20 +100,14 @@ class ImexvAdaptive final : public Integrator {
   std::optional<Split> split() const override { return Split{low_, model_->modes() - low_}; }
 
  private:
-  Eigen::VectorXd decay(const Eigen::VectorXd& rates) const {
-    return (-0.5 * options_.step * rates.array()).exp().matrix();
-  }
-
   // A step of imexv with the present split.
   StepReport split_step(State& state, const StepLoad& load) {
-    double dissipated = decay_momentum(state.p);
-    kick_low(state, load.start);
+    double dissipated = kick_low(state, load.start);
     state.q.head(low_) += options_.step * state.p.head(low_);
     StepReport report =
         high_[static_cast<std::size_t>(low_)].advance(start_.q, state, load.average);
     if (!report.converged) return report;
-    kick_low(state, load.end);
-    dissipated += decay_momentum(state.p);
+    dissipated += kick_low(state, load.end);
     report.dissipated += dissipated;
     report.converged = state.q.allFinite() && state.p.allFinite();
     return report;
@@ -160,26 +151,15 @@ class ImexvAdaptive final : public Integrator {
     return energy(state) > balance_ + gain + kExcess * highest_ + kick;
   }
 
-  // Half a step of damping; returns the energy taken.
-  double decay_momentum(Eigen::VectorXd& p) const {
-    if (!damped_) return 0.0;
-    const double before = p.squaredNorm();
-    p.head(low_).array() *= low_decay_.head(low_).array();
-    p.tail(p.size() - low_) *= high_decay_;
-    return 0.5 * (before - p.squaredNorm());
-  }
-
-  void kick_low(State& state, const Eigen::VectorXd& load) {
-    const Eigen::VectorXd& force = forces_.force(state.q);
-    state.p.head(low_) += 0.5 * options_.step * (load - force).head(low_);
+  // Returns the energy that damping took.
+  double kick_low(State& state, const Eigen::VectorXd& load) {
+    return kick_((load - forces_.force(state.q)).head(low_), state.p);
   }
 
   Model::Pointer model_;
   IntegratorOptions options_;
   Index low_;
-  bool damped_;
-  Eigen::VectorXd low_decay_;  // over half a step, for a coordinate while it is low
-  double high_decay_;          // while it is high
+  DampedKick kick_;
   double leave_bound_ = 0.0;   // of lambda_max(K_ll), (rad/s)^2
   double return_bound_ = 0.0;
   int wait_ = 0;      // steps

@@ -16,10 +16,8 @@ class ImexvCoupled final : public Integrator {
       : model_(std::move(model)),
         options_(options),
         split_(split),
-        damped_(options.alpha > 0.0 || options.beta > 0.0),
-        decay_(
-            split_decay(model_->lambda(), split, options.alpha, options.beta, 0.5 * options.step)),
-        rates_(options.beta * model_->lambda().tail(split.high)),
+        rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
+        divisor_(midpoint_damping(rates_, fast_part(model_->lambda(), split), options.step)),
         slow_(model_->potential().leading(split.low)),
         slow_forces_(slow_),
         slow_workspace_(slow_.make_workspace(kUseTangent)),
@@ -27,18 +25,15 @@ class ImexvCoupled final : public Integrator {
         low_(Eigen::VectorXd::Zero(split.low)),
         workspace_(model_->potential().make_workspace(kUseTangent)),
         evaluation_(model_->potential().make_evaluation()),
-        middle_(decay_),
+        middle_(rates_),
         newton_(model_->modes()),
-        start_{decay_, decay_} {}
+        start_{rates_, rates_} {}
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
     start_ = state;
-    double dissipated = damped_ ? decay_momentum(decay_, state.p) : 0.0;
     kick_low(state, load.start);
     StepReport report = advance_all(state, load.average);
     if (report.converged) kick_low(state, load.end);
-    if (damped_) dissipated += decay_momentum(decay_, state.p);
-    report.dissipated += dissipated;
     report.converged = report.converged && state.q.allFinite() && state.p.allFinite();
     if (!report.converged) state = start_;
     return report;
@@ -55,22 +50,43 @@ class ImexvCoupled final : public Integrator {
         0.5 * options_.step * (load.head(split_.low) - slow_forces_.force(low_));
   }
 
-  // The midpoint rule for V_fast. dissipated: the work of the high rows' damping force.
+  // lambda of the linear part of V_fast: none on the low rows.
+  static Eigen::VectorXd fast_part(const Eigen::VectorXd& lambda, Split split) {
+    Eigen::VectorXd fast = lambda;
+    fast.head(split.low).setZero();
+    return fast;
+  }
+
+  // The midpoint rule for V_fast and all of the damping (runtime/damping.h).
   StepReport advance_all(State& state, const Eigen::VectorXd& load) {
     const double h = options_.step;
-    if (split_.high == 0) {  // no fast part: a drift
-      state.q += h * state.p;
-      return {};
-    }
+    if (split_.high == 0) return drift(state);
     Eigen::VectorXd& d = newton_.unknowns;
     d = h * state.p;
     StepReport report =
         solve_newton(newton_, options_.max_iterations, [&] { return evaluate(state, load); });
     if (!report.converged) return report;
-    report.dissipated = (d.tail(split_.high).array().square() * rates_.array()).sum() / h;
-    state.q += d;
-    state.p = (2.0 / h) * d - state.p;
+    report.dissipated = finish(state, d);
     return report;
+  }
+
+  // V_fast = 0.
+  StepReport drift(State& state) {
+    const double h = options_.step;
+    newton_.unknowns = h * (state.p.array() / (1.0 + 0.5 * h * rates_.array() * divisor_.array()));
+    StepReport report;
+    report.dissipated = finish(state, newton_.unknowns);
+    return report;
+  }
+
+  // From d to the state at the end. Returns what damping took, J.
+  double finish(State& state, const Eigen::VectorXd& d) {
+    const double h = options_.step;
+    middle_ = (2.0 / divisor_.array()) * (d.array() / h - state.p.array());  // Dp
+    state.q += d;
+    state.p += middle_;
+    return (rates_.array() * d.array().square()).sum() / h +
+           0.5 * ((divisor_.array() - 1.0) * middle_.array().square()).sum();
   }
 
   double evaluate(const State& state, const Eigen::VectorXd& load) {
@@ -88,21 +104,19 @@ class ImexvCoupled final : public Integrator {
       evaluation_.force.head(low) -= slow_evaluation_.force;
       evaluation_.tangent.topLeftCorner(low, low) -= slow_evaluation_.tangent;
     }
-    newton_.residual = d - h * state.p + (0.5 * h * h) * evaluation_.force;
-    newton_.residual.tail(high).array() +=
-        (0.5 * h) * rates_.array() * d.tail(high).array() - (0.5 * h * h) * load.tail(high).array();
+    newton_.residual.array() = (d - h * state.p).array() / divisor_.array() +
+                               (0.5 * h) * (h * evaluation_.force + rates_.cwiseProduct(d)).array();
+    newton_.residual.tail(high) -= (0.5 * h * h) * load.tail(high);
     newton_.jacobian = (0.25 * h * h) * evaluation_.tangent;
-    newton_.jacobian.diagonal().array() += 1.0;
-    newton_.jacobian.diagonal().tail(high).array() += (0.5 * h) * rates_.array();
+    newton_.jacobian.diagonal().array() += divisor_.array().inverse() + (0.5 * h) * rates_.array();
     return relative_size(newton_.residual.norm(), options_.tolerance, scale);
   }
 
   Model::Pointer model_;
   IntegratorOptions options_;
   Split split_;
-  bool damped_;
-  Eigen::VectorXd decay_;
-  Eigen::VectorXd rates_;  // beta lambda of the high rows
+  Eigen::VectorXd rates_;    // D
+  Eigen::VectorXd divisor_;  // 1 + 2 theta h D
   Potential slow_;         // V(q_l, 0)
   ForceCache slow_forces_;
   PotentialWorkspace slow_workspace_;

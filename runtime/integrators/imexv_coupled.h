@@ -6,21 +6,20 @@
 // midpoint; its step, with S = grad V_slow on the low rows and 0 on the high ones, d = q1 - q0,
 // qm = (q0 + q1)/2 and M = I, is
 //
-//     p_i <- e^{-(alpha + beta lambda_i) h/2} p_i  on low rows,  e^{-alpha h/2} p_i  on high rows
 //     p_l <- p_l + (h/2) (f_l(t+) - S_l(q0))
-//     solve for d:  d - h p + (h^2/2) [R(qm) - S(qm) + E d/h - g] = 0            on all rows
-//                   Jacobian  I + (h^2/4) (K(qm) - dS/dq(qm)) + (h/2) E          symmetric
-//     q   <- q + d,  p <- 2 d/h - p
+//     solve for d:  (d - h p)/g + (h^2/2) [R(qm) - S(qm) + D d/h - f] = 0        on all rows
+//                   Jacobian  1/g + (h^2/4) (K(qm) - dS/dq(qm)) + (h/2) D        symmetric
+//     q   <- q + d,  p <- p + (2/g) (d/h - p)
 //     p_l <- p_l + (h/2) (f_l((t+h)-) - S_l(q1))
-//     the first line once more
 //
-// On the high rows E = beta Lambda and g is the load's average over the step; on the low rows both
-// are zero.
+// On the high rows f is the load's average over the step, on the low rows zero. g = 1 + 2 theta h D,
+// theta of runtime/damping.h, on the low rows that of omega = 0: there the drift between the kicks is
+// the exact flow of q' = p, p' = -D p.
 //
 // Second order, also with load and damping; symplectic and time-reversible without damping, for any
-// coupling of low and high rows, at the price of as many unknowns as the midpoint rule. All low: it
-// is `verlet`; all high and alpha = 0: it is `midpoint`. Linearly stable iff h omega < 2 on the low
-// rows. `dissipated` is exact for the exponentials and d.D d/h for the high rows' beta.
+// coupling of low and high rows, at the price of as many unknowns as the midpoint rule. Undamped and
+// all low it is `verlet`, all high `midpoint`. Linearly stable iff h omega < 2 on the low rows.
+// `dissipated` is that of runtime/damping.h.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

@@ -14,23 +14,23 @@ class ImexvLinear final : public Integrator {
       : model_(std::move(model)),
         split_(split),
         step_(options.step),
-        damped_(options.alpha > 0.0 || options.beta > 0.0),
-        decay_(split_decay(model_->lambda(), split, options.alpha, options.beta, 0.5 * step_)),
         lambda_(model_->lambda().tail(split.high)),
-        rates_(options.beta * lambda_),
+        rates_(damping_rates(lambda_, options.alpha, options.beta)),
+        divisor_(midpoint_damping(rates_, lambda_, step_)),
+        low_kick_(damping_rates(model_->lambda().head(split.low), options.alpha, options.beta),
+                  step_),
         forces_(model_->potential()),
-        start_{decay_, decay_},
-        d_(lambda_) {}
+        start_{model_->lambda(), model_->lambda()},
+        d_(lambda_),
+        change_(lambda_) {}
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
     StepReport report;
     start_ = state;
-    if (damped_) report.dissipated += decay_momentum(decay_, state.p);
-    kick(state, load.start);
+    report.dissipated += kick(state, load.start);
     state.q.head(split_.low) += step_ * state.p.head(split_.low);
     report.dissipated += advance_high(state);
-    kick(state, load.end);
-    if (damped_) report.dissipated += decay_momentum(decay_, state.p);
+    report.dissipated += kick(state, load.end);
     report.converged = state.q.allFinite() && state.p.allFinite();
     if (!report.converged) state = start_;
     return report;
@@ -40,34 +40,41 @@ class ImexvLinear final : public Integrator {
   std::optional<Split> split() const override { return split_; }
 
  private:
-  void kick(State& state, const Eigen::VectorXd& load) {
-    state.p += 0.5 * step_ * (load - forces_.force(state.q));
-    state.p.tail(split_.high).array() +=
-        0.5 * step_ * lambda_.array() * state.q.tail(split_.high).array();
+  // Returns what damping took of the low rows.
+  double kick(State& state, const Eigen::VectorXd& load) {
+    const Eigen::VectorXd& force = forces_.force(state.q);
+    auto p = state.p.tail(split_.high);
+    p += 0.5 * step_ * (load - force).tail(split_.high);
+    p.array() += 0.5 * step_ * lambda_.array() * state.q.tail(split_.high).array();
+    return low_kick_((load - force).head(split_.low), state.p);
   }
 
-  // Returns the work of the damping force.
+  // The midpoint rule with damping (runtime/damping.h). Returns what damping took.
   double advance_high(State& state) {
     const double h = step_;
     auto q = state.q.tail(split_.high);
     auto p = state.p.tail(split_.high);
-    d_.array() = (h * p.array() - (0.5 * h * h) * lambda_.array() * q.array()) /
-                 (1.0 + (0.25 * h * h) * lambda_.array() + (0.5 * h) * rates_.array());
+    d_.array() =
+        (h * p.array() - (0.5 * h * h) * divisor_.array() * lambda_.array() * q.array()) /
+        (1.0 + divisor_.array() * ((0.25 * h * h) * lambda_.array() + (0.5 * h) * rates_.array()));
+    change_ = (2.0 / divisor_.array()) * (d_.array() / h - p.array());
     q += d_;
-    p = (2.0 / h) * d_ - p;
-    return (d_.array().square() * rates_.array()).sum() / h;
+    p += change_;
+    return (rates_.array() * d_.array().square()).sum() / h +
+           0.5 * ((divisor_.array() - 1.0) * change_.array().square()).sum();
   }
 
   Model::Pointer model_;
   Split split_;
   double step_;
-  bool damped_;
-  Eigen::VectorXd decay_;
-  Eigen::VectorXd lambda_;  // of the high rows
-  Eigen::VectorXd rates_;   // beta lambda of the high rows
+  Eigen::VectorXd lambda_;   // of the high rows
+  Eigen::VectorXd rates_;    // D of the high rows
+  Eigen::VectorXd divisor_;  // 1 + 2 theta h D of the high rows
+  DampedKick low_kick_;
   ForceCache forces_;
   State start_;
-  Eigen::VectorXd d_;  // high rows of q1 - q0
+  Eigen::VectorXd d_;       // high rows of q1 - q0
+  Eigen::VectorXd change_;  // and of p1 - p0
 };
 
 }  // namespace

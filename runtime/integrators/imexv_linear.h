@@ -5,13 +5,13 @@
 // rows h of the split (runtime/split.h). The discrete Lagrangian takes V_slow by the trapezoid rule
 // and V_fast at the midpoint; its step, with R_s = R - Lambda_h q_h the slow force and M = I, is
 //
-//     p_i <- e^{-(alpha + beta lambda_i) h/2} p_i  on low rows,  e^{-alpha h/2} p_i  on high rows
-//     p   <- p + (h/2) (f(t+) - R_s(q0))                                            on all rows
+//     p   <- p + (h/2) (f(t+) - R_s(q0))          on all rows; low rows: DampedKick
 //     q_l <- q_l + h p_l
-//     d_h  = (h p_h - (h^2/2) Lambda_h q_h) / (1 + (h^2/4) Lambda_h + (h beta/2) Lambda_h)
-//     q_h <- q_h + d_h,  p_h <- 2 d_h/h - p_h
-//     p   <- p + (h/2) (f((t+h)-) - R_s(q1))                                        on all rows
-//     the first line once more
+//     d_h  = (h p_h - g (h^2/2) Lambda_h q_h) / (1 + g ((h^2/4) Lambda_h + (h/2) D_h))
+//     q_h <- q_h + d_h,  p_h <- p_h + (2/g) (d_h/h - p_h)
+//     p   <- p + (h/2) (f((t+h)-) - R_s(q1))      on all rows; low rows: DampedKick
+//
+// with g = 1 + 2 theta h D_h; DampedKick and theta: runtime/damping.h.
 //
 // No equation is left to solve: one force a step. Second order, also with load and damping;
 // symplectic and time-reversible without damping, for any coupling of low and high rows. All low:
@@ -19,8 +19,7 @@
 //
 // Linearly stable iff h omega < 2 on the low rows. But what V has beyond its quadratic part on the
 // high rows is kicked explicitly: where deformation stiffens the solid it is the first of the
-// implicit-explicit methods to fail. `dissipated` is exact for the exponentials and d.D d/h for the
-// high rows' beta.
+// implicit-explicit methods to fail. `dissipated` is that of runtime/damping.h.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

@@ -17,8 +17,7 @@ class ImexvThesis final : public Integrator {
         step_(options.step),
         rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
         forces_(model_->potential()),
-        high_(model_->potential(), split, rates_, options, HighDamping::kEndVelocity,
-              SolveNorm::kAbsolute),
+        high_(*model_, split, options, HighDamping::kEndVelocity, SolveNorm::kAbsolute),
         load_before_(Eigen::VectorXd::Zero(model_->modes())),
         start_{load_before_, load_before_} {}
 

@@ -72,6 +72,12 @@ double filter_value(const FilterShape& shape, double z) {
   return (value(numerator(shape), z) / value(denominator(shape), z)).real();
 }
 
+double filter_slope(const FilterShape& shape, double z, double y) {
+  const Polynomial a = numerator(shape), b = denominator(shape);
+  const double above = (a[1] - b[1]) + (a[2] - b[2]) * (z + y) + (a[2] * b[1] - a[1] * b[2]) * z * y;
+  return above / (value(b, z) * value(b, y)).real();
+}
+
 RationalFilter::RationalFilter(Eigen::Index size, const FilterShape& shape)
     : tridiagonal_(size), poles_(2 * kLanes, 0.0) {
   const Polynomial above = numerator(shape);

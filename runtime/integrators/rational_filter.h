@@ -33,6 +33,10 @@ inline constexpr FilterShape kRobustShape{-0.00368349, 0.166819};
 
 double filter_value(const FilterShape& shape, double z);
 
+// (N(z) - N(y))/(z - y), N'(z) for y = z. For Z near a diagonal matrix diag(z_i) it is the
+// derivative of N(Z): N(Z)_ij = N(z_i) delta_ij + filter_slope(z_i, z_j) (Z - diag(z))_ij + ...
+double filter_slope(const FilterShape& shape, double z, double y);
+
 class RationalFilter {
  public:
   RationalFilter(Eigen::Index size, const FilterShape& shape);

@@ -13,21 +13,16 @@ class Verlet final : public Integrator {
   Verlet(Model::Pointer model, const IntegratorOptions& options)
       : model_(std::move(model)),
         step_(options.step),
-        damped_(options.alpha > 0.0 || options.beta > 0.0),
-        decay_((-0.5 * step_ * damping_rates(model_->lambda(), options.alpha, options.beta).array())
-                   .exp()
-                   .matrix()),
+        kick_(damping_rates(model_->lambda(), options.alpha, options.beta), step_),
         forces_(model_->potential()),
-        start_{decay_, decay_} {}
+        start_{model_->lambda(), model_->lambda()} {}
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
     StepReport report;
     start_ = state;
-    if (damped_) report.dissipated += decay_momentum(decay_, state.p);
-    state.p += 0.5 * step_ * (load.start - forces_.force(state.q));
+    report.dissipated += kick_(load.start - forces_.force(state.q), state.p);
     state.q += step_ * state.p;
-    state.p += 0.5 * step_ * (load.end - forces_.force(state.q));
-    if (damped_) report.dissipated += decay_momentum(decay_, state.p);
+    report.dissipated += kick_(load.end - forces_.force(state.q), state.p);
     report.converged = state.q.allFinite() && state.p.allFinite();
     if (!report.converged) state = start_;
     return report;
@@ -38,8 +33,7 @@ class Verlet final : public Integrator {
  private:
   Model::Pointer model_;
   double step_;
-  bool damped_;
-  Eigen::VectorXd decay_;
+  DampedKick kick_;
   ForceCache forces_;
   State start_;
 };

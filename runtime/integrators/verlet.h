@@ -2,16 +2,17 @@
 //
 // The discrete Lagrangian that takes V by the trapezoid rule gives
 //
-//     p <- e^{-D h/2} p
 //     p <- p + (h/2) (f(t+) - R(q0))
 //     q <- q + h p
 //     p <- p + (h/2) (f((t+h)-) - R(q1))
-//     p <- e^{-D h/2} p                       D = alpha + beta lambda_i
+//
+// With damping each kick is DampedKick of runtime/damping.h, the exact flow of p' = -D p + f over
+// half a step: D = alpha + beta lambda_i then takes exactly e^{-D h} off the area of each mode's
+// phase plane, and a coordinate in thick damping moves with v = f/D.
 //
 // Explicit: one force a step. Second order, also with load and damping; symplectic and
-// time-reversible without them. Linearly stable iff h omega < 2 for every omega. The damping
-// exponentials are exact flows of p' = -D p, so mass damping takes e^{-alpha h} off the area of
-// each mode's phase plane whatever h omega is. `dissipated` is exact for this composition.
+// time-reversible without them. Linearly stable iff h omega < 2 for every omega, damped somewhat
+// beyond. `dissipated` is exact for these kicks.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "runtime/integrators/rational_filter.h"
@@ -148,17 +149,44 @@ Eigen::Matrix2d linear_map(std::string_view name, double omega, const Integrator
   return map;
 }
 
-TEST(EnergyPreserving, LinearModesDecayByTheirOwnRateWhateverTheStep) {
+// The larger of the two roots of s^2 + D s + omega^2 = 0 in its real part, times h.
+double exact_log_root(double step_rate, double step_omega) {
+  const double square = 0.25 * step_rate * step_rate - step_omega * step_omega;
+  if (square < 0.0) return -0.5 * step_rate;
+  return -step_omega * step_omega / (0.5 * step_rate + std::sqrt(square));
+}
+
+// ln of the larger modulus of the step's two roots.
+double log_root(std::string_view name, double step_rate, double step_omega) {
+  IntegratorOptions options{.step = 3e-3, .tolerance = 1e-14};
+  options.alpha = step_rate / options.step;
+  const Eigen::Matrix2d map = linear_map(name, step_omega / options.step, options);
+  return std::log(map.eigenvalues().cwiseAbs().maxCoeff());
+}
+
+TEST(EnergyPreserving, DampedLinearModesHaveTheirExactRoots) {
   for (const char* name : kFamily)
-    for (const double omega : {1.0, 300.0, 1000.0, 9000.0}) {
-      IntegratorOptions options{.step = 3e-3, .alpha = 0.7};
-      options.beta = 1e-5;
-      options.tolerance = 1e-13;
-      const double rate = options.alpha + options.beta * omega * omega;
-      const double area = linear_map(name, omega, options).determinant();
-      // ep4 has no such rate where damping is far above critical.
-      if (std::string_view(name) == "ep4" && rate * options.step > 0.5) continue;
-      EXPECT_NEAR(area, std::exp(-rate * options.step), 1e-11) << name << ", " << omega;
+    for (const double step_omega : {0.05, 0.3, 0.6, 1.0, 1.8, 2.4})
+      for (const double step_rate : {1e-3, 0.05, 0.3, 1.0, 1.2, 2.4, 3.0, 30.0, 1000.0}) {
+        // Where the two roots meet the rounding of the map counts by its square root.
+        const double exact = exact_log_root(step_rate, step_omega);
+        EXPECT_NEAR(log_root(name, step_rate, step_omega), exact, 1e-6 * std::abs(exact) + 1e-10)
+            << name << ", h omega " << step_omega << ", h D " << step_rate;
+      }
+}
+
+TEST(EnergyPreserving, FreeModesNeverDecaySlowerForMoreDampingBelowTheCritical) {
+  for (const char* name : kFamily)
+    for (const double step_omega : {0.3, 1.0, 2.4, 3.0, 4.0, 6.0, 10.0, 30.0, 100.0}) {
+      double before = 1.0;  // the larger root
+      for (int k = 0; k <= 60; ++k) {
+        const double step_rate = 2.0 * step_omega * std::pow(10.0, 0.06 * (k - 60));
+        const double root = std::exp(log_root(name, step_rate, step_omega));
+        // A stiff mode is as good as gone below a tenth; there its root changes sign.
+        EXPECT_LE(root, std::max(before + 1e-9, 0.1))
+            << name << ", h omega " << step_omega << ", h D " << step_rate;
+        before = root;
+      }
     }
 }
 

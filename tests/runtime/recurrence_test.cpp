@@ -85,11 +85,25 @@ struct Forcing {
   double start, average, end;
 };
 
-Scalar verlet_step(Scalar s, Forcing f, double lambda, double decay_rate) {
-  const double h = kStep, decay = std::exp(-0.5 * h * decay_rate);
-  s.p = decay * s.p + 0.5 * h * (f.start - lambda * s.q);
-  s.q += h * s.p;
-  s.p = decay * (s.p + 0.5 * h * (f.end - lambda * s.q));
+// Half a step of p' = -D p + f, exactly.
+double damped_kick(double p, double force, double rate) {
+  const double decay = std::exp(-0.5 * kStep * rate);
+  return decay * p + (1.0 - decay) / rate * force;
+}
+
+Scalar verlet_step(Scalar s, Forcing f, double lambda, double rate) {
+  s.p = damped_kick(s.p, f.start - lambda * s.q, rate);
+  s.q += kStep * s.p;
+  s.p = damped_kick(s.p, f.end - lambda * s.q, rate);
+  return s;
+}
+
+// The coupled split: undamped kicks, the exact flow of q' = p, p' = -D p between them.
+Scalar coupled_low_step(Scalar s, Forcing f, double lambda, double rate) {
+  s.p += 0.5 * kStep * (f.start - lambda * s.q);
+  const double decay = std::exp(-kStep * rate);
+  s.q += (1.0 - decay) / rate * s.p;
+  s.p = decay * s.p + 0.5 * kStep * (f.end - lambda * s.q);
   return s;
 }
 
@@ -110,19 +124,23 @@ Scalar newmark_step(Scalar s, Forcing f, double lambda, double rate, double beta
   return {q + beta * h * h * a1, p + gamma * h * a1};
 }
 
-Scalar imexv_high_step(Scalar s, Forcing f, double lambda, double alpha, double beta) {
-  const double decay = std::exp(-0.5 * kStep * alpha);
-  s.p *= decay;
-  s = midpoint_step(s, f, lambda, beta * lambda);
-  s.p *= decay;
-  return s;
+// The midpoint rule with theta of runtime/damping.h, from the roots e^{-c/2 +- i psi},
+// tan(psi/2) = (w^2 - c^2/4)^{1/2}/2: below critical damping.
+Scalar imexv_high_step(Scalar s, Forcing f, double lambda, double rate) {
+  const double h = kStep, c = h * rate, w2 = h * h * lambda;
+  const double psi = 2.0 * std::atan(0.5 * std::sqrt(w2 - 0.25 * c * c));
+  const double product = 1.0 + std::exp(-c) - 2.0 * std::exp(-0.5 * c) * std::cos(psi);
+  const double sigma = 0.5 + (1.0 - std::exp(-c)) / product - c / w2;
+  // sigma Dp = d/h - p, Dp/h + lambda (q + d/2) + rate d/h = f
+  const double d = (s.p / h + sigma * (f.average - lambda * s.q)) /
+                   (1.0 / (h * h) + sigma * (0.5 * lambda + rate / h));
+  return {s.q + d, s.p + (d / h - s.p) / sigma};
 }
 
-Scalar linear_high_step(Scalar s, Forcing f, double lambda, double alpha, double beta) {
-  const double decay = std::exp(-0.5 * kStep * alpha);
-  s.p = decay * s.p + 0.5 * kStep * f.start;
-  s = midpoint_step(s, {0.0, 0.0, 0.0}, lambda, beta * lambda);
-  s.p = decay * (s.p + 0.5 * kStep * f.end);
+Scalar linear_high_step(Scalar s, Forcing f, double lambda, double rate) {
+  s.p += 0.5 * kStep * f.start;
+  s = imexv_high_step(s, {0.0, 0.0, 0.0}, lambda, rate);
+  s.p += 0.5 * kStep * f.end;
   return s;
 }
 
@@ -205,18 +223,23 @@ TEST(Recurrence, NewmarkDampedAndForcedForSeveralPairs) {
 }
 
 TEST(Recurrence, ImexvAndTheCoupledSplitDampedAndForced) {
-  for (const char* name : {"imexv", "imexv-coupled"})
-    expect_recurrence(
-        name, tight(kAlpha, kBeta), {0.5, 6.0},
-        [](Scalar s, Forcing f) { return verlet_step(s, f, lambda_of(0.5), rate_of(0.5)); },
-        [](Scalar s, Forcing f) { return imexv_high_step(s, f, lambda_of(6.0), kAlpha, kBeta); });
+  const auto high = [](Scalar s, Forcing f) {
+    return imexv_high_step(s, f, lambda_of(6.0), rate_of(6.0));
+  };
+  expect_recurrence(
+      "imexv", tight(kAlpha, kBeta), {0.5, 6.0},
+      [](Scalar s, Forcing f) { return verlet_step(s, f, lambda_of(0.5), rate_of(0.5)); }, high);
+  expect_recurrence(
+      "imexv-coupled", tight(kAlpha, kBeta), {0.5, 6.0},
+      [](Scalar s, Forcing f) { return coupled_low_step(s, f, lambda_of(0.5), rate_of(0.5)); },
+      high);
 }
 
 TEST(Recurrence, LinearSplitDampedAndForced) {
   expect_recurrence(
       "imexv-linear", tight(kAlpha, kBeta), {0.5, 6.0},
       [](Scalar s, Forcing f) { return verlet_step(s, f, lambda_of(0.5), rate_of(0.5)); },
-      [](Scalar s, Forcing f) { return linear_high_step(s, f, lambda_of(6.0), kAlpha, kBeta); });
+      [](Scalar s, Forcing f) { return linear_high_step(s, f, lambda_of(6.0), rate_of(6.0)); });
 }
 
 TEST(Recurrence, ImexvThesisDampedAndForced) {
@@ -237,13 +260,16 @@ double area_factor(std::string_view name, double step_omega, double alpha) {
   return from_q.q[0] * from_p.p[0] - from_p.q[0] * from_q.p[0];
 }
 
-TEST(Recurrence, MassDampingDecaysEveryLinearModeExactly) {
+TEST(Recurrence, DampingDecaysExplicitModesExactlyAndImplicitOnesNearly) {
   const double alpha = 4.0;
-  for (const double x : {0.1, 1.0, 1.9})
-    EXPECT_NEAR(area_factor("verlet", x, alpha), std::exp(-alpha * kStep), kRounding) << x;
   for (const double x : {0.1, 1.0, 1.7, 1.9, 3.0, 30.0})
-    for (const char* name : {"imexv", "imexv-linear", "imexv-coupled"})
-      EXPECT_NEAR(area_factor(name, x, alpha), std::exp(-alpha * kStep), kRounding) << name << x;
+    for (const char* name : {"verlet", "imexv", "imexv-linear", "imexv-coupled"}) {
+      const bool is_verlet = std::string_view(name) == "verlet";
+      if (is_verlet && x > 2.0) continue;
+      // Implicit rows, from x = 1.8, keep the midpoint rule's inertia: off by O(c^2), c = 0.04.
+      const double bound = x < 1.8 || is_verlet ? kRounding : 1e-5;
+      EXPECT_NEAR(area_factor(name, x, alpha), std::exp(-alpha * kStep), bound) << name << x;
+    }
   // The midpoint rule takes alpha as part of D and underdamps fast modes.
   EXPECT_GT(area_factor("midpoint", 30.0, alpha), std::exp(-0.1 * alpha * kStep));
 }
