@@ -17,13 +17,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kEp2Limit = 1.2;      // of h omega/2: x cot x stays above 0.46
-constexpr double kSlow = 0.6;          // a residual that falls by less is slow
-constexpr double kFilterShare = 1e-3;  // of a residual: by how much less N is off
-constexpr double kSurplus = 1e-2;      // of the tolerance: after one correction from a guess
-constexpr int kFilterFollows = 3;      // corrections at most, lest N and d chase each other
+constexpr double kEp2Limit = 1.2;        // of h omega/2: x cot x stays above 0.46
+constexpr double kSlow = 0.6;            // a residual that falls by less is slow
+constexpr double kFilterShare = 1e-3;    // of a residual: by how much less N is off
+constexpr double kSurplus = 1e-2;        // of the tolerance: after one correction from a guess
+constexpr int kFilterFollows = 3;        // corrections at most, lest N and d chase each other
 constexpr double kStrongDamping = 0.02;  // of the frozen Jacobian's diagonal: by how much it grows
-constexpr double kFarthestFix = 0.1;   // of T(p1): no larger energy defect is taken back
+constexpr double kFarthestFix = 0.1;     // of T(p1): no larger energy defect is taken back
+constexpr double kStrict = 1e-13;        // the solve's tolerance where it cannot be
 
 // ---- N at rest, x = h omega/2 ----
 
@@ -38,7 +39,7 @@ double rational_weight(double x) {
 
 // What damping makes of a step's two weights, for each coordinate; r each.
 struct Damping {
-  VectorXd rates;    // D, 1/s
+  VectorXd rates;  // D, 1/s
   VectorXd theta;
   VectorXd inertia;  // n: N at rest, damped
   VectorXd shift;    // n less N at rest
@@ -181,6 +182,7 @@ class EnergyPreserving final : public Integrator {
       : name_(name),
         model_(std::move(model)),
         options_(options),
+        tolerance_(options.tolerance),
         fourth_(fourth),
         damped_(damping.present),
         rates_(damping.rates),
@@ -210,10 +212,19 @@ class EnergyPreserving final : public Integrator {
       report = solve_frozen();
       report.iterations += before;
     }
-    if (!report.converged && std::isfinite(report.residual)) report = solve_exactly(report);
+    if (!report.converged && std::isfinite(report.residual)) {
+      newton_.unknowns = h * *p0_;
+      report = solve_exactly(report);
+    }
+    if (report.converged && !can_be_taken_back() && tolerance_ > kStrict) {
+      tolerance_ = kStrict;
+      newton_.unknowns = d_;
+      report = solve_exactly(report);
+      tolerance_ = options_.tolerance;
+    }
     report.converged = report.converged && q1_.allFinite() && change_.allFinite();
     if (!report.converged) return report;
-    const double defect = 2.0 / (h * h) * residual_.dot(place_);
+    const double defect = energy_defect();
     filter_.from_basis(change_);
     if (damped_)
       report.dissipated =
@@ -235,6 +246,18 @@ class EnergyPreserving final : public Integrator {
   std::string_view name() const override { return name_; }
 
  private:
+  // Of H, by what the solve left: known, since the residual does work on d.
+  double energy_defect() const {
+    return 2.0 / (options_.step * options_.step) * residual_.dot(place_);
+  }
+
+  // False where the step ends with too little momentum; then the solve must leave less.
+  bool can_be_taken_back() {
+    image_ = *p0_;
+    filter_.to_basis(image_);
+    return std::abs(energy_defect()) <= 0.5 * kFarthestFix * (image_ + change_).squaredNorm();
+  }
+
   // Scales p so that the kinetic energy falls by `defect`. Not by p *= sqrt(1 - x): near one the
   // roots round to one side, 5e-17 a step.
   static void take_back(double defect, VectorXd& p) {
@@ -264,7 +287,7 @@ class EnergyPreserving final : public Integrator {
     residual_ = (0.5 * h) * (residual_ + image_);
     const double scale =
         std::max({h * p0_->norm(), h * h * gradient_.norm(), h * h * load_->average.norm()});
-    return relative_size(residual_.norm(), options_.tolerance, scale);
+    return relative_size(residual_.norm(), tolerance_, scale);
   }
 
   // gradient_ for the first correction, from the step before: with K at that step's midpoint m',
@@ -380,7 +403,7 @@ class EnergyPreserving final : public Integrator {
     apply_broyden(std::span<const VectorXd>(moves_).first(static_cast<std::size_t>(count)), move);
   }
 
-  // From the start again, with the exact Jacobian and the line search; N is what it was.
+  // From newton_.unknowns, with the exact Jacobian and the line search; N is what it was.
   StepReport solve_exactly(const StepReport& before) {
     const double h = options_.step;
     if (has_filter_) {  // of the step before still
@@ -396,7 +419,6 @@ class EnergyPreserving final : public Integrator {
       filter_.from_basis(image_);
       filter_matrix_.col(j) = image_;
     }
-    newton_.unknowns = h * *p0_;
     StepReport report = solve_newton(newton_, options_.max_iterations, [&] {
       d_ = newton_.unknowns;
       place_ = d_;
@@ -419,11 +441,12 @@ class EnergyPreserving final : public Integrator {
   std::string_view name_;
   Model::Pointer model_;
   IntegratorOptions options_;
+  double tolerance_;  // of the present solve
   bool fourth_;
   bool damped_;
   bool has_filter_ = false;  // filter_ is that of the last step that was made
   bool extrapolated_ = false;
-  State end_;        // of that step
+  State end_;                // of that step
   VectorXd rates_;           // D
   VectorXd momentum_rates_;  // theta D
   VectorXd weight_;          // S

@@ -14,7 +14,8 @@
 //
 // for every h and every theta >= 0: without load and damping the energy stays, with damping it
 // falls. f is the load's average over the step, Df its change from end to end; what stands in
-// brackets is ep4's. theta is diagonal, 1/12 + O(h^2) where N = I - h^2 K/12. All that differs is N:
+// brackets is ep4's. theta is diagonal, 1/12 + O(h^2) where N = I - h^2 K/12. All that differs is
+// N:
 //
 //     avf   N = I                                     (Quispel & McLaren 2008)
 //     ep2   N = diag(x_i cot x_i),  x_i = min(h omega_i/2, 1.2): small vibrations have their exact
@@ -45,8 +46,9 @@
 // (runtime/integrators/newton.h).
 //
 // What the solve leaves of g does work on d: H is off by exactly (2/h^2) g . d, which is known.
-// p1 is scaled to take that back, so the balance holds to rounding whatever the tolerance, but for
-// a step that ends with so little momentum that this would change the kinetic energy by a tenth.
+// p1 is scaled to take that back, so the balance holds to rounding whatever the tolerance; a
+// step that ends with so little momentum that this would change the kinetic energy by a twentieth
+// is solved to 1e-13.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

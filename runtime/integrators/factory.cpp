@@ -1,4 +1,5 @@
 // Names -> integrators: the one place that knows them all.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -33,28 +34,30 @@ Made always(Model::Pointer model, const IntegratorOptions& options) {
   return kMake(std::move(model), options);
 }
 
-// halves: a step whose solve fails may be taken in parts.
+// halves: a step whose solve fails may be taken in parts. drifts: what the solve leaves goes into
+// the energy.
 struct Entry {
   std::string_view name;
   IntegratorMaker make;
   bool halves = false;
+  bool drifts = false;
 };
 
 constexpr std::array kEntries = {
     Entry{"verlet", always<make_verlet>},
-    Entry{"midpoint", always<make_midpoint>, true},
-    Entry{"newmark", always<make_newmark>, true},
-    Entry{"imexv", make_imexv, true},
+    Entry{"midpoint", always<make_midpoint>, true, true},
+    Entry{"newmark", always<make_newmark>, true, true},
+    Entry{"imexv", make_imexv, true, true},
     Entry{"imexv-thesis", make_imexv_thesis},
-    Entry{"imexv-adaptive", make_imexv_adaptive, true},
+    Entry{"imexv-adaptive", make_imexv_adaptive, true, true},
     Entry{"imexv-linear", make_imexv_linear},
-    Entry{"imexv-coupled", make_imexv_coupled, true},
+    Entry{"imexv-coupled", make_imexv_coupled, true, true},
     Entry{"avf", always<make_avf>, true},
     Entry{"ep2", always<make_ep2>, true},
     Entry{"ep4", always<make_ep4>, true},
     Entry{"verlet4", always<make_verlet4>},
     Entry{"explicit-euler", always<make_explicit_euler>},
-    Entry{"implicit-euler", always<make_implicit_euler>, true},
+    Entry{"implicit-euler", always<make_implicit_euler>, true, true},
     Entry{"rk2", always<make_rk2>},
     Entry{"rk4", always<make_rk4>},
 };
@@ -64,6 +67,18 @@ constexpr auto kNames = [] {
   for (std::size_t i = 0; i < names.size(); ++i) names[i] = kEntries[i].name;
   return names;
 }();
+
+// A step of second order errs by (h omega)^3/12 of its own motion, and T/h steps are taken: for the
+// drift to fall with h^2 what the solve leaves must fall with h^3. omega is that of the first mode,
+// the slowest motion there is.
+double solve_tolerance(const Model& model, const IntegratorOptions& options) {
+  constexpr double kShare = 1e-5;   // of (h omega)^3 at which the solve becomes stricter
+  constexpr double kLeast = 1e-13;  // rounding
+  const double angle = options.step * std::sqrt(std::max(0.0, model.lambda()[0]));
+  if (angle == 0.0) return options.tolerance;
+  const double stricter = options.tolerance * (angle * angle * angle / kShare);
+  return std::min(options.tolerance, std::max(kLeast, stricter));
+}
 
 Status refuse(const std::string& what, double value, const char* range) {
   return Error{ErrorKind::kUsage, what + " is " + number_text(value) + ", must be " + range};
@@ -95,12 +110,13 @@ std::span<const std::string_view> integrator_names() {
   return kNames;
 }
 
-Made make_integrator(std::string_view name, Model::Pointer model,
-                     const IntegratorOptions& options) {
+Made make_integrator(std::string_view name, Model::Pointer model, const IntegratorOptions& wanted) {
   if (!model) return Error{ErrorKind::kUsage, "an integrator needs a model"};
   for (const Entry& entry : kEntries) {
     if (entry.name != name) continue;
-    if (Status status = check_options(options); !status) return status.error();
+    if (Status status = check_options(wanted); !status) return status.error();
+    IntegratorOptions options = wanted;
+    if (entry.drifts) options.tolerance = solve_tolerance(*model, wanted);
     if (entry.halves && options.halvings > 0)
       return make_halving(entry.make, std::move(model), options);
     return entry.make(std::move(model), options);

@@ -43,7 +43,9 @@ struct StepReport {
 // the solve, on the residual relative to max(h |p|, h^2 |R|, h^2 |f|); imexv-thesis takes it as
 // absolute, in units of q. Looser than 1e-6 the solver's error shows in the orbit and, but for the
 // energy-preserving methods, in the energy; below 1e-14 rounding may keep the solve from
-// converging. halvings: how often a step whose solve failed may be cut in two; 0 gives up at once.
+// converging. Methods whose energy it shows in take it times (h omega_1)^3/1e-5 where that is less
+// than one, so that a smaller step never drifts more for its solves. halvings: how often a step
+// whose solve failed may be cut in two; 0 gives up at once.
 struct IntegratorOptions {
   double step = 3e-3;
   double alpha = 0.0;

@@ -17,7 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index kStages = 3;
-constexpr double kTolerance = 1e-12;  // of the stages' accelerations, relative to the largest so far
+constexpr double kTolerance =
+    1e-12;  // of the stages' accelerations, relative to the largest so far
 constexpr int kMostCorrections = 30;
 
 const double kRoot6 = std::sqrt(6.0);
@@ -127,8 +128,8 @@ Result<MatrixXd> stiff_orbit(const StiffProblem& problem) {
     for (Index i = 0; i < steps; ++i) {
       const double time = static_cast<double>(k * steps + i) * problem.step;
       if (!radau.step(time))
-        return Error{ErrorKind::kSolver, "Radau's stages could not be solved at " +
-                                             number_text(time) + " s"};
+        return Error{ErrorKind::kSolver,
+                     "Radau's stages could not be solved at " + number_text(time) + " s"};
     }
     q.col(k) = radau.q();
   }

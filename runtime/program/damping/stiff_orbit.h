@@ -1,6 +1,6 @@
-// Reference orbits of damped motion by a method that has nothing in common with the integrators that
-// it judges: Radau IIA of order 5 (Hairer & Wanner 1996, table IV.5.6), stiffly accurate, right on
-// slaved coordinates at any D h.
+// Reference orbits of damped motion by a method that has nothing in common with the integrators
+// that it judges: Radau IIA of order 5 (Hairer & Wanner 1996, table IV.5.6), stiffly accurate,
+// right on slaved coordinates at any D h.
 #pragma once
 
 #include <Eigen/Core>
