@@ -8,28 +8,15 @@
 #include "runtime/integrators/linear_response.h"
 #include "runtime/world.h"
 #include "tests/support/dynamics.h"
+#include "tests/support/linear_model.h"
 #include "tests/support/quad_exponential.h"
 
 namespace tremolo {
 namespace {
 
+using testing::linear_model;
 using testing::Quad;
 using testing::QuadMatrix;
-
-// A model without cubic and quartic terms. omega: rad/s, ascending.
-Model::Pointer linear_model(const Eigen::VectorXd& omega) {
-  BasisData data =
-      testing::sample_basis(testing::random_strain_model(Eigen::VectorXd::Ones(1), 0.0, 1));
-  data.lambda = omega.cwiseAbs2();
-  data.cubic.clear();
-  data.quartic.clear();
-  data.linear_mode_count = static_cast<std::uint64_t>(omega.size());
-  data.surface.rows = BasisRows::Random(data.surface.rows.rows(), omega.size());
-  data.interior.rows = BasisRows::Random(data.interior.rows.rows(), omega.size());
-  Result<Model::Pointer> model = Model::from_data(data, {.linear = true});
-  EXPECT_TRUE(model) << (model ? "" : model.error().message);
-  return *model;
-}
 
 Eigen::VectorXd constant(double value) {
   return Eigen::VectorXd::Constant(1, value);
