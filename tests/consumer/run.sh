@@ -3,7 +3,7 @@
 # by CMake, by pkg-config, as a shared library, and as README.md says. MODEL: a basis file to run
 # on. usage: run.sh BUILD MODEL
 set -eu
-build=$1 model=$(realpath "$2")
+build=$(realpath "$1") model=$(realpath "$2")
 here=$(cd "$(dirname "$0")" && pwd)
 readme=$here/../../README.md
 stage=$build/consumer

@@ -39,8 +39,9 @@ std::vector<std::pair<double, double>> dampings_and_stiffnesses() {
 }
 
 TEST(LinearResponse, IsThatOfTheMatrixExponentialFromFreeToFarOverdamped) {
-  for (const auto& [a, b] : dampings_and_stiffnesses()) {
-    QuadMatrix<7> matrix{};  // u, u', integrals
+  for (const std::pair<double, double>& pair : dampings_and_stiffnesses()) {
+    const double a = pair.first, b = pair.second;  // clang 14 captures no structured binding
+    QuadMatrix<7> matrix{};                        // u, u', integrals
     matrix[0][1] = 1;
     matrix[1][0] = -Quad(b);
     matrix[1][1] = -Quad(a);
