@@ -1,6 +1,7 @@
 #include "runtime/integrators/exact_linear.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -148,7 +149,10 @@ class ExactLinear final : public Integrator {
     }
     report.converged = state.q.allFinite() && state.p.allFinite() &&
                        std::isfinite(report.extra_work) && std::isfinite(report.dissipated);
-    if (!report.converged) state = start_;
+    if (!report.converged) {
+      report.residual = std::numeric_limits<double>::infinity();  // numbers overflowed
+      state = start_;
+    }
     return report;
   }
 
