@@ -65,7 +65,8 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   CLI::Option* linear_modes =
       app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)");
   CLI::Option* modes =
-      app.add_option("--modes", options.modes, "R, coordinates to keep (default 30)");
+      app.add_option("--modes", options.modes,
+                     "R, coordinates to keep (default 30; with --linear all linear modes)");
   CLI::Option* target_error = app.add_option(
       "--target-error", options.target_error,
       "E, e.g. 0.02: as many coordinates as it takes for the static displacement under the\n"

@@ -62,6 +62,12 @@ void report_basis(Run& run, FinishedBasis finished, bool found) {
                                           : 0.0,
       origin(found)));
   if (!cut_note.empty()) run.log.note(cut_note);
+  if (run.options.linear && run.counts.modes < run.counts.linear) {
+    run.result.problem.notes.push_back(
+        text("of the %d linear modes the basis keeps %d; --modes %d, the default, keeps all",
+             run.counts.linear, run.counts.modes, run.counts.linear));
+    run.log.note(run.result.problem.notes.back());
+  }
 }
 
 }  // namespace

@@ -207,7 +207,7 @@ ModeCounts choose_mode_counts(const PrecomputeOptions& options, int free_dofs) {
   const auto k = static_cast<std::size_t>(counts.linear);
   const int most = static_cast<int>(std::min<std::size_t>(k + (options.linear ? 0 : pair_count(k)),
                                                           static_cast<std::size_t>(free_dofs)));
-  counts.modes = options.modes.value_or(std::min(30, most));
+  counts.modes = options.modes.value_or(options.linear ? most : std::min(30, most));
   if (counts.modes < 1 || counts.modes > most)
     refuse("--modes " + std::to_string(counts.modes) + ": " + std::to_string(counts.linear) +
            " linear modes" + (options.linear ? "" : " and their derivatives") + " give at most " +

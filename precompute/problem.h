@@ -31,7 +31,7 @@ struct PrecomputeOptions {
   std::string load_at;                                   // selector; empty: no default load
   Eigen::Vector3d load_force = Eigen::Vector3d::Zero();  // N, shared by the selected vertices
   std::optional<int> linear_modes;                       // k; default 20 or what the mesh has
-  std::optional<int> modes;                              // r; default 30 or what k allows
+  std::optional<int> modes;            // r; default 30 or what k allows, all k of a linear model
   std::optional<double> target_error;  // r so that this is kept (target_error.h), dimensionless
   bool linear = false;                 // the linear modes are the basis; no derivatives, no C, no Q
   BasisEncoding encoding = BasisEncoding::kFull;

@@ -13,6 +13,17 @@ namespace tremolo {
 using lanes::kLanes;
 using std::size_t;
 
+namespace {
+
+// Of the lower triangle; ends at the first entry that says no.
+bool is_diagonal(const Eigen::MatrixXd& a) {
+  for (Eigen::Index j = 0; j + 1 < a.cols(); ++j)
+    if (!a.col(j).tail(a.rows() - j - 1).isZero(0.0)) return false;
+  return true;
+}
+
+}  // namespace
+
 SmallCholesky::SmallCholesky(Eigen::Index size)
     : n_(static_cast<size_t>(size)),
       stride_(lanes::padded(n_ + 1)),
@@ -24,6 +35,12 @@ SmallCholesky::SmallCholesky(Eigen::Index size)
 
 bool SmallCholesky::compute(const Eigen::MatrixXd& a) {
   if (n_ == 0) return true;
+  diagonal_ = is_diagonal(a);
+  if (diagonal_) {
+    for (size_t j = 0; j < n_; ++j) inverse_[j] = 1.0 / a.data()[j * (n_ + 1)];
+    return std::all_of(inverse_.begin(), inverse_.begin() + static_cast<std::ptrdiff_t>(n_),
+                       [](double x) { return x > 0.0 && std::isfinite(x); });
+  }
   for (size_t j = 0; j < n_; ++j)
     std::copy(a.data() + j * n_ + j, a.data() + (j + 1) * n_, columns_.data() + j * stride_ + j);
   return (*TREMOLO_BEST(factor))(n_, stride_, masks_.data(), columns_.data(), rows_.data(),
@@ -32,6 +49,10 @@ bool SmallCholesky::compute(const Eigen::MatrixXd& a) {
 
 void SmallCholesky::solve(Eigen::VectorXd& x) const {
   if (n_ == 0) return;
+  if (diagonal_) {
+    for (size_t j = 0; j < n_; ++j) x.data()[j] *= inverse_[j];
+    return;
+  }
   std::copy(x.data(), x.data() + n_, scratch_.begin());
   (*TREMOLO_BEST(solve_both))(n_, stride_, columns_.data(), rows_.data(), inverse_.data(),
                               scratch_.data());

@@ -8,8 +8,9 @@
 
 namespace tremolo {
 
-// A = L D L^T, L with a unit diagonal: the same without roots. All is sized by the constructor;
-// nothing is allocated later.
+// A = L D L^T, L with a unit diagonal: the same without roots. A diagonal A, as every step of a
+// linear model has, is its own D: it is seen, and costs no products. All is sized by the
+// constructor; nothing is allocated later.
 class SmallCholesky {
  public:
   explicit SmallCholesky(Eigen::Index size);
@@ -24,6 +25,7 @@ class SmallCholesky {
  private:
   std::size_t n_;
   std::size_t stride_;
+  bool diagonal_ = false;
   AlignedDoubles masks_;
   AlignedDoubles columns_;  // L column by column, padded, zeros above the diagonal
   AlignedDoubles rows_;     // L D row by row, without the diagonal

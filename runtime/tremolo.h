@@ -25,6 +25,9 @@
  * Threads. A model may be used by any number of threads, a body or a world by one at a time. The
  * error message belongs to the calling thread.
  *
+ * Linking. `pkg-config --cflags --libs tremolo-c` is libtremolo.so, which exports what stands here
+ * and nothing else; `pkg-config --cflags --libs --static tremolo` the static libraries.
+ *
  * Units are SI. Vertices are named by their index in the mesh that was precomputed. Null pointers
  * where an object or a buffer is needed are TREMOLO_USAGE.
  */

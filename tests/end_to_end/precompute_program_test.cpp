@@ -83,6 +83,23 @@ TEST_F(PrecomputeProgram, ACompactFileTellsItsErrorsOnStderrInJsonAndInItself) {
   EXPECT_TRUE(compact->surface.rows.isApprox(full->surface.rows, 1e-4));
 }
 
+TEST_F(PrecomputeProgram, ALinearModelKeepsEveryLinearModeAskedForAndTellsACut) {
+  const std::string linear = "block.veg -o out.tremolo --fix 'x<0.001' --linear-modes 40 --linear";
+  const ProgramResult all = run(linear + " --json");
+  ASSERT_EQ(all.code, 0) << all.err;
+  const auto json = nlohmann::json::parse(all.out);
+  EXPECT_EQ(json["r"], 40);
+  EXPECT_EQ(json["frequencies_hz"].size(), 40u);
+  EXPECT_EQ(all.err.find("of the 40 linear modes"), std::string::npos) << all.err;
+  const ProgramResult cut = run(linear + " --modes 30 --json");
+  ASSERT_EQ(cut.code, 0) << cut.err;
+  const std::string note = "of the 40 linear modes the basis keeps 30";
+  EXPECT_NE(cut.err.find(note), std::string::npos) << cut.err;
+  const auto less = nlohmann::json::parse(cut.out);
+  EXPECT_EQ(less["r"], 30);
+  EXPECT_NE(less["notes"].dump().find(note), std::string::npos) << less["notes"];
+}
+
 TEST_F(PrecomputeProgram, ALinearModelIsItsLinearModesAlone) {
   const std::string linear = "block.veg -o out.tremolo --fix 'x<0.001' --linear-modes 4 --linear";
   const ProgramResult result = run(linear + " --json");

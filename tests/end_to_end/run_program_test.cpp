@@ -103,6 +103,26 @@ TEST_F(RunProgram, MethodsAgreeOnAResolvedMotion) {
   EXPECT_NEAR(energies[0], energies[1], 1e-3 * energies[0]);  // (h omega)^2 of the motion's modes
 }
 
+TEST_F(RunProgram, ALinearModelTakesTheSameWayAtEveryStepByDefault) {
+  // 24 ms and 0.1 ms: hw of the highest coordinate is far above 2 at the one and resolved at the
+  // other.
+  std::vector<double> ends;
+  for (const char* step : {"0.024", "0.0001"}) {
+    const ProgramResult result = run("run " + model() + " --linear --json --duration 0.48 " +
+                                     "--alpha 0.5 --beta 0.001 --load constant --step " + step);
+    ASSERT_EQ(result.code, 0) << result.err;
+    const json report = json::parse(result.out);
+    EXPECT_EQ(report["integrator"], "ep4");
+    EXPECT_EQ(report["iterations_per_step"], 0.0);
+    EXPECT_LE(report["energy_drift_max"], 1e-12);
+    EXPECT_GT(report["dissipated"], 0.0);
+    ends.push_back(report["energy_final"]);
+    ends.push_back(report["dissipated"]);
+  }
+  EXPECT_NEAR(ends[0] / ends[2], 1.0, 1e-11);
+  EXPECT_NEAR(ends[1] / ends[3], 1.0, 1e-11);
+}
+
 TEST_F(RunProgram, WritesARowForEachRecordedMomentWithTheChosenColumns) {
   const ProgramResult result =
       run("run " + model() +

@@ -10,6 +10,7 @@
 #include "runtime/integrators/newton.h"
 #include "runtime/world.h"
 #include "tests/support/dynamics.h"
+#include "tests/support/linear_model.h"
 
 namespace {
 std::atomic<long> allocations = 0;  // of all threads
@@ -90,6 +91,17 @@ TEST(Allocation, NoStepOfAnyMethodAllocates) {
       // From the very first step on: everything is made when the body is.
       EXPECT_EQ(allocations_of_steps(body, 20), 0) << name << ", r = " << r;
     }
+}
+
+TEST(Allocation, NoStepOfALargeLinearModelAllocates) {
+  for (const double alpha : {0.0, 0.3}) {
+    Result<Body> body = Body::create(testing::linear_model(testing::spread_omega(600, 5.0, 9e4)),
+                                     "ep4", {.step = 1.0 / 44100.0, .alpha = alpha});
+    ASSERT_TRUE(body);
+    ASSERT_TRUE(body->add_load({.kind = SignalKind::kSine}, 5, {0.1, 0.2, 0.3}));
+    ASSERT_TRUE(body->apply_force(5, {1.0, 0.0, 0.0}, 3));
+    EXPECT_EQ(allocations_of_steps(*body, 20), 0) << alpha;
+  }
 }
 
 TEST(Allocation, NoStepAllocatesWhereTheJacobianIsIndefinite) {

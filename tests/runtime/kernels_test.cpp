@@ -1,4 +1,6 @@
 // The fast kernels against each other and against plain linear algebra.
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -128,6 +130,43 @@ TEST_P(KernelSize, PairKernelGivesTheGradientOfTheUniqueOne) {
           (3.0 * b[pair_index_any(i, j)] + 4.0 * a[pair_index_any(i, j)]) *
           q[static_cast<Eigen::Index>(i)];
   EXPECT_LE((product - gradient).norm(), 1e-13 * gradient.norm());
+}
+
+// The shortest of three, s.
+double seconds_to_factor(SmallCholesky& cholesky, const MatrixXd& a) {
+  double best = 1e9;
+  for (int k = 0; k < 3; ++k) {
+    const auto before = std::chrono::steady_clock::now();
+    EXPECT_TRUE(cholesky.compute(a));
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - before;
+    best = std::min(best, spent.count());
+  }
+  return best;
+}
+
+TEST(SmallCholesky, ADiagonalMatrixCostsNoProducts) {
+  constexpr Eigen::Index kSize = 800;
+  SmallCholesky cholesky(kSize);
+  const VectorXd d = random_vector(kSize, 1.0, 3).cwiseAbs() + VectorXd::Constant(kSize, 0.1);
+  MatrixXd a = d.asDiagonal();
+  const double diagonal = seconds_to_factor(cholesky, a);
+  const VectorXd b = random_vector(kSize, 1.0, 10);
+  VectorXd x = b;
+  cholesky.solve(x);
+  EXPECT_LE((d.cwiseProduct(x) - b).cwiseAbs().maxCoeff(), 1e-15);  // two roundings
+  // The last entry that can be set: it is seen, and makes the whole product necessary.
+  a(kSize - 1, kSize - 2) = 0.01;
+  EXPECT_LT(diagonal, 0.3 * seconds_to_factor(cholesky, a));  // a twentieth
+  x = b;
+  cholesky.solve(x);
+  a(kSize - 2, kSize - 1) = 0.01;
+  EXPECT_LE((a * x - b).norm(), 1e-13);
+  a.setZero();
+  a.diagonal() = d;
+  for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    a(7, 7) = bad;
+    EXPECT_FALSE(cholesky.compute(a)) << bad;
+  }
 }
 
 TEST(SmallCholesky, SolvesAndRefuses) {

@@ -1,0 +1,23 @@
+# libtremolo.so: the whole engine behind the C interface, tremolo.h. It exports the functions of
+# that header and nothing else: C++ across a library's boundary would bind both sides to one
+# compiler, one set of flags and one Eigen. C++ programs take the static libraries.
+include(CheckLinkerFlag)
+set(tremolo_abi ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+add_library(tremolo_shared SHARED ${PROJECT_SOURCE_DIR}/cmake/shared.c)
+add_library(tremolo::shared ALIAS tremolo_shared)
+set_target_properties(tremolo_shared PROPERTIES
+  EXPORT_NAME shared OUTPUT_NAME tremolo LINKER_LANGUAGE CXX
+  VERSION ${PROJECT_VERSION} SOVERSION ${tremolo_abi}
+  LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
+target_link_libraries(tremolo_shared PRIVATE
+  $<BUILD_INTERFACE:$<LINK_LIBRARY:WHOLE_ARCHIVE,tremolo_runtime>> $<BUILD_INTERFACE:tremolo_flags>)
+target_include_directories(tremolo_shared INTERFACE
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/runtime> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+set(tremolo_map ${PROJECT_BINARY_DIR}/tremolo.map)
+file(WRITE ${tremolo_map}.new "TREMOLO_${tremolo_abi} { global: tremolo_*; local: *; };\n")
+file(COPY_FILE ${tremolo_map}.new ${tremolo_map} ONLY_IF_DIFFERENT)
+check_linker_flag(CXX -Wl,--version-script=${tremolo_map} TREMOLO_HAS_VERSION_SCRIPT)
+if(TREMOLO_HAS_VERSION_SCRIPT)
+  target_link_options(tremolo_shared PRIVATE -Wl,--version-script=${tremolo_map})
+  set_target_properties(tremolo_shared PROPERTIES LINK_DEPENDS ${tremolo_map})
+endif()

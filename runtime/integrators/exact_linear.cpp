@@ -1,0 +1,199 @@
+#include "runtime/integrators/exact_linear.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "runtime/clones.h"
+#include "runtime/damping.h"
+#include "runtime/integrators/linear_response.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+
+constexpr double kNothing = 1e-290;  // of q and p, in their units
+
+// What multiplies q0, p0, g0, g1, g2 in a quantity of the step; each r long.
+struct Row {
+  explicit Row(Index r) : q(r), p(r), g0(r), g1(r), g2(r) {}
+  ArrayXd q, p, g0, g1, g2;
+};
+
+// Of the free, undamped motion: q += tangent p, p -= sine q, q += tangent p, times sign.
+struct Shears {
+  explicit Shears(Index r) : tangent(r), sine(r), sign(r) {}
+  ArrayXd tangent, sine, sign;
+};
+
+void set_shear(double lambda, double h, Index i, Shears& shears) {
+  const double omega = std::sqrt(lambda);
+  int turns = 0;
+  const double angle = std::remquo(h * omega, std::numbers::pi, &turns);
+  shears.tangent[i] = omega == 0.0 ? 0.5 * h : std::tan(0.5 * angle) / omega;
+  shears.sine[i] = omega * std::sin(angle);
+  shears.sign[i] = turns % 2 == 0 ? 1.0 : -1.0;
+}
+
+// ---- one pass over the coordinates each ----
+
+TREMOLO_CLONES void turn(const Shears& shears, Index r, double* q, double* p) {
+  const double *t = shears.tangent.data(), *s = shears.sine.data(), *sign = shears.sign.data();
+#pragma omp simd
+  for (Index i = 0; i < r; ++i) {
+    const double middle = q[i] + t[i] * p[i];
+    const double end = p[i] - s[i] * middle;
+    q[i] = sign[i] * (middle + t[i] * end);
+    p[i] = sign[i] * end;
+  }
+}
+
+TREMOLO_CLONES void decay(const Row& place, const Row& momentum, Index r, double* q, double* p) {
+  const double *qq = place.q.data(), *qp = place.p.data();
+  const double *pq = momentum.q.data(), *pp = momentum.p.data();
+#pragma omp simd
+  for (Index i = 0; i < r; ++i) {
+    const double next = qq[i] * q[i] + qp[i] * p[i];
+    const double end = pq[i] * q[i] + pp[i] * p[i];
+    q[i] = std::abs(next) < kNothing ? 0.0 : next;
+    p[i] = std::abs(end) < kNothing ? 0.0 : end;
+  }
+}
+
+TREMOLO_CLONES void push(const Row& place, const Row& momentum, const StepLoad& load, Index r,
+                         double* q, double* p) {
+  const double *f0 = load.start.data(), *mean = load.average.data(), *f1 = load.end.data();
+  const double *q0 = place.g0.data(), *q1 = place.g1.data(), *q2 = place.g2.data();
+  const double *p0 = momentum.g0.data(), *p1 = momentum.g1.data(), *p2 = momentum.g2.data();
+#pragma omp simd
+  for (Index i = 0; i < r; ++i) {
+    const double g1 = 6.0 * mean[i] - 4.0 * f0[i] - 2.0 * f1[i];
+    const double g2 = 3.0 * (f0[i] + f1[i]) - 6.0 * mean[i];
+    q[i] += f0[i] * q0[i] + g1 * q1[i] + g2 * q2[i];
+    p[i] += f0[i] * p0[i] + g1 * p1[i] + g2 * p2[i];
+  }
+}
+
+// H1 - H0, J, as products of differences and sums: a small change of a large energy is not lost.
+TREMOLO_CLONES double gain(const double* lambda, const State& from, const State& to, Index r) {
+  const double *q0 = from.q.data(), *p0 = from.p.data(), *q1 = to.q.data(), *p1 = to.p.data();
+  double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+  for (Index i = 0; i < r; ++i)
+    sum += (p1[i] - p0[i]) * (p1[i] + p0[i]) + lambda[i] * (q1[i] - q0[i]) * (q1[i] + q0[i]);
+  return 0.5 * sum;
+}
+
+// The integral of (f - average).p over the step, J. By parts, with the averages of q and of s q:
+//     f - average = g1 (s - 1/2) + g2 (s^2 - 1/3).
+// mean: of q. first: the double integral of q over h^2; mean - first is the average of s q.
+TREMOLO_CLONES double extra_work(const Row& mean, const Row& first, const State& from,
+                                 const State& to, const StepLoad& load, Index r) {
+  const double *f0 = load.start.data(), *average = load.average.data(), *f1 = load.end.data();
+  const double *q0 = from.q.data(), *p0 = from.p.data(), *q1 = to.q.data();
+  const double *mq = mean.q.data(), *mp = mean.p.data(), *m0 = mean.g0.data();
+  const double *m1 = mean.g1.data(), *m2 = mean.g2.data();
+  const double *dq = first.q.data(), *dp = first.p.data(), *d0 = first.g0.data();
+  const double *d1 = first.g1.data(), *d2 = first.g2.data();
+  double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+  for (Index i = 0; i < r; ++i) {
+    const double g1 = 6.0 * average[i] - 4.0 * f0[i] - 2.0 * f1[i];
+    const double g2 = 3.0 * (f0[i] + f1[i]) - 6.0 * average[i];
+    const double of_q = mq[i] * q0[i] + mp[i] * p0[i] + m0[i] * f0[i] + m1[i] * g1 + m2[i] * g2;
+    const double of_sq =
+        of_q - (dq[i] * q0[i] + dp[i] * p0[i] + d0[i] * f0[i] + d1[i] * g1 + d2[i] * g2);
+    sum += g1 * (0.5 * (q0[i] + q1[i]) - of_q) + g2 * ((2.0 * q1[i] + q0[i]) / 3.0 - 2.0 * of_sq);
+  }
+  return sum;
+}
+
+// ---- the method ----
+
+class ExactLinear final : public Integrator {
+ public:
+  ExactLinear(std::string_view name, Model::Pointer model, const IntegratorOptions& options)
+      : name_(name),
+        model_(std::move(model)),
+        damped_(options.alpha > 0.0 || options.beta > 0.0),
+        shears_(model_->modes()),
+        place_(model_->modes()),
+        momentum_(model_->modes()),
+        mean_(model_->modes()),
+        first_(model_->modes()),
+        start_{model_->lambda(), model_->lambda()} {
+    const Eigen::VectorXd rates = damping_rates(model_->lambda(), options.alpha, options.beta);
+    for (Index i = 0; i < model_->modes(); ++i) {
+      set_shear(model_->lambda()[i], options.step, i, shears_);
+      set_rows(model_->lambda()[i], rates[i], options.step, i);
+    }
+  }
+
+  StepReport step(State& state, const StepLoad& load) noexcept override {
+    const Index r = model_->modes();
+    StepReport report;
+    start_ = state;
+    if (damped_)
+      decay(place_, momentum_, r, state.q.data(), state.p.data());
+    else
+      turn(shears_, r, state.q.data(), state.p.data());
+    if (load.active) push(place_, momentum_, load, r, state.q.data(), state.p.data());
+    if (load.active && !(load.start == load.end && load.start == load.average))
+      report.extra_work = extra_work(mean_, first_, start_, state, load, r);
+    if (damped_) {
+      report.dissipated = report.extra_work - gain(model_->lambda().data(), start_, state, r);
+      if (load.active) report.dissipated += load.average.dot(state.q - start_.q);
+    }
+    report.converged = state.q.allFinite() && state.p.allFinite() &&
+                       std::isfinite(report.extra_work) && std::isfinite(report.dissipated);
+    if (!report.converged) {
+      report.residual = std::numeric_limits<double>::infinity();  // numbers overflowed
+      state = start_;
+    }
+    return report;
+  }
+
+  std::string_view name() const override { return name_; }
+
+ private:
+  void set_rows(double lambda, double rate, double h, Index i) {
+    const double a = rate * h, b = lambda * h * h;
+    const LinearResponse response = linear_response(a, b);
+    const auto& j = response.integral;
+    set(place_, i, response.place, h * j[0], h * h, &j[1]);
+    set(momentum_, i, -lambda * h * j[0], response.velocity, h, &j[0]);
+    set(mean_, i, j[0] + a * j[1], h * j[1], h * h, &j[2]);
+    set(first_, i, j[1] + a * j[2], h * j[2], h * h, &j[3]);
+  }
+
+  // integrals: of u, as the load's three parts want them.
+  static void set(Row& row, Index i, double q, double p, double scale, const double* integrals) {
+    row.q[i] = q;
+    row.p[i] = p;
+    row.g0[i] = scale * integrals[0];
+    row.g1[i] = scale * integrals[1];
+    row.g2[i] = 2.0 * scale * integrals[2];
+  }
+
+  std::string_view name_;
+  Model::Pointer model_;
+  bool damped_;
+  Shears shears_;
+  Row place_;     // q1
+  Row momentum_;  // p1
+  Row mean_;      // of q over the step
+  Row first_;     // the double integral of q over h^2
+  State start_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_exact_linear(std::string_view name, Model::Pointer model,
+                                              const IntegratorOptions& options) {
+  return std::make_unique<ExactLinear>(name, std::move(model), options);
+}
+
+}  // namespace tremolo
