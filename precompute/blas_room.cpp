@@ -87,8 +87,10 @@ void require_room_for_blas(char** environment) {
       std::min(static_cast<unsigned>(blas_threads_at_start(environment)), kMostThreads);
   const std::size_t needed = threads * (kBuffer + kStack) + kRest;
   if (there_is_room(needed)) return;
+  // What take_room_for_blas() will ask for, if there are to be as many threads of ours.
+  const std::size_t later = (2 * threads - 1) * (kBuffer + kStack) + kRest;
   char reason[400];
-  describe(reason, sizeof(reason), needed, kBuffer + kStack + kRest);
+  describe(reason, sizeof(reason), later, kBuffer + kStack + kRest);
   char line[450];
   const int length = std::snprintf(line, sizeof(line), "tremolo-precompute: %s\n", reason);
   // Who cannot even write this has no other way to say it.
