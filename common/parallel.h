@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
+#include <new>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -27,7 +29,12 @@ void parallel_for(std::size_t count, unsigned threads, const Body& body) {
     }
   };
   std::vector<std::thread> helpers;
-  for (unsigned t = 1; t < threads && t < count; ++t) helpers.emplace_back(work);
+  // Where the system gives no more threads, those that there are do it.
+  try {
+    for (unsigned t = 1; t < threads && t < count; ++t) helpers.emplace_back(work);
+  } catch (const std::system_error&) {
+  } catch (const std::bad_alloc&) {
+  }
   work();
   for (std::thread& helper : helpers) helper.join();
   if (thrown) std::rethrow_exception(thrown);

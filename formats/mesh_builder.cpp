@@ -74,12 +74,13 @@ bool MeshBuilder::resolve(std::int64_t cell, std::span<const std::int64_t> nodes
 }
 
 bool MeshBuilder::add_cell(std::int64_t cell, const CellKind& kind,
-                           std::span<const VertexId> vertices) {
+                           std::span<const VertexId> vertices, bool in_set) {
   if (kind.role == CellKind::Role::kHigherTetrahedron)
     return refuse("element " + std::to_string(cell) + " is one of " + std::string(kind.plural) +
                   ", expected linear tetrahedra (4 nodes): export the mesh with order 1");
   if (kind.role == CellKind::Role::kOther) {
-    ++skipped_[kind.plural];
+    Others& others = others_[kind.plural];
+    ++(in_set ? others.in_sets : others.skipped);
     return true;
   }
   if (vertices.size() != 4)
@@ -119,10 +120,15 @@ void MeshBuilder::set_regions(std::span<const std::int64_t> label_of_tet,
 
 Result<MeshFile> MeshBuilder::finish(std::string format) {
   std::string others;
-  for (const auto& [plural, count] : skipped_) {
-    const std::string cells = std::to_string(count) + " " + std::string(plural);
-    notes_.push_back(cells + " skipped");
-    others += (others.empty() ? "" : ", ") + cells;
+  const auto cells = [](std::size_t count, std::string_view plural) {
+    return std::to_string(count) + " " + std::string(plural);
+  };
+  for (const auto& [plural, count] : others_) {
+    if (count.in_sets > 0)
+      notes_.push_back(cells(count.in_sets, plural) +
+                       " are in named sets, for selectors; only tetrahedra are computed with");
+    if (count.skipped > 0) notes_.push_back(cells(count.skipped, plural) + " skipped");
+    others += (others.empty() ? "" : ", ") + cells(count.in_sets + count.skipped, plural);
   }
   if (mesh_.tetrahedra.empty())
     return content_error(file_ + ": expected tetrahedra, found " +

@@ -38,7 +38,9 @@ class MeshBuilder {
   bool resolve(std::int64_t cell, std::span<const std::int64_t> nodes,
                std::vector<VertexId>& vertices);
   // A cell of any kind: a tetrahedron is kept, another is counted, one of higher order refused.
-  bool add_cell(std::int64_t cell, const CellKind& kind, std::span<const VertexId> vertices);
+  // in_set: its vertices will be of a named set, so it is not there for nothing.
+  bool add_cell(std::int64_t cell, const CellKind& kind, std::span<const VertexId> vertices,
+                bool in_set = false);
 
   void add_to_set(const std::string& name, std::span<const VertexId> vertices);
   // The regions, from a label of each tetrahedron kept so far, in order. name: of a label; labels
@@ -52,8 +54,8 @@ class MeshBuilder {
   TetMesh& mesh() { return mesh_; }
   const std::string& complaint() const { return complaint_; }
 
-  // Sorts the sets and notes what was skipped. A file without tetrahedra is an error (kContent)
-  // that says what it holds.
+  // Sorts the sets and notes what was skipped or serves for sets only. A file without tetrahedra is
+  // an error (kContent) that says what it holds.
   Result<MeshFile> finish(std::string format);
 
  private:
@@ -69,7 +71,12 @@ class MeshBuilder {
   bool consecutive_ = true;
   std::vector<std::int64_t> ids_;
   std::vector<std::pair<std::int64_t, VertexId>> index_of_id_;
-  std::map<std::string_view, std::size_t> skipped_;
+  // Of cells that are no tetrahedra, by kind.
+  struct Others {
+    std::size_t skipped = 0;
+    std::size_t in_sets = 0;
+  };
+  std::map<std::string_view, Others> others_;
   std::vector<std::string> notes_;
   std::vector<FileMaterial> materials_;
   std::string complaint_;

@@ -51,7 +51,7 @@ Status read_body(Reading& reading, std::int64_t id, std::int64_t type, const Cel
   for (std::int64_t& node : reading.nodes)
     if (!reading.input.integer(node, "a node of an element")) return reading.input.error();
   if (!reading.builder.resolve(id, reading.nodes, reading.vertices) ||
-      !reading.builder.add_cell(id, kind, reading.vertices))
+      !reading.builder.add_cell(id, kind, reading.vertices, physical != 0))
     return reading.input.problem(reading.builder.complaint());
   reading.groups.add(msh_dimension(static_cast<int>(type)), physical, reading.vertices);
   if (kind.role == CellKind::Role::kTetrahedron) reading.physical_of_tet.push_back(physical);

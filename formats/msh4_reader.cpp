@@ -101,7 +101,8 @@ struct Elements {
   std::vector<VertexId> of_block;
 };
 
-Status read_element_block(MshInput& input, const Block& block, Elements& elements,
+// in_set: the block's entity is in a physical group.
+Status read_element_block(MshInput& input, const Block& block, bool in_set, Elements& elements,
                           MeshBuilder& builder) {
   const CellKind* kind =
       block.kind < 0 || block.kind > 1000 ? nullptr : msh_cell(static_cast<int>(block.kind));
@@ -118,7 +119,7 @@ Status read_element_block(MshInput& input, const Block& block, Elements& element
     Status status = read_ids(input, node_count, elements.nodes);
     if (!status) return status;
     if (!builder.resolve(id, elements.nodes, elements.vertices) ||
-        !builder.add_cell(id, *kind, elements.vertices))
+        !builder.add_cell(id, *kind, elements.vertices, in_set))
       return input.problem(builder.complaint());
     elements.of_block.insert(elements.of_block.end(), elements.vertices.begin(),
                              elements.vertices.end());
@@ -205,12 +206,14 @@ Status read_msh4_elements(MshInput& input, const MshEntities& entities, MeshBuil
   for (std::uint64_t n = 0; n < blocks; ++n) {
     Block block;
     Status status = read_block(input, left, "elements", block);
-    if (status) status = read_element_block(input, block, elements, builder);
-    if (!status) return status;
-    left -= block.count;
     const int dimension = static_cast<int>(block.dimension);
     const auto entity = entities.find({dimension, block.entity});
     const bool grouped = entity != entities.end();
+    if (status)
+      status = read_element_block(input, block, grouped && first_group(entity->second) != 0,
+                                  elements, builder);
+    if (!status) return status;
+    left -= block.count;
     const std::size_t before = volume_of_tet.size();
     volume_of_tet.resize(builder.mesh().tetrahedra.size(),
                          grouped && dimension == 3 ? first_group(entity->second) : 0);

@@ -9,6 +9,7 @@
 #include "precompute/blas_threads.h"
 #include "precompute/dense_decompositions.h"
 #include "precompute/failure.h"
+#include "precompute/many_columns.h"
 #include "precompute/parallel_columns.h"
 #include "precompute/sparse_rows.h"
 
@@ -29,30 +30,6 @@ Eigen::VectorXd weights(const Eigen::VectorXd& w2, double amplitude, Eigen::Inde
   return weight;
 }
 
-// A X for some columns.
-Columns product(Mat matrix, const ColumnsRef& x, unsigned threads) {
-  if (mpi_ranks() > 1) return multiply(matrix, x);
-  const SparseRows rows = sparse_rows(matrix);
-  Columns y(x.rows(), x.cols());
-  parallel_columns(x.cols(), 4, threads, [&](Eigen::Index first, Eigen::Index count) {
-    multiply(rows, x.middleCols(first, count), y.middleCols(first, count));
-  });
-  return y;
-}
-
-// X^T A X by blocks of columns, the upper triangle mirrored.
-Eigen::MatrixXd gram(Mat matrix, const ColumnsRef& x, unsigned threads) {
-  constexpr Eigen::Index kBlock = 32;
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(x.cols(), x.cols());
-  for (Eigen::Index first = 0; first < x.cols(); first += kBlock) {
-    const Eigen::Index count = std::min(kBlock, x.cols() - first);
-    products.block(0, first, first + count, count) = transposed_product(
-        x.leftCols(first + count), product(matrix, x.middleCols(first, count), threads));
-  }
-  sum_over_ranks(products);
-  return products.selfadjointView<Eigen::Upper>();
-}
-
 // X <- X P, by blocks of rows: P's columns are no more than X's, the rest of X is left as it is.
 void transform(ColumnsOut x, const Eigen::MatrixXd& p, unsigned threads) {
   constexpr Eigen::Index kRows = 1024;
@@ -63,15 +40,18 @@ void transform(ColumnsOut x, const Eigen::MatrixXd& p, unsigned threads) {
   });
 }
 
+// By BLAS where there are many; fewer give the same digits as ever.
+Eigen::MatrixXd product_of(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  if (a.cols() < kLarge) return a * b;
+  Eigen::MatrixXd c(a.rows(), b.cols());
+  add_product(1.0, a, b, 0.0, c);
+  return c;
+}
+
 // W = Q T with Q^T M Q = I, W = columns * weight. A Gram matrix squares the condition, so columns
 // are first scaled to unit M-norm and compressed to the directions it can resolve; a second pass on
 // the compressed columns, now well conditioned, makes Q orthonormal to rounding. What comes back is
 // Q = columns * q, the first `rank` columns having been changed in place.
-struct Factored {
-  Eigen::Index rank;
-  Eigen::MatrixXd q;
-  Eigen::MatrixXd t;
-};
 Factored orthonormalise(Mat mass, Columns& columns, const Eigen::VectorXd& weight,
                         unsigned threads) {
   const Eigen::MatrixXd first = gram(mass, columns, threads);
@@ -112,7 +92,7 @@ void find_directions(PrincipalColumns& principal) {
   principal.singular_values = pairs.values;
   principal.rank =
       (principal.singular_values.array() > kRank * principal.singular_values[0]).count();
-  principal.turn = principal.q * pairs.vectors;
+  principal.turn = product_of(principal.q, pairs.vectors);
 }
 
 }  // namespace
@@ -126,16 +106,23 @@ Columns PrincipalColumns::first(Eigen::Index r) const {
 }
 
 PrincipalColumns principal_columns(const Matrices& matrices, Columns columns,
-                                   const Eigen::VectorXd& w2, double amplitude, unsigned threads) {
+                                   const Eigen::VectorXd& w2, double amplitude, unsigned threads,
+                                   const Tell& tell) {
   PrincipalColumns principal;
   principal.linear_modes = w2.size();
-  Factored factored =
-      orthonormalise(matrices.mass.get(), columns, weights(w2, amplitude, columns.cols()), threads);
+  const Mat mass = matrices.mass.get();
+  const Eigen::VectorXd weight = weights(w2, amplitude, columns.cols());
+  // Before any BLAS of its own: they go back when all is done.
+  const bool many = columns.cols() >= kLarge;
+  const BlasThreads all(many ? static_cast<int>(threads) : blas_thread_count());
+  Factored factored = many ? orthonormalise_many(mass, columns, weight, threads, tell)
+                           : orthonormalise(mass, columns, weight, threads);
   columns.conservativeResize(Eigen::NoChange, factored.rank);
   principal.kept.resize(columns.rows(), 0);
   principal.columns = std::move(columns);
   principal.q = std::move(factored.q);
   principal.t = std::move(factored.t);
+  if (many && tell) tell(text("singular values of %d rows", static_cast<int>(factored.rank)));
   find_directions(principal);
   return principal;
 }
@@ -160,8 +147,9 @@ void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
   const auto count = (left.values.array() > kLeft).count();
   const Eigen::VectorXd root = left.values.tail(count).cwiseSqrt();
   const Eigen::MatrixXd directions = left.vectors.rightCols(count);
-  principal.q = Eigen::MatrixXd(principal.q * directions * root.cwiseInverse().asDiagonal());
-  principal.t = Eigen::MatrixXd(root.asDiagonal() * directions.transpose() * principal.t);
+  principal.q =
+      Eigen::MatrixXd(product_of(principal.q, directions) * root.cwiseInverse().asDiagonal());
+  principal.t = product_of(root.asDiagonal() * directions.transpose(), principal.t);
   principal.kept = std::move(vectors);
   find_directions(principal);
 }

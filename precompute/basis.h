@@ -2,6 +2,7 @@
 // rotation that makes the stiffness diagonal, so that "low" and "high" coordinates mean something).
 #pragma once
 
+#include "precompute/many_columns.h"
 #include "precompute/mode_clusters.h"
 
 namespace tremolo {
@@ -32,8 +33,10 @@ struct PrincipalColumns {
 };
 
 // columns, w2, amplitude: as make_basis() has them.
+// tell: hears what is under way of many columns (many_columns.h).
 PrincipalColumns principal_columns(const Matrices& matrices, Columns columns,
-                                   const Eigen::VectorXd& w2, double amplitude, unsigned threads);
+                                   const Eigen::VectorXd& w2, double amplitude, unsigned threads,
+                                   const Tell& tell = {});
 
 // Takes vectors (local x s, independent) among those that no cut takes; the directions and their
 // singular values are then of what the columns hold beyond them.

@@ -14,13 +14,16 @@ char* openblas_get_corename() __attribute__((weak));
 
 namespace tremolo {
 
-BlasThreads::BlasThreads(int threads)
-    : before_(openblas_get_num_threads ? openblas_get_num_threads() : 0) {
-  if (openblas_set_num_threads) openblas_set_num_threads(threads);
+BlasThreads::BlasThreads(int threads) : before_(blas_thread_count()) {
+  if (openblas_set_num_threads && threads > 0) openblas_set_num_threads(threads);
 }
 
 BlasThreads::~BlasThreads() {
   if (openblas_set_num_threads && before_ > 0) openblas_set_num_threads(before_);
+}
+
+int blas_thread_count() {
+  return openblas_get_num_threads ? openblas_get_num_threads() : 0;
 }
 
 void use_fast_blas_kernels(char** words) {

@@ -23,6 +23,9 @@ class BlasThreads {
 // To be called first. What the user has set stays.
 void use_fast_blas_kernels(char** words);
 
+// How many threads BLAS uses inside one call; 0 where it does not say.
+int blas_thread_count();
+
 // "OpenBLAS 0.3.21 ... SkylakeX": version, and the kernels of this machine, whose last digits are
 // their own. "unknown" of another BLAS.
 std::string blas_name();

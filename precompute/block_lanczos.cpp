@@ -113,8 +113,13 @@ void apply_inverse(const Pencil& pencil, const ColumnsOut& x) {
 
 LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance) {
   const Eigen::Index rows = pencil.rows;
-  const Eigen::Index most =
-      std::min<Eigen::Index>(pencil.all_rows, 8 * Eigen::Index{wanted} + 20 * kBlock);
+  // Many parts of much the same shape have as many frequencies next to each other, which only a
+  // large basis tells apart.
+  constexpr Eigen::Index kMostMore = 1500;
+  const Eigen::Index several =
+      pencil.deflated->cols() > 6 ? std::min(kMostMore, 2 * pencil.deflated->cols()) : 0;
+  const Eigen::Index usual = 8 * Eigen::Index{wanted} + 20 * kBlock;
+  const Eigen::Index most = std::min<Eigen::Index>(pencil.all_rows, usual + several);
   LanczosPairs pairs;
   Columns v(rows, most);
   Eigen::MatrixXd t = Eigen::MatrixXd::Zero(most, most);  // V^T M A V
@@ -132,10 +137,16 @@ LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance) {
     t.block(0, first, size, width) = along;
     t.block(first, 0, width, size) = along.transpose();
 
-    const EigenPairs ritz = eigenpairs(t.topLeftCorner(size, size));
-    largest = std::max(largest, ritz.values.cwiseAbs().maxCoeff());
+    // In a large basis to look is more work than to go on.
+    constexpr Eigen::Index kSeldom = 8 * kBlock;
+    const bool look = size <= usual || size % kSeldom < kBlock || size + kBlock > most;
+    EigenPairs ritz;
+    if (look) {
+      ritz = eigenpairs(t.topLeftCorner(size, size));
+      largest = std::max(largest, ritz.values.cwiseAbs().maxCoeff());
+    }
     const auto [next, coupling] = orthonormalise(pencil, w, largest);
-    if (size >= wanted) {
+    if (look && size >= wanted) {
       const Eigen::MatrixXd chosen = ritz.vectors.rightCols(wanted).rowwise().reverse();
       pairs.values = ritz.values.tail(wanted).reverse();
       const Eigen::VectorXd residuals =

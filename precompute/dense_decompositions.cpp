@@ -1,12 +1,17 @@
 #include "precompute/dense_decompositions.h"
 
+#include <algorithm>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include "precompute/large_decompositions.h"
+
 namespace tremolo {
 
 EigenPairs eigenpairs(const Eigen::MatrixXd& a) {
+  if (a.rows() >= kLarge) return large_eigenpairs(a);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(a);
   return {solver.eigenvalues(), solver.eigenvectors(), solver.info() == Eigen::Success};
 }
@@ -17,6 +22,8 @@ EigenPairs eigenpairs(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 }
 
 SingularPairs singular_pairs(const Eigen::MatrixXd& a, SingularVectors wanted) {
+  if (std::max(a.rows(), a.cols()) >= kLarge && wanted == SingularVectors::kThinLeft)
+    return large_left_singular_pairs(a);
   unsigned options = 0;
   if (wanted == SingularVectors::kThinLeft) options = Eigen::ComputeThinU;
   if (wanted == SingularVectors::kFullRight) options = Eigen::ComputeFullV;

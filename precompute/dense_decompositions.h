@@ -1,10 +1,13 @@
-// Decompositions of dense matrices that several stages need. They are Eigen's; each takes the
-// compiler seconds, so they are compiled here once.
+// Decompositions of dense matrices that several stages need. They are Eigen's, large ones LAPACK's
+// (large_decompositions.h); each takes the compiler seconds, so they are compiled here once.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace tremolo {
+
+// From so many rows or columns on LAPACK decomposes: Eigen's take minutes there.
+inline constexpr Eigen::Index kLarge = 600;
 
 // values: ascending. vectors: n x n, one column a value. found: whether the iteration converged.
 struct EigenPairs {

@@ -21,6 +21,9 @@ namespace {
 // A mesh written with six digits and a basis in single precision stay below this; a frequency is
 // off by half of it at most.
 constexpr double kOrthonormal = 1e-4;
+// Entries of a column so much smaller than its largest are rounding: a solver leaves 1e-14 where a
+// vertex is held, and a displacement of 1e-12 of the largest can neither be seen nor felt.
+constexpr double kRounding = 1e-12;
 // Sums over a million tetrahedra stay far below: what is above is no rounding.
 constexpr double kAsymmetry = 1e-9;
 
@@ -62,19 +65,51 @@ BasisRows place_rows(const PrecomputeOptions& options, const Problem& problem,
   return placed;
 }
 
-// Vertices of tetrahedra that the basis does not move are the fixed ones, and the other way round.
-void settle_fixed(const PrecomputeOptions& options, const BasisRows& basis, Problem& problem) {
-  for (VertexId v : problem.fixed)
-    if (!basis.middleRows(3 * Eigen::Index{v}, 3).isZero(0))
+// The largest entry of a vertex's rows, each relative to the largest of its column.
+double largest_share(const BasisRows& basis, const Eigen::RowVectorXd& largest, VertexId v) {
+  const Eigen::Index r = basis.cols();
+  double share = 0;
+  for (Eigen::Index i = 0; i < r; ++i)
+    if (largest[i] > 0)
+      share = std::max(
+          share, basis.col(i).segment<3>(3 * Eigen::Index{v}).cwiseAbs().maxCoeff() / largest[i]);
+  return share;
+}
+
+// Vertices of tetrahedra that the basis does not move are the fixed ones, and the other way round;
+// what rounding has left in their rows becomes zero.
+void settle_fixed(const PrecomputeOptions& options, BasisRows& basis, Problem& problem) {
+  const Eigen::RowVectorXd largest = basis.cwiseAbs().colwise().maxCoeff();
+  double left = 0;
+  const auto hold = [&](VertexId v, double share) {
+    left = std::max(left, share);
+    basis.middleRows(3 * Eigen::Index{v}, 3).setZero();
+  };
+  for (VertexId v : problem.fixed) {
+    const double share = largest_share(basis, largest, v);
+    if (share > kRounding)
       refuse(options.import_basis + ": the rows of vertex " + std::to_string(v) +
-             " are not zero, but --fix holds it");
-  if (problem.free_body || !problem.fixed.empty()) return;
-  for (VertexId v = 0; v < static_cast<VertexId>(problem.mesh.vertices.size()); ++v)
-    if (problem.report.part_of_vertex[static_cast<std::size_t>(v)] >= 0 &&
-        basis.middleRows(3 * Eigen::Index{v}, 3).isZero(0))
+             text(" are not zero (up to %.1e of the largest entries of their columns; rounding is "
+                  "below %.0e), but --fix holds it",
+                  share, kRounding));
+    hold(v, share);
+  }
+  if (!problem.free_body && problem.fixed.empty()) {
+    for (VertexId v = 0; v < static_cast<VertexId>(problem.mesh.vertices.size()); ++v) {
+      if (problem.report.part_of_vertex[static_cast<std::size_t>(v)] < 0) continue;
+      const double share = largest_share(basis, largest, v);
+      if (share > kRounding) continue;
       problem.fixed.push_back(v);
-  problem.free_body = problem.fixed.empty();
-  problem.load = make_load(options, problem);
+      hold(v, share);
+    }
+    problem.free_body = problem.fixed.empty();
+    problem.load = make_load(options, problem);
+  }
+  if (left > 0)
+    problem.notes.push_back(
+        text("the rows of held vertices have entries of up to %.1e of the largest: rounding, taken "
+             "as zero",
+             left));
 }
 
 std::vector<double> element_densities(const Problem& problem) {

@@ -40,9 +40,10 @@ struct ImportResult {
 };
 
 // Reads options.mesh_path, import_basis and import_cubic. A basis of 3n rows brings zero rows for
-// the vertices that do not move; one of 3(n - fixed) rows needs options.fix. Throws Failure:
-// kContent when the files do not fit each other (both are named), the forces have no potential, the
-// stiffness is not positive, or the basis is orthonormal in neither mass and none was asked for.
+// the vertices that do not move (1e-12 of a column's largest entry counts as zero); one of 3(n -
+// fixed) rows needs options.fix. Throws Failure: kContent when the files do not fit each other
+// (both are named), the forces have no potential, the stiffness is not positive, or the basis is
+// orthonormal in neither mass and none was asked for.
 ImportResult import_reduced(const PrecomputeOptions& options, StageLog& log);
 
 // The JSON object kept in the file, and the one printed by --json.

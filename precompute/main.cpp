@@ -15,6 +15,7 @@
 #include "formats/basis_writer.h"
 #include "formats/selector_reader.h"
 #include "formats/vtu_writer.h"
+#include "precompute/blas_room.h"
 #include "precompute/blas_threads.h"
 #include "precompute/checkpoint.h"
 #include "precompute/failure.h"
@@ -30,6 +31,22 @@
 
 namespace tremolo {
 namespace {
+
+// Null where not known.
+nlohmann::ordered_json locking_json(const Locking& locking) {
+  using Json = nlohmann::ordered_json;
+  const auto wall = [&locking](double WallLayers::*what) {
+    return locking.walls ? Json((*locking.walls).*what) : Json(nullptr);
+  };
+  const auto number = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  return {{"wall_thickness_m", wall(&WallLayers::thickness)},
+          {"layers", wall(&WallLayers::layers)},
+          {"edge_over_thickness", wall(&WallLayers::edge)},
+          {"poisson", number(locking.poisson)},
+          {"frequency_excess", number(locking.excess)}};
+}
 
 void print_json(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks) {
   using Json = nlohmann::ordered_json;
@@ -78,6 +95,7 @@ void print_json(const PrecomputeResult& result, const StageLog& log, const RankT
       {"mass_orthonormality_error", result.findings.orthonormality_error},
       {"polynomial_error", result.findings.polynomial_error},
       {"cut_singular_values", cut},
+      {"locking", locking_json(result.findings.locking)},
       {"target_error", target_json(result.findings.target)},
       {"encoding", provenance.value("encoding", Json{{"name", "full"}})},
       {"notes", result.problem.notes},
@@ -276,10 +294,11 @@ void run(const CommandLine& line) {
   if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
 }
 
-// `work` with PETSc running.
+// `work`, whose BLAS is called by so many threads at once, with PETSc running.
 int run_session(const char* program, const std::vector<std::string>& petsc_options,
-                const std::function<void()>& work) {
+                unsigned threads, const std::function<void()>& work) {
   try {
+    take_room_for_blas(threads);
     const PetscSession session(program, petsc_options);
     take_term_signal();
     try {
@@ -312,21 +331,24 @@ int run_program(int count, char** words) {
     const auto parsed = parse_reference_line(count - 1, words + 1);
     if (const int* code = std::get_if<int>(&parsed)) return *code;
     const auto& options = std::get<ReferenceOptions>(parsed);
-    return run_session(words[0], options.petsc_options, [&] { run_reference(options); });
+    return run_session(words[0], options.petsc_options, options.solid.threads,
+                       [&] { run_reference(options); });
   }
   const auto parsed = parse_command_line(count, words);
   if (const int* code = std::get_if<int>(&parsed)) return *code;
   const auto& line = std::get<CommandLine>(parsed);
-  return run_session(words[0], line.petsc_options, [&] { run(line); });
+  return run_session(words[0], line.petsc_options, line.options.threads, [&] { run(line); });
 }
 
-void hold_term_at_start(int, char**, char**) {
+void prepare_for_libraries(int, char**, char** environment) {
   block_term_signal();
+  require_room_for_blas(environment);
 }
 
-// The threads of OpenBLAS are made while it is loaded: only .preinit_array comes before that.
+// The threads of OpenBLAS and their buffers are made while it is loaded: only .preinit_array comes
+// before that.
 [[gnu::section(".preinit_array"),
-  gnu::used]] void (*const hold_before_libraries)(int, char**, char**) = hold_term_at_start;
+  gnu::used]] void (*const before_libraries)(int, char**, char**) = prepare_for_libraries;
 
 }  // namespace
 }  // namespace tremolo

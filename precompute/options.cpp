@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "precompute/option_checks.h"
 #include "precompute/solid_options.h"
 
 namespace tremolo {
@@ -50,6 +51,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
       "`tremolo-precompute reference --help`.\n"
       "What follows -- goes to PETSc and SLEPc (their inner solver has the prefix -st_)."};
   app.name("tremolo-precompute");
+  app.failure_message(one_line_message);
   app.set_version_flag("--version", std::string("tremolo-precompute ") + TREMOLO_VERSION);
   app.allow_config_extras(CLI::config_extras_mode::error);
   app.set_config("--config", "", "read options from a TOML file (keys are the long flag names)");
@@ -107,7 +109,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
       ->capture_default_str();
   std::uint64_t memory = 0;
   app.add_option("--memory", memory, "bytes a rank may use, e.g. 4GB (default: what is free)")
-      ->transform(CLI::AsSizeValue(true));
+      ->transform(byte_count());
   CLI::Option* import = app.get_option("--import-basis");
   app.add_flag("--checkpoint", options.checkpoint,
                "keep every finished stage in the folder OUTPUT.checkpoint until all is written")
@@ -121,6 +123,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
                "measure this machine and print the shortest time each stage could take on it");
   app.add_flag("--json", line.json, "print one JSON object on stdout");
 
+  if (!vectors_are_words(own, "--load-force")) return exit_code({ErrorKind::kUsage, ""});
   try {
     std::vector<std::string> reversed(own.rbegin(), own.rend());
     app.parse(reversed);

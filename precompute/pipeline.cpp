@@ -41,6 +41,9 @@ void load_mesh(const PrecomputeOptions& options, StageLog& log, PrecomputeResult
   log.end(text("%zu vertices, %zu tetrahedra, %zu fixed vertices", problem.mesh.vertices.size(),
                problem.mesh.tetrahedra.size(), problem.fixed.size()));
   for (const std::string& note : problem.notes) log.note(note);
+  if (mpi_rank() != 0) return;
+  result.findings.locking = find_locking(problem);
+  for (const std::string& note : describe(result.findings.locking)) log.note(note);
 }
 
 MachineLimits measure_limits(const PrecomputeOptions& options, StageLog& log) {

@@ -9,6 +9,7 @@
 #include "precompute/problem.h"
 #include "precompute/row_gather.h"
 #include "precompute/target_findings.h"
+#include "precompute/wall_layers.h"
 
 namespace tremolo {
 
@@ -26,6 +27,7 @@ struct PrecomputeFindings {
   int inertia_count = 0;                        // modes below the bound, by inertia
   std::optional<EncodingError> encoding_error;  // of a compact file
   std::optional<TargetFindings> target;         // of --target-error
+  Locking locking;                              // on rank 0
 };
 
 struct PrecomputeResult {

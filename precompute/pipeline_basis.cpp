@@ -4,6 +4,7 @@
 #include "precompute/basis.h"
 #include "precompute/body_measures.h"
 #include "precompute/coefficients.h"
+#include "precompute/dense_decompositions.h"
 #include "precompute/halo.h"
 #include "precompute/pipeline_stages.h"
 #include "precompute/polynomial_check.h"
@@ -39,6 +40,14 @@ FinishedCoefficients compute_coefficients(const Run& run) {
   coefficients.cubic = std::move(made.cubic);
   coefficients.quartic = std::move(made.quartic);
   return coefficients;
+}
+
+// Before minutes of work.
+void tell_cost(const Run& run, const Columns& columns, const Tell& tell) {
+  const ManyColumnsCost cost =
+      cost_of_many_columns(columns.rows(), columns.cols(), run.options.threads);
+  tell(text("%d columns will take about %.2g s and %.2g GB", static_cast<int>(columns.cols()),
+            cost.seconds, 1e-9 * cost.bytes));
 }
 
 // Takes the numbers over and the rows away.
@@ -87,9 +96,11 @@ bool make_basis_rows(Run& run, const Modes& modes, const BasisRows& psi,
     constexpr double kReach = 0.1;
     const double amplitude = amplitude_of_first_mode(psi, kReach * body_size(result.problem));
     finished.derivative_residual = derivatives.residual;
+    const Tell tell = [&run](const std::string& what) { run.log.note("basis: " + what); };
+    if (derivatives.columns.cols() >= kLarge) tell_cost(run, derivatives.columns, tell);
     PrincipalColumns principal =
         principal_columns(run.matrices, std::move(derivatives.columns), modes.squared_frequencies,
-                          amplitude, options.threads);
+                          amplitude, options.threads, tell);
     if (target != nullptr) {
       result.findings.target =
           find_coordinates(options, result, run.solid, run.matrices, principal, *target);

@@ -7,7 +7,6 @@
 #include "common/hash.h"
 #include "common/length_unit.h"
 #include "common/packed_index.h"
-#include "formats/mesh_reader.h"
 #include "formats/selector_reader.h"
 #include "formats/surface_reader.h"
 #include "precompute/failure.h"
@@ -16,6 +15,7 @@
 #include "precompute/mesher/surface_input.h"
 #include "precompute/rigid_motion.h"
 #include "precompute/surface_sets.h"
+#include "precompute/tet_input.h"
 
 namespace tremolo {
 namespace {
@@ -128,41 +128,82 @@ void attach_render(Problem& problem, RenderSurface surface, unsigned threads) {
   problem.render = std::move(surface);
 }
 
-Problem load_problem(const PrecomputeOptions& options) {
-  unwrap(check_material(options.material));
-  std::vector<MaterialRule> rules;
-  for (const std::string& text : options.materials)
-    rules.push_back(unwrap(parse_material_rule(text, options.material)));
+namespace {
+
+// Contradictions among the options that no file need be read for.
+void require_consistent(const PrecomputeOptions& options) {
+  const auto refuse = [](const std::string& text) { throw Failure({ErrorKind::kUsage, text}); };
   std::error_code ignored;
   if (std::filesystem::equivalent(options.mesh_path, options.output_path, ignored))
-    throw Failure(
-        {ErrorKind::kUsage, options.output_path + ": the output would overwrite the mesh"});
+    refuse(options.output_path + ": the output would overwrite the mesh");
   if (std::filesystem::equivalent(options.render_path, options.output_path, ignored))
-    throw Failure({ErrorKind::kUsage,
-                   options.output_path + ": the output would overwrite the render surface"});
+    refuse(options.output_path + ": the output would overwrite the render surface");
   if (options.fix.size() > 1 &&
       std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
-    throw Failure({ErrorKind::kUsage, "--fix none and another --fix contradict each other"});
+    refuse("--fix none and another --fix contradict each other");
   for (const auto& selectors : options.fix_axis)
     if (!selectors.empty() && options.fix.size() == 1 && options.fix.front() == "none")
-      throw Failure(
-          {ErrorKind::kUsage, "--fix none and --fix-x, --fix-y or --fix-z contradict each other"});
-  Problem problem;
-  std::optional<RenderSurface> meshed;
-  std::vector<FileMaterial> of_file;
+      refuse("--fix none and --fix-x, --fix-y or --fix-z contradict each other");
+}
+
+// Of either kind. meshed: the surface that was cut; of_file: the mesh file's own materials.
+void read_solid(const PrecomputeOptions& options, Problem& problem,
+                std::optional<RenderSurface>& meshed, std::vector<FileMaterial>& of_file) {
   if (is_surface_file(options.mesh_path)) {
+    if (!options.mesh_unit.empty())
+      throw Failure({ErrorKind::kUsage, "--mesh-unit is of a tetrahedral mesh's coordinates: " +
+                                            options.mesh_path + " is a surface, see --unit"});
     SurfaceInput input = unwrap(load_surface(options.mesh_path, options.unit, options.meshing));
     problem.mesh = std::move(input.mesh);
     meshed = std::move(input.render);
     problem.mesh_format = std::move(input.format);
     problem.notes = std::move(input.notes);
-  } else {
-    MeshFile file = unwrap(read_tet_mesh(options.mesh_path));
-    problem.mesh = std::move(file.mesh);
-    problem.mesh_format = std::move(file.format);
-    problem.notes = std::move(file.notes);
-    of_file = std::move(file.materials);
+    return;
   }
+  MeshFile file = load_tetrahedra(options);
+  problem.mesh = std::move(file.mesh);
+  problem.mesh_format = std::move(file.format);
+  problem.notes = std::move(file.notes);
+  of_file = std::move(file.materials);
+}
+
+// What is held, and whether that is enough.
+void hold(const PrecomputeOptions& options, Problem& problem) {
+  problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
+  if (!problem.free_body) {
+    problem.fixed = select_all(options.fix, problem.mesh);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      problem.held[axis] = select_all(options.fix_axis[axis], problem.mesh);
+  }
+  const bool along_axes = std::any_of(problem.held.begin(), problem.held.end(),
+                                      [](const auto& held) { return !held.empty(); });
+  // An imported basis says itself what it holds.
+  if (options.import_basis.empty() && along_axes) require_held(problem);
+  if (options.import_basis.empty() && !along_axes)
+    require_no_loose_piece(problem.mesh, problem.report, problem.fixed, problem.free_body);
+  if (problem.free_body && problem.report.parts > kMostFreeParts)
+    throw Failure(
+        content_error("a free body of " + std::to_string(problem.report.parts) +
+                      " parts that do not touch: each moves by itself, and at most " +
+                      std::to_string(kMostFreeParts) +
+                      " are taken. Make a model of each, join them, or hold them with --fix"));
+  if (problem.free_body)
+    for (std::string& note : rigid_motion_notes(problem.mesh, problem.report))
+      problem.notes.push_back(std::move(note));
+}
+
+}  // namespace
+
+Problem load_problem(const PrecomputeOptions& options) {
+  unwrap(check_material(options.material));
+  std::vector<MaterialRule> rules;
+  for (const std::string& text : options.materials)
+    rules.push_back(unwrap(parse_material_rule(text, options.material)));
+  require_consistent(options);
+  Problem problem;
+  std::optional<RenderSurface> meshed;
+  std::vector<FileMaterial> of_file;
+  read_solid(options, problem, meshed, of_file);
   Result<MeshReport> report = check_mesh(problem.mesh);
   if (!report)
     throw Failure({report.error().kind, options.mesh_path + ": " + report.error().message});
@@ -177,21 +218,7 @@ Problem load_problem(const PrecomputeOptions& options) {
   // Behind the render surface: its objects and colours may choose a material.
   problem.materials = make_materials(options, rules, of_file, problem);
   if (!options.select.empty()) return problem;
-  problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
-  if (!problem.free_body) {
-    problem.fixed = select_all(options.fix, problem.mesh);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      problem.held[axis] = select_all(options.fix_axis[axis], problem.mesh);
-  }
-  const bool along_axes = std::any_of(problem.held.begin(), problem.held.end(),
-                                      [](const auto& held) { return !held.empty(); });
-  // An imported basis says itself what it holds.
-  if (options.import_basis.empty() && along_axes) require_held(problem);
-  if (options.import_basis.empty() && !along_axes)
-    require_no_loose_piece(problem.mesh, problem.report, problem.fixed, problem.free_body);
-  if (problem.free_body)
-    for (std::string& note : rigid_motion_notes(problem.mesh, problem.report))
-      problem.notes.push_back(std::move(note));
+  hold(options, problem);
   problem.load = make_load(options, problem);
   problem.point_masses = make_point_masses(options, problem);
   return problem;

@@ -21,7 +21,9 @@ namespace tremolo {
 struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
-  std::string unit;                       // of surfaces' coordinates; empty: what their files say
+  std::string unit;                       // of surfaces' coordinates; empty: what their files say.
+                                          // Where no surface is read, of the tetrahedral mesh's
+  std::string mesh_unit;                  // of a tetrahedral mesh's, whatever `unit` says
   SurfaceMeshOptions meshing;             // of a surface
   Material material;                      // of what no entry of `materials` is of
   std::vector<std::string> materials;     // material_rules.h, in order
@@ -51,6 +53,10 @@ struct PrecomputeOptions {
   std::string render_path;   // surface that is drawn; empty: the one that was meshed, if one was
   std::string select;        // selector to be shown; nothing is computed then
 };
+
+// Free parts that do not touch: every one has six rigid motions to be kept out of the modes, and as
+// many frequencies as there are parts may lie at one place.
+inline constexpr std::size_t kMostFreeParts = 1'000;
 
 struct Problem {
   TetMesh mesh;

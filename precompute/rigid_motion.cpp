@@ -1,5 +1,7 @@
 #include "precompute/rigid_motion.h"
 
+#include <algorithm>
+
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
 
@@ -35,6 +37,35 @@ std::vector<Part> measure(const TetMesh& mesh, const std::vector<int>& part_of_v
     part.size = std::max(part.size, (mesh.vertices[v] - part.centre).norm());
   }
   return measured;
+}
+
+// In the mass matrix, which couples no two parts: the motions of all are multiplied by it at once,
+// as six columns, and each part's made orthonormal by themselves.
+void orthonormalise(Mat mass, const std::vector<int>& part_of_row, Columns& modes) {
+  const Eigen::Index rows = modes.rows(), parts = modes.cols() / 6;
+  Columns together(rows, 6);
+  // Twice is enough: the first pass leaves errors of the Gram matrix's condition times rounding.
+  for (int pass = 0; pass < 2; ++pass) {
+    for (Eigen::Index row = 0; row < rows; ++row)
+      together.row(row) =
+          modes.row(row).segment<6>(6 * Eigen::Index{part_of_row[static_cast<std::size_t>(row)]});
+    const Columns inertia = multiply(mass, together);
+    Eigen::MatrixXd grams = Eigen::MatrixXd::Zero(6, 6 * parts);
+    for (Eigen::Index row = 0; row < rows; ++row)
+      grams.middleCols<6>(6 * Eigen::Index{part_of_row[static_cast<std::size_t>(row)]}).noalias() +=
+          together.row(row).transpose() * inertia.row(row);
+    sum_over_ranks(grams);
+    std::vector<Eigen::LLT<Eigen::Matrix<double, 6, 6>>> factors;
+    for (Eigen::Index part = 0; part < parts; ++part)
+      factors.emplace_back(grams.middleCols<6>(6 * part));
+    for (Eigen::Index row = 0; row < rows; ++row) {
+      const auto part = static_cast<std::size_t>(part_of_row[static_cast<std::size_t>(row)]);
+      // x U^-1 as the solution of U^T y = x^T.
+      const Eigen::Matrix<double, 6, 1> turned =
+          factors[part].matrixL().solve(together.row(row).transpose());
+      modes.row(row).segment<6>(6 * static_cast<Eigen::Index>(part)) = turned.transpose();
+    }
+  }
 }
 
 }  // namespace
@@ -73,19 +104,17 @@ Columns rigid_modes(const TetMesh& mesh, const std::vector<int>& part_of_vertex,
                     const LocalDofs& local, Mat mass) {
   const std::vector<Part> measured = measure(mesh, part_of_vertex, parts);
   Columns modes = Columns::Zero(local.dofs(), 6 * Eigen::Index{parts});
+  std::vector<int> part_of_row(static_cast<std::size_t>(local.dofs()), 0);
   for (std::size_t i = 0; i < local.vertices.size(); ++i) {
     const int row = local.row_of_vertex[i];
     if (row < 0) continue;
     const auto v = static_cast<std::size_t>(local.vertices[i]);
     const int p = part_of_vertex[v];
+    std::fill_n(part_of_row.begin() + row, 3, p);
     modes.block<3, 6>(row, 6 * p) =
         motions_at((mesh.vertices[v] - measured[p].centre) / measured[p].size);
   }
-  // Twice is enough: the first pass leaves errors of the Gram matrix's condition times rounding.
-  for (int pass = 0; pass < 2; ++pass) {
-    const Eigen::MatrixXd gram = inner_products(modes, multiply(mass, modes));
-    modes = gram.llt().matrixU().solve<Eigen::OnTheRight>(modes).eval();
-  }
+  orthonormalise(mass, part_of_row, modes);
   return modes;
 }
 

@@ -4,8 +4,10 @@
 #include <iostream>
 #include <thread>
 
+#include "common/length_unit.h"
 #include "precompute/material_rules.h"
 #include "precompute/mesher/surface_options.h"
+#include "precompute/option_checks.h"
 
 namespace tremolo {
 
@@ -22,6 +24,25 @@ bool parse_vector(const std::string& text, Eigen::Vector3d& vector) {
     }
   }
   return at == end;
+}
+
+bool vectors_are_words(const std::vector<std::string>& words, const std::string& flag) {
+  // "0," is what a comma with a blank behind it leaves.
+  const auto number = [](std::string word) {
+    if (word.ends_with(',')) word.pop_back();
+    double value = 0;
+    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return error == std::errc{} && stop == word.data() + word.size() ? word : std::string();
+  };
+  for (std::size_t i = 0; i + 2 < words.size(); ++i) {
+    if (words[i] != flag || number(words[i + 1]).empty() || number(words[i + 2]).empty()) continue;
+    const std::string third = i + 3 < words.size() ? number(words[i + 3]) : "";
+    std::cerr << "tremolo-precompute: " << flag << " takes one word, X,Y,Z with commas: " << flag
+              << ' ' << number(words[i + 1]) << ',' << number(words[i + 2]) << ','
+              << (third.empty() ? "0" : third) << "\n";
+    return false;
+  }
+  return true;
 }
 
 void add_solid_options(CLI::App& app, PrecomputeOptions& options, SolidTexts& texts) {
@@ -56,8 +77,14 @@ void add_solid_options(CLI::App& app, PrecomputeOptions& options, SolidTexts& te
       ->check(CLI::IsMember({"consistent", "lumped"}))
       ->capture_default_str();
   add_surface_options(app, options.meshing, options.unit);
+  app.get_option("--unit")->description(
+      std::string("of the surface's coordinates, or of a tetrahedral mesh's where no surface is "
+                  "read: ") +
+      kLengthUnits);
+  app.add_option("--mesh-unit", options.mesh_unit,
+                 "of a tetrahedral mesh's coordinates, where --unit is of the --render surface");
   options.threads = std::max(1u, std::thread::hardware_concurrency());
-  app.add_option("--threads", options.threads, "threads of a rank")->check(CLI::PositiveNumber);
+  app.add_option("--threads", options.threads, "threads of a rank")->check(at_least_one());
 }
 
 bool finish_solid_options(const SolidTexts& texts, PrecomputeOptions& options) {

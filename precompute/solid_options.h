@@ -16,6 +16,10 @@ struct SolidTexts {
 // X,Y,Z; false when it is not three numbers.
 bool parse_vector(const std::string& text, Eigen::Vector3d& vector);
 
+// False when some `flag` is followed by several numbers instead of one word X,Y,Z: the rest would
+// be taken for the mesh's name (the text has been printed).
+bool vectors_are_words(const std::vector<std::string>& words, const std::string& flag);
+
 // Mesh, materials, what is held and what is loaded. Both are borrowed until the line is parsed.
 void add_solid_options(CLI::App& app, PrecomputeOptions& options, SolidTexts& texts);
 

@@ -118,6 +118,11 @@ std::string in_gigabytes(double bytes) {
   return text("%.3g GB", 1e-9 * bytes);
 }
 
+std::string allowance(const SolverRequest& request, const SolverChoice& choice) {
+  return in_gigabytes(choice.available) +
+         (request.memory ? " are allowed by --memory" : " are free");
+}
+
 // The most linear modes whose arrays would fit without a factor; 0: not even one.
 int modes_that_fit(const DofMap& map, const LocalDofs& local, SolverRequest request,
                    double available) {
@@ -131,13 +136,14 @@ int modes_that_fit(const DofMap& map, const LocalDofs& local, SolverRequest requ
 [[noreturn]] void refuse(const DofMap& map, const LocalDofs& local, const SolverRequest& request,
                          const SolverChoice& choice) {
   const int fewer = modes_that_fit(map, local, request, choice.available);
-  std::string cure;
-  if (fewer > 0) cure = text("--linear-modes %d would fit; ", fewer);
-  throw Failure(system_error(
-      "memory will not do: " + in_gigabytes(choice.estimate.direct()) + " a rank with a factor, " +
-      in_gigabytes(choice.estimate.iterative()) + " without one, " +
-      in_gigabytes(choice.available) + " are free. " + cure +
-      "or more ranks on more machines, or a coarser mesh; --memory or --solver overrule this"));
+  const std::string cure = fewer > 0
+                               ? text("--linear-modes %d would fit; or take more ranks", fewer)
+                               : std::string("Take more ranks");
+  throw Failure(
+      system_error("memory will not do: " + in_gigabytes(choice.estimate.direct()) +
+                   " a rank with a factor, " + in_gigabytes(choice.estimate.iterative()) +
+                   " without one, but " + allowance(request, choice) + ". " + cure +
+                   " on more machines, or a coarser mesh; --memory or --solver overrule this"));
 }
 
 }  // namespace
@@ -240,7 +246,7 @@ SolverChoice choose_solver(const DofMap& map, const LocalDofs& local,
   choice.reason = std::string(name_of(choice.solver)) + ": estimated " +
                   in_gigabytes(worst.direct()) + " a rank with a factor of " +
                   text("%.3g", entries) + " entries, " + in_gigabytes(worst.iterative()) +
-                  " without, " + in_gigabytes(choice.available) + " free";
+                  " without; " + allowance(request, choice);
   if (need > choice.available) choice.reason += ": MEMORY MAY RUN OUT";
   return choice;
 }

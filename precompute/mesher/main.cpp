@@ -110,6 +110,7 @@ std::optional<int> parse(int count, char** words, Options& options) {
       "turned triangles are found, mended and told; what cannot be meshed is told with what to "
       "do."};
   app.name("tremolo-mesh");
+  app.failure_message(one_line_message);
   app.set_version_flag("--version", std::string("tremolo-mesh ") + TREMOLO_VERSION);
   app.add_option(
          "input", options.input,

@@ -140,6 +140,10 @@ Result<TetMesh> mesh_as_field(const SurfaceSolid& solid, const MeshPlan& plan,
 
 }  // namespace
 
+bool is_met(double share) {
+  return std::abs(share - 1.0) <= kCountTolerance;
+}
+
 Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan) {
   const SizeField sizes(bounding_box(solid.surface.vertices), plan.walls, plan.coarse, plan.fine);
   MeshAttempt done;
@@ -158,16 +162,23 @@ Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan
   return done;
 }
 
-// Meshes until the number of tetrahedra asked for is met.
+// Meshes until the number of tetrahedra asked for is met; of several misses the nearest.
 Result<MeshAttempt> attempt_mesh_to_count(const SurfaceSolid& solid, MeshPlan plan, int wanted) {
+  const auto share_of = [wanted](const MeshAttempt& attempt) {
+    return static_cast<double>(attempt.mesh.tetrahedra.size()) / wanted;
+  };
   Result<MeshAttempt> best = attempt_mesh(solid, plan);
-  for (int i = 1; i < kTries && wanted > 0 && best; ++i) {
-    const double share = static_cast<double>(best->mesh.tetrahedra.size()) / wanted;
-    if (share > 0 && std::abs(share - 1.0) <= kCountTolerance) break;
+  if (!best || wanted <= 0) return best;
+  double share = share_of(*best);
+  for (int i = 1; i < kTries && !is_met(share); ++i) {
     const double factor = share > 0 ? std::clamp(std::cbrt(share), 0.4, 2.5) : 0.5;
     plan.coarse *= factor;
     plan.fine *= factor;
-    best = attempt_mesh(solid, plan);
+    Result<MeshAttempt> next = attempt_mesh(solid, plan);
+    if (!next && best->mesh.tetrahedra.empty()) return next;
+    if (!next) break;
+    share = share_of(*next);
+    if (std::abs(std::log(share)) < std::abs(std::log(share_of(*best)))) best = std::move(next);
   }
   return best;
 }

@@ -116,6 +116,14 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMesh
   for (Eigen::Vector3d& x : result.mesh.vertices) x = scaling.out(x);
   report.quality = mesh_quality(result.mesh);
   report.tetrahedra = result.mesh.tetrahedra.size();
+  const double share = static_cast<double>(report.tetrahedra) / std::max(1, options.tets);
+  if (options.tets > 0 && !is_met(share))
+    report.notes.push_back(
+        text("%d tetrahedra were asked for, %zu came out: thin walls, sharp "
+             "edges and the wanted distance to the surface %s",
+             options.tets, report.tetrahedra,
+             share > 1 ? "ask for more (a larger --error takes fewer)"
+                       : "do not lead to more in six tries"));
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/length_unit.h"
 #include "precompute/mesher/surface_mesher.h"
+#include "precompute/option_checks.h"
 
 namespace tremolo {
 
@@ -14,17 +15,17 @@ namespace tremolo {
 inline void add_surface_options(CLI::App& app, SurfaceMeshOptions& mesh, std::string& unit) {
   CLI::Option* size =
       app.add_option("--size", mesh.size, "longest wanted edge, m (thin walls may ask for less)")
-          ->check(CLI::PositiveNumber);
+          ->check(above_zero());
   app.add_option("--tets", mesh.tets,
                  "wanted number of tetrahedra, met within 10 % (default 10 000; thin walls more)")
-      ->check(CLI::PositiveNumber)
+      ->check(at_least_one())
       ->excludes(size);
   app.add_option("--error", mesh.error,
                  "wanted distance to the surface, m (default 0.3 % of the diagonal)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   app.add_option("--unit", unit, std::string("of the surface's coordinates: ") + kLengthUnits);
   app.add_option("--thicken", mesh.thicken, "take the surface for a sheet so thick, m")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   app.add_flag("--fill-holes", mesh.fill_holes, "close holes however large they are");
   app.add_flag("--keep-crumbs", mesh.keep_crumbs, "keep parts far smaller than the largest");
 }

@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "precompute/option_checks.h"
 #include "precompute/solid_options.h"
 
 namespace tremolo {
@@ -50,6 +51,7 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
       "Moves the whole mesh, no basis: the full-order reference of a reduced model. From rest, "
       "under the default load (--load-at, --load-force) and gravity. Units are SI."};
   app.name("tremolo-precompute reference");
+  app.failure_message(one_line_message);
   app.allow_config_extras(CLI::config_extras_mode::ignore_all);
   app.set_config("--config", "",
                  "read options from a TOML file, also one made for the precompute: keys that mean "
@@ -69,6 +71,8 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
   add_output_options(app, options);
 
   const int usage = exit_code({ErrorKind::kUsage, ""});
+  for (const char* flag : {"--gravity", "--load-force"})
+    if (!vectors_are_words(own, flag)) return usage;
   try {
     std::vector<std::string> reversed(own.rbegin(), own.rend());
     app.parse(reversed);

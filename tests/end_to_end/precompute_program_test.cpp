@@ -334,6 +334,153 @@ TEST_F(PrecomputeProgram, DerivativesThatDoNotBalanceAreRefused) {
                  4, "residual of the modes");
 }
 
+TEST_F(PrecomputeProgram, AUnitScalesATetrahedralMeshLikeASurface) {
+  const auto report = [&](const std::string& arguments) {
+    const ProgramResult result =
+        run(arguments +
+            " -o scaled.tremolo --linear-modes 4 --modes 8 --json --point-mass "
+            "'x>99%=0.5'");
+    EXPECT_EQ(result.code, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  };
+  TetMesh millimetres = block_;
+  for (Eigen::Vector3d& x : millimetres.vertices) x *= 1000.0;
+  write_veg(folder_ + "/mm.veg", millimetres);
+  const auto metres = report("block.veg --fix 'x<0.001'");
+  for (const char* unit : {"--unit mm", "--unit 0.001", "--mesh-unit mm"}) {
+    const auto scaled = report(std::string("mm.veg --fix 'x<0.001' ") + unit);
+    for (std::size_t i = 0; i < 8; ++i) {
+      const double f = metres["frequencies_hz"][i];
+      EXPECT_NEAR(scaled["frequencies_hz"][i], f, 1e-8 * f) << unit;
+    }
+    EXPECT_NEAR(scaled["total_mass_kg"], metres["total_mass_kg"].get<double>(), 1e-9);
+    EXPECT_NE(scaled["notes"].dump().find("the mesh's unit: "), std::string::npos);
+  }
+  // Nothing is said about a body of 0.4 m; one of 400 m may be in millimetres.
+  EXPECT_EQ(metres["notes"].dump().find("--unit"), std::string::npos) << metres["notes"];
+  const std::string doubts = report("mm.veg --fix 'x<1'")["notes"].dump();
+  EXPECT_NE(doubts.find("m across: if its unit is not 1 m, say so, as in --unit mm"),
+            std::string::npos)
+      << doubts;
+  expect_failure(run(std::string("block.veg --unit inch ") + kGood), 2, "inch");
+}
+
+TEST_F(PrecomputeProgram, OptionsOfMeshingASurfaceAreRefusedForATetrahedralMesh) {
+  for (const char* option : {"--tets 3000", "--size 0.1", "--error 0.01", "--thicken 0.01",
+                             "--fill-holes", "--keep-crumbs"}) {
+    const std::string name = std::string(option).substr(0, std::string(option).find(' '));
+    expect_failure(run(std::string("block.veg ") + option + " " + kGood), 2,
+                   name + " is of meshing a surface: block.veg is tetrahedra already");
+  }
+}
+
+TEST_F(PrecomputeProgram, NumbersThatMakeNoSenseAreRefusedInOneLine) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"--threads 0", "--threads: expected a whole number from 1 to 2147483647, found 0"},
+      {"--threads -2", "--threads: expected a whole number from 1 to 2147483647, found -2"},
+      {"--tets 0", "--tets: expected a whole number from 1"},
+      {"--size 0", "--size: expected a number above 0, found 0"},
+      {"--error nan", "--error: expected a number above 0, found nan"},
+      {"--memory -5",
+       "--memory: expected a whole number of bytes above 0, as 4GB or 500MB, found -5"},
+      {"--memory 0", "found 0"},
+      {"--memory much", "found much"},
+      {"--load-at 'x>0.3' --load-force 0 0 -5",
+       "--load-force takes one word, X,Y,Z with commas: --load-force 0,0,-5"},
+      {"--load-at 'x>0.3' --load-force 0, 0, -5", "--load-force 0,0,-5"}};
+  for (const auto& [option, words] : cases) {
+    const ProgramResult result =
+        run(std::string("block.veg ") + option + " -o out.tremolo --fix 'x<0.001'");
+    expect_failure(result, 2, words);
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_LE(result.err.size(), 160u) << result.err;
+  }
+}
+
+TEST_F(PrecomputeProgram, MemoryThatWillNotDoIsToldInWholeSentences) {
+  const ProgramResult result = run(std::string("block.veg --memory 1kb ") + kGood);
+  expect_failure(result, 1,
+                 "but 1e-06 GB are allowed by --memory. Take more ranks on more machines");
+}
+
+// Whatever the limit is, it ends: with the file, or with a message that says so. Below 200 MB the
+// system cannot load the program's libraries, and says that itself.
+TEST_F(PrecomputeProgram, UnderALimitOfAddressSpaceItEndsInWords) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers take the address space for themselves";
+#endif
+  const TetMesh block = box_mesh({14, 8, 8}, {0.3, 0.2, 0.2});
+  write_veg(folder_ + "/larger.veg", block);
+  int refused = 0;
+  for (const int limit : {200'000, 300'000, 400'000, 500'000, 600'000, 700'000, 800'000, 900'000,
+                          1'000'000, 1'200'000, 1'600'000, 2'400'000}) {
+    const ProgramResult result = run_program(
+        folder_, "ulimit -v " + std::to_string(limit) +
+                     "; OPENBLAS_NUM_THREADS=2 timeout -s KILL "
+                     "60 " +
+                     kProgram + "larger.veg --threads 2 -o limited.tremolo --fix 'x<0.001'");
+    if (result.code == 0) continue;
+    ++refused;
+    EXPECT_EQ(result.code, 1) << limit << ": " << result.err;
+    EXPECT_NE(result.err.find("out of memory"), std::string::npos) << limit << ": " << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_ + "/limited.tremolo")) << limit;
+  }
+  EXPECT_GE(refused, 4) << "the limits are no limits here";
+  const ProgramResult told = run_program(
+      folder_, "ulimit -v 400000; OPENBLAS_NUM_THREADS=2 " + kProgram + "block.veg " + kGood);
+  expect_failure(told, 1,
+                 "MB of address space would do for the start, the limit (ulimit -v) is 410 MB");
+  expect_failure(told, 1, "with OPENBLAS_NUM_THREADS=1 and --threads 1 it is ");
+}
+
+// 107 modes of 135 dofs: 5 885 columns, of which 135 are independent.
+TEST_F(PrecomputeProgram, ManyModesOfASmallMeshTakeSecondsAndAreHeardOf) {
+  write_veg(folder_ + "/small.veg", box_mesh({5, 2, 2}, {0.5, 0.2, 0.2}));
+  const ProgramResult result =
+      run_program(folder_, "timeout -s KILL 100 " + kProgram +
+                               "small.veg -o many.tremolo --fix 'x<0.001' --linear-modes 107 "
+                               "--modes 20 --threads 2 --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.err.find("basis: 5885 columns will take about"), std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("basis: singular values of 135 rows"), std::string::npos);
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_LE(json["mass_orthonormality_error"], 1e-10);
+  EXPECT_EQ(json["cut_singular_values"].size(), 135 - 20);
+}
+
+TEST_F(PrecomputeProgram, LayersAcrossWallsAndWhatTheyMeanAreTold) {
+  write_veg(folder_ + "/plate.veg", box_mesh({12, 12, 1}, {0.4, 0.4, 0.01}));
+  const ProgramResult result =
+      run("plate.veg -o plate.tremolo --fix 'x<0.001' --poisson 0.49 --linear-modes 3 --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.err.find("are 1 layers of linear tetrahedra thick and nu is 0.49: frequencies "
+                            "of bending come out too high, by about"),
+            std::string::npos)
+      << result.err;
+  const auto locking = nlohmann::json::parse(result.out)["locking"];
+  EXPECT_NEAR(locking["wall_thickness_m"], 0.01, 1e-12);
+  EXPECT_NEAR(locking["layers"], 1.0, 1e-9);
+  EXPECT_EQ(locking["poisson"], 0.49);
+  EXPECT_GT(locking["frequency_excess"], 1.0);
+}
+
+TEST_F(PrecomputeProgram, MoreFreePartsThanCanBeTakenAreRefusedAtOnce) {
+  const TetMesh cube = box_mesh({1, 1, 1}, {0.1, 0.1, 0.1});
+  TetMesh many;
+  for (int i = 0; i < 1001; ++i) {
+    const auto offset = static_cast<VertexId>(many.vertices.size());
+    for (const Eigen::Vector3d& x : cube.vertices)
+      many.vertices.emplace_back(x + Eigen::Vector3d(0.3 * i, 0, 0));
+    for (Tetrahedron tet : cube.tetrahedra) {
+      for (VertexId& v : tet) v += offset;
+      many.tetrahedra.push_back(tet);
+    }
+  }
+  expect_failure(run_on(many, "-o out.tremolo --fix none"), 3,
+                 "a free body of 1001 parts that do not touch");
+}
+
 TEST_F(PrecomputeProgram, AHoldThatIsNotEnoughSaysWhatIsLeft) {
   expect_failure(run("block.veg -o out.tremolo --fix vertex:0,1,2"), 3,
                  "1 rigid motion is left (rotation about the line through vertex");

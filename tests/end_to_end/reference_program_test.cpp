@@ -120,6 +120,9 @@ TEST_F(ReferenceProgram, WrongValuesAreRefusedWithTheirName) {
   expect_failure(good + "--every 0", 3, "--every");
   expect_failure(good + "--scale nan", 3, "--scale");
   expect_failure(good + "--gravity 1,2", 2, "--gravity 1,2: expected three numbers");
+  expect_failure(good + "--gravity 0 0 -9.81", 2,
+                 "--gravity takes one word, X,Y,Z with commas: --gravity 0,0,-9.81");
+  expect_failure("--gravity 0, 0, -9.81 " + good, 2, "commas: --gravity 0,0,-9.81");
   expect_failure(good + "--gravity inf,0,0", 3, "--gravity must be finite");
   expect_failure(good + "--load drum", 2, "unknown load 'drum'");
   expect_failure(good + "--integrator euler", 2, "--integrator");

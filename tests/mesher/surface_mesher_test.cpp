@@ -52,6 +52,28 @@ TEST(SurfaceMesher, KeepsSharpEdges) {
   EXPECT_LE(meshed.report.surface_to_mesh, 1e-9);
 }
 
+// A bar's sharp edges ask for more than that, unless the distance to the surface is given up.
+TEST(SurfaceMesher, ANumberOfTetrahedraThatIsMissedIsTold) {
+  const auto told = [](const SurfaceMeshOptions& options, std::size_t& count) {
+    const Result<MeshedSurface> meshed =
+        mesh_surface(as_render_surface(box_surface({1.0, 0.1, 0.1})), options);
+    EXPECT_TRUE(meshed);
+    count = meshed->mesh.tetrahedra.size();
+    std::string all;
+    for (const std::string& line : describe(meshed->report)) all += line + "\n";
+    return all.find(std::to_string(options.tets) + " tetrahedra were asked for, " +
+                    std::to_string(count) + " came out") != std::string::npos;
+  };
+  for (const int wanted : {100, 300, 1000, 4000}) {
+    std::size_t count = 0;
+    const bool miss = told({.tets = wanted}, count);
+    const double share = static_cast<double>(count) / wanted;
+    EXPECT_EQ(miss, std::abs(share - 1.0) > 0.1) << wanted << ": " << count;
+    // The nearest of six tries: the last one of them gave nine times as many.
+    EXPECT_LE(share, wanted >= 300 ? 3.0 : 10.0) << wanted << ": " << count;
+  }
+}
+
 TEST(SurfaceMesher, UnitsAndPlaceChangeNothingButUnitsAndPlace) {
   const SurfaceMesh surface = torus_surface(1.0, 0.3);
   const MeshedSurface plain = mesh_well(surface);

@@ -202,6 +202,34 @@ TEST_F(Import, RowsOfFixedVerticesMayBeLeftOut) {
   EXPECT_EQ(result.data.fixed_vertices, whole.data.fixed_vertices);
 }
 
+// As VegaFEM's solvers leave it where a vertex is held.
+TEST_F(Import, WhatRoundingLeavesInTheRowsOfHeldVerticesIsZero) {
+  const ImportResult whole = import();
+  const std::vector<VertexId> held = vertices_on_plane(mesh_, 0, 0.0);
+  Eigen::MatrixXd noisy = basis_;
+  const double largest = noisy.cwiseAbs().maxCoeff();
+  for (VertexId v : held)
+    noisy.middleRows(3 * Eigen::Index{v}, 3) =
+        1e-14 * largest * random_vector(3 * kSize, 1.0, 17).reshaped(3, kSize);
+  write("good.U", basis_file(noisy));
+  for (const std::vector<std::string>& fix : {std::vector<std::string>{}, {"x<0.001"}}) {
+    options_.fix = fix;
+    const ImportResult result = import();
+    EXPECT_EQ(result.data.fixed_vertices, held);
+    EXPECT_EQ(result.data.rigid_mode_count, 0u);
+    EXPECT_EQ(rows_of(result.data), rows_of(whole.data)) << "exactly zero where held";
+    EXPECT_EQ(result.data.vega.basis, basis_file(noisy)) << "the file itself stays as it was";
+    EXPECT_TRUE(std::any_of(
+        result.problem.notes.begin(), result.problem.notes.end(),
+        [](const std::string& note) { return note.find("taken as zero") != std::string::npos; }));
+  }
+  // A hundred times what counts as rounding is a motion.
+  for (VertexId v : held) noisy.middleRows(3 * Eigen::Index{v}, 3) *= 1e4;
+  write("good.U", basis_file(noisy));
+  options_.fix = {"x<0.001"};
+  expect_refused({"are not zero", "rounding is below 1e-12", "--fix"});
+}
+
 TEST_F(Import, FilesThatDoNotFitEachOtherAreNamed) {
   write("good.U", basis_file(Eigen::MatrixXd(basis_.topRows(105))));
   expect_refused({"good.U has 105 rows", "block.veg has 36 vertices", "108"});

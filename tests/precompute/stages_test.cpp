@@ -1,6 +1,7 @@
 // Each stage against the property that defines it, on a small clamped or free block.
 #include <set>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "common/mesh_check.h"
@@ -292,6 +293,50 @@ TEST(Basis, KeepsTheFirstModeAndTheSingularValuesDescend) {
   // Ritz values lie above the exact ones; the cut costs the first mode next to nothing.
   EXPECT_GE(basis.lambda[0], modes.squared_frequencies[0] * (1 - 1e-10));
   EXPECT_LE(basis.lambda[0], modes.squared_frequencies[0] * 1.001);
+}
+
+// More columns than rows, many of them the same motion: what a hundred modes of a small mesh give.
+TEST(Basis, OfManyColumnsIsTheSameSpanAndIsHeardOfOnTheWay) {
+  const Block block = clamped_block();
+  const Modes modes = compute_modes(block.matrices, 40, no_rigid(block), 0.0);
+  const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
+  const Columns input =
+      modal_derivatives(block.solid, block.local, block.matrices, modes, psi, no_rigid(block), 1)
+          .columns;
+  ASSERT_GE(input.cols(), kLarge);
+  ASSERT_GT(input.cols(), input.rows());
+  std::vector<std::string> heard;
+  PrincipalColumns principal =
+      principal_columns(block.matrices, input, modes.squared_frequencies, 0.05, 2,
+                        [&heard](const std::string& line) { heard.push_back(line); });
+  EXPECT_GE(heard.size(), 4u);
+  EXPECT_LE(principal.size(), input.rows());
+  const Columns all = principal.first(principal.size());
+  const Columns heavy = multiply(block.matrices.mass.get(), all);
+  const auto size = principal.size();
+  EXPECT_LE((all.transpose() * heavy - Eigen::MatrixXd::Identity(size, size)).cwiseAbs().maxCoeff(),
+            1e-10);
+  // Each column is held to what a Gram matrix of unit columns resolves, 1e-6.
+  const Columns off = input - all * (heavy.transpose() * input);
+  EXPECT_LE((off.colwise().norm().array() / input.colwise().norm().array()).maxCoeff(), 1e-5);
+  // The singular values are those of the weighted columns, by another way: an eigenvalue problem.
+  Eigen::VectorXd weight(input.cols());
+  const Eigen::VectorXd& w2 = modes.squared_frequencies;
+  const Eigen::Index k = w2.size();
+  weight.head(k) = w2[0] * w2.cwiseInverse();
+  for (Eigen::Index j = 0; j < k; ++j)
+    for (Eigen::Index i = 0; i <= j; ++i)
+      weight[k + static_cast<Eigen::Index>(pair_index(i, j))] =
+          0.5 * 0.05 * w2[0] * w2[0] / (w2[i] * w2[j]);
+  const Columns weighted = input * weight.asDiagonal();
+  const Eigen::MatrixXd gram = weighted.transpose() * multiply(block.matrices.mass.get(), weighted);
+  const Eigen::VectorXd squares =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gram, Eigen::EigenvaluesOnly)
+          .eigenvalues()
+          .reverse();
+  for (Eigen::Index i = 0; i < 12; ++i)
+    EXPECT_NEAR(principal.singular_values[i], std::sqrt(squares[i]),
+                1e-9 * principal.singular_values[0]);
 }
 
 // What keep_always() takes in is in every basis, whatever the cut; the rest is the same span as

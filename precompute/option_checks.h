@@ -1,0 +1,62 @@
+// Checks of numbers on the command line: messages say what was expected and what was found.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace tremolo {
+
+// A finite number above zero.
+inline CLI::Validator above_zero() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        double value = 0;
+        const char* end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, value);
+        if (error == std::errc{} && stop == end && std::isfinite(value) && value > 0) return "";
+        return "expected a number above 0, found " + text;
+      },
+      "");
+}
+
+// A whole number of at least one.
+inline CLI::Validator at_least_one() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        int value = 0;
+        const char* end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, value);
+        if (error == std::errc{} && stop == end && value >= 1) return "";
+        return "expected a whole number from 1 to 2147483647, found " + text;
+      },
+      "");
+}
+
+// Bytes with or without a unit, "500MB", become their number.
+inline CLI::Validator byte_count() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        const std::string given = text;
+        try {
+          std::uint64_t value = 0;
+          if (CLI::AsSizeValue(true)(text).empty() &&
+              std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc{} &&
+              value > 0)
+            return "";
+        } catch (const CLI::Error&) {
+        }
+        return "expected a whole number of bytes above 0, as 4GB or 500MB, found " + given;
+      },
+      "BYTES");
+}
+
+// What is wrong, in one line.
+inline std::string one_line_message(const CLI::App* app, const CLI::Error& error) {
+  return app->get_name() + ": " + error.what() + " (--help shows what there is)\n";
+}
+
+}  // namespace tremolo
