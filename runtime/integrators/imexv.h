@@ -19,8 +19,11 @@
 // Second order, also with load and damping; time-reversible without damping. Symplectic only where
 // V does not couple low and high rows. All low: it is `verlet`; all high and
 // alpha = 0: it is `midpoint`. Mass damping takes exactly e^{-alpha h} a step off each linear mode.
-// Linearly stable iff h omega < 2 on the low rows. `dissipated` is exact for the exponentials and
-// d.D d/h for the high rows' beta.
+// `dissipated` is exact for the exponentials and d.D d/h for the high rows' beta.
+//
+// Conditionally stable: linearly iff h omega < 2 on the low rows, which deformation that stiffens
+// the solid may end. Of the thesis's 36 runs at 3 ms (six models, three loads, damped or not) 33
+// reach 30 s, with three times the loads 27, with ten times 12.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

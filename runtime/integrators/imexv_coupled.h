@@ -19,8 +19,9 @@
 //
 // Second order, also with load and damping; symplectic and time-reversible without damping, for any
 // coupling of low and high rows, at the price of as many unknowns as the midpoint rule. All low: it
-// is `verlet`; all high and alpha = 0: it is `midpoint`. Linearly stable iff h omega < 2 on the low
-// rows. `dissipated` is exact for the exponentials and d.D d/h for the high rows' beta.
+// is `verlet`; all high and alpha = 0: it is `midpoint`. Conditionally stable: linearly iff h omega
+// < 2 on the low rows, as `imexv`. `dissipated` is exact for the exponentials and d.D d/h for the
+// high rows' beta.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

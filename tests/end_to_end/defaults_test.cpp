@@ -72,6 +72,12 @@ class Defaults : public ::testing::TestWithParam<const char*> {
     EXPECT_LE(drift, kDrift) << entry;
   }
 
+  void run_program();
+  void run_body();
+  void run_world();
+  void run_body_from_c();
+  void run_world_from_c();
+
   Model::Pointer model_;
   VertexId vertex_ = 0;
   Eigen::Vector3d force_;
@@ -81,7 +87,7 @@ class Defaults : public ::testing::TestWithParam<const char*> {
 INSTANTIATE_TEST_SUITE_P(Six, Defaults, ::testing::ValuesIn(kSamples),
                          [](const auto& sample) { return std::string(sample.param); });
 
-TEST_P(Defaults, ProgramIsAccurateAndKeepsTheEnergy) {
+void Defaults::run_program() {
   const std::string folder = testing::fresh_folder();
   std::string command =
       TREMOLO_BIN_DIR "/tremolo run " + path() + " --duration 9.999 --json --out .";
@@ -109,7 +115,7 @@ TEST_P(Defaults, ProgramIsAccurateAndKeepsTheEnergy) {
   check("program", orbit);
 }
 
-TEST_P(Defaults, BodyIsAccurateAndKeepsTheEnergy) {
+void Defaults::run_body() {
   Body body = std::move(*Body::create(model_));
   ASSERT_TRUE(body.add_default_load({.kind = SignalKind::kSquare}));
   Orbit orbit = make_orbit();
@@ -126,7 +132,7 @@ TEST_P(Defaults, BodyIsAccurateAndKeepsTheEnergy) {
   check("Body", orbit);
 }
 
-TEST_P(Defaults, WorldIsAccurateAndKeepsTheEnergy) {
+void Defaults::run_world() {
   World world = std::move(*World::create());
   const BodyId body = *world.add_body(*world.add_group(model_, {}));
   ASSERT_TRUE(world.apply_force(body, vertex_, force_, kPush));
@@ -140,7 +146,7 @@ TEST_P(Defaults, WorldIsAccurateAndKeepsTheEnergy) {
   check("World", orbit);
 }
 
-TEST_P(Defaults, BodyFromCIsAccurateAndKeepsTheEnergy) {
+void Defaults::run_body_from_c() {
   tremolo_model* model = nullptr;
   tremolo_body* body = nullptr;
   ASSERT_EQ(tremolo_model_load(path().c_str(), 0, &model), TREMOLO_OK) << tremolo_last_error();
@@ -162,7 +168,7 @@ TEST_P(Defaults, BodyFromCIsAccurateAndKeepsTheEnergy) {
   check("C body", orbit);
 }
 
-TEST_P(Defaults, WorldFromCIsAccurateAndKeepsTheEnergy) {
+void Defaults::run_world_from_c() {
   tremolo_model* model = nullptr;
   tremolo_world* world = nullptr;
   std::uint32_t group = 0, body = 0;
@@ -187,8 +193,21 @@ TEST_P(Defaults, WorldFromCIsAccurateAndKeepsTheEnergy) {
   check("C world", orbit);
 }
 
-// The scene's own method is imexv: its error is told, its energy has to stay in its bound.
-TEST_P(Defaults, SceneRunsForTenSecondsInsideItsBound) {
+TEST_P(Defaults, EveryPublicEntryIsAccurateAndKeepsTheEnergy) {
+  run_program();
+  run_body();
+  run_world();
+  run_body_from_c();
+  run_world_from_c();
+}
+
+// Their own method is imexv: what its energy does is told, and has to stay in its bound.
+class Scenes : public ::testing::TestWithParam<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Six, Scenes, ::testing::ValuesIn(kSamples),
+                         [](const auto& sample) { return std::string(sample.param); });
+
+TEST_P(Scenes, RunForTenSecondsInsideTheirBound) {
   const std::string scene =
       std::string(TREMOLO_SOURCE_DIR "/assets/scenes/") + GetParam() + ".toml";
   const testing::ProgramResult result = testing::run_program(
