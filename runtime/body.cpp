@@ -51,6 +51,7 @@ Body::Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
       state_{Eigen::VectorXd::Zero(model_->modes()), Eigen::VectorXd::Zero(model_->modes())},
       step_load_(make_step_load(model_->modes())),
       q_before_(state_.q),
+      sound_(state_),
       workspace_(model_->potential().make_workspace(kUsePoint)),
       evaluation_(model_->potential().make_evaluation()),
       momentum_(state_.p) {}
@@ -64,6 +65,8 @@ Status Body::set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
   state_.q = q;
   state_.p = p;
   integrator_->reset();
+  bound_.start(total_energy());
+  keep_sound_state();
   return Success{};
 }
 
@@ -94,6 +97,10 @@ void Body::clear_loads() {
   applied_.clear();
 }
 
+void Body::clear_forces() {
+  applied_.clear();
+}
+
 Status Body::apply_force(VertexId vertex, const Eigen::Vector3d& force, int steps) {
   if (steps < 1)
     return usage_error("a force acts for at least one step, got " + std::to_string(steps));
@@ -101,20 +108,6 @@ Status Body::apply_force(VertexId vertex, const Eigen::Vector3d& force, int step
   if (!reduced) return reduced.error();
   applied_.push_back({std::move(*reduced), steps});
   return Success{};
-}
-
-StepReport Body::step() {
-  gather_loads();
-  q_before_ = state_.q;
-  const StepReport report = integrator_->step(state_, step_load_);
-  iterations_ += report.iterations;
-  if (!report.converged) return report;
-  ++steps_;
-  work_ += step_load_.average.dot(state_.q - q_before_) + report.extra_work;
-  if (report.parts > 1) ++halved_steps_;
-  dissipated_ += report.dissipated;
-  age_applied_forces();
-  return report;
 }
 
 void Body::gather_loads() {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -11,6 +12,7 @@
 
 #include "common/result.h"
 #include "runtime/energy.h"
+#include "runtime/energy_bound.h"
 #include "runtime/integrators/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
@@ -18,13 +20,16 @@
 
 namespace tremolo {
 
+// Energies are looked at every so many steps: a look costs at most a force.
+inline constexpr int kStepsBetweenLooks = 8;
+
 // Starts at rest in the rest shape at time 0. Not thread-safe; different bodies of one model may
 // step on different threads.
 class Body {
  public:
   // Errors as make_integrator.
-  static Result<Body> create(Model::Pointer model, std::string_view integrator,
-                             const IntegratorOptions& options);
+  static Result<Body> create(Model::Pointer model, std::string_view integrator = kDefaultIntegrator,
+                             const IntegratorOptions& options = {});
 
   const Model& model() const { return *model_; }
   const Integrator& integrator() const { return *integrator_; }
@@ -44,12 +49,19 @@ class Body {
   Status add_default_load(const Signal& signal, double scale = 1.0);
   void clear_loads();
 
-  // A force (N) at a vertex, constant over the next `steps` steps. Several add up.
+  // A force (N) at a vertex, constant over the next `steps` steps. Several add up. Errors as
+  // reduce_force.
   Status apply_force(VertexId vertex, const Eigen::Vector3d& force, int steps = 1);
+  void clear_forces();  // those of apply_force() that still act
 
-  // One step. If the report says not converged, the state, the time and the pending forces are as
-  // before. Nothing is allocated.
+  // One step. If the report says not converged, the time and the pending loads are as before, and
+  // so is the state if its energy is sound. If it is not, because the method has exploded, or if
+  // this step's is far out (StepFailure::kEnergy), the state, work() and dissipated() are those of
+  // the last sound look, and what the integrator carried is forgotten. Looks are at the start, when
+  // a state is set and every kStepsBetweenLooks steps; what is sound says runtime/energy_bound.h.
+  // Nothing is allocated.
   StepReport step();
+  const EnergyBound& energy_bound() const { return bound_; }
 
   // True if a load can still act on a step to come.
   bool load_to_come() const;
@@ -95,6 +107,13 @@ class Body {
        const IntegratorOptions& options, Eigen::Index low);
   void gather_loads();
   void age_applied_forces();
+  double kick() const;
+  double total_energy() const;
+  double harmonic_energy() const;
+  bool look();
+  void keep_sound_state();
+  void put_back();
+  StepReport explain(StepReport report);
 
   Model::Pointer model_;
   std::unique_ptr<Integrator> integrator_;
@@ -110,10 +129,21 @@ class Body {
   std::int64_t halved_steps_ = 0;
   double work_ = 0.0;
   double dissipated_ = 0.0;
+  EnergyBound bound_;
+  int steps_since_look_ = 0;
+  State sound_;  // at the last sound look; work and dissipation then
+  double sound_work_ = 0.0;
+  double sound_dissipated_ = 0.0;
   mutable PotentialWorkspace workspace_;
   mutable Evaluation evaluation_;
   mutable Eigen::VectorXd momentum_;
   mutable SurfaceWorkspace surface_;
 };
+
+// kBound for kEnergy, else kSolver.
+ErrorKind error_kind(StepFailure failure);
+
+// Why the step from `time` (s) was not made, a sentence without a full stop.
+std::string why_not_made(const StepReport& report, double time);
 
 }  // namespace tremolo

@@ -24,6 +24,8 @@ tremolo_status to_status(ErrorKind kind) noexcept {
       return TREMOLO_CONTENT;
     case ErrorKind::kSolver:
       return TREMOLO_SOLVER;
+    case ErrorKind::kBound:
+      return TREMOLO_BOUND;
     default:
       return TREMOLO_SYSTEM;
   }

@@ -3,7 +3,6 @@
 #include <cstring>
 #include <span>
 
-#include "common/number_text.h"
 #include "runtime/c_api.h"
 
 namespace tremolo::c_api {
@@ -50,6 +49,9 @@ using tremolo::c_api::need;
 using tremolo::c_api::need_buffer;
 using tremolo::c_api::usage_error;
 
+// It views a string literal, which ends in a zero.
+constexpr const char* kDefaultName = tremolo::kDefaultIntegrator.data();
+
 template <class Real>
 tremolo_status positions(const tremolo_body* body, Real* out, std::size_t length) noexcept {
   return guarded([&]() -> Status {
@@ -72,7 +74,7 @@ void tremolo_body_options_init(tremolo_body_options* options) {
   const tremolo::IntegratorOptions defaults;
   *options = {.size = sizeof(tremolo_body_options),
               .max_iterations = defaults.max_iterations,
-              .integrator = "ep4",
+              .integrator = kDefaultName,
               .split = "default",
               .step = defaults.step,
               .alpha = defaults.alpha,
@@ -93,7 +95,7 @@ tremolo_status tremolo_body_create(const tremolo_model* model, const tremolo_bod
     const tremolo::Result<tremolo::IntegratorOptions> integrator =
         tremolo::c_api::to_integrator_options(*full);
     if (!integrator) return integrator.error();
-    const char* name = full->integrator == nullptr ? "ep4" : full->integrator;
+    const char* name = full->integrator == nullptr ? kDefaultName : full->integrator;
     tremolo::Result<tremolo::Body> made = tremolo::Body::create(model->pointer, name, *integrator);
     if (!made) return made.error();
     *body = new tremolo_body{std::move(*made)};
@@ -117,6 +119,14 @@ tremolo_status tremolo_body_apply_force(tremolo_body* body, uint32_t vertex, con
   });
 }
 
+tremolo_status tremolo_body_clear_forces(tremolo_body* body) {
+  return guarded([&]() -> Status {
+    if (Status s = need(body, "the body"); !s) return s;
+    body->body.clear_forces();
+    return Success{};
+  });
+}
+
 tremolo_status tremolo_body_step(tremolo_body* body, int64_t count, int64_t* done) {
   if (done != nullptr) *done = 0;
   return guarded([&]() -> Status {
@@ -125,10 +135,8 @@ tremolo_status tremolo_body_step(tremolo_body* body, int64_t count, int64_t* don
     for (int64_t step = 0; step < count; ++step) {
       const tremolo::StepReport report = body->body.step();
       if (!report.converged)
-        return Error{ErrorKind::kSolver, "the step at " + tremolo::number_text(body->body.time()) +
-                                             " s did not converge: residual " +
-                                             tremolo::number_text(report.residual) + " after " +
-                                             std::to_string(report.iterations) + " iterations"};
+        return Error{tremolo::error_kind(report.failure),
+                     tremolo::why_not_made(report, body->body.time())};
       if (done != nullptr) *done = step + 1;
     }
     return Success{};

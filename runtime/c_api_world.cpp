@@ -41,8 +41,7 @@ Result<GroupOptions> to_group_options(const tremolo_body_options* method,
       tremolo::c_api::to_integrator_options(*body);
   if (!integrator) return integrator.error();
   GroupOptions options;
-  name = options.integrator;
-  if (method != nullptr && body->integrator != nullptr) name = body->integrator;
+  name = body->integrator == nullptr ? options.integrator : body->integrator;
   options.integrator = name;
   options.options = *integrator;
   options.modes = group->modes;
@@ -61,6 +60,19 @@ tremolo_status with_world(Handle* handle, Action&& action) noexcept {
     if (Status s = need(handle, "the world"); !s) return s;
     return action(handle->world);
   });
+}
+
+const char* reason(tremolo::StepFailure failure) {
+  switch (failure) {
+    case tremolo::StepFailure::kLoad:
+      return "its numbers overflow under the forces on it";
+    case tremolo::StepFailure::kNumbers:
+      return "its numbers overflow";
+    case tremolo::StepFailure::kEnergy:
+      return "its energy is far above what was put in, the method has exploded";
+    default:
+      return "its solve gave up";
+  }
 }
 
 // Keeps what was made, unless there is no place for it.
@@ -137,6 +149,10 @@ tremolo_status tremolo_world_apply_force(tremolo_world* world, uint32_t body, ui
   });
 }
 
+tremolo_status tremolo_world_clear_forces(tremolo_world* world, uint32_t body) {
+  return with_world(world, [&](tremolo::World& known) { return known.clear_forces(body); });
+}
+
 tremolo_status tremolo_world_step(tremolo_world* world, uint32_t* failed, size_t length,
                                   size_t* failed_count) {
   if (failed_count != nullptr) *failed_count = 0;
@@ -148,7 +164,8 @@ tremolo_status tremolo_world_step(tremolo_world* world, uint32_t* failed, size_t
     if (failed_count != nullptr) *failed_count = report.failed.size();
     return Error{ErrorKind::kSolver, std::to_string(report.failed.size()) +
                                          " bodies could not make their step, the first is body " +
-                                         std::to_string(report.failed[0])};
+                                         std::to_string(report.failed[0]) + ": " +
+                                         reason(report.why[0])};
   });
 }
 
@@ -172,6 +189,18 @@ tremolo_status tremolo_world_state(const tremolo_world* world, uint32_t body, do
     if (Status s = need_buffer(q, length, static_cast<size_t>(state->q.size())); !s) return s;
     std::copy(state->q.begin(), state->q.end(), q);
     if (p != nullptr) std::copy(state->p.begin(), state->p.end(), p);
+    return Success{};
+  });
+}
+
+tremolo_status tremolo_world_energy(const tremolo_world* world, uint32_t body, double* kinetic,
+                                    double* potential, double* high_band) {
+  return with_world(world, [&](const tremolo::World& known) -> Status {
+    const Result<tremolo::Energy> energy = known.energy(body);
+    if (!energy) return energy.error();
+    if (kinetic != nullptr) *kinetic = energy->kinetic;
+    if (potential != nullptr) *potential = energy->potential;
+    if (high_band != nullptr) *high_band = energy->high_band;
     return Success{};
   });
 }

@@ -31,6 +31,9 @@ struct LaneBlock {
 
 namespace {
 
+// Of a block: the force is not that of q; a lane's EnergyBound has not started.
+constexpr std::uint8_t kStale = 1, kFresh = 2, kBoth = 3;
+
 Vector* vectors(LaneRow* rows) {
   return reinterpret_cast<Vector*>(rows);
 }
@@ -103,15 +106,29 @@ TREMOLO_CLONES void from_lanes(const LaneBlock& b, double scale, const float* gr
   gather_force(b, scale, reinterpret_cast<const HalfVector*>(gradient));
 }
 
-// energy, in: C + Q; out: T + V. Both J, `width` vectors.
-TREMOLO_CLONES void add_quadratic_energy(const LaneBlock& b, Vector* energy) {
+// energy, in: C + Q; out: T + V. harmonic: T and the quadratic part of V. All J, `width` vectors.
+TREMOLO_CLONES void add_quadratic_energy(const LaneBlock& b, Vector* energy, Vector* harmonic) {
   for (std::size_t w = 0; w < b.width; ++w) {
-    Vector sum = energy[w];
+    Vector sum = {};
     for (std::size_t i = 0; i < b.modes; ++i) {
       const std::size_t at = i * b.width + w;
       sum += 0.5 * (b.p[at] * b.p[at]) + (0.5 * b.lambda[i]) * (b.q[at] * b.q[at]);
     }
-    energy[w] = sum;
+    energy[w] += sum;
+    harmonic[w] = sum;
+  }
+}
+
+// work: of the load from `before` to q. kick: 1/2 (h |f|)^2. J, `width` vectors.
+TREMOLO_CLONES void sum_work(const LaneBlock& b, const Vector* before, Vector* work, Vector* kick) {
+  for (std::size_t w = 0; w < b.width; ++w) {
+    Vector done = {}, square = {};
+    for (std::size_t at = w; at < b.modes * b.width; at += b.width) {
+      done += b.load[at] * (b.q[at] - before[at]);
+      square += b.load[at] * b.load[at];
+    }
+    work[w] = done;
+    kick[w] = (0.5 * b.step * b.step) * square;
   }
 }
 
@@ -185,29 +202,41 @@ void LaneGroup::reserve(std::size_t bodies) {
   if (needed <= stale_.size()) return;
   // Half as much again, so that bodies which come one by one are not copied each time.
   const std::size_t blocks = std::max(needed, stale_.size() + stale_.size() / 2);
-  for (std::vector<LaneRow>* rows : {&q_, &p_, &force_, &load_})
+  for (std::vector<LaneRow>* rows : {&q_, &p_, &force_, &load_, &sound_q_, &sound_p_})
     rows->resize(blocks * block_rows());
+  bounds_.resize(blocks * lanes_);
   quiet_time_.resize(blocks * lanes_ / 8);
   stale_.resize(blocks, 0);
   loaded_.resize(blocks, 0);
 }
 
 void LaneGroup::make_scratch(LaneScratch& scratch) const {
-  for (std::vector<LaneRow>* rows :
-       {&scratch.q, &scratch.p, &scratch.force, &scratch.x, &scratch.gradient})
+  for (std::vector<LaneRow>* rows : {&scratch.q, &scratch.p, &scratch.x, &scratch.gradient})
     if (rows->size() < block_rows()) rows->resize(block_rows());
 }
 
-std::size_t LaneGroup::insert(const double* q, const double* p) {
+std::size_t LaneGroup::insert(const double* kept, const EnergyBound& bound) {
   reserve(size_ + 1);
   const std::size_t slot = size_++;
-  write(slot, q, p);
+  const std::size_t first = place(slot);
+  for (std::vector<LaneRow>* rows : {&q_, &p_, &sound_q_, &sound_p_})
+    for (std::size_t i = 0; i < modes_; ++i) flat(rows->data())[first + i * lanes_] = *kept++;
+  bounds_[slot] = bound;
+  flat(quiet_time_.data())[slot] = 0.0;
+  stale_[slot / lanes_] |= bound.started() ? kStale : kBoth;
   return slot;
+}
+
+void LaneGroup::save(std::size_t slot, double* kept, EnergyBound& bound) const {
+  const std::size_t first = place(slot);
+  for (const std::vector<LaneRow>* rows : {&q_, &p_, &sound_q_, &sound_p_})
+    for (std::size_t i = 0; i < modes_; ++i) *kept++ = flat(rows->data())[first + i * lanes_];
+  bound = bounds_[slot];
 }
 
 void LaneGroup::remove(std::size_t slot) {
   const std::size_t last = --size_;
-  for (std::vector<LaneRow>* rows : {&q_, &p_, &force_, &load_}) {
+  for (std::vector<LaneRow>* rows : {&q_, &p_, &force_, &load_, &sound_q_, &sound_p_}) {
     double* to = flat(rows->data()) + place(slot);
     double* from = flat(rows->data()) + place(last);
     for (std::size_t i = 0; i < modes_; ++i) {
@@ -218,6 +247,7 @@ void LaneGroup::remove(std::size_t slot) {
   double* quiet = flat(quiet_time_.data());
   quiet[slot] = quiet[last];
   quiet[last] = 0.0;
+  bounds_[slot] = bounds_[last];
   stale_[slot / lanes_] |= stale_[last / lanes_];
   loaded_[slot / lanes_] |= loaded_[last / lanes_];
 }
@@ -231,11 +261,13 @@ void LaneGroup::read(std::size_t slot, double* q, double* p) const {
 
 void LaneGroup::write(std::size_t slot, const double* q, const double* p) {
   for (std::size_t i = 0; i < modes_; ++i) {
-    flat(q_.data())[place(slot) + i * lanes_] = q[i];
-    flat(p_.data())[place(slot) + i * lanes_] = p[i];
+    const std::size_t at = place(slot) + i * lanes_;
+    flat(q_.data())[at] = flat(sound_q_.data())[at] = q[i];
+    flat(p_.data())[at] = flat(sound_p_.data())[at] = p[i];
   }
+  bounds_[slot].restart();
   flat(quiet_time_.data())[slot] = 0.0;
-  stale_[slot / lanes_] = 1;
+  stale_[slot / lanes_] |= kBoth;
 }
 
 void LaneGroup::add_force(std::size_t slot, const double* force) {
@@ -281,49 +313,37 @@ LaneGroup::Outcome LaneGroup::step_block(std::size_t block, const QuietRule& rul
     std::visit([&](const auto& known) { evaluate(known, view, want_energy, scratch); },
                coefficients_);
   };
-  if (stale_[block] != 0) evaluate_view(false);
+  if (stale_[block] != 0) evaluate_view((stale_[block] & kFresh) != 0);
+  if ((stale_[block] & kFresh) != 0) {
+    add_quadratic_energy(view, vectors(scratch.energy), vectors(scratch.harmonic));
+    start_bounds(block, scratch);
+  }
   stale_[block] = 0;
   std::copy_n(&q_[first], block_rows(), scratch.q.data());
   std::copy_n(&p_[first], block_rows(), scratch.p.data());
-  std::copy_n(&force_[first], block_rows(), scratch.force.data());
   kick_and_drift(view);
   evaluate_view(rule.since_last > 0);
   kick_again(view);
-  if (rule.since_last > 0) add_quadratic_energy(view, vectors(scratch.energy));
-  if (loaded_[block] != 0) std::fill_n(&load_[first], block_rows(), LaneRow{});
-  loaded_[block] = 0;
   Outcome outcome;
   outcome.failed = lanes_not_finite(view);
-  if (outcome.failed != 0) restore_lanes(block, outcome.failed, scratch);
-  if (rule.since_last > 0) outcome.quiet = quiet_lanes(block, rule, scratch);
-  return outcome;
-}
-
-void LaneGroup::restore_lanes(std::size_t block, std::uint32_t lanes, const LaneScratch& scratch) {
-  const std::size_t first = block * block_rows();
-  const auto restore = [&](std::vector<LaneRow>& rows, const std::vector<LaneRow>& before) {
-    double* to = flat(&rows[first]);
-    const double* from = flat(before.data());
-    for (std::size_t at = 0; at < modes_ * lanes_; ++at)
-      if (lanes >> (at % lanes_) & 1u) to[at] = from[at];
-  };
-  restore(q_, scratch.q);
-  restore(p_, scratch.p);
-  restore(force_, scratch.force);
-}
-
-std::uint32_t LaneGroup::quiet_lanes(std::size_t block, const QuietRule& rule,
-                                     const LaneScratch& scratch) {
-  std::uint32_t bits = 0;
-  double* quiet = flat(quiet_time_.data()) + block * lanes_;
-  const double* energy = flat(scratch.energy);
-  const std::size_t taken = std::min(lanes_, size_ - block * lanes_);
-  for (std::size_t lane = 0; lane < taken; ++lane) {
-    const bool below = energy[lane] <= rule.threshold;
-    quiet[lane] = below ? quiet[lane] + rule.since_last * step_ : 0.0;
-    if (below && quiet[lane] >= rule.time) bits |= 1u << lane;
+  if (loaded_[block] != 0) {
+    sum_work(view, vectors(scratch.q.data()), vectors(scratch.work), vectors(scratch.kick));
+    put_in(block, outcome, scratch);
+    std::fill_n(&load_[first], block_rows(), LaneRow{});
+    loaded_[block] = 0;
   }
-  return bits;
+  if (outcome.failed != 0) tell_exploded(block, outcome, scratch);
+  if (rule.since_last > 0) {
+    add_quadratic_energy(view, vectors(scratch.energy), vectors(scratch.harmonic));
+    look(block, outcome, scratch);
+    outcome.quiet = quiet_lanes(block, rule, scratch);
+  }
+  if (outcome.failed != 0) {
+    copy_lanes(block, outcome.failed, sound_q_, q_);
+    copy_lanes(block, outcome.failed, sound_p_, p_);
+    stale_[block] |= kStale;
+  }
+  return outcome;
 }
 
 }  // namespace tremolo

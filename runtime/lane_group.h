@@ -1,4 +1,5 @@
-// Awake bodies of one model that step together, a body a lane: `verlet` and `imexv-linear`.
+// Awake bodies of one model that step together, a body a lane: `verlet` and `imexv-linear`. Both
+// are conditionally stable (their headers say where), and an EnergyBound watches each lane.
 //
 // Both are one formula (runtime/integrators/imexv_linear.h; verlet is the split with every row low)
 // and have no equation to solve. State, linear force, load, damping and sums are in double whatever
@@ -9,6 +10,7 @@
 // 0..size-1 are taken without gaps; the lanes behind them are zero.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -17,6 +19,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "runtime/energy_bound.h"
 #include "runtime/integrators/integrator.h"
 #include "runtime/lane_force.h"
 #include "runtime/model.h"
@@ -35,9 +38,10 @@ struct alignas(64) LaneRow {
 
 // What one thread needs to step a block. Sized by LaneGroup::make_scratch.
 struct LaneScratch {
-  std::vector<LaneRow> q, p, force;  // before the step
+  std::vector<LaneRow> q, p;         // before the step
   std::vector<LaneRow> x, gradient;  // of evaluate_lanes, in its precision
-  LaneRow energy[2];
+  LaneRow energy[2], harmonic[2];    // J
+  LaneRow work[2], kick[2];          // J, of the step's load
 };
 
 struct LaneBlock;
@@ -58,20 +62,26 @@ class LaneGroup {
   void reserve(std::size_t bodies);  // room for so many; up to there insert() does not allocate
   void make_scratch(LaneScratch& scratch) const;  // grows it to what step_block needs
 
-  // q, p: `modes` long. A body in a lane is known by its slot. remove() moves the last body into
-  // the freed slot.
-  std::size_t insert(const double* q, const double* p);
+  // A body in a lane is known by its slot. kept: 4 x modes, its q and p and those of the last sound
+  // look (runtime/energy_bound.h). remove() moves the last body into the freed slot.
+  std::size_t insert(const double* kept, const EnergyBound& bound);
+  void save(std::size_t slot, double* kept, EnergyBound& bound) const;
   void remove(std::size_t slot);
+  // q, p: `modes` long. A state that is written is sound, whatever its energy.
   void read(std::size_t slot, double* q, double* p) const;
   void write(std::size_t slot, const double* q, const double* p);
 
   // A reduced force on the next step only, `modes` long; several add up.
   void add_force(std::size_t slot, const double* force);
 
-  // Bits of lanes of a block after a step. A failed lane holds a number that is not finite: it is
-  // put back to before the step. quiet: T + V has been at or below `threshold` for `time`.
+  // Bits of lanes of a block after a step. A failed lane got a number that is not finite, or a look
+  // found its energy out of all proportion: it is put back to its last sound look. exploded: those
+  // of the failed whose energy was out of proportion; loaded: the others that had a load. quiet:
+  // T + V has been at or below `threshold` for `time`.
   struct Outcome {
     std::uint32_t failed = 0;
+    std::uint32_t exploded = 0;
+    std::uint32_t loaded = 0;
     std::uint32_t quiet = 0;
   };
   // threshold: J. time: s. since_last: steps since energies were last looked at, 0 not to look now.
@@ -97,7 +107,13 @@ class LaneGroup {
   template <class Real>
   void evaluate(const LaneCoefficients<Real>& coefficients, const LaneBlock& block,
                 bool want_energy, LaneScratch& scratch);
-  void restore_lanes(std::size_t block, std::uint32_t lanes, const LaneScratch& scratch);
+  void start_bounds(std::size_t block, const LaneScratch& scratch);
+  void put_in(std::size_t block, Outcome& outcome, const LaneScratch& scratch);
+  void tell_exploded(std::size_t block, Outcome& outcome, const LaneScratch& scratch) const;
+  void look(std::size_t block, Outcome& outcome, const LaneScratch& scratch);
+  void copy_lanes(std::size_t block, std::uint32_t lanes, const std::vector<LaneRow>& from,
+                  std::vector<LaneRow>& to) const;
+  std::size_t taken(std::size_t block) const { return std::min(lanes_, size_ - block * lanes_); }
   std::uint32_t quiet_lanes(std::size_t block, const QuietRule& rule, const LaneScratch& scratch);
 
   std::size_t modes_ = 0;
@@ -117,8 +133,10 @@ class LaneGroup {
 
   // The force is that of the kicks: without lambda q on the high rows.
   std::vector<LaneRow> q_, p_, force_, load_;
-  std::vector<LaneRow> quiet_time_;  // s, one row of lanes a block
-  std::vector<std::uint8_t> stale_;  // of a block: the force is not that of q
+  std::vector<LaneRow> sound_q_, sound_p_;  // at the last sound look
+  std::vector<EnergyBound> bounds_;         // a slot
+  std::vector<LaneRow> quiet_time_;         // s, one row of lanes a block
+  std::vector<std::uint8_t> stale_;         // of a block: kStale, kFresh
   std::vector<std::uint8_t> loaded_;
 };
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "common/number_text.h"
+
 namespace tremolo {
 namespace {
 
@@ -117,7 +119,12 @@ Result<Eigen::VectorXd> reduce_force(const Model& model, VertexId vertex,
   if (!force.allFinite()) return Error{ErrorKind::kUsage, "the force is not finite"};
   const Result<VertexRows> rows = model.vertex(vertex);
   if (!rows) return rows.error();
-  return Eigen::VectorXd(rows->rows.transpose() * force);
+  Eigen::VectorXd reduced = rows->rows.transpose() * force;
+  if (!std::isfinite(reduced.squaredNorm()))
+    return Error{ErrorKind::kUsage, "the force of " + number_text(force.lpNorm<Eigen::Infinity>()) +
+                                        " N at vertex " + std::to_string(vertex) +
+                                        " is too large to be reckoned with"};
+  return reduced;
 }
 
 Result<Eigen::VectorXd> reduce_load(const Model& model, const DefaultLoad& load, double scale) {

@@ -76,7 +76,7 @@ void load_at(const StepLoad& load, double s, Eigen::VectorXd& out);
 void restrict_load(const StepLoad& load, double a, double b, StepLoad& out);
 
 // U_vertex^T F for a force F (N) on a vertex of the source mesh. Errors as Model::vertex, kUsage if
-// the force is not finite.
+// the force is not finite or |U^T F|^2 overflows.
 Result<Eigen::VectorXd> reduce_force(const Model& model, VertexId vertex,
                                      const Eigen::Vector3d& force);
 

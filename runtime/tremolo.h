@@ -48,7 +48,9 @@ typedef enum tremolo_status {
   TREMOLO_SYSTEM = 1,  /* I/O or memory failed */
   TREMOLO_USAGE = 2,   /* an unknown name, a wrong argument, a buffer of the wrong length */
   TREMOLO_CONTENT = 3, /* the file's content is invalid */
-  TREMOLO_SOLVER = 4   /* a step did not converge; the body is as before that step */
+  TREMOLO_SOLVER = 4,  /* a step did not converge; the body is as before that step */
+  TREMOLO_BOUND = 5    /* a step's energy is far above what was put in: the method has exploded; the
+                        * body is where its energy was last found sound (tremolo_body_step) */
 } tremolo_status;
 
 typedef struct tremolo_model tremolo_model;
@@ -94,8 +96,8 @@ tremolo_status tremolo_model_frequencies(const tremolo_model* model, double* out
 tremolo_status tremolo_model_triangle_corners(const tremolo_model* model, uint32_t* out,
                                               size_t length);
 
-/* For each of the surface's vertices the vertex of the source mesh to push: its own id, ascending, on
- * the boundary; on a render surface the one that it follows most. length must be s. */
+/* For each of the surface's vertices the vertex of the source mesh to push: its own id, ascending,
+ * on the boundary; on a render surface the one that it follows most. length must be s. */
 tremolo_status tremolo_model_surface_ids(const tremolo_model* model, uint32_t* out, size_t length);
 
 /* What came with a render surface. Its vertices are split where normals or texture coordinates are.
@@ -127,6 +129,11 @@ tremolo_status tremolo_model_colours(const tremolo_model* model, uint8_t* out, s
  * at which there are no more. docs/choosing-an-integrator.md tells which to take. */
 const char* tremolo_integrator_name(size_t index);
 
+/* "ep4", the default, cannot explode, nor can "avf" and "ep2". Methods with an explicit part are
+ * conditionally stable: "verlet", "verlet4", "rk2", "rk4", "explicit-euler", "imexv-linear",
+ * "imexv", "imexv-thesis" and "imexv-coupled" leave every bound where the motion stiffens what
+ * their step does not resolve; runtime/integrators/ tells each one's limit. */
+
 /* ---- body ---- */
 
 /* Fill with tremolo_body_options_init and change what you want. `size` lets a program that was
@@ -153,11 +160,17 @@ tremolo_status tremolo_body_create(const tremolo_model* model, const tremolo_bod
 
 void tremolo_body_destroy(tremolo_body* body);
 
-/* A force (x, y, z), N, at a vertex, constant over the next `steps` steps. Several add up. */
+/* A force (x, y, z), N, at a vertex, constant over the next `steps` steps. Several add up. A force
+ * that is not finite or too large to be reckoned with is TREMOLO_USAGE. Clearing takes away those
+ * that still act. */
 tremolo_status tremolo_body_apply_force(tremolo_body* body, uint32_t vertex, const double force[3],
                                         int32_t steps);
+tremolo_status tremolo_body_clear_forces(tremolo_body* body);
 
-/* Advances by `count` steps. done (may be NULL) receives how many were made, also on failure. */
+/* Advances by `count` steps. done (may be NULL) receives how many were made, also on failure.
+ * Forces are then as before the step that failed: clear them to go on without. TREMOLO_BOUND: the
+ * energy, looked at every 8 steps, is more than 100 times what was in the body and the forces put
+ * in; q and p are those of the last look at which it was not above 10 times that. */
 tremolo_status tremolo_body_step(tremolo_body* body, int64_t count, int64_t* done);
 
 double tremolo_body_time(const tremolo_body* body); /* s; 0 for NULL */
@@ -186,16 +199,18 @@ tremolo_status tremolo_body_energy(const tremolo_body* body, double* kinetic, do
 /* ---- world: many bodies ----
  *
  * Bodies in groups that share a model, a method, a step and a level of detail. Bodies of "verlet"
- * and "imexv-linear" are stepped 16 (float) or 8 (double) at a time; those of other methods one by
- * one. A new body sleeps and costs nothing until a force, a state or tremolo_world_wake wakes it;
- * it falls asleep when its energy has stayed small for a while, and keeps its state. The result
- * does not depend on the number of threads. runtime/world.h says more. */
+ * and "imexv-linear" are stepped 16 (float) or 8 (double) at a time; those of other methods, the
+ * default "ep4" among them, one by one. A new body sleeps and costs nothing until a force, a state
+ * or tremolo_world_wake wakes it; it falls asleep when its energy has stayed small for a while, and
+ * keeps its state. The result does not depend on the number of threads. runtime/world.h says more.
+ */
 
 /* Fill with tremolo_group_options_init. `size` as in tremolo_body_options. */
 typedef struct tremolo_group_options {
   uint32_t size;             /* bytes of this struct as the caller knows it */
   int32_t modes;             /* leading coordinates that move; 0: all of the model's */
-  int32_t single_precision;  /* nonzero: the nonlinear force in float, the rest in double; 0 */
+  int32_t single_precision;  /* nonzero: the nonlinear force of the two methods that step several at
+                              * a time in float; all else is double; 0 */
   int32_t reserved;          /* 0 */
   double sleep_energy;       /* J, below which a body may sleep; 0: by sleep_displacement */
   double sleep_displacement; /* of its size, by its first mode; 1e-4 */
@@ -208,8 +223,9 @@ void tremolo_group_options_init(tremolo_group_options* options);
 tremolo_status tremolo_world_create(uint32_t threads, tremolo_world** world);
 void tremolo_world_destroy(tremolo_world* world);
 
-/* method: integrator, step and damping; NULL: the defaults of a body, but "imexv-linear". options:
- * NULL for the defaults. */
+/* method: integrator, step and damping; NULL: the defaults of a body, "ep4". options: NULL for the
+ * defaults. Fewer modes than the model's are for "verlet" and "imexv-linear"; for others load the
+ * model with fewer. */
 tremolo_status tremolo_world_add_group(tremolo_world* world, const tremolo_model* model,
                                        const tremolo_body_options* method,
                                        const tremolo_group_options* options, uint32_t* group);
@@ -220,12 +236,15 @@ tremolo_status tremolo_world_add_body(tremolo_world* world, uint32_t group, uint
 tremolo_status tremolo_world_remove_body(tremolo_world* world, uint32_t body);
 tremolo_status tremolo_world_move_body(tremolo_world* world, uint32_t body, uint32_t group);
 
-/* As tremolo_body_apply_force; wakes the body. */
+/* As tremolo_body_apply_force; wakes the body. Clearing takes away those that still act. */
 tremolo_status tremolo_world_apply_force(tremolo_world* world, uint32_t body, uint32_t vertex,
                                          const double force[3], int32_t steps);
+tremolo_status tremolo_world_clear_forces(tremolo_world* world, uint32_t body);
 
 /* Advances every body that is awake by one step of its group. Allocates nothing. TREMOLO_SOLVER if
- * bodies failed: each is as before the step and sleeps, the others have made theirs. failed (may be
+ * bodies failed, also by an energy as at TREMOLO_BOUND: each is where its energy was last found
+ * sound, without its forces, and sleeps; the others have made their step. The message tells why the
+ * first of them failed. failed (may be
  * NULL) receives the first `length` of their numbers; failed_count (may be NULL) how many there
  * are. */
 tremolo_status tremolo_world_step(tremolo_world* world, uint32_t* failed, size_t length,
@@ -240,6 +259,10 @@ tremolo_status tremolo_world_state(const tremolo_world* world, uint32_t body, do
                                    size_t length);
 tremolo_status tremolo_world_set_state(tremolo_world* world, uint32_t body, const double* q,
                                        const double* p, size_t length);
+
+/* As tremolo_body_energy. */
+tremolo_status tremolo_world_energy(const tremolo_world* world, uint32_t body, double* kinetic,
+                                    double* potential, double* high_band);
 
 /* Only shown (nonzero) bodies have a surface. Updating rebuilds those that moved; updated (may be
  * NULL) receives how many. */

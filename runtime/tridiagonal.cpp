@@ -33,6 +33,8 @@ void Tridiagonal::compute(const Eigen::MatrixXd& a) {
       work_[i * stride_ + j] = work_[j * stride_ + i] = a.data()[j * r_ + i];
   (*TREMOLO_BEST(reduce))(work_.data(), r_, stride_, masks_.data(), diagonal_.data(), off_.data(),
                           reflections_.data(), factors_.data(), image_.data());
+  // What overflowed is in the padding too, which the next matrix needs to be zero.
+  if (!diagonal_.allFinite() || !off_.allFinite()) std::fill(work_.begin(), work_.end(), 0.0);
   (*TREMOLO_BEST(accumulate))(reflections_.data(), factors_.data(), r_, stride_, basis_.data(),
                               image_.data());
 }

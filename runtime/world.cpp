@@ -112,6 +112,7 @@ Result<BodyId> World::add_body(GroupId group) {
   const auto id = static_cast<BodyId>(contents_->bodies.size());
   contents_->bodies.emplace_back();
   contents_->failed.reserve(contents_->bodies.capacity());
+  contents_->why.reserve(contents_->bodies.capacity());
   contents_->place(id, group);
   return id;
 }
@@ -159,6 +160,12 @@ Status World::apply_force(BodyId id, VertexId vertex, const Eigen::Vector3d& for
     return s;
   }
   contents_->wake(id);
+  return Success{};
+}
+
+Status World::clear_forces(BodyId id) {
+  if (Status s = contents_->check_body(id); !s) return s;
+  contents_->clear_forces(id);
   return Success{};
 }
 

@@ -1,11 +1,13 @@
 // Thousands of bodies that share a few models: stepped in lanes and on several threads, asleep when
 // nothing happens to them, drawn only where they moved.
 //
-// A group is a model, a method, a step and a level of detail; bodies belong to one. Bodies of
-// `verlet` and `imexv-linear` step in lanes (runtime/lane_group.h), those of any other method each
-// by itself (runtime/body.h). What a body does depends on nothing but its own state and forces: not
-// on the other bodies, the number of threads, or when others were added, slept or woke, bit for
-// bit.
+// A group is a model, a method, a step and a level of detail; bodies belong to one. The default
+// method, `ep4`, cannot explode: its bodies step each by itself (runtime/body.h), as those of all
+// methods but two. Bodies of `verlet` and `imexv-linear` step in lanes (runtime/lane_group.h), in a
+// fortieth of the time and less, but are stable only while the step resolves what deformation
+// stiffens: the limit is in their headers (runtime/integrators/), take them for motion that you
+// know. What a body does depends on nothing but its own state and forces: not on the other bodies,
+// the number of threads, or when others were added, slept or woke, bit for bit.
 //
 // Sleep. A new body is at rest in the rest shape and sleeps. It wakes by a force, set_state() or
 // wake(), and falls asleep when its energy T + V has stayed at or below a threshold for a while and
@@ -14,9 +16,12 @@
 // that a step goes through; it costs memory and no time. Time does not pass for it: there is no
 // signal in a World that it could miss, forces are given for so many steps.
 //
-// Failure. A body whose step gave a number that is not finite, or whose solve gave up, is put back
-// to before that step, its forces are dropped, it is put to sleep and named in the report. When it
-// is woken it tries again.
+// Failure. A body whose step gave a number that is not finite, whose solve gave up, or whose energy
+// a look found out of all proportion to what was put in (runtime/energy_bound.h: its method has
+// exploded) is put back to a sound state, its forces are dropped, it is put to sleep and named in
+// the report. Sound is the state that was set or, since then, the last that a look found so; a body
+// that steps by itself goes back no further than before the step that failed where that is sound.
+// When it is woken it tries again from there.
 //
 // Not thread-safe: one call at a time. step() and update_surfaces() use the world's own threads and
 // allocate nothing.
@@ -45,7 +50,7 @@ using BodyId = std::uint32_t;
 // vertex that it moves most by `displacement` of the solid's largest extent: what is left moves no
 // vertex visibly. displacement: dimensionless; ten times it shows as a jolt when a body stops.
 // time: s, how long the energy must stay there; infinity: never asleep. Energies are looked at
-// every 8th step.
+// every kStepsBetweenLooks steps.
 struct SleepOptions {
   double displacement = 1e-4;
   double energy = 0.0;
@@ -56,7 +61,7 @@ struct SleepOptions {
 // for all of the model's; less than all only for methods in lanes (for others load the model with
 // fewer). precision: of grad (C + Q) in lanes; other methods are in double.
 struct GroupOptions {
-  std::string_view integrator = "imexv-linear";
+  std::string_view integrator = kDefaultIntegrator;
   IntegratorOptions options = {};
   int modes = 0;
   LanePrecision precision = LanePrecision::kDouble;
@@ -64,11 +69,12 @@ struct GroupOptions {
 };
 
 // Of the last step. failed: bodies that were put back and to sleep, in no order to rely on across
-// versions; valid until the next step.
+// versions. why: of each of these. Both are valid until the next step.
 struct WorldReport {
   std::size_t stepped = 0;
   std::size_t fell_asleep = 0;  // by themselves
   std::span<const BodyId> failed;
+  std::span<const StepFailure> why;
 };
 
 // positions: x y z x y z ..., m, as Body::surface_positions; valid until the world's next call that
@@ -104,6 +110,7 @@ class World {
   // A force (N) at a vertex, constant over the next `steps` steps of the body. Several add up.
   // Wakes it. Errors as Body::apply_force.
   Status apply_force(BodyId body, VertexId vertex, const Eigen::Vector3d& force, int steps = 1);
+  Status clear_forces(BodyId body);  // those that still act; it stays awake
 
   // q and p: the group's number of modes long, finite; else kUsage. Wakes the body.
   Status set_state(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& p);

@@ -32,7 +32,7 @@ void World::Contents::read_state(const WorldBody& body, double* q, double* p) co
   } else if (body.slot != kAsleep) {
     group.lanes->read(body.slot, q, p);
   } else {
-    const double* home = group.homes.data() + 2 * group.modes * body.place;
+    const double* home = group.homes.data() + 4 * group.modes * body.place;
     std::copy_n(home, group.modes, q);
     std::copy_n(home + group.modes, group.modes, p);
   }
@@ -50,8 +50,9 @@ void World::Contents::write_state(BodyId id, const double* q, const double* p) {
   } else if (body.slot != kAsleep) {
     group.lanes->write(body.slot, q, p);
   } else {
-    std::copy_n(q, group.modes, group.home(body));
-    std::copy_n(p, group.modes, group.home(body) + group.modes);
+    double* home = group.home(body);
+    for (const double* part : {q, p, q, p}) home = std::copy_n(part, group.modes, home);
+    group.home_bounds[body.place].restart();
   }
   touch(id);
 }
@@ -63,7 +64,7 @@ void World::Contents::wake(BodyId id) {
   body.slot = group.awake.size();
   group.awake.push_back(id);
   if (group.lanes)
-    group.lanes->insert(group.home(body), group.home(body) + group.modes);
+    group.lanes->insert(group.home(body), group.home_bounds[body.place]);
   else
     group.quiet[body.place] = 0.0;
 }
@@ -74,18 +75,25 @@ void World::Contents::sleep(BodyId id) {
   WorldGroup& group = groups[body.group];
   if (body.built_at < group.steps) touch(id);
   if (group.lanes) {
-    group.lanes->read(body.slot, group.home(body), group.home(body) + group.modes);
+    group.lanes->save(body.slot, group.home(body), group.home_bounds[body.place]);
     group.lanes->remove(body.slot);
-    if (body.forces > 0)
-      std::erase_if(group.forces, [id](const WorldForce& force) { return force.body == id; });
-    body.forces = 0;
-  } else {
-    group.bodies[body.place]->clear_loads();
   }
+  clear_forces(id);
   bodies[group.awake.back()].slot = body.slot;
   group.awake[body.slot] = group.awake.back();
   group.awake.pop_back();
   body.slot = kAsleep;
+}
+
+void World::Contents::clear_forces(BodyId id) {
+  WorldBody& body = bodies[id];
+  WorldGroup& group = groups[body.group];
+  if (!group.lanes) {
+    group.bodies[body.place]->clear_forces();
+  } else if (body.forces > 0) {
+    std::erase_if(group.forces, [id](const WorldForce& force) { return force.body == id; });
+    body.forces = 0;
+  }
 }
 
 // Room for one more, with all that a step may need for it.
@@ -94,7 +102,8 @@ Status World::Contents::make_place(GroupId g) {
   if (group.lanes) {
     if (group.free_places.empty()) {
       group.free_places.push_back(group.places++);
-      group.homes.resize(2 * group.modes * group.places);
+      group.homes.resize(4 * group.modes * group.places);
+      group.home_bounds.resize(group.places);
       group.lanes->reserve(group.places);
       group.outcomes.resize(group.places / group.lanes->lanes() + 1);
     }
@@ -120,7 +129,9 @@ void World::Contents::place(BodyId id, GroupId g) {
   body.place = group.free_places.back();
   group.free_places.pop_back();
   body.slot = kAsleep;
-  if (group.lanes) std::fill_n(group.home(body), 2 * group.modes, 0.0);
+  if (!group.lanes) return;
+  std::fill_n(group.home(body), 4 * group.modes, 0.0);
+  group.home_bounds[body.place] = {};
 }
 
 void World::Contents::leave(BodyId id) {

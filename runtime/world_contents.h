@@ -11,9 +11,6 @@
 
 namespace tremolo {
 
-// Energies are looked at every so many steps: they cost a twentieth of a force.
-inline constexpr std::int64_t kStepsBetweenLooks = 8;
-
 inline constexpr std::size_t kAsleep = static_cast<std::size_t>(-1);
 
 // A force that still acts on a body in lanes.
@@ -49,13 +46,14 @@ struct WorldGroup {
   std::int64_t steps = 0;
 
   std::optional<LaneGroup> lanes;
-  std::vector<double> homes;  // q and p of each body while it sleeps, 2 x modes a place
+  std::vector<double> homes;  // what lanes keep of each body while it sleeps, 4 x modes a place
+  std::vector<EnergyBound> home_bounds;      // a place
   std::vector<LaneGroup::Outcome> outcomes;  // a block, of the last step
   std::vector<WorldForce> forces;
 
   std::vector<std::unique_ptr<Body>> bodies;
-  std::vector<double> quiet;         // s, a place
-  std::vector<std::uint8_t> failed;  // a slot, of the last step
+  std::vector<double> quiet;        // s, a place
+  std::vector<StepFailure> failed;  // a slot, of the last step
 
   std::size_t places = 0;
   std::vector<std::size_t> free_places;
@@ -64,10 +62,10 @@ struct WorldGroup {
   std::size_t shown = 0;
   std::vector<BodyId> touched;  // shown, see WorldBody
 
-  double* home(const WorldBody& body) { return homes.data() + 2 * modes * body.place; }
+  double* home(const WorldBody& body) { return homes.data() + 4 * modes * body.place; }
   std::size_t tasks() const { return lanes ? lanes->blocks() : awake.size(); }
   // Steps since energies were looked at if the coming step is one after which they are, else 0.
-  int look() const;
+  int look() const { return (steps + 1) % kStepsBetweenLooks == 0 ? kStepsBetweenLooks : 0; }
 };
 
 // Shown bodies of one group that are rebuilt together: stale[first, first + count).
@@ -90,6 +88,7 @@ struct World::Contents {
   std::vector<WorldGroup> groups;
   std::vector<WorldBody> bodies;
   std::vector<BodyId> failed;
+  std::vector<StepFailure> why;  // of those
   WorldReport report;
   std::vector<std::size_t> task_ends;  // a group
   std::vector<BodyId> stale;
@@ -112,7 +111,8 @@ struct World::Contents {
   void place_forces(WorldGroup& group);
   void run_task(WorldGroup& group, std::size_t task, WorldScratch& scratch);
   void finish(WorldGroup& group);
-  void finish_body(WorldGroup& group, std::size_t slot, bool failed, bool quiet);
+  void finish_body(WorldGroup& group, std::size_t slot, StepFailure failure, bool quiet);
+  void clear_forces(BodyId id);
 
   void list_stale();
   void build(const SurfaceBatch& batch, WorldScratch& scratch);

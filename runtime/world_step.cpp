@@ -5,15 +5,20 @@
 #include "runtime/world_contents.h"
 
 namespace tremolo {
+namespace {
 
-int WorldGroup::look() const {
-  const bool now = std::isfinite(quiet_time) && (steps + 1) % kStepsBetweenLooks == 0;
-  return now ? static_cast<int>(kStepsBetweenLooks) : 0;
+StepFailure failure_of(const LaneGroup::Outcome& outcome, std::size_t lane) {
+  if ((outcome.failed >> lane & 1u) == 0) return StepFailure::kNone;
+  if ((outcome.exploded >> lane & 1u) != 0) return StepFailure::kEnergy;
+  return (outcome.loaded >> lane & 1u) != 0 ? StepFailure::kLoad : StepFailure::kNumbers;
 }
+
+}  // namespace
 
 void World::Contents::step(GroupId first, GroupId end) {
   report = {};
   failed.clear();
+  why.clear();
   std::size_t tasks = 0;
   for (GroupId g = first; g < end; ++g) {
     place_forces(groups[g]);
@@ -28,6 +33,7 @@ void World::Contents::step(GroupId first, GroupId end) {
   });
   for (GroupId g = first; g < end; ++g) finish(groups[g]);
   report.failed = failed;
+  report.why = why;
 }
 
 void World::Contents::place_forces(WorldGroup& group) {
@@ -44,8 +50,9 @@ void World::Contents::run_task(WorldGroup& group, std::size_t task, WorldScratch
   }
   const std::size_t place = bodies[group.awake[task]].place;
   Body& body = *group.bodies[place];
-  group.failed[task] = body.step().converged ? 0 : 1;
-  if (look == 0) return;
+  const StepReport made = body.step();
+  group.failed[task] = made.converged ? StepFailure::kNone : made.failure;
+  if (look == 0 || !std::isfinite(group.quiet_time)) return;
   const bool below = body.energy().total() <= group.threshold && !body.load_to_come();
   group.quiet[place] = below ? group.quiet[place] + look * group.options.step : 0.0;
 }
@@ -63,27 +70,30 @@ void World::Contents::finish(WorldGroup& group) {
       const LaneGroup::Outcome outcome = group.outcomes[block];
       if ((outcome.failed | outcome.quiet) == 0) continue;
       for (std::size_t lane = lanes; lane-- > 0;)
-        finish_body(group, block * lanes + lane, outcome.failed >> lane & 1u,
+        finish_body(group, block * lanes + lane, failure_of(outcome, lane),
                     outcome.quiet >> lane & 1u);
     }
     return;
   }
   for (std::size_t slot = group.awake.size(); slot-- > 0;) {
     const std::size_t place = bodies[group.awake[slot]].place;
-    finish_body(group, slot, group.failed[slot] != 0,
+    finish_body(group, slot, group.failed[slot],
                 looked && group.quiet[place] >= group.quiet_time && group.quiet[place] > 0.0);
   }
 }
 
-void World::Contents::finish_body(WorldGroup& group, std::size_t slot, bool has_failed,
+void World::Contents::finish_body(WorldGroup& group, std::size_t slot, StepFailure failure,
                                   bool quiet) {
+  const bool has_failed = failure != StepFailure::kNone;
   if (!has_failed && !quiet) return;
   const BodyId id = group.awake[slot];
   if (!has_failed && bodies[id].forces > 0) return;
-  if (has_failed)
+  if (has_failed) {
     failed.push_back(id);
-  else
+    why.push_back(failure);
+  } else {
     ++report.fell_asleep;
+  }
   sleep(id);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 
 #include <Eigen/Core>
 
@@ -14,7 +15,7 @@ class ForceCache {
  public:
   explicit ForceCache(const Potential& potential, bool all = false)
       : potential_(potential),
-        want_(all ? kWantEnergy | kWantForce | kWantTangent : kWantForce),
+        want_(kWantEnergy | kWantForce | (all ? kWantTangent : 0u)),
         workspace_(potential.make_workspace(all ? kUseTangent : kUsePoint)),
         evaluation_(potential.make_evaluation()),
         q_(Eigen::VectorXd::Constant(potential.size(), std::numeric_limits<double>::quiet_NaN())) {}
@@ -25,7 +26,13 @@ class ForceCache {
     return evaluation_.force;
   }
 
-  // V(q) and K(q), likewise; for a cache made with `all`.
+  // V(q) if q is that of the last call: it came with the force.
+  std::optional<double> known_energy(const Eigen::VectorXd& q) const {
+    if (q_ == q) return evaluation_.energy;
+    return std::nullopt;
+  }
+
+  // V(q) and K(q), as force(); K for a cache made with `all`.
   double energy(const Eigen::VectorXd& q) {
     evaluate(q);
     return evaluation_.energy;

@@ -36,6 +36,9 @@ class Halving final : public Integrator {
   }
   std::string_view name() const override { return levels_.front().integrator->name(); }
   std::optional<Split> split() const override { return levels_.front().integrator->split(); }
+  std::optional<double> known_potential(const Eigen::VectorXd& q) const override {
+    return levels_.front().integrator->known_potential(q);
+  }
   void synchronized_momentum(const State& state, Eigen::VectorXd& p) const override {
     levels_.front().integrator->synchronized_momentum(state, p);
   }

@@ -35,6 +35,9 @@ class Imexv final : public Integrator {
   }
 
   std::string_view name() const override { return "imexv"; }
+  std::optional<double> known_potential(const Eigen::VectorXd& q) const override {
+    return forces_.known_energy(q);
+  }
   std::optional<Split> split() const override { return split_; }
 
  private:

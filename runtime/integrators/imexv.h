@@ -17,8 +17,11 @@
 // Second order, also with load and damping; time-reversible without damping. Symplectic only where
 // V does not couple low and high rows. All low: it is `verlet`; all high and undamped: it is
 // `midpoint`. A free linear mode loses e^{-D h} of the area of its phase plane in a step: exactly on
-// low rows, to O((D h)^2) of the exponent on high ones. Linearly stable iff h omega < 2 on the low
-// rows, damped there somewhat beyond. `dissipated` is that of runtime/damping.h.
+// low rows, to O((D h)^2) of the exponent on high ones. `dissipated` is that of runtime/damping.h.
+//
+// Conditionally stable: linearly iff h omega < 2 on the low rows (damped somewhat beyond), which
+// deformation that stiffens the solid may end. Of the thesis's 36 runs at 3 ms (six models, three
+// loads, damped or not) 33 reach 30 s, with three times the loads 27, with ten times 12.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

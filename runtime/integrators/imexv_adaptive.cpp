@@ -97,6 +97,9 @@ class ImexvAdaptive final : public Integrator {
     watching_ = false;
   }
   std::string_view name() const override { return "imexv-adaptive"; }
+  std::optional<double> known_potential(const Eigen::VectorXd& q) const override {
+    return forces_.known_energy(q);
+  }
   std::optional<Split> split() const override { return Split{low_, model_->modes() - low_}; }
 
  private:

@@ -18,8 +18,8 @@
 //
 // Second order, also with load and damping; symplectic and time-reversible without damping, for any
 // coupling of low and high rows, at the price of as many unknowns as the midpoint rule. Undamped and
-// all low it is `verlet`, all high `midpoint`. Linearly stable iff h omega < 2 on the low rows.
-// `dissipated` is that of runtime/damping.h.
+// all low it is `verlet`, all high `midpoint`. Conditionally stable: linearly iff h omega < 2 on the
+// low rows, as `imexv`. `dissipated` is that of runtime/damping.h.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

@@ -37,6 +37,9 @@ class ImexvLinear final : public Integrator {
   }
 
   std::string_view name() const override { return "imexv-linear"; }
+  std::optional<double> known_potential(const Eigen::VectorXd& q) const override {
+    return forces_.known_energy(q);
+  }
   std::optional<Split> split() const override { return split_; }
 
  private:

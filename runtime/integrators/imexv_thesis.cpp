@@ -50,6 +50,9 @@ class ImexvThesis final : public Integrator {
 
   void reset() override { load_before_.setZero(); }
   std::string_view name() const override { return "imexv-thesis"; }
+  std::optional<double> known_potential(const Eigen::VectorXd& q) const override {
+    return forces_.known_energy(q);
+  }
   std::optional<Split> split() const override { return split_; }
 
   void synchronized_momentum(const State& state, Eigen::VectorXd& p) const override {

@@ -33,6 +33,8 @@
 // values there (the end of the step before and the start of this one), which keeps the second order
 // and gives a pulse its true impulse; the high rows see the average over the step. `dissipated` is
 // the work of the damping force, first order.
+//
+// Conditionally stable, as `imexv`.
 #pragma once
 
 #include "runtime/integrators/integrator.h"

@@ -24,12 +24,19 @@ struct State {
   Eigen::VectorXd p;
 };
 
+// Why a step was not made. kSolver: the solve gave up. kNumbers: a number overflowed, as from a
+// state that was set too far out. kLoad: the same from a sound state with a load on it. kEnergy:
+// the energy is out of all proportion to what was put in, the method has exploded
+// (runtime/energy_bound.h).
+enum class StepFailure { kNone, kSolver, kNumbers, kLoad, kEnergy };
+
 // iterations: linear systems solved. residual: of the step's equation, Euclidean norm, units of q.
 // converged: false if the solve gave up or a number is not finite; the state is then as before the
 // step. dissipated: energy that damping took in this step, J (exact or second order: each method
 // says which). extra_work: what the load did beyond average . (q1 - q0), J; zero for most methods.
 // parts: into how many the step was cut because its solve had failed
-// (runtime/integrators/halving.h).
+// (runtime/integrators/halving.h). failure: why it is not converged, as Body tells it; an
+// integrator by itself leaves it at kNone.
 struct StepReport {
   int iterations = 0;
   double residual = 0.0;
@@ -37,6 +44,7 @@ struct StepReport {
   double dissipated = 0.0;
   double extra_work = 0.0;
   int parts = 1;
+  StepFailure failure = StepFailure::kNone;
 };
 
 // step: h, s. alpha, beta: Rayleigh's, 1/s and s. newmark_*: Newmark's two numbers. tolerance: of
@@ -58,6 +66,10 @@ struct IntegratorOptions {
   int halvings = 6;
 };
 
+// What a body, a group of a World, the C header and the programs take unless told otherwise: it
+// cannot explode, at any step and load.
+inline constexpr std::string_view kDefaultIntegrator = "ep4";
+
 class Integrator {
  public:
   virtual ~Integrator() = default;
@@ -77,6 +89,12 @@ class Integrator {
   // The momentum at the time of state.q. Differs from state.p only for methods that carry a
   // staggered one; energies must be read from this. p: r long.
   virtual void synchronized_momentum(const State& state, Eigen::VectorXd& p) const { p = state.p; }
+
+  // V(q), J, for methods that have it from the last force of the step that ended at q.
+  virtual std::optional<double> known_potential(const Eigen::VectorXd& q) const {
+    (void)q;
+    return std::nullopt;
+  }
 };
 
 // Names that make_integrator knows, in the order they are listed to a user.

@@ -13,7 +13,7 @@
 // Four forces a step. Fourth order, also with load and damping. Neither symplectic nor reversible:
 // on q'' + omega^2 q = 0 a step multiplies the amplitude by |1 + z + z^2/2 + z^3/6 + z^4/24| at
 // z = i y, y = h omega, the square of which is 1 - y^6/72 + y^8/576: it decays for
-// y < sqrt 8 = 2.8284 and grows above.
+// y < sqrt 8 = 2.8284 and grows above: conditionally stable.
 //
 // `dissipated` is the same rule's integral of p.D p, extra_work that of f.p less average.(q1 - q0):
 // both fourth order.

@@ -29,6 +29,9 @@ class Verlet final : public Integrator {
   }
 
   std::string_view name() const override { return "verlet"; }
+  std::optional<double> known_potential(const Eigen::VectorXd& q) const override {
+    return forces_.known_energy(q);
+  }
 
  private:
   Model::Pointer model_;

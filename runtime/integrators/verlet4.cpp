@@ -80,6 +80,9 @@ class Verlet4 final : public Integrator {
   }
 
   std::string_view name() const override { return "verlet4"; }
+  std::optional<double> known_potential(const Eigen::VectorXd& q) const override {
+    return forces_.known_energy(q);
+  }
 
  private:
   Model::Pointer model_;

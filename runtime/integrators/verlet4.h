@@ -22,9 +22,10 @@
 // it exactly, so that the impulse of any load is exact.
 //
 // The last force of a step is the first of the next: six forces a step. Symplectic and
-// time-reversible without damping. Linearly stable for h omega < 3.1634 (measured), that is 0.527
-// for each force (Verlet: 2). Of the drifts two go backwards, by 0.350 h: there damping puts energy
-// in, and what it takes from a free momentum in the whole step is still exactly e^{-D h}.
+// time-reversible without damping. Conditionally stable: linearly for h omega < 3.1634 (measured),
+// that is 0.527 for each force (Verlet: 2). Of the drifts two go backwards, by 0.350 h: there
+// damping puts energy in, and what it takes from a free momentum in the whole step is still exactly
+// e^{-D h}.
 //
 // `dissipated` is the kinetic energy that the damped drifts take, exact for this composition and
 // so fourth order. extra_work is what f does in the kicks less average.(q1 - q0): fourth order.

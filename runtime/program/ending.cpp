@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include "common/result.h"
-#include "runtime/program/energy_bound.h"
+#include "runtime/energy_bound.h"
 
 namespace tremolo {
 
 void Ending::solver_gave_up(const StepReport& step) {
+  if (step.failure == StepFailure::kEnergy) return bound_left();
   exit_code = static_cast<int>(ErrorKind::kSolver);
   reason = fmt::format("a step did not converge in {} iterations", step.iterations);
 }

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/integrators/integrator.h"
 
 namespace tremolo {
 
@@ -15,7 +16,7 @@ namespace tremolo {
 struct RunOptions {
   std::string name;   // the scene's table; the file's stem without a scene
   std::string model;  // path of the basis file
-  std::string integrator = "ep4";
+  std::string integrator{kDefaultIntegrator};
   double step = 3e-3;
   double duration = 30.0;
   int modes = 0;                // leading coordinates to keep; 0: all

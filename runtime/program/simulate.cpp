@@ -12,7 +12,6 @@
 
 #include "formats/render_writer.h"
 #include "formats/surface_writer.h"
-#include "runtime/program/energy_bound.h"
 #include "runtime/program/plot.h"
 #include "runtime/program/recorder.h"
 #include "runtime/program/selection.h"
@@ -198,7 +197,7 @@ class Watch {
     report.high_band_final = energy.high_band;
     if (!options_.out.empty() && body.steps() % options_.every == 0) recorder_.record(body, energy);
     if (Status status = write_due_surface(body, report); !status) return status.error();
-    return bound_.holds(body.steps(), energy.total(), body.work());
+    return body.energy_bound().sound(energy.total());
   }
 
   Status finish(RunReport& report) {
@@ -237,7 +236,6 @@ class Watch {
   std::int64_t total_steps_;
   int surfaces_written_ = 0;
   bool was_loaded_ = false;
-  EnergyBound bound_;
 };
 
 RunReport start_report(const RunOptions& options, const Body& body) {
@@ -248,14 +246,6 @@ RunReport start_report(const RunOptions& options, const Body& body) {
   report.duration = options.duration;
   report.split = body.integrator().split();
   return report;
-}
-
-std::string why_not_converged(double time, const StepReport& step) {
-  if (!std::isfinite(step.residual))
-    return fmt::format("the step from t = {:.6g} s did not converge: its numbers overflow", time);
-  return fmt::format(
-      "the step from t = {:.6g} s did not converge: residual {:.3g} after {} iterations", time,
-      step.residual, step.iterations);
 }
 
 std::string why_out_of_bound(double time, double energy) {
@@ -301,7 +291,7 @@ Result<RunReport> simulate(const RunOptions& options) {
     const StepReport step = body.step();
     spent += std::chrono::steady_clock::now() - before;
     if (!step.converged) {
-      break_off(report, ErrorKind::kSolver, why_not_converged(body.time(), step));
+      break_off(report, error_kind(step.failure), why_not_made(step, body.time()));
       break;
     }
     if (split && split->low != body.integrator().split()->low)

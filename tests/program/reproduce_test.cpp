@@ -7,7 +7,6 @@
 
 #include "formats/checksum.h"
 #include "runtime/body.h"
-#include "runtime/program/energy_bound.h"
 #include "runtime/program/reproduce/loads.h"
 #include "runtime/program/reproduce/long_run.h"
 #include "runtime/program/reproduce/orbit.h"
@@ -240,15 +239,6 @@ TEST(Orbit, ComesBackFromItsJson) {
   EXPECT_EQ(to_json(orbit_from_json(to_json(orbit))), to_json(orbit));
   EXPECT_EQ(orbit.steps, 100);
   EXPECT_EQ(orbit.total.t.size(), 101U);
-}
-
-TEST(EnergyBoundTest, TheFirstKickOfAnExplicitMethodIsNotJudged) {
-  EnergyBound bound;
-  EXPECT_TRUE(bound.holds(0, 0.0, 0.0));
-  EXPECT_TRUE(bound.holds(1, 1.0, 1e-3));
-  EXPECT_TRUE(bound.holds(2, 9.9, 1.0));
-  EXPECT_FALSE(bound.holds(3, 10.1, 1.0));
-  EXPECT_FALSE(bound.holds(4, std::nan(""), 1.0));
 }
 
 // ---- names ----

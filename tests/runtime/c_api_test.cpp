@@ -121,6 +121,7 @@ TEST_F(CApi, NullIsAUsageErrorEverywhere) {
   EXPECT_EQ(tremolo_body_create(model_, nullptr, nullptr), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_body_apply_force(nullptr, 0, d, 1), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_body_apply_force(body_, 0, nullptr, 1), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_clear_forces(nullptr), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_body_step(nullptr, 1, nullptr), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_body_state(nullptr, d, d, 4), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_body_state(body_, nullptr, d, 4), TREMOLO_USAGE);
@@ -258,6 +259,38 @@ TEST_F(CApi, StepThatGivesUpIsASolverErrorAndCountsWhatWasDone) {
   double q_after[4];
   ASSERT_EQ(tremolo_body_state(body, q_after, nullptr, 4), TREMOLO_OK);
   for (int i = 0; i < 4; ++i) EXPECT_EQ(q_after[i], q[i]);
+  tremolo_body_destroy(body);
+}
+
+TEST_F(CApi, BodyThatAForceHasStoppedGoesOnWhenTheForceIsCleared) {
+  const double far[3] = {1e308, 1e308, 1e308};
+  EXPECT_EQ(tremolo_body_apply_force(body_, 5, far, 1000), TREMOLO_USAGE);
+  EXPECT_TRUE(error_names("1e+308 N at vertex 5")) << tremolo_last_error();
+  EXPECT_EQ(tremolo_body_step(body_, 3, nullptr), TREMOLO_OK) << tremolo_last_error();
+  // Each of these can still be squared, their sum cannot.
+  const double great[3] = {1e153, 1e153, 1e153}, none[4] = {};
+  for (int k = 0; k < 100; ++k)
+    ASSERT_EQ(tremolo_body_apply_force(body_, 5, great, 1000), TREMOLO_OK) << tremolo_last_error();
+  EXPECT_EQ(tremolo_body_step(body_, 1, nullptr), TREMOLO_SOLVER);
+  EXPECT_TRUE(error_names("overflow under the load")) << tremolo_last_error();
+  ASSERT_EQ(tremolo_body_set_state(body_, none, none, 4), TREMOLO_OK);
+  EXPECT_EQ(tremolo_body_step(body_, 1, nullptr), TREMOLO_SOLVER);  // the forces are still there
+  ASSERT_EQ(tremolo_body_clear_forces(body_), TREMOLO_OK);
+  EXPECT_EQ(tremolo_body_step(body_, 100, nullptr), TREMOLO_OK) << tremolo_last_error();
+}
+
+TEST_F(CApi, ExplosionIsABoundThatWasLeft) {
+  options_.integrator = "verlet";
+  options_.step = 3e-3;
+  tremolo_body* body = nullptr;
+  ASSERT_EQ(tremolo_body_create(model_, &options_, &body), TREMOLO_OK);
+  const double q[4] = {0.01, 0.01, 0.01, 0.01}, p[4] = {};
+  ASSERT_EQ(tremolo_body_set_state(body, q, p, 4), TREMOLO_OK);
+  EXPECT_EQ(tremolo_body_step(body, 1000, nullptr), TREMOLO_BOUND);
+  EXPECT_TRUE(error_names("exploded")) << tremolo_last_error();
+  double after[4];
+  ASSERT_EQ(tremolo_body_state(body, after, nullptr, 4), TREMOLO_OK);
+  for (const double value : after) EXPECT_LT(std::abs(value), 10.0);
   tremolo_body_destroy(body);
 }
 

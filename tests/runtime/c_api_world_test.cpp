@@ -49,6 +49,7 @@ TEST_F(CApiWorld, FailedBodiesAreNamedAndAsBefore) {
   std::size_t count = 0;
   EXPECT_EQ(tremolo_world_step(world_, failed, 1, &count), TREMOLO_SOLVER);
   EXPECT_EQ(count, 2u);
+  EXPECT_NE(std::strstr(tremolo_last_error(), "numbers overflow"), nullptr) << tremolo_last_error();
   EXPECT_TRUE(failed[0] == others[0] || failed[0] == others[2]);
   EXPECT_EQ(tremolo_world_awake(world_), 0u);
   double q[4];
@@ -56,6 +57,31 @@ TEST_F(CApiWorld, FailedBodiesAreNamedAndAsBefore) {
   EXPECT_EQ(q[3], 1e200);
   EXPECT_EQ(tremolo_world_step(world_, failed, 1, &count), TREMOLO_OK);
   EXPECT_EQ(count, 0u);
+}
+
+TEST_F(CApiWorld, ForcesCanBeClearedAndEnergiesRead) {
+  const double force[3] = {1.0, 2.0, 3.0}, great[3] = {1e150, 1e150, 1e150};
+  double kinetic = -1.0, potential = -1.0, high_band = -1.0;
+  ASSERT_EQ(tremolo_world_apply_force(world_, body_, 5, force, 2), TREMOLO_OK);
+  ASSERT_EQ(tremolo_world_clear_forces(world_, body_), TREMOLO_OK);
+  ASSERT_EQ(tremolo_world_step(world_, nullptr, 0, nullptr), TREMOLO_OK);
+  ASSERT_EQ(tremolo_world_energy(world_, body_, &kinetic, &potential, &high_band), TREMOLO_OK);
+  EXPECT_EQ(kinetic + potential + high_band, 0.0);
+  ASSERT_EQ(tremolo_world_apply_force(world_, body_, 5, force, 2), TREMOLO_OK);
+  ASSERT_EQ(tremolo_world_step(world_, nullptr, 0, nullptr), TREMOLO_OK);
+  ASSERT_EQ(tremolo_world_energy(world_, body_, &kinetic, &potential, nullptr), TREMOLO_OK);
+  EXPECT_GT(kinetic, 0.0);
+  EXPECT_GT(potential, 0.0);
+  ASSERT_EQ(tremolo_world_apply_force(world_, body_, 5, great, 2), TREMOLO_OK);
+  EXPECT_EQ(tremolo_world_step(world_, nullptr, 0, nullptr), TREMOLO_SOLVER);
+  EXPECT_NE(std::strstr(tremolo_last_error(), "overflow under the forces"), nullptr)
+      << tremolo_last_error();
+  ASSERT_EQ(tremolo_world_wake(world_, body_), TREMOLO_OK);
+  EXPECT_EQ(tremolo_world_step(world_, nullptr, 0, nullptr), TREMOLO_OK);
+  EXPECT_EQ(tremolo_world_clear_forces(world_, 7), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_world_clear_forces(nullptr, 0), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_world_energy(world_, 7, &kinetic, &potential, nullptr), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_world_energy(nullptr, 0, &kinetic, &potential, nullptr), TREMOLO_USAGE);
 }
 
 TEST_F(CApiWorld, NullAndWrongNumbersAreUsageErrors) {

@@ -51,6 +51,24 @@ TEST(Tridiagonal, ReflectionsTurnTheMatrixIntoTheTridiagonalOne) {
   }
 }
 
+TEST(Tridiagonal, MatrixThatOverflowsLeavesNoTraceInTheNext) {
+  for (const Eigen::Index r : {3, 9, 24}) {
+    Eigen::MatrixXd a = testing::random_vector(r * r, 1.0, 8).reshaped(r, r);
+    a = (a + a.transpose()).eval();
+    Tridiagonal fresh(r), used(r);
+    used.compute(Eigen::MatrixXd::Constant(r, r, 1e300));
+    used.compute(Eigen::MatrixXd::Constant(r, r, std::nan("")));
+    fresh.compute(a);
+    used.compute(a);
+    EXPECT_EQ(fresh.diagonal(), used.diagonal()) << r;
+    EXPECT_EQ(fresh.off(), used.off()) << r;
+    Eigen::VectorXd x = testing::random_vector(r, 1.0, 9), y = x;
+    fresh.to_basis(x);
+    used.to_basis(y);
+    EXPECT_EQ(x, y) << r;
+  }
+}
+
 TEST(Tridiagonal, DiagonalMatrixIsLeftAlone) {
   const VectorXd values = testing::random_vector(6, 1.0, 2);
   Tridiagonal tridiagonal(6);

@@ -6,14 +6,12 @@
 
 #include "runtime/body.h"
 #include "runtime/energy.h"
-#include "runtime/program/energy_bound.h"
 
 namespace tremolo::bench {
 namespace {
 
 struct Progress {
   DriftMeter drift;
-  EnergyBound bound;
   double band_sum = 0.0;
   Eigen::Index band_count = 0;
 };
@@ -21,7 +19,7 @@ struct Progress {
 // False: the orbit has left its bound.
 bool observe(const Body& body, const Energy& energy, Progress& progress, SampledRun& run) {
   run.energy_end = energy.total();
-  if (!progress.bound.holds(body.steps(), energy.total(), body.work())) {
+  if (!body.energy_bound().sound(energy.total())) {
     run.bound_left();
     return false;
   }

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "runtime/body.h"
-#include "runtime/program/energy_bound.h"
+#include "runtime/energy_bound.h"
 
 namespace tremolo::reproduce {
 namespace {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "runtime/body.h"
-#include "runtime/program/energy_bound.h"
 #include "runtime/program/report/chart.h"
 #include "runtime/program/report/store.h"
 
@@ -57,14 +56,13 @@ Result<Orbit> watch_orbit(const OrbitSpec& spec) {
   const std::int64_t steps = step_count(spec);
   const bool lasts = !std::isfinite(signal_end(Signal{.kind = spec.load}));
   Orbit orbit;
-  EnergyBound bound;
   DriftMeter drift;
   Means means;
   orbit.total.t.reserve(static_cast<std::size_t>(steps) + 1);
   orbit.total.y.reserve(static_cast<std::size_t>(steps) + 1);
   for (;;) {
     const Energy energy = body.energy();
-    if (!bound.holds(body.steps(), energy.total(), body.work())) {
+    if (!body.energy_bound().sound(energy.total())) {
       orbit.bound_left();
       break;
     }

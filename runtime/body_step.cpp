@@ -1,0 +1,133 @@
+// Body: the step, and what is done about one that fails.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "common/number_text.h"
+#include "runtime/body.h"
+
+namespace tremolo {
+
+StepReport Body::step() {
+  gather_loads();
+  const double kick = this->kick();
+  if (!std::isfinite(kick)) {
+    StepReport report{.converged = false, .failure = StepFailure::kLoad};
+    return explain(report);
+  }
+  q_before_ = state_.q;
+  StepReport report = integrator_->step(state_, step_load_);
+  iterations_ += report.iterations;
+  if (!report.converged) return explain(report);
+  const double work = step_load_.average.dot(state_.q - q_before_) + report.extra_work;
+  work_ += work;
+  dissipated_ += report.dissipated;
+  bound_.put_in(work, kick);
+  if (++steps_since_look_ >= kStepsBetweenLooks && !look()) {
+    put_back();
+    report.converged = false;
+    report.failure = StepFailure::kEnergy;
+    return report;
+  }
+  ++steps_;
+  if (report.parts > 1) ++halved_steps_;
+  age_applied_forces();
+  return report;
+}
+
+// 1/2 (h |f|)^2 of the step's largest f, J.
+double Body::kick() const {
+  if (!step_load_.active) return 0.0;
+  const double largest = std::max({step_load_.start.squaredNorm(), step_load_.average.squaredNorm(),
+                                   step_load_.end.squaredNorm()});
+  // std::max passes over what is not a number.
+  const bool known =
+      step_load_.start.allFinite() && step_load_.average.allFinite() && step_load_.end.allFinite();
+  return known ? 0.5 * options_.step * options_.step * largest
+               : std::numeric_limits<double>::infinity();
+}
+
+// T + V, from what the method knows if it does.
+double Body::total_energy() const {
+  integrator_->synchronized_momentum(state_, momentum_);
+  const double kinetic = kinetic_energy(momentum_);
+  if (const std::optional<double> known = integrator_->known_potential(state_.q))
+    return kinetic + *known;
+  model_->potential().evaluate(state_.q, kWantEnergy, workspace_, evaluation_);
+  return kinetic + evaluation_.energy;
+}
+
+// As at kEnergyRounding, of the momentum that total_energy() left.
+double Body::harmonic_energy() const {
+  return kinetic_energy(momentum_) +
+         0.5 * (model_->lambda().array() * state_.q.array().square()).sum();
+}
+
+// False: the energy is out of all proportion to what was put in.
+bool Body::look() {
+  steps_since_look_ = 0;
+  const double energy = total_energy();
+  const double harmonic = harmonic_energy();
+  if (!bound_.holds(energy, harmonic)) return false;
+  if (!bound_.sound(energy, harmonic)) return true;
+  bound_.take_off_what_is_lost(energy, harmonic);
+  keep_sound_state();
+  return true;
+}
+
+void Body::keep_sound_state() {
+  steps_since_look_ = 0;
+  sound_ = state_;
+  sound_work_ = work_;
+  sound_dissipated_ = dissipated_;
+}
+
+void Body::put_back() {
+  steps_since_look_ = 0;
+  state_ = sound_;
+  work_ = sound_work_;
+  dissipated_ = sound_dissipated_;
+  integrator_->reset();
+}
+
+// Of a step that was not made: the state is as before it, which may be one of an explosion.
+StepReport Body::explain(StepReport report) {
+  const double energy = total_energy();
+  if (!bound_.sound(energy, harmonic_energy())) {
+    const bool as_set = state_.q == sound_.q && state_.p == sound_.p;  // its energy overflows
+    put_back();
+    report.failure = as_set ? StepFailure::kNumbers : StepFailure::kEnergy;
+  } else if (report.failure == StepFailure::kNone) {
+    const bool overflowed = report.iterations == 0 || !std::isfinite(report.residual);
+    if (!overflowed)
+      report.failure = StepFailure::kSolver;
+    else
+      report.failure = step_load_.active ? StepFailure::kLoad : StepFailure::kNumbers;
+  }
+  return report;
+}
+
+ErrorKind error_kind(StepFailure failure) {
+  return failure == StepFailure::kEnergy ? ErrorKind::kBound : ErrorKind::kSolver;
+}
+
+std::string why_not_made(const StepReport& report, double time) {
+  const std::string step = "the step from t = " + number_text(time) + " s";
+  switch (report.failure) {
+    case StepFailure::kLoad:
+      return step +
+             " did not converge: its numbers overflow under the load on it; without that "
+             "load the body goes on";
+    case StepFailure::kNumbers:
+      return step + " did not converge: its numbers overflow";
+    case StepFailure::kEnergy:
+      return step + " was not made: the energy is above " + number_text(kEnergyLimit) +
+             " times all that the load put in, the method has exploded; the body is where its "
+             "energy was last found sound";
+    default:
+      return step + " did not converge: residual " + number_text(report.residual) + " after " +
+             std::to_string(report.iterations) + " iterations";
+  }
+}
+
+}  // namespace tremolo

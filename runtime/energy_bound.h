@@ -1,0 +1,78 @@
+// Whether a body's energy can still be what its loads put in. Conditionally stable methods explode:
+// T + V then grows without anyone doing work, past every number within some tens of steps.
+//
+// What was put in is T + V at the start (of the body, or when a state was set) plus the net work of
+// the loads since, at its highest. The work is a sum over steps, of second order for most methods,
+// and says nothing yet after the first kick of a method that kicks before it moves: so it counts as
+// at least 1/2 (h |f|)^2, the energy which the largest f of a step gives a body at rest. When a
+// look finds less than a tenth of all this, damping has taken the rest, and what was put in counts
+// as ten times what was found: a body that has been pushed for hours is not allowed the sum of all
+// pushes.
+//
+// Sound methods stay well inside: where T + V of an undamped mode oscillates, as it does in the
+// explicit ones, its largest over its smallest value is 1 / (1 - (h omega)^2/4), 5.3 at the default
+// split of h omega < 1.8, 10 at 1.9, 100 at 1.99.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tremolo {
+
+// A state with at most this many times the energy that was put in is sound: one to go back to. The
+// programs end an orbit above it (exit code 5).
+inline constexpr double kEnergyBound = 10.0;
+
+// Above this many times the energy that was put in the library takes a step for failed.
+inline constexpr double kEnergyLimit = 100.0;
+
+// Of the harmonic energy 1/2 p.p + 1/2 q.Lambda q: so much of T + V may be rounding, since the
+// terms of V cancel and lanes have them in float.
+inline constexpr double kEnergyRounding = 1e-5;
+
+// Energies and work in J. Starts as that of a body at rest in the rest shape.
+class EnergyBound {
+ public:
+  // False after restart(), until start().
+  bool started() const { return !std::isnan(balance_); }
+  void restart() { balance_ = most_ = std::numeric_limits<double>::quiet_NaN(); }
+  void start(double energy) {
+    balance_ = most_ = std::isnan(energy) ? std::numeric_limits<double>::infinity() : energy;
+  }
+
+  // Of a step that was made. work: of the loads in it. kick: 1/2 (h |f|)^2, zero without a load.
+  void put_in(double work, double kick) {
+    if (std::isfinite(work)) balance_ += work;  // else the energy is no number either
+    most_ = std::max({most_, balance_, kick});
+  }
+
+  // energy: T + V. harmonic: as at kEnergyRounding, 0 where the energy is known to rounding. What
+  // is not a number is neither sound nor holds.
+  bool sound(double energy, double harmonic = 0.0) const {
+    return is_within(kEnergyBound, energy, harmonic);
+  }
+  bool holds(double energy, double harmonic = 0.0) const {
+    return is_within(kEnergyLimit, energy, harmonic);
+  }
+
+  // True if a part of T + V, none of which is negative, is alone too much.
+  bool exceeded_by(double part) const { return most_ > 0.0 && part > kEnergyLimit * most_; }
+
+  // After a look that found a sound state.
+  void take_off_what_is_lost(double energy, double harmonic) {
+    const double enough = kEnergyBound * (std::max(energy, 0.0) + kEnergyRounding * harmonic);
+    if (enough < most_) balance_ = most_ = enough;
+  }
+
+ private:
+  bool is_within(double factor, double energy, double harmonic) const {
+    if (!std::isfinite(energy)) return false;
+    return most_ <= 0.0 || energy <= factor * most_ + kEnergyRounding * harmonic;
+  }
+
+  double balance_ = 0.0;  // at the start, and the work since
+  double most_ = 0.0;     // the highest that it was
+};
+
+}  // namespace tremolo
