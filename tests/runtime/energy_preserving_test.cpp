@@ -62,14 +62,16 @@ constexpr double kRounding = 3e-13;
 TEST(EnergyPreserving, EveryStepBalancesEnergyWorkAndDissipation) {
   for (const char* name : kFamily)
     for (const double step : {1e-3, 1e-2, 5e-2})
-      for (const bool damped : {false, true}) {
-        IntegratorOptions options{.step = step};
-        if (damped) {
-          options.alpha = 0.9;
-          options.beta = 3e-3;
-        }
-        EXPECT_LE(worst_balance(name, options, 1.0, true, 400), kRounding) << name << ", " << step;
-        EXPECT_LE(worst_balance(name, options, 1.0, false, 400), kRounding) << name << ", " << step;
+      for (const auto& [alpha, beta] : {std::pair{0.0, 0.0},
+                                        {0.9, 3e-3},
+                                        {0.0, 1e-4},
+                                        {200.0, 0.0},
+                                        {0.0, 1.0},
+                                        {2e4, 1.0}}) {
+        IntegratorOptions options{.step = step, .alpha = alpha, .beta = beta};
+        for (const bool loaded : {true, false})
+          EXPECT_LE(worst_balance(name, options, 1.0, loaded, 400), kRounding)
+              << name << ", " << step << ", alpha " << alpha << ", beta " << beta;
       }
 }
 
