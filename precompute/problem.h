@@ -21,6 +21,7 @@ namespace tremolo {
 struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
+  std::string config_path;                // of --config; empty: none
   std::string unit;                       // of surfaces' coordinates; empty: what their files say
   SurfaceMeshOptions meshing;             // of a surface
   Material material;                      // of what no entry of `materials` is of
