@@ -29,6 +29,11 @@ inline Error content_error(std::string message) {
 inline Error system_error(std::string message) {
   return {ErrorKind::kSystem, std::move(message)};
 }
+// The error with the file it is about in front, unless its message begins with that already.
+inline Error error_of_file(const std::string& path, Error error) {
+  if (!error.message.starts_with(path + ":")) error.message = path + ": " + error.message;
+  return error;
+}
 inline int exit_code(const Error& error) {
   return static_cast<int>(error.kind);
 }

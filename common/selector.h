@@ -79,6 +79,9 @@ struct Selector {
 // Errors are kUsage and show the grammar.
 Result<Selector> parse_selector(const std::string& text);
 
+// The paths of the `file:` parts; none for a text that is no selector.
+std::vector<std::string> files_of_selector(const std::string& text);
+
 // What is chosen from. All vectors have n entries (colours: or none). unselectable: why a vertex
 // with the flag false is not chosen, for messages.
 struct SelectionSpace {

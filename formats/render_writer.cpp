@@ -62,8 +62,9 @@ void append_obj_corner(std::string& text, const RenderSurface& surface, VertexId
     append(text, " %d", index);
 }
 
-std::string obj_text(const RenderSurface& surface) {
+std::string obj_text(const RenderSurface& surface, const std::string& library) {
   std::string text;
+  if (!library.empty()) text += "mtllib " + library + "\n";
   append_obj_vertices(text, surface);
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::uint32_t object = kNone, material = kNone;
@@ -137,10 +138,30 @@ std::string pov_text(const RenderSurface& surface) {
 
 }  // namespace
 
-Status write_render_surface(const std::string& path, const RenderSurface& surface) {
+std::string material_library(const RenderSurface& surface) {
+  std::vector<Eigen::Vector3d> sums(surface.materials.size(), Eigen::Vector3d::Zero());
+  std::vector<double> counts(surface.materials.size(), 0.0);
+  for (std::size_t t = 0; t < surface.triangles.size() && !surface.colours.empty(); ++t)
+    for (const VertexId corner : surface.triangles[t]) {
+      const Colour& c = surface.colours[static_cast<std::size_t>(corner)];
+      sums[surface.material_of[t]] += Eigen::Vector3d(c[0], c[1], c[2]) / 255.0;
+      counts[surface.material_of[t]] += 1.0;
+    }
+  std::string text = "# names and mean colours; textures are those of the surface's own file\n";
+  for (std::size_t m = 0; m < surface.materials.size(); ++m) {
+    const Eigen::Vector3d colour =
+        counts[m] > 0 ? Eigen::Vector3d(sums[m] / counts[m]) : Eigen::Vector3d::Constant(0.8);
+    text += "newmtl " + one_line(surface.materials[m]) + "\n";
+    append(text, "Kd %.4g %.4g %.4g\n", colour[0], colour[1], colour[2]);
+  }
+  return text;
+}
+
+Status write_render_surface(const std::string& path, const RenderSurface& surface,
+                            const std::string& library) {
   const std::string_view ending =
       std::string_view(path).substr(path.size() - std::min<std::size_t>(path.size(), 4));
-  if (ending == ".obj") return write_file(path, obj_text(surface));
+  if (ending == ".obj") return write_file(path, obj_text(surface, library));
   if (ending == ".ply") return write_file(path, ply_bytes(surface));
   if (ending == ".inc") return write_file(path, pov_text(surface));
   return Error{ErrorKind::kUsage, path + ": a surface ends in .obj, .ply or .inc"};

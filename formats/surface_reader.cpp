@@ -7,10 +7,10 @@
 #include <cstring>
 #include <filesystem>
 #include <string_view>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "common/number_text.h"
+#include "formats/input_file.h"
 #include "formats/limited_child.h"
 #include "formats/surface_answer.h"
 #include "formats/surface_scene.h"
@@ -43,15 +43,14 @@ std::string lower(std::string text) {
   return text;
 }
 
-// The size of a regular file that can be read.
+// The size of a regular file that can be read. It is opened by assimp only.
 Result<std::uint64_t> size_of(const std::string& path) {
-  struct stat status = {};
-  // Not opened here: to open a pipe would wait for its writer.
-  if (::stat(path.c_str(), &status) != 0 || ::access(path.c_str(), R_OK) != 0)
+  const Result<struct stat> status = examine_input(path);
+  if (!status) return status.error();
+  if (::access(path.c_str(), R_OK) != 0)
     return system_error(path + ": cannot open: " + std::strerror(errno));
-  if (!S_ISREG(status.st_mode)) return system_error(path + ": not a regular file");
-  if (status.st_size <= 0) return content_error(path + ": the file is empty");
-  return static_cast<std::uint64_t>(status.st_size);
+  if (status->st_size <= 0) return content_error(path + ": the file is empty");
+  return static_cast<std::uint64_t>(status->st_size);
 }
 
 // With the .bin files beside a .gltf, whose values they may hold.

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <thread>
@@ -14,12 +13,14 @@
 #include "formats/atomic_file.h"
 #include "formats/basis_writer.h"
 #include "formats/selector_reader.h"
+#include "formats/standard_streams.h"
 #include "formats/vtu_writer.h"
 #include "precompute/blas_room.h"
 #include "precompute/blas_threads.h"
 #include "precompute/checkpoint.h"
 #include "precompute/failure.h"
 #include "precompute/import.h"
+#include "precompute/named_files.h"
 #include "precompute/options.h"
 #include "precompute/petsc.h"
 #include "precompute/pipeline.h"
@@ -171,21 +172,9 @@ void write_vtu(const PrecomputeOptions& options, const TetMesh& mesh, const Basi
 // Outputs that cannot be written, or would take the place of an input or of each other, are told
 // before the work, not after it.
 void require_outputs(const PrecomputeOptions& options) {
+  unwrap(keep_apart({options.output_path, options.modes_vtu}, input_files(options)));
   unwrap(AtomicFile::create(options.output_path));
   if (!options.modes_vtu.empty()) unwrap(AtomicFile::create(options.modes_vtu));
-  const auto same = [](const std::string& a, const std::string& b) {
-    std::error_code ignored;
-    return !a.empty() && !b.empty() &&
-           (std::filesystem::path(a).lexically_normal() ==
-                std::filesystem::path(b).lexically_normal() ||
-            std::filesystem::equivalent(a, b, ignored));
-  };
-  for (const std::string& output : {options.output_path, options.modes_vtu})
-    for (const std::string& input : {options.mesh_path, options.import_basis, options.import_cubic})
-      if (same(output, input))
-        throw Failure({ErrorKind::kUsage, output + ": the output would overwrite an input"});
-  if (same(options.output_path, options.modes_vtu))
-    throw Failure({ErrorKind::kUsage, options.modes_vtu + ": two outputs of this name"});
 }
 
 void run_import(const CommandLine& line, StageLog& log) {
@@ -354,6 +343,7 @@ void prepare_for_libraries(int, char**, char** environment) {
 }  // namespace tremolo
 
 int main(int count, char** words) {
+  tremolo::hold_standard_streams();
   tremolo::use_fast_blas_kernels(words);
   tremolo::remove_partial_files_on_signals();
   return tremolo::run_program(count, words);

@@ -6,6 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "precompute/config_option.h"
+#include "precompute/failure.h"
 #include "precompute/option_checks.h"
 #include "precompute/solid_options.h"
 
@@ -54,7 +56,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   app.failure_message(one_line_message);
   app.set_version_flag("--version", std::string("tremolo-precompute ") + TREMOLO_VERSION);
   app.allow_config_extras(CLI::config_extras_mode::error);
-  app.set_config("--config", "", "read options from a TOML file (keys are the long flag names)");
+  add_config_option(app, "read options from a TOML file (keys are the long flag names)");
   SolidTexts texts;
   add_solid_options(app, options, texts);
   app.add_option("-o,--output", options.output_path, "the basis file to write");
@@ -130,7 +132,11 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error, std::cout, std::cerr);
     return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});
+  } catch (const Failure& failure) {
+    std::cerr << "tremolo-precompute: " << failure.what() << "\n";
+    return exit_code(failure.error());
   }
+  options.config_path = config_path(app);
   if (options.output_path.empty() && options.select.empty()) {
     std::cerr << "tremolo-precompute: --output is required\n";
     return exit_code({ErrorKind::kUsage, ""});

@@ -21,6 +21,7 @@ namespace tremolo {
 struct PrecomputeOptions {
   std::string mesh_path;
   std::string output_path;
+  std::string config_path;                // of --config; empty: none
   std::string unit;                       // of surfaces' coordinates; empty: what their files say.
                                           // Where no surface is read, of the tetrahedral mesh's
   std::string mesh_unit;                  // of a tetrahedral mesh's, whatever `unit` says

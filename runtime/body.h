@@ -32,6 +32,7 @@ class Body {
                              const IntegratorOptions& options = {});
 
   const Model& model() const { return *model_; }
+  const Model::Pointer& model_pointer() const { return model_; }
   const Integrator& integrator() const { return *integrator_; }
   const State& state() const { return state_; }
   double step_size() const { return options_.step; }                           // s

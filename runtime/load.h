@@ -8,6 +8,8 @@
 #pragma once
 
 #include <limits>
+#include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -18,17 +20,30 @@
 
 namespace tremolo {
 
-enum class SignalKind { kNone, kImpulse, kSquare, kSine, kConstant };
+enum class SignalKind { kNone, kImpulse, kSquare, kSine, kConstant, kTable };
+
+// Values at moments, straight lines between them, zero before the first moment and after the last
+// one. A moment that stands twice is a jump. times: s, ascending, at least two, each at most twice;
+// values: dimensionless, as many. All finite.
+struct SignalTable {
+  std::vector<double> times;
+  std::vector<double> values;
+};
 
 // s(t), dimensionless, of height 1 between `start` and `start + duration` (s) and zero elsewhere;
-// kSine is sin(2 pi frequency (t - start)) there. duration 0 means the usual one: 3 ms for an
-// impulse (the thesis's; its step), 0.3 s for a square, for ever for sine and constant.
+// kSine is sin(2 pi frequency (t - start)) there, kTable the table's value at t - start, whose
+// times take the place of the duration. duration 0 means the usual one: 3 ms for an impulse (the
+// thesis's; its step), 0.3 s for a square, for ever for sine and constant.
 struct Signal {
   SignalKind kind = SignalKind::kNone;
   double start = 0.0;
   double duration = 0.0;
-  double frequency = 1.0;  // Hz
+  double frequency = 1.0;                         // Hz
+  std::shared_ptr<const SignalTable> table = {};  // of kTable
 };
+
+// Why a table is none; empty if it is one.
+std::string table_problem(const SignalTable& table);
 
 // "none", "impulse", "square", "sine", "constant"; kUsage with the list otherwise.
 Result<Signal> parse_signal(std::string_view name);

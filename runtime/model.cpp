@@ -157,11 +157,11 @@ Result<Model::Pointer> Model::load(const std::string& path, ModelOptions options
   Result<BasisReader> reader = BasisReader::open(path);
   if (!reader) return reader.error();
   Result<BasisData> data = read_visible(*reader, options);
-  if (!data) return data.error();
+  if (!data) return error_of_file(path, data.error());
   const Result<Eigen::Index> modes = kept_modes(data->lambda.size(), options.modes);
   if (!modes) return modes.error();
   Result<std::shared_ptr<Model>> model = assemble(*data, *modes, options);
-  if (!model) return Error{model.error().kind, path + ": " + model.error().message};
+  if (!model) return error_of_file(path, model.error());
   (*model)->interior_ = std::make_unique<InteriorRows>(std::move(*reader), *modes);
   return Pointer(std::move(*model));
 }

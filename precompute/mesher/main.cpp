@@ -14,6 +14,8 @@
 #include "common/surface_mesh.h"
 #include "formats/atomic_file.h"
 #include "formats/msh_writer.h"
+#include "formats/output_guard.h"
+#include "formats/standard_streams.h"
 #include "formats/surface_reader.h"
 #include "formats/surface_writer.h"
 #include "precompute/mesher/cgal_mesher.h"
@@ -92,6 +94,10 @@ void print_quality(const TetMesh& mesh) {
 }
 
 Status run(const Options& options) {
+  // A recipe's name stands before a file of that name.
+  const NamedFile input{find_recipe(options.input) ? "" : options.input, "the surface", true};
+  if (Status status = keep_apart({options.output, options.surface}, {input}); !status)
+    return status;
   const Result<TetMesh> mesh = make_mesh(options);
   if (!mesh) return mesh.error();
   if (!options.surface.empty())
@@ -143,6 +149,7 @@ int run_program(int count, char** words) {
 }  // namespace tremolo
 
 int main(int count, char** words) {
+  tremolo::hold_standard_streams();
   try {
     tremolo::remove_partial_files_on_signals();
     return tremolo::run_program(count, words);

@@ -2,6 +2,8 @@
 
 #include <iostream>
 
+#include "precompute/config_option.h"
+#include "precompute/failure.h"
 #include "precompute/option_checks.h"
 #include "precompute/solid_options.h"
 
@@ -53,9 +55,9 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
   app.name("tremolo-precompute reference");
   app.failure_message(one_line_message);
   app.allow_config_extras(CLI::config_extras_mode::ignore_all);
-  app.set_config("--config", "",
-                 "read options from a TOML file, also one made for the precompute: keys that mean "
-                 "nothing here are passed over");
+  add_config_option(app,
+                    "read options from a TOML file, also one made for the precompute: keys that "
+                    "mean nothing here are passed over");
   SolidTexts texts;
   std::string scheme = "avf", gravity;
   add_solid_options(app, options.solid, texts);
@@ -78,7 +80,11 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
     app.parse(reversed);
   } catch (const CLI::ParseError& error) {
     return app.exit(error, std::cout, std::cerr) == 0 ? 0 : usage;
+  } catch (const Failure& failure) {
+    std::cerr << "tremolo-precompute: " << failure.what() << "\n";
+    return exit_code(failure.error());
   }
+  options.solid.config_path = config_path(app);
   if (!finish_solid_options(texts, options.solid)) return usage;
   if (!gravity.empty() && !parse_vector(gravity, options.gravity)) {
     std::cerr << "tremolo-precompute: --gravity " << gravity

@@ -13,6 +13,7 @@
 #include "formats/selector_reader.h"
 #include "precompute/blas_threads.h"
 #include "precompute/failure.h"
+#include "precompute/named_files.h"
 #include "precompute/reference/reference_loads.h"
 #include "precompute/reference/reference_report.h"
 #include "precompute/reference/reference_table.h"
@@ -294,6 +295,10 @@ void make_folder(const std::string& path) {
 // What cannot be written is told before hours of work.
 void require_place(const ReferenceOptions& options) {
   if (options.out.empty()) return;
+  std::vector<NamedFile> inputs = input_files(options.solid);
+  for (const std::string& file : options.compare) inputs.push_back({file, "--compare"});
+  for (const std::string& probe : options.probes) add_files_of_selector(probe, "--probe", inputs);
+  unwrap(keep_apart({table_path(options)}, inputs));
   make_folder(options.out);
   const Result<AtomicFile> file = AtomicFile::create(table_path(options));
   if (!file) throw Failure(file.error());

@@ -1,14 +1,13 @@
 #include "runtime/program/export.h"
 
-#include <filesystem>
 #include <iostream>
-#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "formats/atomic_file.h"
 #include "formats/basis_reader.h"
+#include "formats/output_guard.h"
 #include "formats/reduced_files.h"
 #include "formats/vtu_writer.h"
 #include "runtime/program/commands.h"
@@ -16,25 +15,10 @@
 namespace tremolo {
 namespace {
 
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return std::filesystem::path(a).lexically_normal() ==
-             std::filesystem::path(b).lexically_normal() ||
-         std::filesystem::equivalent(a, b, ignored);
-}
-
 Status check_outputs(const ExportOptions& options) {
-  std::vector<std::string> paths{options.model};
-  for (const std::string& output : {options.cub, options.u, options.vtu}) {
-    if (output.empty()) continue;
-    for (const std::string& path : paths)
-      if (same_file(output, path))
-        return Error{ErrorKind::kUsage, output + ": the output would take the place of " + path};
-    paths.push_back(output);
-  }
-  if (paths.size() == 1)
+  if (options.cub.empty() && options.u.empty() && options.vtu.empty())
     return Error{ErrorKind::kUsage, "nothing to export: name an output with --cub, --U or --vtu"};
-  return Success{};
+  return keep_apart({options.cub, options.u, options.vtu}, {{options.model, "the basis file"}});
 }
 
 Result<Eigen::MatrixXd> whole_basis(const BasisData& data) {

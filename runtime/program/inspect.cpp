@@ -10,6 +10,7 @@
 #include "common/hertz.h"
 #include "common/selector.h"
 #include "formats/basis_reader.h"
+#include "runtime/model.h"
 #include "runtime/program/commands.h"
 #include "runtime/program/selection.h"
 
@@ -70,6 +71,14 @@ Result<Contents> read_contents(BasisReader& reader) {
     contents.provenance = std::move(*provenance);
   }
   return contents;
+}
+
+// What would be refused when a body is made of it is refused here, the vertices inside included.
+Status check_model(BasisReader& reader) {
+  const Result<BasisData> data = read_basis(reader);
+  if (!data) return data.error();
+  const Result<Model::Pointer> model = Model::from_data(*data);
+  return model ? Status(Success{}) : Status(model.error());
 }
 
 double step_limit(const Contents& contents) {
@@ -222,8 +231,9 @@ int inspect_command(const std::string& path, const std::string& select, bool jso
   Result<BasisReader> reader = BasisReader::open(path);
   if (!reader) return report_error(reader.error());
   Result<Contents> contents = read_contents(*reader);
-  if (!contents)
-    return report_error({contents.error().kind, path + ": " + contents.error().message});
+  if (!contents) return report_error(error_of_file(path, contents.error()));
+  if (Status status = check_model(*reader); !status)
+    return report_error(error_of_file(path, status.error()));
   if (!select.empty()) return print_selection(*reader, *contents, select, json);
   if (json)
     std::cout

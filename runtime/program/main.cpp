@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "formats/atomic_file.h"
+#include "formats/standard_streams.h"
 #include "runtime/integrators/integrator.h"
 #include "runtime/program/bench/bench.h"
 #include "runtime/program/commands.h"
@@ -24,12 +25,27 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
   run.add_option("--duration", o.duration, "simulated time, s")->capture_default_str();
   run.add_option("--modes", o.modes, "keep the first R coordinates only (0: all)");
   run.add_flag("--linear", o.linear, "leave the cubic and quartic terms out: not read, not kept");
-  run.add_option("--load", o.load, "impulse (3 ms), square (0.3 s), sine (1 Hz), constant, none")
-      ->capture_default_str();
+  CLI::Option* load = run.add_option("--load", o.load,
+                                     "impulse (3 ms), square (0.3 s), sine (1 Hz), constant, none")
+                          ->capture_default_str();
+  run.add_option("--signal", o.signal,
+                 "CSV of times (s) and values: the load's course in time instead, straight lines "
+                 "between")
+      ->excludes(load);
   run.add_option("--at", o.at,
                  "what the load acts on, a vertex's id or a selector (default: the model's)");
   run.add_option("--force", o.force, "with --at: X,Y,Z in N, shared by the vertices");
-  run.add_option("--scale", o.scale, "multiplies the load")->capture_default_str();
+  CLI::Option* scale =
+      run.add_option("--scale", o.scale, "multiplies the load")->capture_default_str();
+  run.add_option("--deflect", o.deflect,
+                 "5%: scale the load until the largest displacement of the run is this share of "
+                 "the size")
+      ->excludes(scale);
+  run.add_option(
+      "--start", o.start,
+      "static (standing still under the load at t = 0), VERTEX|SELECTOR=X,Y,Z (displaced "
+      "by so many m and let go), or FILE.csv[@T] (a row of a run with --coordinate all "
+      "--velocities)");
   run.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
   run.add_option("--beta", o.beta, "Rayleigh damping of the rest stiffness, s");
   run.add_option("--newmark-beta", o.newmark_beta, "Newmark's beta")->capture_default_str();
@@ -40,8 +56,12 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
       ->capture_default_str();
   run.add_option("--tolerance", o.tolerance, "of a step's solve, relative")->capture_default_str();
   run.add_option("--max-iterations", o.max_iterations, "of a step's solve")->capture_default_str();
-  run.add_option("--probe", o.probes, "record the displacement of this vertex; may be repeated");
-  run.add_option("--coordinate", o.coordinates, "record this q; may be repeated");
+  run.add_option(
+      "--probe", o.probes,
+      "record the displacement of this vertex, or of those of a selector; may be repeated");
+  run.add_option("--coordinate", o.coordinates,
+                 "record this q, a range as in 0-5, or all; may be repeated");
+  run.add_flag("--velocities", o.velocities, "record velocities of these too");
   run.add_option("--out", o.out, "directory for run.csv, report.json, plots and surfaces");
   run.add_option("--every", o.every, "a CSV row every so many steps")->capture_default_str();
   run.add_flag("--plot", o.plot, "draw energy.svg (needs gnuplot)");
@@ -167,6 +187,10 @@ int run_scene(int count, char** words, Request& request) {
   for (RunOptions& body : *bodies) {
     Parser parser(request, body);
     parser.app.parse(count, words);  // cannot fail: it has been parsed before
+    // Of two ways to say one thing the flag's wins.
+    if (parser.run->count("--load") > 0) body.signal.clear();
+    if (parser.run->count("--scale") > 0) body.deflect.clear();
+    if (parser.run->count("--deflect") > 0) body.scale = 1.0;
     if (bodies->size() > 1 && !body.out.empty())
       body.out = (std::filesystem::path(body.out) / body.name).string();
   }
@@ -200,6 +224,7 @@ int run_program(int count, char** words) {
 }  // namespace tremolo
 
 int main(int count, char** words) {
+  tremolo::hold_standard_streams();
   tremolo::remove_partial_files_on_signals();
   try {
     return tremolo::run_program(count, words);

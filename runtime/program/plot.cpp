@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "formats/atomic_file.h"
+#include "formats/mapped_file.h"
+#include "formats/output_guard.h"
 #include "formats/text_scanner.h"
 #include "runtime/program/commands.h"
 #include "runtime/program/report/gnuplot.h"
@@ -28,9 +29,11 @@ bool has_column(std::string_view header, std::string_view name) {
 
 // The line of column names.
 Result<std::string> read_header(const std::string& csv) {
-  std::ifstream file(csv);
-  std::string header;
-  if (!std::getline(file, header)) return system_error(csv + ": cannot read its first line");
+  const Result<MappedFile> file = MappedFile::open(csv);
+  if (!file) return file.error();
+  const std::string_view text(reinterpret_cast<const char*>(file->bytes().data()),
+                              file->bytes().size());
+  std::string header(text.substr(0, text.find('\n')));
   if (!header.empty() && header.back() == '\r') header.pop_back();
   for (const char* name : {"t", "total"})
     if (!has_column(header, name))
@@ -100,10 +103,12 @@ int plot_command(const std::vector<std::string>& directories, const std::string&
   for (const std::string& directory : directories) {
     const fs::path path(directory);
     const fs::path csv = fs::is_directory(path) ? path / "run.csv" : path;
-    if (!std::ifstream(csv)) return report_error(system_error(csv.string() + ": cannot open"));
     const fs::path folder = (fs::is_directory(path) ? path : path.parent_path()) / "";
     sources.push_back({folder.parent_path().filename().string(), csv.string()});
   }
+  std::vector<NamedFile> inputs;
+  for (const PlotSource& source : sources) inputs.push_back({source.csv, "a run"});
+  if (Status status = keep_apart({output}, inputs); !status) return report_error(status.error());
   const Status status = plot_energies(sources, output);
   return status ? 0 : report_error(status.error());
 }

@@ -13,6 +13,7 @@
 
 #include "common/parallel.h"
 #include "common/result.h"
+#include "runtime/program/tell.h"
 
 namespace tremolo {
 
@@ -36,7 +37,7 @@ Status for_all(const char* what, std::size_t count, unsigned threads, const Work
     const auto now = std::chrono::steady_clock::now();
     if (finished < count && now - told < std::chrono::seconds(10)) return;
     told = now;
-    fmt::print(stderr, "tremolo: {}: {} of {}\n", what, finished, count);
+    tell("tremolo: {}: {} of {}\n", what, finished, count);
   });
   for (const Status& status : done)
     if (!status) return status.error();

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <csignal>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -8,7 +8,9 @@
 
 #include "formats/atomic_file.h"
 #include "runtime/program/commands.h"
+#include "runtime/program/run_files.h"
 #include "runtime/program/simulate.h"
+#include "runtime/program/tell.h"
 
 namespace tremolo {
 namespace {
@@ -24,7 +26,10 @@ Json to_json(const RunReport& report, const RunOptions& options) {
   json["body"] = report.name;
   json["model"] = options.model;
   json["integrator"] = report.integrator;
-  json["load"] = options.load;
+  json["load"] = options.signal.empty() ? options.load : options.signal;
+  json["scale"] = number(report.scale);
+  json["deflect"] = options.deflect.empty() ? Json(nullptr) : Json(options.deflect);
+  json["start"] = options.start.empty() ? Json(nullptr) : Json(options.start);
   json["step"] = report.step;
   json["duration"] = report.duration;
   json["steps"] = report.steps;
@@ -50,6 +55,13 @@ Json to_json(const RunReport& report, const RunOptions& options) {
   json["stretch_min"] = number(report.stretch.smallest);
   json["stretch_max"] = number(report.stretch.largest);
   json["squeezed_at"] = report.squeezed_at < 0 ? Json(nullptr) : Json(report.squeezed_at);
+  json["size"] = number(report.size);
+  json["largest_displacement"] = number(report.farthest.distance);
+  json["largest_displacement_share"] = number(report.farthest.distance / report.size);
+  json["largest_displacement_vertex"] = report.farthest.vertex;
+  json["largest_displacement_at"] = number(report.farthest_at);
+  json["rigid_modes"] = report.rigid ? Json(report.rigid->rigid_modes) : Json(0);
+  json["load_rigid_share"] = report.rigid ? number(report.rigid->share) : Json(nullptr);
   if (!options.probes.empty()) json["largest_probe_displacement"] = number(report.largest_probe);
   json["exit_code"] = report.exit_code;
   json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
@@ -57,69 +69,99 @@ Json to_json(const RunReport& report, const RunOptions& options) {
   return json;
 }
 
+void print_rigid_loss(const RigidLoss& loss) {
+  tell("  a free body: it vibrates where it is, {} motions without strain are left out",
+       loss.rigid_modes);
+  if (std::isfinite(loss.share))
+    tell(
+        ", and with them {:.3g} % of what this load sets in motion (net force {:.4g} N, torque "
+        "{:.4g} N m about its centre; mass taken as spread evenly)\n",
+        100 * loss.share, loss.force, loss.torque);
+  else
+    tell(", and with them what this load's net force of {:.4g} N and torque set in motion\n",
+         loss.force);
+}
+
 void print_text(const RunReport& report) {
-  fmt::print(stderr, "{}: {} reached {:.6g} of {:.6g} s in {} steps of {:.4g} s\n", report.name,
-             report.integrator, report.reached, report.duration, report.steps, report.step);
+  tell("{}: {} reached {:.6g} of {:.6g} s in {} steps of {:.4g} s\n", report.name,
+       report.integrator, report.reached, report.duration, report.steps, report.step);
   if (report.split)
-    fmt::print(stderr, "  {} coordinates explicit, {} implicit\n", report.split->low,
-               report.split->high);
+    tell("  {} coordinates explicit, {} implicit\n", report.split->low, report.split->high);
   constexpr std::size_t kShown = 8;
   for (std::size_t i = 0; i < std::min(report.moves.size(), kShown); ++i)
-    fmt::print(stderr, "  t = {:.6g} s: {} -> {} coordinates explicit\n", report.moves[i].time,
-               report.moves[i].low_before, report.moves[i].low_after);
+    tell("  t = {:.6g} s: {} -> {} coordinates explicit\n", report.moves[i].time,
+         report.moves[i].low_before, report.moves[i].low_after);
   if (report.moves.size() > kShown)
-    fmt::print(stderr, "  ... and {} moves more (--json lists them)\n",
-               report.moves.size() - kShown);
-  if (report.halved_steps > 0)
-    fmt::print(stderr, "  {} steps were taken in parts\n", report.halved_steps);
-  fmt::print(stderr, "  {:.2f} us a step ({:.0f} times faster than real time), {:.2f} iterations\n",
-             report.microseconds_per_step, report.step * 1e6 / report.microseconds_per_step,
-             report.iterations_per_step);
+    tell("  ... and {} moves more (--json lists them)\n", report.moves.size() - kShown);
+  if (report.halved_steps > 0) tell("  {} steps were taken in parts\n", report.halved_steps);
+  tell("  {:.2f} us a step ({:.0f} times faster than real time), {:.2f} iterations\n",
+       report.microseconds_per_step, report.step * 1e6 / report.microseconds_per_step,
+       report.iterations_per_step);
   if (std::isfinite(report.energy_drift_max))
-    fmt::print(stderr, "  energy {:.6g} J at the end, largest drift {:.2e}\n", report.energy_final,
-               report.energy_drift_max);
+    tell("  energy {:.6g} J at the end, largest drift {:.2e}\n", report.energy_final,
+         report.energy_drift_max);
   if (report.squeezed_at >= 0)
-    fmt::print(
-        stderr,
+    tell(
         "  warning: at t = {:.4g} s the surface is squeezed below {:.2f} of its length (at the "
         "worst to {:.2f}): StVK softens there and may turn inside out; use a smaller load or "
         "a stiffer material\n",
         report.squeezed_at, kSofteningStretch, report.stretch.smallest);
-  for (const std::string& file : report.files) fmt::print(stderr, "  wrote {}\n", file);
+  if (report.size > 0)
+    tell("  moved by {:.4g} m at most, {:.3g} % of its size (vertex {}, t = {:.4g} s)\n",
+         report.farthest.distance, 100 * report.farthest.distance / report.size,
+         report.farthest.vertex, report.farthest_at);
+  if (report.rigid) print_rigid_loss(*report.rigid);
 }
 
 }  // namespace
 
 int report_error(const Error& error) {
-  fmt::print(stderr, "tremolo: {}\n", error.message);
+  tell("tremolo: {}\n", error.message);
   return exit_code(error);
 }
 
+namespace {
+
+// report.json, and the line that tells of all files.
+Status write_report(const RunOptions& options, std::vector<std::string> files, const Json& json) {
+  if (options.out.empty()) return Success{};
+  const std::string path = options.out + "/" + kReportName;
+  if (Status status =
+          write_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+      !status)
+    return status;
+  files.push_back(path);
+  tell("  wrote into {}: {}\n", options.out, list_files(files));
+  return Success{};
+}
+
+}  // namespace
+
 int run_command(const std::vector<RunOptions>& bodies, bool json) {
   Json objects = Json::array();
-  int code = 0;
+  int code = 0, signal = 0;
   for (const RunOptions& options : bodies) {
     Result<RunReport> report = simulate(options);
     if (!report) return report_error(report.error());
     print_text(*report);
+    objects.push_back(to_json(*report, options));
+    if (Status status = write_report(options, report->files, objects.back()); !status)
+      return report_error(status.error());
     if (report->exit_code != 0) {
-      fmt::print(stderr, "tremolo: {}: {}\n", report->name, report->reason);
+      tell("tremolo: {}: {}\n", report->name, report->reason);
       code = report->exit_code;
     }
-    objects.push_back(to_json(*report, options));
-    if (!options.out.empty())
-      if (Status status =
-              write_file(options.out + "/report.json",
-                         objects.back().dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-          !status)
-        return report_error(status.error());
+    signal = report->signal;
+    if (signal != 0) break;
   }
   if (json)
     std::cout << (objects.size() == 1 ? objects.front() : Json{{"bodies", objects}})
                      .dump(2, ' ', false, Json::error_handler_t::replace)
               << "\n";
-  if (!std::cout.flush()) return report_error(system_error("standard output cannot be written"));
-  return code;
+  const bool told = bool(std::cout.flush());
+  // Whoever started the program shall see that a signal ended it.
+  if (signal != 0) ::raise(signal);
+  return told ? code : report_error(system_error("standard output cannot be written"));
 }
 
 }  // namespace tremolo

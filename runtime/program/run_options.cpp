@@ -10,6 +10,7 @@
 #include <toml++/toml.h>
 
 #include "formats/whole_file.h"
+#include "runtime/program/start_state.h"
 
 namespace tremolo {
 namespace {
@@ -42,18 +43,30 @@ bool store(const toml::node& node, T& target) {
   return value.has_value();
 }
 
-bool store_list(const toml::node& node, std::vector<int>& target) {
-  if (const auto single = whole_number(node)) {
-    target = {*single};
+// A vertex or a selector, a coordinate or a range of them.
+bool store_text(const toml::node& node, std::string& target) {
+  if (const auto number = whole_number(node)) {
+    target = std::to_string(*number);
+    return true;
+  }
+  const auto text = node.value_exact<std::string>();
+  if (!text || text->find('\0') != std::string::npos) return false;
+  target = *text;
+  return true;
+}
+
+bool store_list(const toml::node& node, std::vector<std::string>& target) {
+  std::string single;
+  if (store_text(node, single)) {
+    target = {single};
     return true;
   }
   const toml::array* array = node.as_array();
   if (array == nullptr) return false;
   target.clear();
   for (const toml::node& entry : *array) {
-    const auto value = whole_number(entry);
-    if (!value) return false;
-    target.push_back(*value);
+    if (!store_text(entry, single)) return false;
+    target.push_back(single);
   }
   return true;
 }
@@ -84,6 +97,7 @@ constexpr Key kKeys[] = {
     {"load", [](const toml::node& n, RunOptions& o) { return store(n, o.load); }},
     {"at", [](const toml::node& n, RunOptions& o) { return store_at(n, o.at); }},
     {"force", [](const toml::node& n, RunOptions& o) { return store(n, o.force); }},
+    {"signal", [](const toml::node& n, RunOptions& o) { return store(n, o.signal); }},
     {"scale", [](const toml::node& n, RunOptions& o) { return store(n, o.scale); }},
     {"alpha", [](const toml::node& n, RunOptions& o) { return store(n, o.alpha); }},
     {"beta", [](const toml::node& n, RunOptions& o) { return store(n, o.beta); }},
@@ -96,6 +110,9 @@ constexpr Key kKeys[] = {
      [](const toml::node& n, RunOptions& o) { return store(n, o.max_iterations); }},
     {"probe", [](const toml::node& n, RunOptions& o) { return store_list(n, o.probes); }},
     {"coordinate", [](const toml::node& n, RunOptions& o) { return store_list(n, o.coordinates); }},
+    {"velocities", [](const toml::node& n, RunOptions& o) { return store(n, o.velocities); }},
+    {"deflect", [](const toml::node& n, RunOptions& o) { return store(n, o.deflect); }},
+    {"start", [](const toml::node& n, RunOptions& o) { return store(n, o.start); }},
     {"out", [](const toml::node& n, RunOptions& o) { return store(n, o.out); }},
     {"every", [](const toml::node& n, RunOptions& o) { return store(n, o.every); }},
     {"plot", [](const toml::node& n, RunOptions& o) { return store(n, o.plot); }},
@@ -107,6 +124,13 @@ constexpr Key kKeys[] = {
 
 Error error_at(const std::string& path, const toml::source_region& where, const std::string& what) {
   return content_error(path + ": line " + std::to_string(where.begin.line) + ": " + what);
+}
+
+// What the scene file `path` names, relative to it.
+std::string beside(const std::string& path, const std::string& name) {
+  const std::filesystem::path file(name);
+  if (file.is_absolute()) return name;
+  return (std::filesystem::path(path).parent_path() / file).lexically_normal().string();
 }
 
 Status read_body(const std::string& path, const toml::table& table, RunOptions& body) {
@@ -127,9 +151,15 @@ Status read_body(const std::string& path, const toml::table& table, RunOptions& 
   }
   if (body.model.empty())
     return error_at(path, table.source(), "body '" + body.name + "' names no model");
-  const std::filesystem::path model(body.model);
-  if (model.is_relative())
-    body.model = (std::filesystem::path(path).parent_path() / model).lexically_normal().string();
+  if (table.contains("signal") && table.contains("load"))
+    return error_at(path, table.source(),
+                    "body '" + body.name +
+                        "': `signal` and `load` are two "
+                        "courses of one load: leave one out");
+  body.scene = path;
+  body.model = beside(path, body.model);
+  if (!body.signal.empty()) body.signal = beside(path, body.signal);
+  if (!file_of_start(body.start).empty()) body.start = beside(path, body.start);
   return Success{};
 }
 

@@ -1,8 +1,10 @@
 #include "runtime/program/selection.h"
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "common/selector.h"
 #include "formats/selector_file.h"
@@ -91,6 +93,20 @@ Result<Selection> select_on_boundary(const std::string& text, const Boundary& bo
     selection.places.push_back(block.rest[static_cast<std::size_t>(place)]);
   }
   return selection;
+}
+
+Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& model) {
+  VertexId vertex = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, code] = std::from_chars(text.data(), end, vertex);
+  if (stop == end && code == std::errc{}) {
+    if (vertex < 0) return content_error("vertex " + text + " must not be negative");
+    return std::vector<VertexId>{vertex};
+  }
+  Result<Selection> chosen = select_on_boundary(
+      text, {model.surface(), model.render(), model.default_load(), model.vertex_count()});
+  if (!chosen) return chosen.error();
+  return std::move(chosen->ids);
 }
 
 }  // namespace tremolo

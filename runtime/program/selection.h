@@ -6,6 +6,7 @@
 
 #include "common/result.h"
 #include "formats/basis_data.h"
+#include "runtime/model.h"
 
 namespace tremolo {
 
@@ -17,14 +18,18 @@ struct Boundary {
   std::uint64_t vertex_count;
 };
 
-// Ids in the source mesh, ascending, of vertices on the boundary, and where they are at rest, m. The
-// sets are `fixed` (vertices that do not move), `loaded` (of the default load) and, for each object
-// and material of the render surface, the anchors of its vertices; they take its colours. Errors as
-// select_vertices.
+// Ids in the source mesh, ascending, of vertices on the boundary, and where they are at rest, m.
+// The sets are `fixed` (vertices that do not move), `loaded` (of the default load) and, for each
+// object and material of the render surface, the anchors of its vertices; they take its colours.
+// Errors as select_vertices.
 struct Selection {
   std::vector<VertexId> ids;
   std::vector<Eigen::Vector3d> places;
 };
 Result<Selection> select_on_boundary(const std::string& text, const Boundary& boundary);
+
+// text: a vertex's id, taken as it is (it may lie inside), or a selector on the model's boundary.
+// Errors: kContent for a negative id, else as select_on_boundary.
+Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& model);
 
 }  // namespace tremolo

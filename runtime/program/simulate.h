@@ -1,10 +1,11 @@
-// One body from rest to the end of its time, watched.
+// One body from its start to the end of its time, watched.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "runtime/body.h"
+#include "runtime/program/free_body.h"
 #include "runtime/program/run_options.h"
 #include "runtime/program/stretch.h"
 
@@ -23,10 +24,11 @@ struct RunReport {
   std::string integrator;
   double step = 0;
   double duration = 0;
+  double scale = 1;        // of the load: as told, or as --deflect found it
   std::int64_t steps = 0;  // made
   double reached = 0;      // s of simulated time
   double iterations_per_step = 0;
-  double microseconds_per_step = 0;  // of step() alone, without recording
+  double microseconds_per_step = 0;  // processor time of step() in blocks, nothing between
   double energy_initial = 0;
   double energy_reference = 0;  // when the load had ended; of the last moment if it lasts
   double energy_final = 0;
@@ -40,12 +42,20 @@ struct RunReport {
   std::int64_t halved_steps = 0;   // steps whose solve failed and that were taken in parts
   StretchRange stretch;            // of the surface, widest of the moments looked at
   double squeezed_at = -1;         // s; first of them with a stretch below kSofteningStretch
+  double size = 0;                 // largest extent of the surface at rest, m
+  Excursion farthest;              // of the surface in all moments looked at
+  double farthest_at = 0;          // s
+  std::optional<RigidLoss> rigid;  // of a free body with a load
   std::vector<std::string> files;  // written, under options.out
-  int exit_code = 0;               // 0, 4 or 5
-  std::string reason;              // why it is not 0
+  int exit_code = 0;               // 0, 4 or 5; 128 + n when signal n ended it early
+  int signal = 0;                  // that n; 0: none
+  std::string reason;              // why exit_code is not 0
 };
 
-// Errors: what loading, creating and writing give. A run that broke off is a report, not an error.
+// With options.deflect the load's factor is found first, by runs that write nothing. Errors: what
+// loading, creating and writing give; kContent if no factor gives the deflection. A run that broke
+// off is a report, not an error. SIGINT, SIGTERM and SIGHUP end it early, with all that it has to
+// write up to then.
 Result<RunReport> simulate(const RunOptions& options);
 
 }  // namespace tremolo

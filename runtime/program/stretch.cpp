@@ -22,7 +22,7 @@ Eigen::Matrix2d plane_edges(const Eigen::Vector3d& a, const Eigen::Vector3d& b) 
 }  // namespace
 
 SurfaceStretch::SurfaceStretch(const Model& model)
-    : positions_(3 * model.surface().vertex_ids.size()) {
+    : model_(model), positions_(3 * model.surface().vertex_ids.size()) {
   const auto& rest = model.surface().rest;
   for (const Triangle& triangle : model.triangles()) {
     const auto corner = [&](int k) {
@@ -58,6 +58,26 @@ StretchRange SurfaceStretch::measure(const Body& body) {
   range.smallest = std::sqrt(std::max(smallest, 0.0));
   range.largest = std::sqrt(largest);
   return range;
+}
+
+Excursion SurfaceStretch::farthest() const {
+  Excursion farthest;
+  const VertexBlock& surface = model_.surface();
+  double largest = -1.0;  // squared, m^2
+  for (std::size_t v = 0; v < surface.rest.size(); ++v) {
+    const double distance =
+        (Eigen::Vector3d::Map(positions_.data() + 3 * v) - surface.rest[v]).squaredNorm();
+    if (distance <= largest) continue;
+    largest = distance;
+    farthest = {std::sqrt(distance), surface.vertex_ids[v]};
+  }
+  return farthest;
+}
+
+double SurfaceStretch::size() const {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& point : model_.surface().rest) box.extend(point);
+  return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
 }
 
 }  // namespace tremolo

@@ -18,6 +18,13 @@ struct StretchRange {
   double largest = 1.0;
 };
 
+// How far a vertex of the boundary is from its place at rest, m, and which one (its id in the
+// source mesh).
+struct Excursion {
+  double distance = 0.0;
+  VertexId vertex = 0;
+};
+
 class SurfaceStretch {
  public:
   explicit SurfaceStretch(const Model& model);
@@ -25,7 +32,13 @@ class SurfaceStretch {
   // Of the body's present shape; body is one of the model. {1, 1} without triangles.
   StretchRange measure(const Body& body);
 
+  // The farthest vertex of the shape that was measured last.
+  Excursion farthest() const;
+  // The largest extent of the boundary's box at rest, m.
+  double size() const;
+
  private:
+  const Model& model_;
   std::vector<Triangle> triangles_;
   std::vector<Eigen::Matrix2d> rest_inverse_;  // of the edges in the triangle's plane, 1/m
   std::vector<double> positions_;

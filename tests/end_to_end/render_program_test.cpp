@@ -114,11 +114,14 @@ TEST_F(RenderProgram, AnObjComesOutWithAllThatItHad) {
                                    "run bar.tremolo --load none --duration 0.01 --out rest "
                                    "--surfaces 1 --surface-format obj");
   ASSERT_EQ(result.code, 0) << result.err;
-  const std::string obj = slurp(folder_ + "/rest/surface-0000.obj");
+  const std::string obj = slurp(folder_ + "/rest/surface-0000-t0.009000s.obj");
   EXPECT_EQ(lines_with(obj, "f").size(), 12u);
   EXPECT_EQ(lines_with(obj, "o"), (std::vector<std::string>{"o sides", "o foot", "o tip"}));
   EXPECT_EQ(lines_with(obj, "usemtl"),
             (std::vector<std::string>{"usemtl rubber", "usemtl steel", "usemtl steel"}));
+  EXPECT_EQ(lines_with(obj, "mtllib"), std::vector<std::string>{"mtllib surface.mtl"});
+  EXPECT_EQ(lines_with(slurp(folder_ + "/rest/surface.mtl"), "newmtl"),
+            (std::vector<std::string>{"newmtl rubber", "newmtl steel"}));
   EXPECT_EQ(lines_with(obj, "vt").size(), lines_with(obj, "v").size());
   EXPECT_EQ(lines_with(obj, "vn").size(), lines_with(obj, "v").size());
   const BoundingBox box = bounding_box(points(obj));
@@ -133,7 +136,7 @@ TEST_F(RenderProgram, ItMovesWithTheSolid) {
                                    "--surfaces 1 --surface-format obj --probe 80 --json");
   ASSERT_EQ(result.code, 0) << result.err;
   double lowest = 0;
-  for (const Eigen::Vector3d& x : points(slurp(folder_ + "/moved/surface-0000.obj"))) {
+  for (const Eigen::Vector3d& x : points(slurp(folder_ + "/moved/surface-0000-t0.300000s.obj"))) {
     lowest = std::min(lowest, x.z() + 0.001);
     // The foot, half a millimetre outside what is fixed.
     if (x.x() < 0) {
@@ -149,7 +152,7 @@ TEST_F(RenderProgram, EveryFormatAndTheHullAreWritten) {
         run(kTremolo + "run bar.tremolo --load none --duration 0.01 --out " + format +
             " --surfaces 1 --surface-format " + format);
     ASSERT_EQ(result.code, 0) << result.err;
-    const std::string text = slurp(folder_ + "/" + format + "/surface-0000." + format);
+    const std::string text = slurp(folder_ + "/" + format + "/surface-0000-t0.009000s." + format);
     EXPECT_NE(text.find(std::string(format) == "ply" ? "property float s" : "uv_vectors"),
               std::string::npos);
   }
@@ -157,7 +160,7 @@ TEST_F(RenderProgram, EveryFormatAndTheHullAreWritten) {
                                  "run bar.tremolo --load none --duration 0.01 --out hull --hull "
                                  "--surfaces 1 --surface-format obj");
   ASSERT_EQ(hull.code, 0) << hull.err;
-  EXPECT_EQ(lines_with(slurp(folder_ + "/hull/surface-0000.obj"), "v").size(), 74u)
+  EXPECT_EQ(lines_with(slurp(folder_ + "/hull/surface-0000-t0.009000s.obj"), "v").size(), 74u)
       << "81 vertices, 7 of them inside";
 }
 

@@ -1,8 +1,12 @@
 // tremolo inspect, run and plot as a user meets them, on a small clamped block.
 #include "tests/support/run_program.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <map>
 #include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -139,7 +143,7 @@ TEST_F(RunProgram, WritesARowForEachRecordedMomentWithTheChosenColumns) {
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), 11);
   }
   EXPECT_EQ(rows, 11);  // 100 steps and the start
-  EXPECT_TRUE(std::filesystem::exists(folder_ + "/result/surface-0001.obj"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ + "/result/surface-0001-t0.300000s.obj"));
   EXPECT_TRUE(json::parse(slurp(folder_ + "/result/report.json")).contains("energy_drift_max"));
 }
 
@@ -156,11 +160,12 @@ TEST_F(RunProgram, AnotherRunIntoTheSameFolderLeavesNothingOfTheFirst) {
   std::ofstream(folder_ + "/result/notes.txt") << "kept";
   const std::string second = "run " + model() + " --duration 0.1 --out result --surfaces 1";
   ASSERT_EQ(run(second + " --surface-format obj").code, 0);
-  EXPECT_EQ(names(), (std::set<std::string>{"run.csv", "report.json", "surface-0000.obj",
-                                            "surface-mine.ply", "notes.txt"}));
+  EXPECT_EQ(names(), (std::set<std::string>{"run.csv", "report.json", "frames.csv",
+                                            "surface-0000-t0.099000s.obj", "surface-mine.ply",
+                                            "notes.txt"}));
   // A run that is refused takes nothing away.
   EXPECT_EQ(run(second + " --load thunder").code, 2);
-  EXPECT_TRUE(names().contains("surface-0000.obj"));
+  EXPECT_TRUE(names().contains("surface-0000-t0.099000s.obj"));
 }
 
 TEST_F(RunProgram, DrawsTheEnergyOfSeveralRuns) {
@@ -255,6 +260,228 @@ TEST_F(RunProgram, AWrongSceneNamesItsLine) {
   expect("# nothing\n", "no body");
   expect("[\"a/../../b\"]\nmodel = \"x\"\n", "letters");  // it would become a folder's name
   expect_failure(run("run nowhere.toml"), 1, "nowhere.toml");
+}
+
+// The numbers of a CSV, a row a line, and where each column stands.
+struct Csv {
+  std::map<std::string, std::size_t> columns;
+  std::vector<std::vector<double>> rows;
+  double at(std::size_t row, const std::string& name) const { return rows[row][columns.at(name)]; }
+};
+
+Csv read_csv(const std::string& path) {
+  Csv csv;
+  std::istringstream lines(slurp(path));
+  std::string line, cell;
+  std::getline(lines, line);
+  for (std::istringstream names(line); std::getline(names, cell, ',');)
+    csv.columns.emplace(cell, csv.columns.size());
+  while (std::getline(lines, line)) {
+    csv.rows.emplace_back();
+    for (std::istringstream cells(line); std::getline(cells, cell, ',');)
+      csv.rows.back().push_back(std::stod(cell));
+    EXPECT_EQ(csv.rows.back().size(), csv.columns.size()) << line;
+  }
+  return csv;
+}
+
+TEST_F(RunProgram, TellsHowFarTheBodyMoved) {
+  const ProgramResult result =
+      run("run " + model() + " --duration 0.6 --step 0.001 --probe 'x>0.399' --out o --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_DOUBLE_EQ(report["size"], 0.4);
+  // The vertex that moves most is at the free end, and it is recorded there.
+  const Csv csv = read_csv(folder_ + "/o/run.csv");
+  const std::string u = "u" + std::to_string(report["largest_displacement_vertex"].get<int>());
+  double largest = 0;
+  for (std::size_t row = 0; row < csv.rows.size(); ++row)
+    largest = std::max(
+        largest, std::hypot(csv.at(row, u + "x"), csv.at(row, u + "y"), csv.at(row, u + "z")));
+  EXPECT_NEAR(report["largest_displacement"], largest, 0.01 * largest);  // every tenth step is seen
+  EXPECT_NEAR(report["largest_displacement_share"], largest / 0.4, 0.01 * largest / 0.4);
+  EXPECT_NE(result.err.find("% of its size"), std::string::npos) << result.err;
+}
+
+TEST_F(RunProgram, DeflectScalesTheLoadUntilTheMotionIsSoLarge) {
+  const ProgramResult result = run("run " + model() + " --duration 0.6 --deflect 5% --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_NEAR(report["largest_displacement_share"], 0.05, 0.0005);
+  const double scale = report["scale"];
+  EXPECT_NE(scale, 1.0);
+  const ProgramResult same =
+      run("run " + model() + " --duration 0.6 --json --scale " + report["scale"].dump());
+  EXPECT_EQ(json::parse(same.out)["largest_displacement"], report["largest_displacement"]);
+  expect_failure(run("run " + model() + " --deflect 5% --scale 2"), 2, "--scale");
+  expect_failure(run("run " + model() + " --deflect 5% --load none"), 2, "none");
+  expect_failure(run("run " + model() + " --deflect five"), 2, "5%");
+  expect_failure(run("run " + model() + " --deflect 0"), 3, "positive");
+  expect_failure(run("run " + model() + " --deflect 5% --at 80 --force 0,0,0"), 3, "zero");
+}
+
+TEST_F(RunProgram, AStaticStartStandsStillAsLongAsTheLoadLasts) {
+  ASSERT_EQ(run("run " + model() +
+                " --start static --load constant --duration 0.5 --out o "
+                "--coordinate all")
+                .code,
+            0);
+  const Csv csv = read_csv(folder_ + "/o/run.csv");
+  const double potential = csv.at(0, "potential");
+  EXPECT_GT(potential, 0);
+  for (std::size_t row = 0; row < csv.rows.size(); ++row)
+    EXPECT_LE(csv.at(row, "kinetic"), 1e-12 * potential) << row;
+  expect_failure(run("run " + model() + " --start static --load sine"), 3, "no load acts");
+}
+
+TEST_F(RunProgram, AStartFromACsvGoesOnFromItsRow) {
+  const std::string record = " --coordinate all --velocities --duration ";
+  ASSERT_EQ(run("run " + model() + " --load impulse --out a" + record + "0.6").code, 0);
+  ASSERT_EQ(
+      run("run " + model() + " --load none --start a/run.csv@0.3 --out b" + record + "0.3").code,
+      0);
+  const Csv a = read_csv(folder_ + "/a/run.csv"), b = read_csv(folder_ + "/b/run.csv");
+  ASSERT_EQ(a.rows.size(), 201u);
+  for (std::size_t row = 0; row <= 100; ++row)
+    EXPECT_NEAR(b.at(row, "q0"), a.at(100 + row, "q0"), 1e-8) << row;  // ten digits are written
+  ASSERT_EQ(run("run " + model() + " --load none --start a/run.csv --out c" + record + "0.1").code,
+            0);
+  EXPECT_NEAR(read_csv(folder_ + "/c/run.csv").at(0, "p0"), a.at(200, "p0"), 1e-9);
+  ASSERT_EQ(run("run " + model() + " --out d --duration 0.1 --coordinate all").code, 0);
+  expect_failure(run("run " + model() + " --start d/run.csv"), 3, "--velocities");
+  expect_failure(run("run " + model() + " --start a/run.csv --modes 6"), 3, "more coordinates");
+  expect_failure(run("run " + model() + " --start nowhere.csv"), 1, "nowhere.csv");
+}
+
+TEST_F(RunProgram, AStartFromADisplacementHasTheVertexThere) {
+  ASSERT_EQ(run("run " + model() +
+                " --load none --start 80=0,0.01,-0.03 --probe 80 --out o "
+                "--duration 0.1")
+                .code,
+            0);
+  const Csv csv = read_csv(folder_ + "/o/run.csv");
+  EXPECT_NEAR(csv.at(0, "u80x"), 0, 1e-12);
+  EXPECT_NEAR(csv.at(0, "u80y"), 0.01, 1e-9);
+  EXPECT_NEAR(csv.at(0, "u80z"), -0.03, 1e-9);
+  EXPECT_EQ(csv.at(0, "kinetic"), 0);
+  EXPECT_GT(csv.at(10, "kinetic"), 0);
+  expect_failure(run("run " + model() + " --start 0=0,0,0.01"), 3, "cannot displace it");
+  expect_failure(run("run " + model() + " --start 8000=0,0,0.01"), 3, "8000");
+}
+
+TEST_F(RunProgram, ProbesTakeSelectorsAndCoordinatesRanges) {
+  const auto header = [&](const std::string& columns) {
+    const ProgramResult result = run("run " + model() + " --duration 0.01 --out o " + columns);
+    EXPECT_EQ(result.code, 0) << result.err;
+    const std::string text = slurp(folder_ + "/o/run.csv");
+    return text.substr(0, text.find('\n'))
+        .substr(std::string("t,kinetic,potential,total,"
+                            "high_band,work,dissipated")
+                    .size());
+  };
+  EXPECT_EQ(header("--coordinate 2-4 --coordinate 0 --coordinate 3"), ",q2,q3,q4,q0");
+  EXPECT_EQ(header("--coordinate all --modes 3 --velocities"), ",q0,q1,q2,p0,p1,p2");
+  EXPECT_EQ(header("--probe 'x>0.399 and y>0.049 and z>0.059' --velocities"),
+            ",u80x,u80y,u80z,v80x,v80y,v80z");
+  expect_failure(run("run " + model() + " --coordinate 5-2"), 2, "5-2");
+  expect_failure(run("run " + model() + " --coordinate 10-12"), 3, "12");
+  expect_failure(run("run " + model() + " --probe 'x>7'"), 3, "x>7");
+  expect_failure(run("run " + model() + " --velocities"), 2, "--coordinate");
+}
+
+TEST_F(RunProgram, VelocitiesAreTheRatesOfDisplacements) {
+  ASSERT_EQ(run("run " + model() +
+                " --step 0.0005 --duration 0.2 --load impulse --probe 80 "
+                "--velocities --out o")
+                .code,
+            0);
+  const Csv csv = read_csv(folder_ + "/o/run.csv");
+  double error = 0, largest = 0;
+  for (std::size_t row = 101; row + 1 < csv.rows.size(); ++row) {
+    const double rate = (csv.at(row + 1, "u80z") - csv.at(row - 1, "u80z")) / 0.001;
+    error = std::max(error, std::abs(csv.at(row, "v80z") - rate));
+    largest = std::max(largest, std::abs(rate));
+  }
+  EXPECT_LE(error, 0.02 * largest);  // central differences, (h omega)^2 / 6 of its modes
+}
+
+TEST_F(RunProgram, ASignalFromAFileActsAsTheBuiltInOneOfTheSameShape) {
+  std::ofstream(folder_ + "/square.csv") << "time,value\n0,1\n0.3,1\n";
+  ASSERT_EQ(run("run " + model() + " --duration 0.6 --signal square.csv --out a").code, 0);
+  ASSERT_EQ(run("run " + model() + " --duration 0.6 --load square --out b").code, 0);
+  const std::string csv = slurp(folder_ + "/a/run.csv");
+  EXPECT_FALSE(csv.empty());
+  EXPECT_EQ(csv, slurp(folder_ + "/b/run.csv"));
+  std::ofstream(folder_ + "/bad.csv") << "0,1\n1,2\n0.5,3\n";
+  expect_failure(run("run " + model() + " --signal bad.csv"), 3, "moment 3");
+  std::ofstream(folder_ + "/bad.csv") << "0,1\n1,high\n";
+  expect_failure(run("run " + model() + " --signal bad.csv"), 3, "line 2");
+  expect_failure(run("run " + model() + " --signal square.csv --load sine"), 2, "--load");
+}
+
+TEST_F(RunProgram, ARunThatIsInterruptedLeavesAGoodCsvAndSaysSo) {
+  const std::string endless = kProgram + "run " + model() + " --duration 1e6 --every 20 --out ";
+  // Of a shell in the background SIGINT is ignored: timeout sends it to a child that is not.
+  for (const std::string signal : {"INT", "TERM"}) {
+    const std::string out = "o" + signal;
+    const ProgramResult result =
+        run_program(folder_, "timeout --preserve-status -s " + signal + " 1.5 " + endless + out);
+    const int number = signal == "INT" ? 2 : 15;
+    EXPECT_EQ(result.code, 128 + number) << result.err;
+    const json report = json::parse(slurp(folder_ + "/" + out + "/report.json"));
+    EXPECT_EQ(report["exit_code"], 128 + number);
+    EXPECT_NE(report["reason"].get<std::string>().find("signal"), std::string::npos);
+    const std::string text = slurp(folder_ + "/" + out + "/run.csv");
+    ASSERT_FALSE(text.empty());
+    EXPECT_EQ(text.back(), '\n');
+    const Csv csv = read_csv(folder_ + "/" + out + "/run.csv");
+    ASSERT_GT(csv.rows.size(), 2u);
+    EXPECT_LE(std::abs(csv.at(csv.rows.size() - 1, "t") - report["reached"].get<double>()), 0.06);
+  }
+}
+
+TEST_F(RunProgram, TheRowsOfARunCanBeReadWhileItRuns) {
+  const ProgramResult result = run_program(
+      folder_, "(timeout -s KILL 4 " + kProgram + "run " + model() +
+                   " --duration 1e6 --every 100 --out o & sleep 3; cat o/run.csv.partial-* "
+                   "> seen.csv; wait)");
+  const std::string seen = slurp(folder_ + "/seen.csv");
+  EXPECT_TRUE(seen.starts_with("t,kinetic,")) << result.err;
+  EXPECT_EQ(seen.back(), '\n');
+  EXPECT_GT(std::count(seen.begin(), seen.end(), '\n'), 1);
+}
+
+TEST_F(RunProgram, FramesAreListedWithTheirTimes) {
+  ASSERT_EQ(run("run " + model() + " --duration 0.3 --out o --surfaces 3").code, 0);
+  EXPECT_EQ(slurp(folder_ + "/o/frames.csv"),
+            "frame,t,file\n0,0.099,surface-0000-t0.099000s.ply\n"
+            "1,0.201,surface-0001-t0.201000s.ply\n2,0.3,surface-0002-t0.300000s.ply\n");
+  for (const char* name : {"0-t0.099000s", "1-t0.201000s", "2-t0.300000s"})
+    EXPECT_TRUE(std::filesystem::exists(folder_ + "/o/surface-000" + name + ".ply"));
+}
+
+TEST_F(RunProgram, OneLineTellsOfAllFilesThatWereWritten) {
+  const ProgramResult result = run("run " + model() + " --duration 0.3 --out o --surfaces 50");
+  ASSERT_EQ(result.code, 0);
+  EXPECT_EQ(result.err.find("wrote"), result.err.rfind("wrote")) << result.err;
+  EXPECT_NE(result.err.find("run.csv, report.json, 50 surfaces"), std::string::npos) << result.err;
+}
+
+TEST_F(RunProgram, AFreeBodySaysWhatItsLoadLoses) {
+  const ProgramResult made = run_program(
+      folder_, TREMOLO_BIN_DIR "/tremolo-precompute " + model_folder_ +
+                   "/bar.veg -o free.tremolo --young 2e6 --density 1000 --fix none --load-at "
+                   "'x>0.399' --load-force 0,0,-1 --linear-modes 4 --modes 6");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const ProgramResult result = run("run free.tremolo --duration 0.1 --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report["rigid_modes"], 6);
+  const double share = report["load_rigid_share"];
+  EXPECT_GT(share, 0.2);
+  EXPECT_LT(share, 1.0);
+  EXPECT_NE(result.err.find("free body"), std::string::npos) << result.err;
+  EXPECT_EQ(json::parse(run("run " + model() + " --duration 0.1 --json").out)["rigid_modes"], 0);
 }
 
 }  // namespace

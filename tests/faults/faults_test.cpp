@@ -149,7 +149,8 @@ TEST_F(Faults, PrecomputeLeavesTheOldFileOrTheNewOne) {
 
 TEST_F(Faults, RunLeavesOldFilesOrNewOnes) {
   survives_everything(kTremolo + "run SOURCE/bar.tremolo --duration 0.1 --out OUT --surfaces 2",
-                      {"run.csv", "report.json", "surface-0000.ply", "surface-0001.ply"});
+                      {"run.csv", "report.json", "frames.csv", "surface-0000-t0.051000s.ply",
+                       "surface-0001-t0.099000s.ply"});
 }
 
 TEST_F(Faults, PlotLeavesTheOldPictureOrTheNewOne) {
@@ -163,7 +164,7 @@ TEST_F(Faults, ALimitOnFileSizesIsAnErrorWithAPath) {
            {kPrecompute + "SOURCE/bar.veg -o OUT/a" + kArguments, "a"},
            {kTremolo + "run SOURCE/bar.tremolo --duration 0.5 --out OUT", "run.csv"},
            {kTremolo + "run SOURCE/bar.tremolo --duration 0.1 --out OUT --surfaces 1",
-            "surface-0000.ply"}}) {
+            "surface-0000-t0.099000s.ply"}}) {
     command_ = command;
     names_ = {name};
     prepare();

@@ -13,6 +13,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/basis_writer.h"
+#include "runtime/model.h"
 #include "runtime/program/commands.h"
 #include "runtime/program/report/page.h"
 #include "runtime/program/report/store.h"
@@ -88,6 +89,29 @@ TEST(Inspect, AProvenanceThatIsNestedTooDeepIsAnError) {
     EXPECT_NE(errors.find("nested too deep"), std::string::npos) << errors;
     data.provenance = "{\"a\": " + repeated("[", 50) + repeated("]", 50) + "}";
     EXPECT_EQ(inspect(data, json, errors, text), 0) << errors;
+  }
+}
+
+TEST(Inspect, RefusesWhatNoBodyCanBeMadeOfAndNamesTheFileOnce) {
+  std::vector<BasisData> bad(4, testing::tiny_basis());
+  bad[0].lambda << 90000.0, 400.0;
+  bad[1].surface.vertex_ids = {0, 2, 1, 3};
+  bad[2].triangles[0] = {1, 1, 7};
+  bad[3].interior.vertex_ids = {2};
+  for (std::size_t i = 0; i < bad.size(); ++i) {
+    const std::string path = testing::fresh_folder() + "/a.tremolo";
+    if (!write_basis(path, bad[i])) continue;  // our own writer refuses it
+    const Result<Model::Pointer> model = Model::load(path);
+    ::testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStdout();
+    const int code = inspect_command(path, "", false);
+    ::testing::internal::GetCapturedStdout();
+    const std::string errors = ::testing::internal::GetCapturedStderr();
+    EXPECT_EQ(code, 3) << i << errors;
+    EXPECT_NE(errors.find(path), std::string::npos) << errors;
+    EXPECT_EQ(errors.find(path), errors.rfind(path)) << errors;
+    if (model) continue;
+    EXPECT_EQ("tremolo: " + model.error().message + "\n", errors);
   }
 }
 

@@ -1,7 +1,10 @@
 #include "runtime/load.h"
 
 #include <cmath>
+#include <initializer_list>
+#include <memory>
 #include <numbers>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -149,6 +152,59 @@ TEST(Loads, ForceIsRefusedAtAnUnknownVertexAndWhereItIsNotFinite) {
   EXPECT_EQ(reduce_force(*model, 7, {1.0, 0.0, 0.0}).error().kind, ErrorKind::kUsage);
   EXPECT_EQ(reduce_force(*model, -1, {1.0, 0.0, 0.0}).error().kind, ErrorKind::kUsage);
   EXPECT_EQ(reduce_force(*model, 3, {NAN, 0.0, 0.0}).error().kind, ErrorKind::kUsage);
+}
+
+Signal table_signal(std::vector<double> times, std::vector<double> values) {
+  Signal signal{.kind = SignalKind::kTable};
+  signal.table = std::make_shared<SignalTable>(SignalTable{std::move(times), std::move(values)});
+  return signal;
+}
+
+TEST_P(StepOfLoad, AveragesOfATableAddUpToItsArea) {
+  const double step = GetParam();
+  const int count = static_cast<int>(std::ceil(1.0 / step));
+  // A triangle, a jump, a plateau that ends at once.
+  const Signal signal = table_signal({0.0, 0.1, 0.2, 0.2, 0.5}, {0.0, 2.0, 1.0, -3.0, -3.0});
+  EXPECT_NEAR(total_impulse(signal, step, count), 0.1 + 0.15 - 0.9, 1e-8 * step);
+}
+
+TEST(SignalTable, SamplesAreItsStraightLines) {
+  const Signal signal = table_signal({0.0, 1.0, 3.0}, {0.0, 4.0, 0.0});
+  const StepSignal rising = sample_signal(signal, 0.25, 0.5);
+  EXPECT_DOUBLE_EQ(rising.start, 1.0);
+  EXPECT_DOUBLE_EQ(rising.average, 2.0);
+  EXPECT_DOUBLE_EQ(rising.end, 3.0);
+  const StepSignal bent = sample_signal(signal, 0.5, 1.0);  // a kink inside is no jump
+  EXPECT_DOUBLE_EQ(bent.start, 2.0);
+  EXPECT_DOUBLE_EQ(bent.end, 3.0);
+  EXPECT_DOUBLE_EQ(bent.average, 0.5 * 3.0 + 0.5 * 3.5);
+  EXPECT_EQ(sample_signal(signal, 3.0, 0.5).average, 0.0);
+  EXPECT_EQ(sample_signal(signal, -1.0, 1.0).average, 0.0);
+  EXPECT_EQ(signal_end(signal), 3.0);
+}
+
+TEST(SignalTable, AJumpInsideAStepShowsItsAverageAndOneAtAnEndDoesNot) {
+  const Signal signal = table_signal({0.0, 1.0, 1.0, 2.0}, {1.0, 1.0, 5.0, 5.0});
+  const StepSignal across = sample_signal(signal, 0.5, 1.0);
+  EXPECT_DOUBLE_EQ(across.average, 3.0);
+  EXPECT_DOUBLE_EQ(across.start, 3.0);
+  EXPECT_DOUBLE_EQ(across.end, 3.0);
+  EXPECT_DOUBLE_EQ(sample_signal(signal, 0.5, 0.5).end, 1.0);
+  EXPECT_DOUBLE_EQ(sample_signal(signal, 1.0, 0.5).start, 5.0);
+  EXPECT_DOUBLE_EQ(sample_signal(signal, 1.5, 0.5).end, 5.0);
+  EXPECT_DOUBLE_EQ(sample_signal(signal, -0.5, 1.0).start, 0.5);  // it begins with a jump
+}
+
+TEST(SignalTable, WhatIsNoTableIsTold) {
+  EXPECT_EQ(table_problem({{0.0, 1.0}, {1.0, 1.0}}), "");
+  for (const SignalTable& table :
+       std::initializer_list<SignalTable>{{{0.0}, {1.0}},
+                                          {{0.0, 1.0}, {1.0}},
+                                          {{1.0, 0.0}, {1.0, 1.0}},
+                                          {{1.0, 1.0}, {0.0, 1.0}},
+                                          {{0.0, 1.0, 1.0, 1.0}, {0.0, 1.0, 2.0, 3.0}},
+                                          {{0.0, INFINITY}, {0.0, 1.0}}})
+    EXPECT_NE(table_problem(table), "");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "runtime/program/bench/stability.h"
 #include "runtime/program/commands.h"
 #include "runtime/program/report/page.h"
+#include "runtime/program/tell.h"
 
 namespace tremolo::bench {
 namespace {
@@ -85,9 +86,9 @@ Result<int> measure_and_report(const Options& options, std::vector<SampleModel> 
     if (Status s = report_stability(cells, options, options.out, page); !s) return s.error();
   const std::string path = (std::filesystem::path(options.out) / "index.html").string();
   if (Status s = page.write(path); !s) return s.error();
-  for (const std::string& sentence : sentences) fmt::print(stderr, "{}\n", sentence);
+  for (const std::string& sentence : sentences) tell("{}\n", sentence);
   print(criteria);
-  fmt::print(stderr, "wrote {}\n", path);
+  tell("wrote {}\n", path);
   if (options.json) std::cout << to_json(options, criteria, sentences, speed).dump(2) << "\n";
   if (!std::cout.flush()) return system_error("standard output cannot be written");
   return exit_code(criteria);

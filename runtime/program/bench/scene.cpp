@@ -1,11 +1,10 @@
 #include "runtime/program/bench/scene.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
 
+#include "runtime/program/load_search.h"
 #include "runtime/split.h"
 
 namespace tremolo::bench {
@@ -13,62 +12,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kAttempts = 30;
-constexpr double kNear = 0.01;  // relative, of the amplitude
-
-double four_digits(double value) {
-  return std::stod(fmt::format("{:.4g}", value));
-}
-
-struct Attempt {
-  double scale = 0.0;
-  double amplitude = 0.0;  // infinite if the run broke off
-  std::string reason;
-};
-
-// Secant steps on logarithms, kept inside the bracket once there is one.
-class Search {
- public:
-  explicit Search(double wanted) : wanted_(wanted) {}
-
-  void take(const Attempt& attempt) {
-    Attempt& side = attempt.amplitude < wanted_ ? low_ : high_;
-    side = attempt;
-  }
-
-  double next(const Attempt& last) const {
-    if (high_.scale == 0.0) return last.scale * std::clamp(wanted_ / last.amplitude, 1.05, 10.0);
-    if (low_.scale == 0.0)
-      return std::isfinite(last.amplitude)
-                 ? last.scale * std::clamp(wanted_ / last.amplitude, 0.1, 0.95)
-                 : 0.1 * last.scale;
-    const double width = std::log(high_.scale / low_.scale);
-    const double slope = std::log(high_.amplitude / low_.amplitude);
-    const double part = std::isfinite(slope) ? std::log(wanted_ / low_.amplitude) / slope : 0.5;
-    return low_.scale * std::exp(width * std::clamp(part, 0.1, 0.9));
-  }
-
-  bool closed() const {
-    return low_.scale > 0.0 && high_.scale > 0.0 && high_.scale < 1.002 * low_.scale;
-  }
-
-  std::string trouble() const {
-    if (!high_.reason.empty())
-      return fmt::format("with {:.4g} times the default load, at {:.3g} of the size: {}",
-                         low_.scale, low_.amplitude,
-                         "the next larger one breaks off: " + high_.reason);
-    return fmt::format(
-        "the displacement jumps from {:.3g} to {:.3g} of the size near {:.4g} times "
-        "the default load",
-        low_.amplitude, high_.amplitude, high_.scale);
-  }
-
- private:
-  double wanted_;
-  Attempt low_, high_;
-};
-
-Result<Attempt> attempt(const Scene& scene, double scale, const std::string& method, double step) {
+Result<LoadAttempt> attempt(const Scene& scene, double scale, const std::string& method,
+                            double step) {
   Scene trial = scene;
   trial.scale = scale;
   RunSpec spec = trial.run(method, step);
@@ -76,25 +21,16 @@ Result<Attempt> attempt(const Scene& scene, double scale, const std::string& met
   Result<SampledRun> run = run_sampled(spec);
   if (!run) return run.error();
   const bool broke = run->exit_code != 0;
-  return Attempt{
+  return LoadAttempt{
       scale, broke ? std::numeric_limits<double>::infinity() : run->largest / scene.subject->size,
       run->reason};
 }
 
 Result<Json> search(const Scene& scene, const std::string& method, double step) {
-  Search search(scene.amplitude);
-  double scale = 1e-2;
-  for (int i = 0; i < kAttempts && !search.closed(); ++i) {
-    Result<Attempt> result = attempt(scene, four_digits(scale), method, step);
-    if (!result) return result.error();
-    if (!(result->amplitude > 0.0))
-      return Json{{"scale", 0.0}, {"trouble", "the load does not move the loaded vertex"}};
-    if (std::abs(result->amplitude / scene.amplitude - 1.0) <= kNear)
-      return Json{{"scale", result->scale}, {"trouble", ""}};
-    search.take(*result);
-    scale = search.next(*result);
-  }
-  return Json{{"scale", 0.0}, {"trouble", search.trouble()}};
+  const Result<LoadScale> found = search_load_scale(
+      scene.amplitude, [&](double scale) { return attempt(scene, scale, method, step); });
+  if (!found) return found.error();
+  return Json{{"scale", found->scale}, {"trouble", found->trouble}};
 }
 
 }  // namespace

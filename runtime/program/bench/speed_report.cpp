@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "runtime/program/report/table.h"
+#include "runtime/program/tell.h"
 
 namespace tremolo::bench {
 namespace {
@@ -72,15 +73,15 @@ Json to_json(const SpeedRow& row) {
 
 Result<Speed> measure_speed(const Options& options) {
   Speed speed;
-  fmt::print(stderr, "probing the machine\n");
+  tell("probing the machine\n");
   speed.machine = probe_machine();
   for (const Measure measure : sections_to_measure()) {
     Result<SpeedSection> section = measure(options, speed.machine);
     if (!section) return section.error();
-    fmt::print(stderr, "{}\n", section->title);
+    tell("{}\n", section->title);
     for (const SpeedRow& row : section->rows)
-      fmt::print(stderr, "  {:<58} {:>10.4g} {:<5} ratio {:>8.3g}  {}\n", row.what, row.value,
-                 row.unit, row.value / row.baseline, row.note);
+      tell("  {:<58} {:>10.4g} {:<5} ratio {:>8.3g}  {}\n", row.what, row.value, row.unit,
+           row.value / row.baseline, row.note);
     speed.sections.push_back(std::move(*section));
   }
   return speed;

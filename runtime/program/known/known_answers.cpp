@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "runtime/program/known/sections.h"
+#include "runtime/program/tell.h"
 
 namespace tremolo {
 namespace known {
@@ -50,8 +51,7 @@ Result<std::vector<Criterion>> add_known_answers(Page& page, const Store& store,
                                         {"trend", known::add_trend_section}}};
   std::vector<Criterion> all;
   for (std::size_t i = 0; i < kParts.size(); ++i) {
-    fmt::print(stderr, "tremolo: known answers, {}: {} of {}\n", kParts[i].name, i + 1,
-               kParts.size());
+    tell("tremolo: known answers, {}: {} of {}\n", kParts[i].name, i + 1, kParts.size());
     const known::Criteria criteria = kParts[i].add(context);
     if (!criteria) return criteria.error();
     page.criteria(*criteria);

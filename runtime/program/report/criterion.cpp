@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "common/result.h"
+#include "runtime/program/tell.h"
 
 namespace tremolo {
 
@@ -54,8 +55,8 @@ nlohmann::ordered_json to_json(const std::vector<Criterion>& criteria) {
 
 void print(const std::vector<Criterion>& criteria) {
   for (const Criterion& criterion : criteria)
-    fmt::print(stderr, "  {:<9} {}: {} ({})\n", verdict(criterion), criterion.what,
-               criterion.measured, criterion.bound);
+    tell("  {:<9} {}: {} ({})\n", verdict(criterion), criterion.what, criterion.measured,
+         criterion.bound);
 }
 
 }  // namespace tremolo

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <utility>
 
 #include "formats/atomic_file.h"
 #include "formats/checksum.h"
+#include "formats/whole_file.h"
 
 namespace tremolo {
 namespace {
@@ -21,10 +20,9 @@ std::string text_of(const Json& json) {
 }
 
 std::optional<Json> read_stored(const std::string& path, const std::string& key) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return std::nullopt;
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const Json json = Json::parse(text, nullptr, false);
+  const Result<std::string> text = read_whole_file(path);
+  if (!text) return std::nullopt;
+  const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object() || !json.contains("key") || !json.contains("result")) return std::nullopt;
   if (text_of(json["key"]) != key) return std::nullopt;
   if (json.value("checksum", Json()) != checksum(key + "\n" + text_of(json["result"])))

@@ -10,6 +10,7 @@
 #include "runtime/program/progress.h"
 #include "runtime/program/reproduce/experiment3_parts.h"
 #include "runtime/program/reproduce/thesis.h"
+#include "runtime/program/tell.h"
 #include "runtime/split.h"
 
 namespace tremolo::reproduce {
@@ -77,8 +78,8 @@ Status make_run(const Workshop& shop, const SampleModel& horse, double duration,
       (std::filesystem::path(shop.directory) / (name + ".checkpoint")).string();
   Result<Json> json = shop.store.get(name, key, [&]() -> Result<Json> {
     Result<LongRun> run = run_to_end(spec, checkpoint, key, [&](const LongRun& now) {
-      fmt::print(stderr, "tremolo: experiment 3, {}: {:.0f} of {:g} s\n", one.label,
-                 static_cast<double>(now.done) * spec.step, duration);
+      tell("tremolo: experiment 3, {}: {:.0f} of {:g} s\n", one.label,
+           static_cast<double>(now.done) * spec.step, duration);
     });
     if (!run) return run.error();
     return to_json(*run);

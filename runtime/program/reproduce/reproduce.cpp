@@ -16,6 +16,7 @@
 #include "runtime/program/reproduce/experiment3.h"
 #include "runtime/program/reproduce/figures.h"
 #include "runtime/program/reproduce/run_sections.h"
+#include "runtime/program/tell.h"
 
 namespace tremolo {
 namespace reproduce {
@@ -29,7 +30,7 @@ struct Outcome {
 };
 
 void note(const std::string& text) {
-  fmt::print(stderr, "tremolo: {}\n", text);
+  tell("tremolo: {}\n", text);
 }
 
 Result<Workshop> open_workshop(const ReproduceOptions& options) {

@@ -1,0 +1,30 @@
+// The load's factor that makes a motion as large as it shall be.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+// What came of one factor: the motion's largest displacement as a share of the size, infinite if
+// the run broke off, and then why.
+struct LoadAttempt {
+  double scale = 0.0;
+  double amplitude = 0.0;
+  std::string reason = {};
+};
+
+// scale: zero if none was found; `trouble` says why.
+struct LoadScale {
+  double scale = 0.0;
+  std::string trouble;
+};
+
+// Tries factors of four digits, the first one 0.01, until the amplitude is within 1 % of what is
+// wanted. Errors: those of `attempt`.
+Result<LoadScale> search_load_scale(double wanted,
+                                    const std::function<Result<LoadAttempt>(double)>& attempt);
+
+}  // namespace tremolo

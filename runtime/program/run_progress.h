@@ -1,0 +1,41 @@
+// How far a long run has come, told on stderr.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace tremolo {
+
+// When something is said and what. terminal: every half second, the line taking its own place;
+// else a line after ten seconds and then every thirty. Short runs say nothing.
+class RunProgress {
+ public:
+  // duration: of the run, s of simulated time.
+  RunProgress(std::string name, double duration, bool terminal);
+
+  // seconds: since the start of the work; reached: s of simulated time. Empty: nothing is due.
+  std::string due(double seconds, double reached);
+  // What takes the line on a terminal away again; empty if there is none.
+  std::string end();
+
+ private:
+  std::string name_;
+  double duration_;
+  bool terminal_;
+  double next_;
+  std::size_t shown_ = 0;  // characters that stand on the terminal's line
+};
+
+// The same on stderr by the clock.
+class ToldProgress {
+ public:
+  ToldProgress(std::string name, double duration);
+  ~ToldProgress();
+  void reached(double time);
+
+ private:
+  RunProgress progress_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+}  // namespace tremolo

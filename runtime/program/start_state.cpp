@@ -1,0 +1,195 @@
+#include "runtime/program/start_state.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "formats/whole_file.h"
+#include "runtime/program/run_options.h"
+#include "runtime/program/selection.h"
+#include "runtime/program/statics.h"
+
+namespace tremolo {
+namespace {
+
+constexpr const char* kStatic = "static";
+
+struct Displacement {
+  std::string where;
+  Eigen::Vector3d by;
+};
+
+// WHERE=X,Y,Z; a selector may hold the sign as well.
+std::optional<Displacement> displacement_of(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos || equals == 0) return std::nullopt;
+  const Result<Eigen::Vector3d> by = parse_force(text.substr(equals + 1));
+  if (!by) return std::nullopt;
+  return Displacement{text.substr(0, equals), *by};
+}
+
+struct Row {
+  std::string path;
+  std::optional<double> time;  // s; none: the last one
+};
+
+// Behind the last @ only if a number stands there.
+Row row_of(const std::string& text) {
+  const std::size_t at = text.rfind('@');
+  double time = 0.0;
+  if (at != std::string::npos) {
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + at + 1, end, time);
+    if (error == std::errc{} && stop == end && std::isfinite(time))
+      return {text.substr(0, at), time};
+  }
+  return {text, std::nullopt};
+}
+
+std::vector<std::string_view> cells_of(std::string_view line) {
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  std::vector<std::string_view> cells;
+  for (std::size_t at = 0; at <= line.size();) {
+    const std::size_t end = std::min(line.find(',', at), line.size());
+    cells.push_back(line.substr(at, end - at));
+    at = end + 1;
+  }
+  return cells;
+}
+
+bool to_number(std::string_view cell, double& value) {
+  const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  return error == std::errc{} && stop == cell.data() + cell.size() && std::isfinite(value);
+}
+
+// Where in a row t, q0 ... and p0 ... stand.
+struct Columns {
+  std::size_t time = 0;
+  std::vector<std::size_t> q, p;
+};
+
+Result<Columns> find_columns(std::string_view head, Eigen::Index modes, const std::string& path) {
+  const std::vector<std::string_view> names = cells_of(head);
+  const auto find = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  Columns columns{find("t"), {}, {}};
+  if (columns.time == names.size())
+    return content_error(path + ", line 1: expected a column `t`: no CSV of a run");
+  for (Eigen::Index i = 0; i < modes; ++i) {
+    columns.q.push_back(find(fmt::format("q{}", i)));
+    columns.p.push_back(find(fmt::format("p{}", i)));
+    if (columns.q.back() == names.size() || columns.p.back() == names.size())
+      return content_error(fmt::format(
+          "{}, line 1: a start needs q0 to q{} and p0 to p{}: record them with --coordinate all "
+          "--velocities",
+          path, modes - 1, modes - 1));
+  }
+  if (find(fmt::format("q{}", modes)) != names.size())
+    return content_error(
+        fmt::format("{}, line 1: a state of more coordinates than the model's {}", path, modes));
+  return columns;
+}
+
+// The line nearest to the time, or the last one; 0: there is none. A line without an end may be cut
+// off and does not count.
+struct Found {
+  std::size_t line = 0;
+  std::string_view text;
+};
+Found find_row(std::string_view text, const Columns& columns, std::optional<double> time) {
+  Found found;
+  double nearest = 0.0;
+  std::size_t number = 1;
+  for (std::size_t at = text.find('\n'); at != std::string_view::npos;) {
+    const std::size_t begin = at + 1;
+    at = text.find('\n', begin);
+    if (at == std::string_view::npos) break;
+    ++number;
+    const std::string_view line = text.substr(begin, at - begin);
+    if (time) {
+      const std::vector<std::string_view> cells = cells_of(line);
+      double here = 0.0;
+      if (columns.time >= cells.size() || !to_number(cells[columns.time], here)) continue;
+      if (found.line > 0 && std::abs(here - *time) >= nearest) continue;
+      nearest = std::abs(here - *time);
+    }
+    found = {number, line};
+  }
+  return found;
+}
+
+Result<State> read_row(const Row& row, Eigen::Index modes) {
+  const Result<std::string> text = read_whole_file(row.path);
+  if (!text) return text.error();
+  const std::string_view head = std::string_view(*text).substr(0, text->find('\n'));
+  const Result<Columns> columns = find_columns(head, modes, row.path);
+  if (!columns) return columns.error();
+  const Found found = find_row(*text, *columns, row.time);
+  if (found.line == 0) return content_error(row.path + ": there is no row");
+  const std::vector<std::string_view> cells = cells_of(found.text);
+  State state{Eigen::VectorXd(modes), Eigen::VectorXd(modes)};
+  for (Eigen::Index i = 0; i < modes; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const std::size_t last = std::max(columns->q[k], columns->p[k]);
+    if (last >= cells.size() || !to_number(cells[columns->q[k]], state.q[i]) ||
+        !to_number(cells[columns->p[k]], state.p[i]))
+      return content_error(fmt::format("{}, line {}: q{} and p{} are not finite numbers", row.path,
+                                       found.line, i, i));
+  }
+  return state;
+}
+
+Result<Eigen::VectorXd> displaced_shape(const Displacement& displacement, const Model& model) {
+  const Result<std::vector<VertexId>> vertices = vertices_of(displacement.where, model);
+  if (!vertices) return vertices.error();
+  Hold hold{Eigen::MatrixXd::Zero(3, model.modes()), displacement.by};
+  for (const VertexId id : *vertices) {
+    const Result<VertexRows> rows = model.vertex(id);
+    if (!rows) return content_error(rows.error().message);
+    hold.rows += rows->rows / static_cast<double>(vertices->size());
+  }
+  return standing_shape(model.potential(), Eigen::VectorXd::Zero(model.modes()), hold);
+}
+
+}  // namespace
+
+Result<State> start_state(const std::string& text, const Model& model,
+                          const Eigen::VectorXd& force) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(model.modes());
+  if (text.empty()) return State{zero, zero};
+  const auto told = [&text](Error error) {
+    error.message = "--start " + text + ": " + error.message;
+    return error;
+  };
+  if (text == kStatic) {
+    if (force.isZero(0.0))
+      return told(
+          content_error("no load acts at t = 0 (a sine begins with zero): the body would stand in "
+                        "its rest shape"));
+    const Result<Eigen::VectorXd> q = standing_shape(model.potential(), force);
+    if (!q) return told(q.error());
+    return State{*q, zero};
+  }
+  if (const auto displacement = displacement_of(text)) {
+    const Result<Eigen::VectorXd> q = displaced_shape(*displacement, model);
+    if (!q) return told(q.error());
+    return State{*q, zero};
+  }
+  return read_row(row_of(text), model.modes());
+}
+
+std::string file_of_start(const std::string& text) {
+  return text.empty() || text == kStatic || displacement_of(text) ? "" : row_of(text).path;
+}
+
+std::string selector_of_start(const std::string& text) {
+  const auto displacement = displacement_of(text);
+  return displacement ? displacement->where : "";
+}
+
+}  // namespace tremolo

@@ -1,0 +1,181 @@
+// What a user names on a command line may be a pipe, a device or another of its files; and what the
+// programs say may have nowhere to go.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/box_mesh.h"
+#include "tests/support/mesh_file.h"
+#include "tests/support/run_program.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::box_mesh;
+using testing::fresh_folder;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::slurp;
+
+const std::string kTremolo = TREMOLO_BIN_DIR "/tremolo ";
+const std::string kPrecompute = TREMOLO_BIN_DIR "/tremolo-precompute ";
+const std::string kMesh = TREMOLO_BIN_DIR "/tremolo-mesh ";
+const std::string kModes = " --linear-modes 3 --modes 3 ";
+
+class NamedFiles : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    source_ = fresh_folder();
+    testing::write_veg(source_ + "/bar.veg", box_mesh({4, 1, 1}, {0.4, 0.05, 0.06}));
+    std::ofstream(source_ + "/ids.txt") << "0 1 2 3\n";
+    std::ofstream(source_ + "/bar.toml") << "young = 2e6\n";
+    const ProgramResult made =
+        run_program(source_, kPrecompute +
+                                 "bar.veg -o bar.tremolo --fix 'x<0.001' --load-at "
+                                 "'x>0.399' --load-force 0,0,-1" +
+                                 kModes);
+    ASSERT_EQ(made.code, 0) << made.err;
+  }
+
+  void SetUp() override {
+    folder_ = fresh_folder();
+    for (const char* name : {"bar.veg", "ids.txt", "bar.toml", "bar.tremolo"})
+      fs::copy(source_ + "/" + name, folder_);
+  }
+
+  // A program that waits for what never comes is ended; its exit code is then 124.
+  ProgramResult run(const std::string& command) {
+    return run_program(folder_, "timeout 30 " + command);
+  }
+
+  // The command is refused as wrong usage with `words`, and `file` is as it was.
+  void expect_kept(const std::string& command, const std::string& file) {
+    const std::string before = slurp(folder_ + "/" + file);
+    ASSERT_FALSE(before.empty()) << file;
+    const ProgramResult result = run(command);
+    EXPECT_EQ(result.code, 2) << command << "\n" << result.err;
+    EXPECT_NE(result.err.find("would take the place of"), std::string::npos) << result.err;
+    EXPECT_EQ(slurp(folder_ + "/" + file), before) << command;
+  }
+
+  static inline std::string source_;
+  std::string folder_;
+};
+
+TEST_F(NamedFiles, AStandardErrorThatCannotBeWrittenChangesNoResult) {
+  for (const std::string silence : {"2>/dev/full", "2>&-"}) {
+    const std::string run_it = "(" + kTremolo + "run bar.tremolo --duration 0.1 --out o ";
+    EXPECT_EQ(run_program(folder_, run_it + silence + ")").code, 0) << silence;
+    EXPECT_TRUE(fs::exists(folder_ + "/o/report.json")) << silence;
+    EXPECT_TRUE(slurp(folder_ + "/o/run.csv").starts_with("t,kinetic,")) << silence;
+    // Nothing of what is said may end in a file that took the place of the closed stream.
+    const std::string made = "(" + kPrecompute + "bar.veg -o a.tremolo --fix 'x<0.001'" + kModes;
+    EXPECT_EQ(run_program(folder_, made + silence + ")").code, 0) << silence;
+    EXPECT_EQ(run("" + kTremolo + "inspect a.tremolo").code, 0) << silence;
+    EXPECT_EQ(run_program(folder_, "(" + kTremolo + "run nowhere.tremolo " + silence + ")").code,
+              1);
+    EXPECT_EQ(run_program(folder_, "(" + kPrecompute + "nowhere.veg -o b " + silence + ")").code,
+              1);
+    EXPECT_EQ(run_program(folder_, "(" + kMesh + "nowhere.obj -o b " + silence + ")").code, 1);
+    fs::remove_all(folder_ + "/o");
+  }
+}
+
+TEST_F(NamedFiles, AClosedStandardOutputIsAnErrorAndNoFileTakesItsPlace) {
+  const ProgramResult result =
+      run_program(folder_, "(" + kTremolo + "run bar.tremolo --duration 0.1 --out o --json >&-)");
+  EXPECT_EQ(result.code, 1) << result.err;
+  EXPECT_TRUE(slurp(folder_ + "/o/run.csv").starts_with("t,kinetic,"));
+}
+
+TEST_F(NamedFiles, PipesDevicesAndFoldersAreRefusedAtOnce) {
+  ASSERT_EQ(std::system(("mkfifo '" + folder_ + "/pipe' && ln -s pipe '" + folder_ +
+                         "/pipe.obj' && ln -s /dev/zero '" + folder_ + "/zero.toml'")
+                            .c_str()),
+            0);
+  const std::string to = " -o new.tremolo";
+  for (const std::string& command :
+       {kTremolo + "inspect pipe",
+        kTremolo + "run pipe",
+        kTremolo + "run zero.toml",
+        kTremolo + "export pipe --vtu a.vtu",
+        kTremolo + "plot pipe -o a.svg",
+        kTremolo + "plot /dev/zero -o a.svg",
+        kTremolo + "run bar.tremolo --at file:pipe --force 0,0,1",
+        kPrecompute + "pipe" + to,
+        kPrecompute + "pipe.obj" + to,
+        kPrecompute + "/dev/zero" + to,
+        kPrecompute + "bar.veg --fix file:pipe" + to,
+        kPrecompute + "bar.veg --fix file:/dev/zero" + to,
+        kPrecompute + "bar.veg --config pipe" + to,
+        kPrecompute + "bar.veg --config zero.toml" + to,
+        kPrecompute + "bar.veg --config ." + to,
+        kPrecompute + "bar.veg --render pipe.obj" + to,
+        kPrecompute + "bar.veg --import-basis pipe --import-cubic pipe" + to,
+        kPrecompute + "reference bar.veg --config=pipe",
+        kPrecompute + "reference bar.veg --fix 'x<0.001' --compare pipe",
+        kMesh + "pipe.obj -o new.msh"}) {
+    const ProgramResult result = run(command + " </dev/null");
+    EXPECT_EQ(result.code, 1) << command << "\n" << result.err;
+    EXPECT_NE(result.err.find("not a regular file but"), std::string::npos) << result.err;
+  }
+  EXPECT_FALSE(fs::exists(folder_ + "/new.tremolo"));
+}
+
+TEST_F(NamedFiles, NoOutputOfThePrecomputeTakesThePlaceOfAnInput) {
+  const std::string make = kPrecompute + "bar.veg --config bar.toml --fix file:ids.txt" + kModes;
+  fs::create_symlink("bar.toml", folder_ + "/link.toml");
+  fs::create_hard_link(folder_ + "/bar.toml", folder_ + "/hard.toml");
+  fs::create_directory(folder_ + "/sub");
+  expect_kept(make + "-o bar.toml", "bar.toml");
+  expect_kept(make + "-o link.toml", "bar.toml");
+  expect_kept(make + "-o hard.toml", "bar.toml");
+  expect_kept(make + "-o sub/../bar.toml", "bar.toml");
+  expect_kept(make + "-o bar.veg", "bar.veg");
+  expect_kept(make + "-o ids.txt", "ids.txt");
+  expect_kept(make + "-o a.tremolo --modes-vtu ids.txt", "ids.txt");
+  const std::string lists = kPrecompute + "bar.veg" + kModes + "-o ids.txt --fix 'x<0.001' ";
+  expect_kept(lists + "--load-at file:ids.txt --load-force 0,0,1", "ids.txt");
+  expect_kept(lists + "--point-mass file:ids.txt=1", "ids.txt");
+  expect_kept(lists + "--material 'file:ids.txt: young=1e6'", "ids.txt");
+  std::ofstream(folder_ + "/part.txt") << "*MATERIAL m\nENU, 1000, 1e6, 0.3\n";
+  const std::string mesh = slurp(folder_ + "/bar.veg");
+  std::ofstream(folder_ + "/bar.veg") << mesh << "*INCLUDE part.txt\n";
+  expect_kept(make + "-o part.txt", "part.txt");
+  const ProgramResult twice = run(make + "-o a.tremolo --modes-vtu sub/../a.tremolo");
+  EXPECT_EQ(twice.code, 2);
+  EXPECT_NE(twice.err.find("two outputs"), std::string::npos) << twice.err;
+}
+
+TEST_F(NamedFiles, NoOutputOfTheReferenceOrTheMesherTakesThePlaceOfAnInput) {
+  fs::create_directory(folder_ + "/o");
+  fs::copy(folder_ + "/bar.toml", folder_ + "/o/run.csv");
+  expect_kept(kPrecompute + "reference bar.veg --config o/run.csv --fix 'x<0.001' --out o",
+              "o/run.csv");
+  std::ofstream(folder_ + "/a.mtl") << "newmtl red\nKd 1 0 0\n";
+  std::ofstream(folder_ + "/a.obj") << "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                       "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  expect_kept(kMesh + "a.obj -o a.obj", "a.obj");
+  expect_kept(kMesh + "a.obj -o a.mtl", "a.mtl");
+  expect_kept(kMesh + "a.obj -o a.msh --surface ./a.obj", "a.obj");
+}
+
+TEST_F(NamedFiles, NoOutputOfARunTakesThePlaceOfAnInput) {
+  fs::create_directory(folder_ + "/o");
+  const std::string run_it = kTremolo + "run ";
+  fs::copy(folder_ + "/bar.tremolo", folder_ + "/o/run.csv");
+  expect_kept(run_it + "o/run.csv --duration 0.1 --out o", "o/run.csv");
+  fs::rename(folder_ + "/o/run.csv", folder_ + "/o/surface-0001.ply");
+  expect_kept(run_it + "o/surface-0001.ply --duration 0.1 --out ./o", "o/surface-0001.ply");
+  fs::copy(folder_ + "/ids.txt", folder_ + "/o/report.json");
+  expect_kept(run_it + "bar.tremolo --duration 0.1 --at file:o/report.json --force 0,0,1 --out o",
+              "o/report.json");
+  std::ofstream(folder_ + "/o/energy.toml") << "[b]\nmodel = '../bar.tremolo'\n";
+  fs::create_symlink("energy.toml", folder_ + "/o/energy.svg");
+  expect_kept(run_it + "o/energy.toml --duration 0.1 --out o --plot", "o/energy.toml");
+  expect_kept(kTremolo + "export bar.tremolo --vtu bar.tremolo", "bar.tremolo");
+}
+
+}  // namespace
+}  // namespace tremolo

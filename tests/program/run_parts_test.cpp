@@ -1,0 +1,186 @@
+// The parts of `tremolo run` by themselves.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "runtime/program/free_body.h"
+#include "runtime/program/load_search.h"
+#include "runtime/program/march.h"
+#include "runtime/program/run_body.h"
+#include "runtime/program/run_progress.h"
+#include "runtime/program/statics.h"
+#include "tests/support/sample_basis.h"
+
+namespace tremolo {
+namespace {
+
+const Eigen::Vector4d kOmega(20.0, 45.0, 90.0, 160.0);
+
+testing::StrainModel strain_model() {
+  return testing::random_strain_model(kOmega, 0.3, 7);
+}
+
+Model::Pointer make_model() {
+  Result<Model::Pointer> model = Model::from_data(testing::sample_basis(strain_model()));
+  EXPECT_TRUE(model);
+  return *model;
+}
+
+TEST(March, ItsMomentsAreThoseOfTheSameBodyStepByStep) {
+  const Model::Pointer model = make_model();
+  for (const char* method : {"ep4", "imexv-thesis", "verlet", "imexv-adaptive"}) {
+    IntegratorOptions options;
+    options.step = 2e-3;
+    Result<Body> one = Body::create(model, method, options);
+    Result<Body> other = Body::create(model, method, options);
+    ASSERT_TRUE(one && other);
+    const Load load{{.kind = SignalKind::kSquare, .duration = 0.05}, Eigen::Vector4d(3, 2, 1, 5)};
+    ASSERT_TRUE(one->add_load(load) && other->add_load(load));
+    March march(*one, 7);
+    Eigen::VectorXd momentum(4);
+    std::int64_t seen = 0;
+    while (one->steps() < 100)
+      for (const Moment& moment : march.advance(100)) {
+        ASSERT_TRUE(other->step().converged);
+        other->integrator().synchronized_momentum(other->state(), momentum);
+        EXPECT_EQ(moment.steps, ++seen);
+        EXPECT_EQ(moment.time, other->time());
+        EXPECT_EQ(moment.state.q, other->state().q) << method;
+        EXPECT_EQ(moment.state.p, momentum) << method;
+        EXPECT_EQ(moment.work, other->work());
+        EXPECT_EQ(moment.loaded, other->load_to_come());
+      }
+    EXPECT_EQ(seen, 100);
+    EXPECT_GT(march.microseconds_per_step(), 0.0);
+  }
+}
+
+TEST(March, StopsAtAStepThatDoesNotConvergeWithTheMomentsBeforeIt) {
+  const Model::Pointer model = make_model();
+  IntegratorOptions options;
+  options.max_iterations = 1;
+  options.halvings = 0;
+  Result<Body> body = Body::create(model, "midpoint", options);
+  ASSERT_TRUE(body);
+  const Load load{{.kind = SignalKind::kConstant, .start = 0.03}, 1e5 * Eigen::Vector4d::Ones()};
+  ASSERT_TRUE(body->add_load(load));
+  March march(*body, 64);
+  const auto moments = march.advance(1000);
+  ASSERT_TRUE(march.failed());
+  EXPECT_FALSE(march.failed()->converged);
+  ASSERT_EQ(static_cast<std::int64_t>(moments.size()), body->steps());
+  EXPECT_GE(moments.size(), 10u);
+}
+
+TEST(Statics, TheShapeUnderALoadBalancesIt) {
+  const Model::Pointer model = make_model();
+  for (const double scale : {1e-6, 1.0, 100.0}) {
+    const Eigen::VectorXd force = scale * Eigen::Vector4d(1.0, -2.0, 3.0, 4.0);
+    const Result<Eigen::VectorXd> q = standing_shape(model->potential(), force);
+    ASSERT_TRUE(q) << q.error().message;
+    EXPECT_LE((testing::strain_force(strain_model(), *q) - force).norm(), 1e-10 * force.norm());
+  }
+}
+
+TEST(Statics, AHeldShapeHasWhatIsHeldThereAndTheLeastEnergyOfAllSuch) {
+  const Model::Pointer model = make_model();
+  const Hold hold{Eigen::MatrixXd::Ones(1, 4), Eigen::VectorXd::Constant(1, 0.1)};
+  const Result<Eigen::VectorXd> q =
+      standing_shape(model->potential(), Eigen::VectorXd::Zero(4), hold);
+  ASSERT_TRUE(q) << q.error().message;
+  EXPECT_NEAR(q->sum(), 0.1, 1e-14);
+  const double least = testing::strain_energy(strain_model(), *q);
+  for (const Eigen::Vector4d& other :
+       {Eigen::Vector4d(1, -1, 0, 0), Eigen::Vector4d(0, 1, -1, 0), Eigen::Vector4d(0, 0, 1, -1)})
+    for (const double step : {-1e-3, 1e-3})
+      EXPECT_GT(testing::strain_energy(strain_model(), *q + step * other), least);
+  const Hold twice{Eigen::MatrixXd::Ones(2, 4), Eigen::VectorXd::Constant(2, 0.1)};
+  const auto refused = standing_shape(model->potential(), Eigen::VectorXd::Zero(4), twice);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kContent);
+}
+
+TEST(LoadSearch, FindsTheFactorOfACurveWithinAPercent) {
+  const auto curve = [](double scale) -> Result<LoadAttempt> {
+    return LoadAttempt{scale, 0.2 * scale / std::sqrt(1.0 + scale)};
+  };
+  for (const double wanted : {1e-4, 0.05, 0.3, 2.0}) {
+    const Result<LoadScale> found = search_load_scale(wanted, curve);
+    ASSERT_TRUE(found);
+    ASSERT_GT(found->scale, 0.0) << found->trouble;
+    EXPECT_NEAR(curve(found->scale)->amplitude, wanted, 0.01 * wanted);
+  }
+}
+
+TEST(LoadSearch, SaysWhyThereIsNone) {
+  const auto still = [](double scale) -> Result<LoadAttempt> { return LoadAttempt{scale, 0.0}; };
+  EXPECT_NE(search_load_scale(0.05, still)->trouble.find("does not move"), std::string::npos);
+  const auto breaks = [](double scale) -> Result<LoadAttempt> {
+    if (scale < 1.0) return LoadAttempt{scale, 0.01 * scale};
+    return LoadAttempt{scale, std::numeric_limits<double>::infinity(), "it broke"};
+  };
+  EXPECT_NE(search_load_scale(0.05, breaks)->trouble.find("it broke"), std::string::npos);
+}
+
+TEST(RunProgress, ShortRunsSayNothingAndLongOnesHowLongTheyWillTake) {
+  RunProgress lines("horse", 30.0, false);
+  EXPECT_EQ(lines.due(9.9, 10.0), "");
+  EXPECT_EQ(lines.due(10.0, 7.5), "  horse: 25 %, 7.5 of 30 s, about 30 s left\n");
+  EXPECT_EQ(lines.due(39.0, 20.0), "");
+  EXPECT_NE(lines.due(40.0, 28.0), "");
+  EXPECT_EQ(lines.end(), "");
+  RunProgress terminal("horse", 30.0, true);
+  EXPECT_EQ(terminal.due(0.9, 1.0), "");
+  EXPECT_EQ(terminal.due(1.0, 0.01), "  horse: 0 %, 0.01 of 30 s, about 50 min left\r");
+  const std::string shorter = terminal.due(2.0, 29.0);
+  EXPECT_TRUE(shorter.ends_with(" \r")) << "the longer line before must not show behind it";
+  EXPECT_FALSE(terminal.end().empty());
+  EXPECT_EQ(terminal.end(), "");
+}
+
+TEST(RunBody, CoordinatesAndSharesAreReadAsTheyAreWritten) {
+  EXPECT_EQ(*coordinates_of({"3", "0-2", "1"}, 4), (std::vector<int>{3, 0, 1, 2}));
+  EXPECT_EQ(*coordinates_of({"all"}, 3), (std::vector<int>{0, 1, 2}));
+  for (const char* text : {"", "-1", "2-", "2-1", "a", "1,2"})
+    EXPECT_FALSE(coordinates_of({text}, 4));
+  EXPECT_DOUBLE_EQ(*parse_share("5%"), 0.05);
+  EXPECT_DOUBLE_EQ(*parse_share("0.05"), 0.05);
+  for (const char* text : {"", "%", "5 %", "-1%", "0", "nan"})
+    EXPECT_FALSE(parse_share(text)) << text;
+}
+
+// A box of 1 x 2 x 3 m with one coordinate that no load excites: all of a load is lost.
+TEST(RigidLoss, IsThatOfTheSolidWithinTheBoundary) {
+  BasisData data = testing::sample_basis(
+      testing::random_strain_model(Eigen::VectorXd::Constant(1, 10.0), 0.0, 1));
+  data.surface.vertex_ids.clear();
+  data.surface.rest.clear();
+  for (int v = 0; v < 8; ++v) {
+    data.surface.vertex_ids.push_back(v);
+    data.surface.rest.emplace_back(5.0 + (v & 1), 2.0 * ((v >> 1) & 1), 3.0 * ((v >> 2) & 1));
+  }
+  data.vertex_count = 8;
+  data.interior = {};
+  data.render.reset();
+  data.surface.rows = BasisRows::Zero(24, 1);
+  data.surface.rows(2, 0) = 1.0;  // vertex 0 along z
+  data.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  data.load = {};
+  Result<Model::Pointer> model = Model::from_data(data);
+  ASSERT_TRUE(model) << model.error().message;
+  const double mass = 12.0, f = 7.0;
+  const RigidLoss loss = rigid_loss(**model, {{0}, {{0.0, 0.0, f}}}, mass, 6);
+  EXPECT_NEAR(loss.force, f, 1e-12);
+  // The arm is (-1/2, -1, -3/2): torque (-1, 1/2, 0) f.
+  EXPECT_NEAR(loss.torque, f * std::sqrt(1.25), 1e-12);
+  const double ix = mass / 12 * (4 + 9), iy = mass / 12 * (1 + 9);
+  const double whole = f * f * (1 / mass + 1 / ix + 0.25 / iy);
+  EXPECT_NEAR(loss.share, whole / (whole + f * f), 1e-12);
+  EXPECT_TRUE(std::isnan(rigid_loss(**model, {{0}, {{0.0, 0.0, f}}}, mass, 12).share));
+}
+
+}  // namespace
+}  // namespace tremolo
