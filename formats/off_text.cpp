@@ -129,14 +129,16 @@ bool Parser::read_header() {
   if (!next.empty() && std::isdigit(static_cast<unsigned char>(next.front())) != 0 &&
       upper(next).find("OFF") == std::string::npos)
     return true;
-  const std::string word = upper(scanner_.token());
+  const std::string_view written = scanner_.token();
+  const std::string word = upper(written);
   const std::size_t at = word.find("OFF");
   const std::string digits = at == std::string::npos ? "" : word.substr(at + 3);
-  if (at == std::string::npos || !parse_channels(std::string_view(word).substr(0, at), channels_)) {
-    const bool higher = at != std::string::npos && word.find_first_of("4N") < at;
-    return fail(std::string("expected OFF, COFF, NOFF, STOFF or what combines them, found ") +
-                quoted_text(word) + (higher ? ": more than three dimensions are not read" : ""));
-  }
+  // A small n is a number of dimensions.
+  if (word.find("4OFF") != std::string::npos || written.find("nOFF") != std::string_view::npos)
+    return fail("expected three dimensions, found " + quoted_text(written));
+  if (at == std::string::npos || !parse_channels(std::string_view(word).substr(0, at), channels_))
+    return fail("expected OFF, COFF, NOFF, STOFF or what combines them, found " +
+                quoted_text(written));
   // "OFF490 518 0" is in circulation.
   if (!digits.empty()) {
     const auto [end, code] =
