@@ -28,6 +28,10 @@ constexpr double kGoodAngle = 8.0;
 constexpr double kSizesPerTet = 20, kSizesAtLeast = 2e5;
 constexpr double kSidesPerTet = 80, kSidesAtLeast = 1e6;
 
+// Questions about facets, of which 10 a tetrahedron are usual, and vertices.
+constexpr double kStepsPerTet = 200, kStepsAtLeast = 2e6;
+constexpr double kVerticesPerTet = 0.25;
+
 // Points on the border of the solid that keep a distance from each other: 1.2 times the size, less
 // on shells that would get only a few.
 std::vector<Seed> border_points(const SurfaceSolid& solid, const SizeField& sizes) {
@@ -74,6 +78,11 @@ std::size_t budget(const MeshPlan& plan, double a_tet, double at_least) {
   return static_cast<std::size_t>(at_least + a_tet * estimated_count(plan));
 }
 
+WatchLimits watch_limits(const MeshPlan& plan) {
+  return {.most_steps = budget(plan, kStepsPerTet, kStepsAtLeast),
+          .expected = budget(plan, kVerticesPerTet, 0)};
+}
+
 Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& plan,
                                    const SizeField& sizes, std::string& method) {
   PolyhedralRequest request;
@@ -81,6 +90,7 @@ Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& pl
   request.surface_error = plan.error;
   request.seeds = border_points(solid, sizes);
   request.most_queries = budget(plan, kSizesPerTet, kSizesAtLeast);
+  request.watch = watch_limits(plan);
   double area = 0;
   for (const Triangle& t : solid.surface.triangles)
     area += 0.5 * doubled_area(solid.surface, t).norm();
@@ -119,6 +129,7 @@ Result<TetMesh> mesh_as_field(const SurfaceSolid& solid, const MeshPlan& plan,
   request.surface_error = plan.error;
   for (const Seed& seed : border_points(solid, sizes)) request.first_points.push_back(seed.point);
   request.most_queries = budget(plan, kSidesPerTet, kSidesAtLeast);
+  request.watch = watch_limits(plan);
   request.onto_surface = [&](Point& x) {
     const NearestPoint near = solid.tree.nearest(x);
     if (solid.half_thickness > 0) {
