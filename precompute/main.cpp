@@ -22,6 +22,7 @@
 #include "precompute/options.h"
 #include "precompute/petsc.h"
 #include "precompute/pipeline.h"
+#include "precompute/preview.h"
 #include "precompute/rank_agreement.h"
 #include "precompute/rank_table.h"
 #include "precompute/reference/reference_options.h"
@@ -126,8 +127,18 @@ void print_selection(const PrecomputeOptions& options) {
   const std::vector<VertexId> ids = unwrap(resolve_selector(options.select, problem.mesh));
   std::vector<Eigen::Vector3d> places;
   for (const VertexId id : ids) places.push_back(problem.mesh.vertices[id]);
+  write_preview(options, problem);
   std::cout << describe_vertices(ids, places) << "\n";
   if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
+}
+
+// --preview without an output: the painted surface, and nothing else.
+void preview_alone(const PrecomputeOptions& options) {
+  const Problem problem = load_problem(options);
+  for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  write_preview(options, problem);
+  std::fprintf(stderr, "  %s: %zu vertices held, %zu loaded\n", options.preview.c_str(),
+               problem.fixed.size(), problem.load.vertices.size());
 }
 
 // Where each vertex of the mesh has its rows, all together again.
@@ -155,6 +166,7 @@ void write_vtu(const PrecomputeOptions& options, const TetMesh& mesh, const Basi
 void require_outputs(const PrecomputeOptions& options) {
   unwrap(AtomicFile::create(options.output_path));
   if (!options.modes_vtu.empty()) unwrap(AtomicFile::create(options.modes_vtu));
+  if (!options.preview.empty()) unwrap(AtomicFile::create(options.preview));
   const auto same = [](const std::string& a, const std::string& b) {
     std::error_code ignored;
     return !a.empty() && !b.empty() &&
@@ -162,12 +174,14 @@ void require_outputs(const PrecomputeOptions& options) {
                 std::filesystem::path(b).lexically_normal() ||
             std::filesystem::equivalent(a, b, ignored));
   };
-  for (const std::string& output : {options.output_path, options.modes_vtu})
+  for (const std::string& output : {options.output_path, options.modes_vtu, options.preview})
     for (const std::string& input : {options.mesh_path, options.import_basis, options.import_cubic})
       if (same(output, input))
         throw Failure({ErrorKind::kUsage, output + ": the output would overwrite an input"});
-  if (same(options.output_path, options.modes_vtu))
+  if (same(options.output_path, options.modes_vtu) || same(options.preview, options.modes_vtu))
     throw Failure({ErrorKind::kUsage, options.modes_vtu + ": two outputs of this name"});
+  if (same(options.output_path, options.preview))
+    throw Failure({ErrorKind::kUsage, options.preview + ": two outputs of this name"});
 }
 
 void run_import(const CommandLine& line, StageLog& log) {
@@ -233,6 +247,10 @@ void run(const CommandLine& line) {
                      "holds vertices with --fix only"});
   if (!line.options.select.empty()) {
     if (speak) print_selection(line.options);
+    return;
+  }
+  if (line.options.output_path.empty()) {
+    if (speak) preview_alone(line.options);
     return;
   }
   StageLog log(!speak);

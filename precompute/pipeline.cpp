@@ -5,6 +5,7 @@
 #include "precompute/body_measures.h"
 #include "precompute/failure.h"
 #include "precompute/pipeline_stages.h"
+#include "precompute/preview.h"
 #include "precompute/rank_agreement.h"
 #include "precompute/rigid_motion.h"
 #include "precompute/soundness.h"
@@ -41,6 +42,7 @@ void load_mesh(const PrecomputeOptions& options, StageLog& log, PrecomputeResult
   log.end(text("%zu vertices, %zu tetrahedra, %zu fixed vertices", problem.mesh.vertices.size(),
                problem.mesh.tetrahedra.size(), problem.fixed.size()));
   for (const std::string& note : problem.notes) log.note(note);
+  if (mpi_rank() == 0) write_preview(options, problem);
 }
 
 MachineLimits measure_limits(const PrecomputeOptions& options, StageLog& log) {

@@ -21,7 +21,8 @@ RefinementWatch::RefinementWatch(const WatchLimits& limits)
 void RefinementWatch::look() {
   if (steps_ - still_since_ > kStillAtLeast + kStillPerVertex * vertices_)
     throw std::runtime_error("refinement stands still");
-  if (limits_.most_steps > 0 && steps_ > limits_.most_steps)
+  if ((limits_.most_steps > 0 && steps_ > limits_.most_steps) ||
+      (limits_.most_vertices > 0 && vertices_ > limits_.most_vertices))
     throw std::runtime_error("refinement does not come to an end");
   const auto passed = std::chrono::steady_clock::now() - start_;
   const double seconds = std::chrono::duration<double>(passed).count();

@@ -8,11 +8,13 @@
 
 namespace tremolo {
 
-// most_steps: questions about facets that refinement may ask in all; 0: no bound on their number.
+// most_steps: questions about facets that refinement may ask in all; most_vertices: that it may
+// set; 0: no bound on their number.
 // expected: vertices that the mesh is likely to get, 0: not known. seconds: by the clock, until
 // the first line on stderr; the next comes after twice as long. It has no say in what comes out.
 struct WatchLimits {
   std::size_t most_steps = 0;
+  std::size_t most_vertices = 0;
   std::size_t expected = 0;
   double seconds = 5;
 };

@@ -31,6 +31,10 @@ constexpr double kSidesPerTet = 80, kSidesAtLeast = 1e6;
 // Questions about facets, of which 10 a tetrahedron are usual, and vertices.
 constexpr double kStepsPerTet = 200, kStepsAtLeast = 2e6;
 constexpr double kVerticesPerTet = 0.25;
+// Vertices that a surface rough below its size may ask for, over those expected, and at least.
+constexpr double kMostVertices = 2, kVerticesAtLeast = 25'000;
+// The second try by solid angle has less left of the time that one may wait.
+constexpr double kSecondTry = 0.6;
 
 // Points on the border of the solid that keep a distance from each other: 1.2 times the size, less
 // on shells that would get only a few.
@@ -80,6 +84,9 @@ std::size_t budget(const MeshPlan& plan, double a_tet, double at_least) {
 
 WatchLimits watch_limits(const MeshPlan& plan) {
   return {.most_steps = budget(plan, kStepsPerTet, kStepsAtLeast),
+          .most_vertices = plan.error_asked
+                               ? 0
+                               : budget(plan, kMostVertices * kVerticesPerTet, kVerticesAtLeast),
           .expected = budget(plan, kVerticesPerTet, 0)};
 }
 
@@ -146,6 +153,8 @@ Result<TetMesh> mesh_as_field(const SurfaceSolid& solid, const MeshPlan& plan,
   if (mesh) return mesh;
   request.manifold = false;
   request.surface_error *= 2.0;
+  request.most_queries =
+      static_cast<std::size_t>(kSecondTry * static_cast<double>(request.most_queries));
   return mesh_implicit(request);
 }
 

@@ -24,6 +24,7 @@ struct Boundary {
 struct Selection {
   std::vector<VertexId> ids;
   std::vector<Eigen::Vector3d> places;
+  std::vector<std::string> notes;  // for the user: what a `near:` took
 };
 Result<Selection> select_on_boundary(const std::string& text, const Boundary& boundary);
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <string_view>
 
@@ -71,6 +72,7 @@ Result<DefaultLoad> spread_force(const RunOptions& options, const Model& model,
   const Result<Selection> chosen = select_on_boundary(
       options.at, {model.surface(), model.render(), model.default_load(), model.vertex_count()});
   if (!chosen) return chosen.error();
+  for (const std::string& note : chosen->notes) std::fprintf(stderr, "  --at %s\n", note.c_str());
   const Eigen::Vector3d share =
       force / static_cast<double>(std::max<std::size_t>(1, chosen->ids.size()));
   return DefaultLoad{chosen->ids, std::vector<Eigen::Vector3d>(chosen->ids.size(), share)};

@@ -35,6 +35,8 @@ TEST(RefinementWatch, EndsWhatGoesOnForEver) {
   const std::size_t end = questions_until_end(watch, 1'000'000, 500);
   EXPECT_GE(end, 300'000U);
   EXPECT_LT(end, 302'000U);
+  RefinementWatch crowded({.most_vertices = 1'500});
+  EXPECT_GT(questions_until_end(crowded, 1'000'000, 500), 250'000U);
 }
 
 TEST(RefinementWatch, TellsHowFarItIsOnceItTakesLong) {
