@@ -13,6 +13,10 @@ namespace {
 
 using Ids = std::vector<VertexId>;
 
+// A point of `near:` that is farther away, over the diagonal of the bounding box, is in another
+// unit or mistyped.
+constexpr double kMostFar = 10.0;
+
 BoundingBox box_of(const SelectionSpace& space) {
   BoundingBox box;
   bool first = true;
@@ -109,6 +113,15 @@ Error nothing_found(const Selector& selector, const SelectionSpace& space) {
                        describe_colours(space));
 }
 
+Error too_far(const Selector& selector, double distance, const BoundingBox& box) {
+  std::ostringstream far;
+  far << distance;
+  return content_error(
+      "selector `" + selector.text + "`: its point is " + far.str() +
+      " m away from the nearest vertex: the mesh extends " + describe_box(box) +
+      "; coordinates are metres, or a percentage of the extent (near:50%,0%,100%)");
+}
+
 Error unknown_set(const Selector& selector, const std::string& name, const SelectionSpace& space) {
   return {ErrorKind::kUsage, "selector `" + selector.text + "`: the mesh has no set `" + name +
                                  "`; " + describe_sets(space) + "; a selector is " +
@@ -170,6 +183,10 @@ struct Finder {
     std::partial_sort(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), ids.end(),
                       nearer);
     ids.resize(count);
+    if (ids.empty()) return ids;
+    const double distance = (space.vertices[ids.front()] - centre).stableNorm();
+    if (box.diagonal() > 0 && distance > kMostFar * box.diagonal())
+      return too_far(selector, distance, box);
     return ids;
   }
 
@@ -251,6 +268,36 @@ Result<std::vector<VertexId>> select_vertices(const Selector& selector,
 
 Result<std::vector<VertexId>> select_vertices(const Selector& selector, const TetMesh& mesh) {
   return select_vertices(selector, selection_space(mesh));
+}
+
+std::vector<NearChoice> near_choices(const Selector& selector, const SelectionSpace& space) {
+  std::vector<NearChoice> choices;
+  const BoundingBox box = box_of(space);
+  const auto look = [&](const Selector& one) {
+    const auto* near = std::get_if<SelectNear>(&one.choice);
+    if (near == nullptr) return;
+    const Result<Ids> ids = Finder{one, space, box}(*near);
+    if (!ids || ids->empty()) return;
+    const Eigen::Vector3d centre = point(near->point, box);
+    const auto away = [&](VertexId v) { return (space.vertices[v] - centre).stableNorm(); };
+    const VertexId nearest = ids->front();
+    choices.push_back({one.text, ids->size(), nearest, space.vertices[nearest], away(nearest),
+                       away(ids->back())});
+  };
+  look(selector);
+  for (const Selector& other : selector.further) look(other);
+  return choices;
+}
+
+std::string describe_near(const NearChoice& choice, VertexId id) {
+  std::ostringstream text;
+  text.precision(4);
+  text << choice.text << ": ";
+  if (choice.count > 1) text << choice.count << " vertices, the nearest ";
+  text << "vertex " << id << " at (" << choice.place.x() << ", " << choice.place.y() << ", "
+       << choice.place.z() << ") m, " << choice.distance << " m from that point";
+  if (choice.count > 1) text << ", the farthest " << choice.farthest << " m";
+  return text.str();
 }
 
 std::string describe_vertices(const std::vector<VertexId>& ids,

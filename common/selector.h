@@ -97,11 +97,29 @@ SelectionSpace selection_space(const TetMesh& mesh);
 
 // Ascending ids, without repeats, of selectable vertices. Empty only for `none`: a selector that
 // finds no vertex is an error (kContent) that shows the bounding box of the selectable vertices,
-// the sets and the commonest colours. A name that is no set is kUsage; `vertex:` with an id that is
+// the sets and the commonest colours. A `near:` whose point is farther away than ten times the size
+// of what is selectable is kContent. A name that is no set is kUsage; `vertex:` with an id that is
 // out of range or not selectable is kContent.
 Result<std::vector<VertexId>> select_vertices(const Selector& selector,
                                               const SelectionSpace& space);
 Result<std::vector<VertexId>> select_vertices(const Selector& selector, const TetMesh& mesh);
+
+// What one `near:` took: count vertices, of which nearest is so far from its point and the others
+// up to farthest, m.
+struct NearChoice {
+  std::string text;
+  std::size_t count = 0;
+  VertexId nearest = 0;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // of the nearest
+  double distance = 0;
+  double farthest = 0;
+};
+
+// Of each `near:` in a selector that select_vertices() took; none if there is none.
+std::vector<NearChoice> near_choices(const Selector& selector, const SelectionSpace& space);
+
+// "near:0,0,1: vertex 12 at (0, 0, 0.98) m, 0.02 m from that point". id: what the vertex is called.
+std::string describe_near(const NearChoice& choice, VertexId id);
 
 // "3 vertices from (0, 0, 0) to (1, 1, 0) m: 0 4 7", for the user. places: of the ids, in m.
 std::string describe_vertices(const std::vector<VertexId>& ids,

@@ -29,4 +29,14 @@ Result<std::vector<VertexId>> resolve_selector(const std::string& text, const Te
   return select_vertices(*selector, mesh);
 }
 
+std::vector<std::string> near_notes(const std::string& text, const TetMesh& mesh) {
+  std::vector<std::string> notes;
+  if (text.find("near:") == std::string::npos) return notes;
+  const Result<Selector> selector = parse_selector(text);
+  if (!selector) return notes;
+  for (const NearChoice& choice : near_choices(*selector, selection_space(mesh)))
+    notes.push_back(describe_near(choice, choice.nearest));
+  return notes;
+}
+
 }  // namespace tremolo

@@ -13,4 +13,8 @@ namespace tremolo {
 // parse_selector() and select_vertices(), and read_id_list() for `file:PATH`; the same errors.
 Result<std::vector<VertexId>> resolve_selector(const std::string& text, const TetMesh& mesh);
 
+// For the user: what each `near:` of a selector that resolve_selector() took found, and how far
+// away.
+std::vector<std::string> near_notes(const std::string& text, const TetMesh& mesh);
+
 }  // namespace tremolo

@@ -15,6 +15,7 @@
 
 #include "common/number_text.h"
 #include "formats/folder_files.h"
+#include "formats/off_loader.h"
 #include "formats/surface_answer.h"
 #include "formats/surface_flattener.h"
 
@@ -136,6 +137,14 @@ void set_up(Assimp::Importer& importer) {
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
 }
 
+// Puts our reader of OFF in the place of assimp's, which is not deleted: the process ends soon.
+OffLoader& take_over_off(Assimp::Importer& importer) {
+  importer.UnregisterLoader(importer.GetImporter("off"));
+  auto* loader = new OffLoader;
+  importer.RegisterLoader(loader);  // which deletes it
+  return *loader;
+}
+
 }  // namespace
 
 Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes) {
@@ -148,6 +157,7 @@ Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes)
   auto* files = new FolderFiles(path);
   importer.SetIOHandler(files);  // which deletes it
   set_up(importer);
+  const OffLoader& off = take_over_off(importer);
   const aiScene* scene =
       importer.ReadFile(std::filesystem::absolute(path).string(), aiProcess_Triangulate);
   const auto note_refused = [files](std::vector<std::string>& notes) {
@@ -174,6 +184,7 @@ Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes)
   }
   flattener.fill_normals();
   flattener.note_what_was_left_out(file.notes);
+  file.notes.insert(file.notes.end(), off.notes().begin(), off.notes().end());
   if (scene->mNumAnimations > 0) file.notes.push_back("movements left out: taken in the rest pose");
   note_refused(file.notes);
   file.surface = std::move(flattener.surface);

@@ -32,14 +32,19 @@ std::string obj_text(const SurfaceMesh& surface) {
   return text;
 }
 
-std::string ply_bytes(const SurfaceMesh& surface) {
+// colours: one a vertex, or none.
+std::string ply_bytes(const SurfaceMesh& surface, const std::vector<Colour>& colours = {}) {
   std::string bytes = "ply\nformat binary_little_endian 1.0\n";
   append(bytes, "element vertex %zu\n", surface.vertices.size());
   bytes += "property float x\nproperty float y\nproperty float z\n";
+  if (!colours.empty()) bytes += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   append(bytes, "element face %zu\n", surface.triangles.size());
   bytes += "property list uchar int vertex_indices\nend_header\n";
-  for (const Eigen::Vector3d& x : surface.vertices)
-    for (double value : x) append_bytes(bytes, static_cast<float>(value));
+  for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
+    for (double value : surface.vertices[v]) append_bytes(bytes, static_cast<float>(value));
+    for (std::size_t channel = 0; !colours.empty() && channel < 3; ++channel)
+      append_bytes(bytes, colours[v][channel]);
+  }
   for (const Triangle& t : surface.triangles) {
     bytes += '\3';
     for (VertexId v : t) append_bytes(bytes, v);
@@ -86,6 +91,13 @@ Status write_surface(const std::string& path, const SurfaceMesh& surface) {
   if (ends_with(path, ".ply")) return write_file(path, ply_bytes(surface));
   if (ends_with(path, ".inc")) return write_file(path, pov_text(surface));
   return Error{ErrorKind::kUsage, path + ": a surface ends in .obj, .ply or .inc"};
+}
+
+Status write_painted_surface(const std::string& path, const SurfaceMesh& surface,
+                             const std::vector<Colour>& colours) {
+  if (!ends_with(path, ".ply"))
+    return Error{ErrorKind::kUsage, path + ": a painted surface ends in .ply"};
+  return write_file(path, ply_bytes(surface, colours));
 }
 
 }  // namespace tremolo

@@ -13,6 +13,10 @@ namespace tremolo {
 // another ending, kSystem if the file cannot be written.
 Status write_surface(const std::string& path, const SurfaceMesh& surface);
 
+// The same as .ply alone, with a colour a vertex.
+Status write_painted_surface(const std::string& path, const SurfaceMesh& surface,
+                             const std::vector<Colour>& colours);
+
 // One unit normal a vertex: the area-weighted mean of its triangles' normals; zero where no
 // triangle has the vertex.
 std::vector<Eigen::Vector3d> vertex_normals(const SurfaceMesh& surface);

@@ -13,6 +13,7 @@
 #include "precompute/dense_decompositions.h"
 #include "precompute/failure.h"
 #include "precompute/pipeline.h"
+#include "precompute/preview.h"
 #include "precompute/reduced_tensors.h"
 
 namespace tremolo {
@@ -321,6 +322,7 @@ ImportResult import_reduced(const PrecomputeOptions& options, StageLog& log) {
 
   log.begin("mesh");
   problem = load_problem(options);
+  write_preview(options, problem);
   log.end(text("%zu vertices, %zu tetrahedra", problem.mesh.vertices.size(),
                problem.mesh.tetrahedra.size()));
 

@@ -24,6 +24,7 @@
 #include "precompute/options.h"
 #include "precompute/petsc.h"
 #include "precompute/pipeline.h"
+#include "precompute/preview.h"
 #include "precompute/rank_agreement.h"
 #include "precompute/rank_table.h"
 #include "precompute/reference/reference_options.h"
@@ -145,8 +146,18 @@ void print_selection(const PrecomputeOptions& options) {
   const std::vector<VertexId> ids = unwrap(resolve_selector(options.select, problem.mesh));
   std::vector<Eigen::Vector3d> places;
   for (const VertexId id : ids) places.push_back(problem.mesh.vertices[id]);
+  write_preview(options, problem);
   std::cout << describe_vertices(ids, places) << "\n";
   if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
+}
+
+// --preview without an output: the painted surface, and nothing else.
+void preview_alone(const PrecomputeOptions& options) {
+  const Problem problem = load_problem(options);
+  for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  write_preview(options, problem);
+  std::fprintf(stderr, "  %s: %zu vertices held, %zu loaded\n", options.preview.c_str(),
+               problem.fixed.size(), problem.load.vertices.size());
 }
 
 // Where each vertex of the mesh has its rows, all together again.
@@ -172,9 +183,10 @@ void write_vtu(const PrecomputeOptions& options, const TetMesh& mesh, const Basi
 // Outputs that cannot be written, or would take the place of an input or of each other, are told
 // before the work, not after it.
 void require_outputs(const PrecomputeOptions& options) {
-  unwrap(keep_apart({options.output_path, options.modes_vtu}, input_files(options)));
+  unwrap(keep_apart({options.output_path, options.modes_vtu, options.preview}, input_files(options)));
   unwrap(AtomicFile::create(options.output_path));
   if (!options.modes_vtu.empty()) unwrap(AtomicFile::create(options.modes_vtu));
+  if (!options.preview.empty()) unwrap(AtomicFile::create(options.preview));
 }
 
 void run_import(const CommandLine& line, StageLog& log) {
@@ -240,6 +252,10 @@ void run(const CommandLine& line) {
                      "holds vertices with --fix only"});
   if (!line.options.select.empty()) {
     if (speak) print_selection(line.options);
+    return;
+  }
+  if (line.options.output_path.empty()) {
+    if (speak) preview_alone(line.options);
     return;
   }
   StageLog log(!speak);

@@ -22,10 +22,11 @@ std::string essential(const std::vector<std::string>& words) {
     const std::string& word = words[i];
     if (word == "--json" || word == "--limits" || word.starts_with("--checkpoint") ||
         word.starts_with("--resume") || word.starts_with("--output=") ||
-        word.starts_with("--modes-vtu=") || word.starts_with("--threads=") ||
-        (word.starts_with("-o") && word.size() > 2))
+        word.starts_with("--modes-vtu=") || word.starts_with("--preview=") ||
+        word.starts_with("--threads=") || (word.starts_with("-o") && word.size() > 2))
       continue;
-    if (word == "-o" || word == "--output" || word == "--threads" || word == "--modes-vtu") {
+    if (word == "-o" || word == "--output" || word == "--threads" || word == "--modes-vtu" ||
+        word == "--preview") {
       ++i;
       continue;
     }
@@ -66,6 +67,9 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
       ".stl .gltf .glb .fbx ... (default: the surface that was meshed)");
   app.add_option("--select", options.select,
                  "print the vertices that a selector chooses, and compute nothing");
+  app.add_option("--preview", options.preview,
+                 "write the mesh's boundary, .ply, painted: blue what is held, red what is loaded, "
+                 "with an arrow, green what --select finds; without --output nothing is computed");
   CLI::Option* linear_modes =
       app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)");
   CLI::Option* modes =
@@ -100,6 +104,8 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
                  "VegaFEM's polynomials of the reduced forces, .cub; the stiffness is theirs")
       ->needs("--import-basis");
   app.get_option("--import-basis")->needs("--import-cubic");
+  // Its rows are along the axes of the mesh's file.
+  app.get_option("--import-basis")->excludes("--up");
   app.add_option("--modes-vtu", options.modes_vtu,
                  "also write the modes on the tetrahedra, .vtu, for ParaView and meshio");
   std::string solver = "auto";
@@ -137,7 +143,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
     return exit_code(failure.error());
   }
   options.config_path = config_path(app);
-  if (options.output_path.empty() && options.select.empty()) {
+  if (options.output_path.empty() && options.select.empty() && options.preview.empty()) {
     std::cerr << "tremolo-precompute: --output is required\n";
     return exit_code({ErrorKind::kUsage, ""});
   }

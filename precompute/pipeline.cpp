@@ -5,6 +5,7 @@
 #include "precompute/body_measures.h"
 #include "precompute/failure.h"
 #include "precompute/pipeline_stages.h"
+#include "precompute/preview.h"
 #include "precompute/rank_agreement.h"
 #include "precompute/rigid_motion.h"
 #include "precompute/soundness.h"
@@ -44,6 +45,7 @@ void load_mesh(const PrecomputeOptions& options, StageLog& log, PrecomputeResult
   if (mpi_rank() != 0) return;
   result.findings.locking = find_locking(problem);
   for (const std::string& note : describe(result.findings.locking)) log.note(note);
+  write_preview(options, problem);
 }
 
 MachineLimits measure_limits(const PrecomputeOptions& options, StageLog& log) {

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "common/number_text.h"
+#include "common/selector.h"
 #include "formats/selector_reader.h"
 
 namespace tremolo {
 
-Result<PointMass> read_point_mass(const std::string& text, const TetMesh& mesh,
-                                  const std::vector<VertexId>& fixed) {
+Result<PointMass> parse_point_mass(const std::string& text) {
   // A selector may hold the sign as well: x>=1.2=0.5.
   const std::size_t equals = text.rfind('=');
   const std::string digits = equals == std::string::npos ? "" : text.substr(equals + 1);
@@ -24,6 +24,16 @@ Result<PointMass> read_point_mass(const std::string& text, const TetMesh& mesh,
     return content_error("--point-mass " + text + ": the mass is " + number_text(mass.kilograms) +
                          ", must be positive and finite (kg)");
   mass.selector = text.substr(0, equals);
+  const Result<Selector> selector = parse_selector(mass.selector);
+  if (!selector) return selector.error();
+  return mass;
+}
+
+Result<PointMass> read_point_mass(const std::string& text, const TetMesh& mesh,
+                                  const std::vector<VertexId>& fixed) {
+  Result<PointMass> parsed = parse_point_mass(text);
+  if (!parsed) return parsed;
+  PointMass& mass = *parsed;
   Result<std::vector<VertexId>> vertices = resolve_selector(mass.selector, mesh);
   if (!vertices) return vertices.error();
   if (vertices->empty())
@@ -32,7 +42,7 @@ Result<PointMass> read_point_mass(const std::string& text, const TetMesh& mesh,
   mass.fixed = static_cast<std::size_t>(
       std::count_if(mass.vertices.begin(), mass.vertices.end(),
                     [&](VertexId v) { return std::binary_search(fixed.begin(), fixed.end(), v); }));
-  return mass;
+  return parsed;
 }
 
 std::vector<double> mass_of_vertices(const std::vector<PointMass>& masses, std::size_t vertices) {

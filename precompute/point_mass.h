@@ -18,6 +18,10 @@ struct PointMass {
   std::size_t fixed = 0;
 };
 
+// Of the text alone; no vertices yet. Errors: kUsage for a malformed text and what parse_selector
+// refuses, kContent for a mass that is not positive and finite.
+Result<PointMass> parse_point_mass(const std::string& text);
+
 // fixed: ascending. Errors: kUsage for a malformed text and what parse_selector refuses, kContent
 // for a mass that is not positive and finite and for what select_vertices refuses.
 Result<PointMass> read_point_mass(const std::string& text, const TetMesh& mesh,

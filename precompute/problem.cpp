@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "common/hash.h"
 #include "common/length_unit.h"
 #include "common/packed_index.h"
+#include "common/selector.h"
 #include "formats/selector_reader.h"
 #include "formats/surface_reader.h"
 #include "precompute/failure.h"
@@ -16,6 +18,7 @@
 #include "precompute/rigid_motion.h"
 #include "precompute/surface_sets.h"
 #include "precompute/tet_input.h"
+#include "precompute/up_axis.h"
 
 namespace tremolo {
 namespace {
@@ -35,6 +38,55 @@ std::vector<VertexId> select_all(const std::vector<std::string>& selectors, cons
   std::sort(fixed.begin(), fixed.end());
   fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
   return fixed;
+}
+
+void require_force(const PrecomputeOptions& options) {
+  if (!options.load_at.empty() &&
+      (!options.load_force.allFinite() || options.load_force.norm() == 0.0))
+    throw Failure(
+        content_error("--load-at needs --load-force with a finite force other than zero"));
+}
+
+void require_selector(const std::string& text) {
+  if (!text.empty()) unwrap(parse_selector(text));
+}
+
+// What no mesh could make right is told before one is made. Counts that only the mesh's dofs refuse
+// come later.
+void require_well_formed(const PrecomputeOptions& options) {
+  for (const std::string& text : options.fix) require_selector(text);
+  for (const auto& selectors : options.fix_axis)
+    for (const std::string& text : selectors) require_selector(text);
+  require_selector(options.load_at);
+  require_selector(options.select);
+  for (const std::string& text : options.point_masses) unwrap(parse_point_mass(text));
+  if (!options.unit.empty()) unwrap(metres_per_unit(options.unit));
+  if (!options.select.empty()) return;
+  require_force(options);
+  if (options.import_basis.empty()) choose_mode_counts(options, std::numeric_limits<int>::max());
+}
+
+// Which vertices a `near:` took.
+void note_near(const PrecomputeOptions& options, Problem& problem) {
+  const auto note = [&](const char* flag, const std::string& text) {
+    for (const std::string& each : near_notes(text, problem.mesh))
+      problem.notes.push_back(std::string(flag) + " " + each);
+  };
+  for (const std::string& text : options.fix) note("--fix", text);
+  constexpr const char* kFlags[] = {"--fix-x", "--fix-y", "--fix-z"};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const std::string& text : options.fix_axis[axis]) note(kFlags[axis], text);
+  note("--load-at", options.load_at);
+  for (const PointMass& mass : problem.point_masses) note("--point-mass", mass.selector);
+}
+
+// Who has turned the body knows what is up.
+void note_side(const PrecomputeOptions& options, Problem& problem) {
+  if (options.y_up) return;
+  std::vector<std::string> selectors = options.fix;
+  selectors.push_back(options.select);
+  std::string hint = side_hint(selectors, problem.mesh, has_y_up(options.mesh_path));
+  if (!hint.empty()) problem.notes.push_back(std::move(hint));
 }
 
 // A part that can still move rigidly would make K singular. Where single axes are held, joints of
@@ -91,9 +143,7 @@ std::vector<PointMass> make_point_masses(const PrecomputeOptions& options, Probl
 DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) {
   DefaultLoad load;
   if (options.load_at.empty()) return load;
-  if (!options.load_force.allFinite() || options.load_force.norm() == 0.0)
-    throw Failure(
-        content_error("--load-at needs --load-force with a finite force other than zero"));
+  require_force(options);
   for (VertexId v : unwrap(resolve_selector(options.load_at, problem.mesh)))
     if (!std::binary_search(problem.fixed.begin(), problem.fixed.end(), v))
       load.vertices.push_back(v);
@@ -113,6 +163,7 @@ void read_render(const PrecomputeOptions& options, Problem& problem) {
   problem.notes.push_back("render surface: " + options.render_path + ", " + file.format +
                           ", unit: " + file.unit);
   problem.notes.insert(problem.notes.end(), file.notes.begin(), file.notes.end());
+  if (options.y_up) turn_y_to_z(file.surface);
   attach_render(problem, std::move(file.surface), options.threads);
 }
 
@@ -200,10 +251,17 @@ Problem load_problem(const PrecomputeOptions& options) {
   for (const std::string& text : options.materials)
     rules.push_back(unwrap(parse_material_rule(text, options.material)));
   require_consistent(options);
+  require_well_formed(options);
   Problem problem;
   std::optional<RenderSurface> meshed;
   std::vector<FileMaterial> of_file;
   read_solid(options, problem, meshed, of_file);
+  if (options.y_up) {
+    turn_y_to_z(problem.mesh);
+    turn_y_to_z(of_file);
+    if (meshed) turn_y_to_z(*meshed);
+    problem.notes.emplace_back("turned from y up to z up: (x, y, z) -> (x, -z, y)");
+  }
   Result<MeshReport> report = check_mesh(problem.mesh);
   if (!report)
     throw Failure({report.error().kind, options.mesh_path + ": " + report.error().message});
@@ -217,10 +275,16 @@ Problem load_problem(const PrecomputeOptions& options) {
     attach_render(problem, std::move(*meshed), options.threads);
   // Behind the render surface: its objects and colours may choose a material.
   problem.materials = make_materials(options, rules, of_file, problem);
-  if (!options.select.empty()) return problem;
+  note_side(options, problem);
+  if (!options.select.empty()) {
+    for (std::string& note : near_notes(options.select, problem.mesh))
+      problem.notes.push_back(std::move(note));
+    return problem;
+  }
   hold(options, problem);
   problem.load = make_load(options, problem);
   problem.point_masses = make_point_masses(options, problem);
+  note_near(options, problem);
   return problem;
 }
 
@@ -228,7 +292,9 @@ ModeCounts choose_mode_counts(const PrecomputeOptions& options, int free_dofs) {
   ModeCounts counts;
   counts.linear = options.linear_modes.value_or(std::min(20, free_dofs));
   const auto refuse = [](const std::string& text) { throw Failure(content_error(text)); };
-  if (counts.linear < 1 || counts.linear > free_dofs)
+  if (counts.linear < 1)
+    refuse("--linear-modes " + std::to_string(counts.linear) + ": at least one is needed");
+  if (counts.linear > free_dofs)
     refuse("--linear-modes " + std::to_string(counts.linear) + ": the mesh has " +
            std::to_string(free_dofs) + " dofs to move");
   const auto k = static_cast<std::size_t>(counts.linear);

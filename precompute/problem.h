@@ -52,6 +52,8 @@ struct PrecomputeOptions {
   bool limits = false;       // measure the machine, print each stage's shortest possible time
   std::string command_line;  // for the file's provenance
   std::string render_path;   // surface that is drawn; empty: the one that was meshed, if one was
+  std::string preview;       // .ply of what is held and loaded; empty: not written
+  bool y_up = false;         // of the files: turned so that z is up (precompute/up_axis.h)
   std::string select;        // selector to be shown; nothing is computed then
 };
 

@@ -88,8 +88,9 @@ std::string digest(const MaterialTable& table) {
 
 // Where files lie, how many threads a host has, and what rank 0 alone does.
 bool may_differ(const std::string& key) {
-  constexpr std::array kKeys{"mesh", "output", "modes-vtu", "render",       "threads",
-                             "json", "limits", "config",    "import-basis", "import-cubic"};
+  constexpr std::array kKeys{"mesh",   "output",       "modes-vtu",   "preview",
+                             "render", "threads",      "json",        "limits",
+                             "config", "import-basis", "import-cubic"};
   return std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end();
 }
 

@@ -76,6 +76,12 @@ void add_solid_options(CLI::App& app, PrecomputeOptions& options, SolidTexts& te
                  "consistent or lumped; with --import-basis: the basis is made orthonormal in it")
       ->check(CLI::IsMember({"consistent", "lumped"}))
       ->capture_default_str();
+  app.add_option("--up", texts.up,
+                 "the axis of the mesh's (and the render surface's) file that points up: y turns "
+                 "them so that z does, (x, y, z) -> (x, -z, y); selectors, forces and results are "
+                 "in turned coordinates")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
   add_surface_options(app, options.meshing, options.unit);
   app.get_option("--unit")->description(
       std::string("of the surface's coordinates, or of a tetrahedral mesh's where no surface is "
@@ -89,6 +95,7 @@ void add_solid_options(CLI::App& app, PrecomputeOptions& options, SolidTexts& te
 
 bool finish_solid_options(const SolidTexts& texts, PrecomputeOptions& options) {
   options.mass = texts.mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;
+  options.y_up = texts.up == "y";
   if (texts.force.empty() || parse_vector(texts.force, options.load_force)) return true;
   std::cerr << "tremolo-precompute: --load-force " << texts.force
             << ": expected three numbers, X,Y,Z in N\n";

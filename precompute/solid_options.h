@@ -11,6 +11,7 @@ namespace tremolo {
 struct SolidTexts {
   std::string force;
   std::string mass = "consistent";
+  std::string up = "z";
 };
 
 // X,Y,Z; false when it is not three numbers.

@@ -1,10 +1,12 @@
-// What the two meshers share: how well, and how a result is read out of CGAL.
+// What the two meshers share: how well, what watches over refinement, and how a result is read out
+// of CGAL.
 #pragma once
 
 #include <unordered_map>
 #include <vector>
 
 #include "common/tet_mesh.h"
+#include "precompute/mesher/refinement_watch.h"
 
 namespace tremolo {
 
@@ -15,6 +17,23 @@ inline constexpr double kRadiusEdge = 2.2;
 // Tetrahedra whose smallest dihedral angle is below this many degrees are worked on; thin members
 // keep some below it. Higher costs time and helps little.
 inline constexpr double kSliverBound = 15.0;
+
+// A Mesh_complex_3_in_triangulation_3 that tells `watch`, if there is one, of each question whether
+// a facet is of the surface: whatever refinement does, it asks that.
+template <class Plain>
+class WatchedComplex : public Plain {
+ public:
+  bool is_in_complex(const typename Plain::Facet& facet) const {
+    if (watch != nullptr) watch->step(this->triangulation().number_of_vertices());
+    return Plain::is_in_complex(facet);
+  }
+  template <class... Others>
+  bool is_in_complex(const Others&... others) const {
+    return Plain::is_in_complex(others...);
+  }
+
+  RefinementWatch* watch = nullptr;
+};
 
 // Positively oriented, in an order that depends on no address. on_edge, if given: one a vertex,
 // true where it stands on an edge or corner that the mesh must keep.

@@ -23,7 +23,7 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Domain = CGAL::Labeled_mesh_domain_3<Kernel>;
 using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
-using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
+using Complex = WatchedComplex<CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 // The first points stand a little wider than the wanted size, so that refinement has the last word.
@@ -84,14 +84,16 @@ void refine(const ImplicitRequest& request, const Domain& domain, Complex& compl
   const Criteria criteria(facet_angle = kFacetAngle, facet_size = sizing,
                           facet_distance = request.surface_error,
                           cell_radius_edge_ratio = kRadiusEdge, cell_size = sizing);
-  const auto exuding = exude(sliver_bound = kSliverBound, time_limit = 0);
-  if (request.perturb)
-    CGAL::refine_mesh_3(complex, domain, criteria, manifold(),
-                        perturb(sliver_bound = kSliverBound, time_limit = 0), exuding);
-  else if (request.manifold)
-    CGAL::refine_mesh_3(complex, domain, criteria, manifold(), no_perturb(), exuding);
+  RefinementWatch watch(request.watch);
+  complex.watch = &watch;
+  if (request.manifold)
+    CGAL::refine_mesh_3(complex, domain, criteria, manifold(), no_perturb(), no_exude());
   else
-    CGAL::refine_mesh_3(complex, domain, criteria, non_manifold(), no_perturb(), exuding);
+    CGAL::refine_mesh_3(complex, domain, criteria, non_manifold(), no_perturb(), no_exude());
+  complex.watch = nullptr;
+  if (request.perturb)
+    CGAL::perturb_mesh_3(complex, domain, sliver_bound = kSliverBound, time_limit = 0);
+  CGAL::exude_mesh_3(complex, sliver_bound = kSliverBound, time_limit = 0);
 }
 
 // Newton's steps along the gradient of the distance; false if they do not arrive.

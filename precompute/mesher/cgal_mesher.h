@@ -4,6 +4,7 @@
 #include "assets/recipes/recipe.h"
 #include "common/result.h"
 #include "common/tet_mesh.h"
+#include "precompute/mesher/refinement_watch.h"
 #include "precompute/mesher/sliver_repair.h"
 
 namespace tremolo {
@@ -22,6 +23,7 @@ struct ImplicitRequest {
   double surface_error = 0;
   std::vector<Eigen::Vector3d> first_points;
   OntoSurface onto_surface;
+  WatchLimits watch;
   std::size_t most_queries = 0;  // of `inside`; the mesher gives up behind them
   // CGAL's perturbation of slivers before ours: up to thirty times the time for the same angles.
   bool perturb = false;

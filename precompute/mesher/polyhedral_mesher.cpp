@@ -24,8 +24,9 @@ namespace {
 using cgal::Kernel;
 using Domain = CGAL::Polyhedral_mesh_domain_with_features_3<Kernel, cgal::SurfaceMesh>;
 using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
-using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, Domain::Corner_index,
-                                                        Domain::Curve_index>;
+using Complex =
+    WatchedComplex<CGAL::Mesh_complex_3_in_triangulation_3<Triangulation, Domain::Corner_index,
+                                                           Domain::Curve_index>>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 constexpr unsigned kSeed = 1;
@@ -102,8 +103,11 @@ TetMesh refine(const cgal::SurfaceMesh& polyhedron, const PolyhedralRequest& req
       throw std::runtime_error("sharp edges stand too close to be kept");
   }
   insert_seeds(request, domain, complex);
-  CGAL::refine_mesh_3(complex, domain, criteria, manifold(), no_perturb(),
-                      exude(sliver_bound = kSliverBound, time_limit = 0));
+  RefinementWatch watch(request.watch);
+  complex.watch = &watch;
+  CGAL::refine_mesh_3(complex, domain, criteria, manifold(), no_perturb(), no_exude());
+  complex.watch = nullptr;
+  CGAL::exude_mesh_3(complex, sliver_bound = kSliverBound, time_limit = 0);
   return extract(complex, &on_edge);
 }
 

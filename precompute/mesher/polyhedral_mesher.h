@@ -6,6 +6,7 @@
 #include "common/result.h"
 #include "common/surface_mesh.h"
 #include "common/tet_mesh.h"
+#include "precompute/mesher/refinement_watch.h"
 #include "precompute/mesher/triangle_tree.h"
 
 namespace tremolo {
@@ -25,6 +26,7 @@ struct PolyhedralRequest {
   double sharp_angle = 0;
   std::vector<Seed> seeds;
   std::size_t most_queries = 0;
+  WatchLimits watch;
   std::size_t most_on_edges = 0;  // vertices on sharp edges; the mesher gives up behind them
 };
 

@@ -28,6 +28,14 @@ constexpr double kGoodAngle = 8.0;
 constexpr double kSizesPerTet = 20, kSizesAtLeast = 2e5;
 constexpr double kSidesPerTet = 80, kSidesAtLeast = 1e6;
 
+// Questions about facets, of which 10 a tetrahedron are usual, and vertices.
+constexpr double kStepsPerTet = 200, kStepsAtLeast = 2e6;
+constexpr double kVerticesPerTet = 0.25;
+// Vertices that a surface rough below its size may ask for, over those expected, and at least.
+constexpr double kMostVertices = 2, kVerticesAtLeast = 25'000;
+// The second try by solid angle has less left of the time that one may wait.
+constexpr double kSecondTry = 0.6;
+
 // Points on the border of the solid that keep a distance from each other: 1.2 times the size, less
 // on shells that would get only a few.
 std::vector<Seed> border_points(const SurfaceSolid& solid, const SizeField& sizes) {
@@ -74,6 +82,14 @@ std::size_t budget(const MeshPlan& plan, double a_tet, double at_least) {
   return static_cast<std::size_t>(at_least + a_tet * estimated_count(plan));
 }
 
+WatchLimits watch_limits(const MeshPlan& plan) {
+  return {.most_steps = budget(plan, kStepsPerTet, kStepsAtLeast),
+          .most_vertices = plan.error_asked
+                               ? 0
+                               : budget(plan, kMostVertices * kVerticesPerTet, kVerticesAtLeast),
+          .expected = budget(plan, kVerticesPerTet, 0)};
+}
+
 Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& plan,
                                    const SizeField& sizes, std::string& method) {
   PolyhedralRequest request;
@@ -81,6 +97,7 @@ Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& pl
   request.surface_error = plan.error;
   request.seeds = border_points(solid, sizes);
   request.most_queries = budget(plan, kSizesPerTet, kSizesAtLeast);
+  request.watch = watch_limits(plan);
   double area = 0;
   for (const Triangle& t : solid.surface.triangles)
     area += 0.5 * doubled_area(solid.surface, t).norm();
@@ -119,6 +136,7 @@ Result<TetMesh> mesh_as_field(const SurfaceSolid& solid, const MeshPlan& plan,
   request.surface_error = plan.error;
   for (const Seed& seed : border_points(solid, sizes)) request.first_points.push_back(seed.point);
   request.most_queries = budget(plan, kSidesPerTet, kSidesAtLeast);
+  request.watch = watch_limits(plan);
   request.onto_surface = [&](Point& x) {
     const NearestPoint near = solid.tree.nearest(x);
     if (solid.half_thickness > 0) {
@@ -135,6 +153,8 @@ Result<TetMesh> mesh_as_field(const SurfaceSolid& solid, const MeshPlan& plan,
   if (mesh) return mesh;
   request.manifold = false;
   request.surface_error *= 2.0;
+  request.most_queries =
+      static_cast<std::size_t>(kSecondTry * static_cast<double>(request.most_queries));
   return mesh_implicit(request);
 }
 

@@ -46,6 +46,20 @@ Status refuse_hopeless(const SurfaceSolid& solid, const SurfaceFindings& finding
                        thicken);
 }
 
+// Why no way of meshing came to an end, and what its maker can do.
+Error no_end(const Error& error, const SurfaceSolid& solid, const SurfaceFindings& findings) {
+  if (solid.half_thickness > 0 || findings.holes == 0)
+    return {error.kind, error.message +
+                            ". Ask for larger tetrahedra by --size or --tets, or clean the surface "
+                            "in a modelling program"};
+  return content_error(
+      text("%s where the surface is open: its holes (%zu) are %.2g %% of its "
+           "area, and the solid is too thin there for its border to be guessed. "
+           "Close them in the modelling program, or ask for larger tetrahedra by "
+           "--size or --tets",
+           error.message.c_str(), findings.holes, 100.0 * findings.hole_share));
+}
+
 }  // namespace
 
 Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMeshOptions& options) {
@@ -69,11 +83,7 @@ Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMesh
   SurfaceDistances distances;
   for (int pass = 0;; ++pass) {
     Result<MeshAttempt> done = attempt_mesh_to_count(solid, *plan, options.tets);
-    if (!done)
-      return Error{done.error().kind,
-                   done.error().message +
-                       ". Ask for larger tetrahedra by --size or --tets, or clean "
-                       "the surface in a modelling program"};
+    if (!done) return no_end(done.error(), solid, report.findings);
     if (done->mesh.tetrahedra.empty())
       return content_error(
           "no tetrahedra came out: the solid is far thinner than the size. Ask for "

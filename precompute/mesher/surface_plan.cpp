@@ -74,6 +74,7 @@ Result<MeshPlan> make_plan(const SurfaceSolid& solid, const SurfaceMeshOptions& 
     const double rare = std::min(plan.coarse, thickness_quantile(plan.walls, kRareWalls));
     plan.fine = std::max(rare, fine_enough(plan, most));
   }
+  plan.error_asked = options.error > 0;
   plan.error = options.error > 0 ? options.error / scaling.diagonal
                                  : std::clamp(0.05 * plan.coarse, kError, 0.1);
   if (options.size > 0 || options.tets > 0) return plan;

@@ -15,6 +15,7 @@ struct MeshPlan {
   double coarse = 0;
   double fine = 0;
   double error = 0;
+  bool error_asked = false;  // by the user, who may want more tetrahedra for it
 };
 
 // Errors: kContent for walls so thin that more tetrahedra than are made unasked would be needed.

@@ -310,6 +310,7 @@ void run_reference(const ReferenceOptions& options) {
   check_reference(options);
   StageLog log(mpi_rank() != 0);
   log.begin("mesh");
+  for (const std::string& text : options.probes) unwrap(parse_selector(text));
   const Problem problem = load_problem(options.solid);
   const std::vector<VertexId> probes = probe_vertices(options, problem.mesh);
   log.end(text("%zu vertices, %zu tetrahedra, %zu fixed vertices", problem.mesh.vertices.size(),

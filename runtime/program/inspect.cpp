@@ -157,6 +157,7 @@ int print_selection(BasisReader& reader, const Contents& contents, const std::st
       select_on_boundary(select, {*surface, contents.render ? &*contents.render : nullptr,
                                   contents.load, reader.dimensions().vertices});
   if (!chosen) return report_error(chosen.error());
+  for (const std::string& note : chosen->notes) std::fprintf(stderr, "  %s\n", note.c_str());
   if (json) {
     const BoundingBox box = bounding_box(chosen->places);
     std::cout << Json{{"selector", select},

@@ -84,15 +84,26 @@ Result<Selection> select_on_boundary(const std::string& text, const Boundary& bo
   const Sets sets = make_sets(boundary);
   const std::vector<Colour> colours = make_colours(boundary);
   const VertexBlock& block = boundary.surface;
-  const Result<std::vector<VertexId>> places = select_vertices(
-      *selector, {block.rest, std::vector<bool>(block.rest.size(), true), sets, colours, ""});
+  const SelectionSpace space = {block.rest, std::vector<bool>(block.rest.size(), true), sets,
+                                colours, ""};
+  const Result<std::vector<VertexId>> places = select_vertices(*selector, space);
   if (!places) return places.error();
   Selection selection;
   for (const VertexId place : *places) {
     selection.ids.push_back(block.vertex_ids[static_cast<std::size_t>(place)]);
     selection.places.push_back(block.rest[static_cast<std::size_t>(place)]);
   }
+  for (const NearChoice& choice : near_choices(*selector, space))
+    selection.notes.push_back(
+        describe_near(choice, block.vertex_ids[static_cast<std::size_t>(choice.nearest)]));
   return selection;
+}
+
+std::vector<std::string> nearest_of(const std::string& text, const Model& model) {
+  if (text.find("near:") == std::string::npos) return {};
+  Result<Selection> chosen = select_on_boundary(
+      text, {model.surface(), model.render(), model.default_load(), model.vertex_count()});
+  return chosen ? std::move(chosen->notes) : std::vector<std::string>{};
 }
 
 Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& model) {

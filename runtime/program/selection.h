@@ -25,11 +25,15 @@ struct Boundary {
 struct Selection {
   std::vector<VertexId> ids;
   std::vector<Eigen::Vector3d> places;
+  std::vector<std::string> notes;  // for the user: what a `near:` took
 };
 Result<Selection> select_on_boundary(const std::string& text, const Boundary& boundary);
 
 // text: a vertex's id, taken as it is (it may lie inside), or a selector on the model's boundary.
 // Errors: kContent for a negative id, else as select_on_boundary.
 Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& model);
+
+// What each `near:` of the text took, for the user; empty where vertices_of gives an error.
+std::vector<std::string> nearest_of(const std::string& text, const Model& model);
 
 }  // namespace tremolo

@@ -16,6 +16,7 @@
 #include "runtime/program/run_body.h"
 #include "runtime/program/run_files.h"
 #include "runtime/program/run_progress.h"
+#include "runtime/program/selection.h"
 #include "runtime/program/tell.h"
 #include "runtime/program/watch.h"
 
@@ -148,6 +149,12 @@ Result<double> scale_for_deflection(const RunOptions& options, const Model::Poin
   return found->scale;
 }
 
+void tell_nearest(const RunOptions& options, const Model& model) {
+  for (const std::string& note : nearest_of(options.at, model)) tell("  --at {}\n", note);
+  for (const std::string& probe : options.probes)
+    for (const std::string& note : nearest_of(probe, model)) tell("  --probe {}\n", note);
+}
+
 }  // namespace
 
 Result<RunReport> simulate(const RunOptions& options) {
@@ -155,6 +162,7 @@ Result<RunReport> simulate(const RunOptions& options) {
   if (Status status = keep_run_apart(options); !status) return status.error();
   const Result<Model::Pointer> model = load_model(options);
   if (!model) return model.error();
+  tell_nearest(options, **model);
   RunOptions scaled = options;
   if (!options.deflect.empty()) {
     const Result<double> scale = scale_for_deflection(options, *model);

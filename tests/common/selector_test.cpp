@@ -100,6 +100,28 @@ TEST(Selector, NearChoosesTheNearestAndOfEqualsTheFirst) {
   expect_selected("near:0,0,0,1000", {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
 }
 
+TEST(Selector, NearSaysWhatItTookAndRefusesAnotherWorld) {
+  const TetMesh mesh = two_cubes();
+  const auto choices = [&](const std::string& text) {
+    return near_choices(*parse_selector(text), selection_space(mesh));
+  };
+  EXPECT_TRUE(choices("x<1").empty());
+  const std::vector<NearChoice> two = choices("x<5 and near:1.9,0,0,2");
+  ASSERT_EQ(two.size(), 1U);
+  EXPECT_EQ(two[0].count, 2U);
+  EXPECT_EQ(two[0].nearest, 2);
+  EXPECT_NEAR(two[0].distance, 0.1, 1e-12);
+  EXPECT_NEAR(two[0].farthest, 0.9, 1e-12);
+  EXPECT_EQ(describe_near(choices("near:2,0,-0.5")[0], 77),
+            "near:2,0,-0.5: vertex 77 at (2, 0, 0) m, 0.5 m from that point");
+  for (const char* far : {"near:1e30,0,0", "near:0,-30,0,3", "near:1e300,0,0"}) {
+    const Result<Ids> refused = select(far, mesh);
+    ASSERT_FALSE(refused) << far;
+    EXPECT_EQ(refused.error().kind, ErrorKind::kContent);
+    EXPECT_NE(refused.error().message.find("m away from the nearest"), std::string::npos);
+  }
+}
+
 TEST(Selector, ColoursAreChosenWithinATolerance) {
   TetMesh mesh = two_cubes();
   mesh.colours.assign(12, Colour{255, 255, 255, 255});

@@ -1,5 +1,7 @@
 // tremolo-mesh: a recipe gives its mesh anew.
+#include <array>
 #include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
@@ -7,6 +9,7 @@
 #include "common/mesh_quality.h"
 #include "formats/mesh_reader.h"
 #include "tests/support/run_program.h"
+#include "tests/support/surface_files.h"
 
 namespace tremolo {
 namespace {
@@ -38,6 +41,21 @@ TEST(MeshProgram, MakesTheBeamAnewTheSameEachTime) {
   // Another processor may round a Delaunay predicate's input differently: the same solid, not
   // necessarily the same vertices as the committed one.
   EXPECT_NEAR(report->volume, mesh_quality(committed->mesh).volume, 0.01 * report->volume);
+}
+
+TEST(MeshProgram, TheSameSurfaceAsObjAndAsOffGivesTheSameMesh) {
+  const std::string folder = fresh_folder();
+  const std::array<std::string, 2> star = testing::star_prism();
+  std::ofstream(folder + "/star.obj") << star[0];
+  std::ofstream(folder + "/star.off") << star[1];
+  for (const std::string name : {"obj", "off"}) {
+    const ProgramResult made =
+        run_program(folder, kProgram + "star." + name + " -o " + name + ".msh --tets 3000");
+    ASSERT_EQ(made.code, 0) << made.err;
+  }
+  const std::string obj = slurp(folder + "/obj.msh");
+  EXPECT_GT(obj.size(), 10'000U);
+  EXPECT_EQ(obj, slurp(folder + "/off.msh"));
 }
 
 TEST(MeshProgram, WrongUsageIsToldApartAndWritesNothing) {

@@ -2,6 +2,7 @@
 // at all.
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -56,6 +57,7 @@ class PrecomputeProgram : public ::testing::Test {
 
   static constexpr const char* kGood =
       "-o out.tremolo --fix 'x<0.001' --linear-modes 4 --modes 8 --threads 1";
+  const std::string kBlock = std::string("block.veg ") + kGood;
   TetMesh block_ = box_mesh({4, 2, 2}, {0.4, 0.15, 0.2});
   std::string folder_;
 };
@@ -98,6 +100,104 @@ TEST_F(PrecomputeProgram, ALinearModelKeepsEveryLinearModeAskedForAndTellsACut) 
   const auto less = nlohmann::json::parse(cut.out);
   EXPECT_EQ(less["r"], 30);
   EXPECT_NE(less["notes"].dump().find(note), std::string::npos) << less["notes"];
+}
+
+// A mesh that is not there would be exit code 1: nobody has looked for it, nor meshed it.
+TEST_F(PrecomputeProgram, WhatNoMeshCouldMakeRightIsRefusedBeforeOneIsLookedFor) {
+  const std::string none = "none.obj -o out.tremolo ";
+  expect_failure(run(none + "--fix 'x<<1'"), 2, "selector `x<<1`");
+  expect_failure(run(none + "--fix none --load-at near:1,2 --load-force 0,0,1"), 2, "near:1,2");
+  expect_failure(run(none + "--fix none --load-at near:1,2,3 --load-force 0,0,0"), 3, "zero");
+  expect_failure(run("reference none.obj --static --fix 'x<1' --fix-y box:1"), 2, "box:1");
+  expect_failure(run(none + "--fix none --point-mass 'sphere:0=1'"), 2, "sphere:0");
+  expect_failure(run(none + "--fix none --point-mass 'x<1=-1'"), 3, "positive");
+  expect_failure(run("none.obj --select colour:reddish"), 2, "colour:reddish");
+  expect_failure(run(none + "--fix none --linear-modes 4 --modes 15"), 3, "give at most 14");
+  expect_failure(run(none + "--fix none --modes 0"), 3, "--modes 0");
+  expect_failure(run(none + "--fix none --linear-modes 0"), 3, "at least one");
+  expect_failure(run(none + "--fix none --linear --modes 21"), 3, "give at most 20");
+  expect_failure(run(none + "--fix none --unit ell"), 2, "ell");
+  expect_failure(run("reference none.obj --static --fix none --probe plane:1"), 2, "plane:1");
+  expect_failure(run(none + "--fix none --linear-modes 4 --modes 14"), 1, "none.obj");
+}
+
+TEST_F(PrecomputeProgram, NearTellsWhichVertexItTookAndHowFarAway) {
+  const std::string load = " --load-force 0,0,-1 --load-at ";
+  const ProgramResult one = run(kBlock + load + "near:0.4,0.16,0.2");
+  ASSERT_EQ(one.code, 0) << one.err;
+  EXPECT_NE(one.err.find("--load-at near:0.4,0.16,0.2: vertex 44 at (0.4, 0.15, 0.2) m, 0.01 m"),
+            std::string::npos)
+      << one.err;
+  const ProgramResult select = run("block.veg --select near:0.4,0.15,0.2,2");
+  EXPECT_NE(select.err.find("2 vertices, the nearest vertex 44"), std::string::npos) << select.err;
+  const ProgramResult moved =
+      run_program(folder_, TREMOLO_BIN_DIR
+                  "/tremolo run out.tremolo --duration 0.01 --load constant --out moved --at "
+                  "near:0.4,0.16,0.2 --force 0,0,1");
+  EXPECT_EQ(moved.code, 0) << moved.err;
+  EXPECT_NE(moved.err.find("--at near:0.4,0.16,0.2: vertex 44 at"), std::string::npos) << moved.err;
+}
+
+TEST_F(PrecomputeProgram, UpYTurnsTheModelAndItsSelectors) {
+  const std::string options = " --linear-modes 4 --modes 8 --threads 1 --json";
+  const ProgramResult plain =
+      run("block.veg -o plain.tremolo --fix 'y<0.001' --load-at 'y>0.149' --load-force 0,-1,0" +
+          options);
+  const ProgramResult turned = run(
+      "block.veg -o turned.tremolo --up y --fix 'z<0.001' --load-at 'z>0.149' --load-force 0,0,-1" +
+      options);
+  ASSERT_EQ(plain.code, 0) << plain.err;
+  ASSERT_EQ(turned.code, 0) << turned.err;
+  const auto frequencies = nlohmann::json::parse(plain.out)["frequencies_hz"];
+  const auto again = nlohmann::json::parse(turned.out)["frequencies_hz"];
+  for (std::size_t i = 0; i < frequencies.size(); ++i)
+    EXPECT_NEAR(again[i], double(frequencies[i]), 1e-6 * double(frequencies[i]));
+  const auto a = read_basis(folder_ + "/plain.tremolo"),
+             b = read_basis(folder_ + "/turned.tremolo");
+  ASSERT_TRUE(a && b);
+  ASSERT_EQ(a->surface.rest.size(), b->surface.rest.size());
+  for (std::size_t v = 0; v < a->surface.rest.size(); ++v) {
+    const Eigen::Vector3d& x = a->surface.rest[v];
+    EXPECT_EQ(b->surface.rest[v], Eigen::Vector3d(x[0], -x[2], x[1]));
+  }
+  expect_failure(run(kBlock + " --up x"), 2, "--up");
+}
+
+TEST_F(PrecomputeProgram, PreviewPaintsWhatIsHeldAndLoadedAndComputesNothing) {
+  const ProgramResult alone =
+      run("block.veg --fix 'x<0.001' --load-at 'x>0.399' --load-force 0,0,-5 --preview look.ply");
+  ASSERT_EQ(alone.code, 0) << alone.err;
+  EXPECT_NE(alone.err.find("look.ply: 9 vertices held, 9 loaded"), std::string::npos) << alone.err;
+  EXPECT_EQ(slurp(folder_ + "/out.tremolo"), kOld);
+  const std::string ply = slurp(folder_ + "/look.ply");
+  EXPECT_NE(ply.find("property uchar red"), std::string::npos);
+  // The hull's 42 vertices, the arrow's 50: floats and colour.
+  const std::size_t data = ply.find("end_header\n") + 11;
+  ASSERT_GT(ply.size(), data + 92 * 15);
+  EXPECT_NE(ply.find("element vertex 92\n"), std::string::npos);
+  std::map<std::string, int> count;
+  for (std::size_t v = 0; v < 92; ++v) ++count[ply.substr(data + 15 * v + 12, 3)];
+  EXPECT_EQ(count[std::string("\x28\x5a\xdc")], 9) << "blue";
+  EXPECT_EQ(count[std::string("\xdc\x28\x1e")], 9 + 50) << "red, with the arrow";
+  EXPECT_EQ(count[std::string("\xc8\xc8\xc8")], 24) << "grey";
+
+  ASSERT_EQ(run("block.veg --select 'y<0.001' --preview chosen.ply").code, 0);
+  EXPECT_NE(slurp(folder_ + "/chosen.ply").find(std::string("\x28\xaa\x3c")), std::string::npos);
+  expect_failure(run("block.veg --fix none --preview look.obj"), 2, "look.obj");
+  expect_failure(run(kBlock + " --preview block.veg"), 2, "block.veg");
+
+  // Beside a model, which stays the same byte for byte.
+  ASSERT_EQ(run("block.veg -o a.tremolo --fix 'x<0.001' --preview a.ply").code, 0);
+  ASSERT_EQ(run("block.veg -o b.tremolo --fix 'x<0.001'").code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder_ + "/a.ply"));
+  EXPECT_EQ(slurp(folder_ + "/a.tremolo"), slurp(folder_ + "/b.tremolo"));
+}
+
+TEST_F(PrecomputeProgram, NearFromAnotherWorldIsRefused) {
+  for (const std::string point : {"1e30,0,0", "400,150,200", "0,0,1e200"})
+    expect_failure(run(kBlock + " --load-force 0,0,-1 --load-at near:" + point), 3,
+                   "m away from the nearest vertex");
+  EXPECT_EQ(run("block.veg --select near:1,1,1").code, 0) << "outside, but not far";
 }
 
 TEST_F(PrecomputeProgram, ALinearModelIsItsLinearModesAlone) {

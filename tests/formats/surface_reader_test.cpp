@@ -72,6 +72,51 @@ TEST_F(SurfaceReader, TheSameBoxComesOutOfEveryFormat) {
   expect_box(read("box.fbx", box_fbx()), 2.54);
 }
 
+// The corners of each triangle, in order.
+std::vector<std::array<double, 9>> corners_of(const RenderSurface& surface) {
+  std::vector<std::array<double, 9>> corners;
+  for (const Triangle& t : surface.triangles) {
+    auto& nine = corners.emplace_back();
+    for (std::size_t i = 0; i < 9; ++i)
+      nine[i] = surface.vertices[static_cast<std::size_t>(t[i / 3])][static_cast<int>(i % 3)];
+  }
+  return corners;
+}
+
+TEST_F(SurfaceReader, AnOffIsTheSameSurfaceAsTheObj) {
+  const std::array<std::string, 2> star = star_prism();
+  const SurfaceFile obj = read("star.obj", star[0]);
+  const SurfaceFile off = read("star.off", star[1]);
+  // Two stars of 24 corners and a wall of 24 quads.
+  EXPECT_EQ(off.surface.triangles.size(), 2U * 22 + 2 * 24);
+  EXPECT_EQ(off.surface.vertices.size(), 48U) << "corners stay shared";
+  EXPECT_EQ(corners_of(off.surface), corners_of(obj.surface)) << "to the bit";
+  EXPECT_TRUE(off.notes.empty());
+}
+
+TEST_F(SurfaceReader, AnOffsColoursAreSelectable) {
+  const std::string head = "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+  const SurfaceFile painted = read(
+      "faces.off", head + "3 0 2 1 255 0 0\n3 0 1 3 255 0 0\n3 0 3 2 0 0 255\n3 1 2 3 0 0 255\n");
+  const RenderSurface& surface = painted.surface;
+  ASSERT_EQ(surface.colours.size(), surface.vertices.size());
+  EXPECT_EQ(surface.vertices.size(), 8U) << "where colours meet there are two vertices";
+  for (std::size_t t = 0; t < 4; ++t)
+    for (const VertexId v : surface.triangles[t])
+      EXPECT_EQ(surface.colours[static_cast<std::size_t>(v)],
+                (t < 2 ? Colour{255, 0, 0, 255} : Colour{0, 0, 255, 255}));
+}
+
+TEST_F(SurfaceReader, AnOffThatIsWrongNamesItsLineAndTheFileOnce) {
+  const std::string off = box_off();
+  const Error error = refusal("cut.off", off.substr(0, off.rfind("4 3 0")));
+  EXPECT_EQ(error.kind, ErrorKind::kContent);
+  EXPECT_NE(error.message.find("behind 5 of 6 faces"), std::string::npos) << error.message;
+  EXPECT_EQ(error.message.find("cut.off"), error.message.rfind("cut.off")) << error.message;
+  EXPECT_NE(refusal("bad.off", "OFF\n1 1 0\n0 0 x\n1 0\n").message.find("line 3"),
+            std::string::npos);
+}
+
 TEST_F(SurfaceReader, AnObjKeepsItsNormalsTextureAndMaterials) {
   folder.write("box.mtl", box_mtl());
   const SurfaceFile file = read("box.obj", box_obj());

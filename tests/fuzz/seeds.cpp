@@ -110,6 +110,12 @@ void save_texts(const fs::path& root) {
         " z <= +1e-3 ", "x<10%", "sphere:0,0,0,1", "plane:0,0,0,1,0,0", "near:0,0,0,2",
         "colour:red", "colour:#FF8000,0.2", "set:foot", "x<1 and y<1 and foot"})
     save(root / "selector", std::to_string(number++), text);
+  for (const char* text :
+       {"OFF\n4 1 0\n0 0 0\n1 0 0 # b\n1 1 0\n\n0 1 0\n# face\n4 0 1 2 3 255 0 0\n",
+        "STCNOFF 3 2 0\n0 0 0 0 0 1 1 0 0 1 0 1\n1 0 0 0 0 1 1 0 0 1 0 1\n"
+        "0 1 0 0 0 1 1 0 0 0 1\n3 0 1 2\n3 0 2 1 0.5 0.5 0.5 1\n",
+        "OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2"})
+    save(root / "off", std::to_string(number++), text);
   for (const char* text : {"0 1 2\n", "1,2,3 # a comment\n4\n", "999"})
     save(root / "ids", std::to_string(number++), text);
   const fs::path scenes = fs::path(TREMOLO_SOURCE_DIR) / "assets/scenes";

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -128,6 +130,44 @@ inline std::string box_off() {
     text += "\n";
   }
   return text;
+}
+
+// A prism over a star of 24 corners, as OBJ and as OFF with comments among its lines: the numbers
+// are written with the same digits.
+inline std::array<std::string, 2> star_prism() {
+  constexpr int kCorners = 24;
+  std::string obj, off = "OFF # a star\n# corners, faces\n48 26 0\n\n";
+  for (int v = 0; v < 2 * kCorners; ++v) {
+    const double turn = 2 * std::numbers::pi * (v % kCorners) / kCorners;
+    const double radius = v % 2 == 0 ? 0.123456 : 0.2;
+    const std::string x = std::to_string(radius * std::cos(turn)) + " " +
+                          std::to_string(radius * std::sin(turn)) + " " +
+                          std::to_string(v < kCorners ? 1.0 / 3 : 1.2);
+    obj += "v " + x + "\n";
+    off += x + (v % 7 == 0 ? " # seventh\n# next\n" : "\n");
+  }
+  const auto face = [&](const std::vector<int>& corners) {
+    obj += "f";
+    off += "# a face\n" + std::to_string(corners.size());
+    for (const int v : corners) {
+      obj += " " + std::to_string(v + 1);
+      off += " " + std::to_string(v);
+    }
+    obj += "\n";
+    off += "\n";
+  };
+  std::vector<int> low, high;
+  for (int i = 0; i < kCorners; ++i) {
+    low.push_back(kCorners - 1 - i);
+    high.push_back(kCorners + i);
+  }
+  face(low);
+  face(high);
+  for (int i = 0; i < kCorners; ++i) {
+    const int next = (i + 1) % kCorners;
+    face({i, next, kCorners + next, kCorners + i});
+  }
+  return {obj, off};
 }
 
 // Positions, texture coordinates and colours (corner i: u = i / 8, v = 1 - i / 16; red i / 8), then
