@@ -8,7 +8,6 @@
 #pragma once
 
 #include <limits>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,8 +37,8 @@ struct Signal {
   SignalKind kind = SignalKind::kNone;
   double start = 0.0;
   double duration = 0.0;
-  double frequency = 1.0;                         // Hz
-  std::shared_ptr<const SignalTable> table = {};  // of kTable
+  double frequency = 1.0;              // Hz
+  const SignalTable* table = nullptr;  // of kTable; not owned: it must outlive all that has it
 };
 
 // Why a table is none; empty if it is one.

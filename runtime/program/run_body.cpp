@@ -8,7 +8,6 @@
 #include <fmt/ranges.h>
 
 #include "runtime/program/selection.h"
-#include "runtime/program/signal_file.h"
 #include "runtime/program/start_state.h"
 
 namespace tremolo {
@@ -36,13 +35,14 @@ Status check_combinations(const RunOptions& options) {
   return share ? Status(Success{}) : Status(share.error());
 }
 
-Result<Signal> signal_of(const RunOptions& options) {
-  return options.signal.empty() ? parse_signal(options.load) : read_signal(options.signal);
+Result<Signal> signal_of(const RunOptions& options, const SignalTable& table) {
+  if (options.signal.empty()) return parse_signal(options.load);
+  return Signal{.kind = SignalKind::kTable, .table = &table};
 }
 
 // Reduced and scaled; zero without a load.
-Result<Load> reduced_load(const RunOptions& options, const Model& model) {
-  Result<Signal> signal = signal_of(options);
+Result<Load> reduced_load(const RunOptions& options, const Model& model, const SignalTable& table) {
+  Result<Signal> signal = signal_of(options, table);
   if (!signal) return signal.error();
   Load load{*signal, Eigen::VectorXd::Zero(model.modes())};
   if (signal->kind == SignalKind::kNone) return load;
@@ -133,12 +133,12 @@ Result<DefaultLoad> load_of_run(const RunOptions& options, const Model& model) {
   return DefaultLoad{*vertices, std::vector<Eigen::Vector3d>(vertices->size(), share)};
 }
 
-Result<Body> make_body(const RunOptions& options, Model::Pointer model) {
+Result<Body> make_body(const RunOptions& options, Model::Pointer model, const SignalTable& table) {
   const Result<IntegratorOptions> settings = integrator_options(options);
   if (!settings) return settings.error();
   Result<Body> body = Body::create(std::move(model), options.integrator, *settings);
   if (!body) return value_error(body.error());
-  const Result<Load> load = reduced_load(options, body->model());
+  const Result<Load> load = reduced_load(options, body->model(), table);
   if (!load) return load.error();
   if (load->signal.kind != SignalKind::kNone)
     if (Status status = body->add_load(*load); !status) return value_error(status.error());

@@ -17,9 +17,9 @@ Result<Model::Pointer> load_model(const RunOptions& options);
 // none.
 Result<DefaultLoad> load_of_run(const RunOptions& options, const Model& model);
 
-// A body with its load, where --start puts it. Errors of Body::create and Body::add_load, and of
-// start_state.
-Result<Body> make_body(const RunOptions& options, Model::Pointer model);
+// A body with its load, where --start puts it. table: of options.signal, which it must outlive.
+// Errors of Body::create and Body::add_load, and of start_state.
+Result<Body> make_body(const RunOptions& options, Model::Pointer model, const SignalTable& table);
 
 // The coordinates of "all", "I" and "I-J", each once, in the order named. Errors: kUsage.
 Result<std::vector<int>> coordinates_of(const std::vector<std::string>& texts, Eigen::Index modes);

@@ -1,23 +1,22 @@
 #include "runtime/program/signal_file.h"
 
 #include <cctype>
-#include <memory>
 
 #include "formats/text_scanner.h"
 #include "formats/whole_file.h"
 
 namespace tremolo {
 
-Result<Signal> read_signal(const std::string& path) {
+Result<SignalTable> read_signal(const std::string& path) {
   const Result<std::string> text = read_whole_file(path);
   if (!text) return text.error();
   return parse_signal_table(*text, path);
 }
 
-Result<Signal> parse_signal_table(std::string_view text, const std::string& path) {
+Result<SignalTable> parse_signal_table(std::string_view text, const std::string& path) {
   TextScanner scanner(text, path,
                       {.comment = '#', .commas = true, .lines = true, .open_end = true});
-  auto table = std::make_shared<SignalTable>();
+  SignalTable table;
   const auto is_head = [](std::string_view word) {
     return !word.empty() &&
            (std::isalpha(static_cast<unsigned char>(word.front())) != 0 || word.front() == '"');
@@ -32,16 +31,13 @@ Result<Signal> parse_signal_table(std::string_view text, const std::string& path
       scanner.fail("two numbers on a line, time and value", scanner.token());
       return scanner.error();
     }
-    table->times.push_back(time);
-    table->values.push_back(value);
+    table.times.push_back(time);
+    table.values.push_back(value);
   }
-  if (const std::string problem = table_problem(*table); !problem.empty())
+  if (const std::string problem = table_problem(table); !problem.empty())
     return content_error(path + ": no signal: " + problem +
                          " (a line a moment: time in s, value; times ascend)");
-  Signal signal;
-  signal.kind = SignalKind::kTable;
-  signal.table = std::move(table);
-  return signal;
+  return table;
 }
 
 }  // namespace tremolo

@@ -17,6 +17,7 @@
 #include "runtime/program/run_files.h"
 #include "runtime/program/run_progress.h"
 #include "runtime/program/selection.h"
+#include "runtime/program/signal_file.h"
 #include "runtime/program/tell.h"
 #include "runtime/program/watch.h"
 
@@ -40,6 +41,12 @@ RunReport start_report(const RunOptions& options, const Body& body) {
   report.split = body.integrator().split();
   return report;
 }
+
+// What a run and the attempts before it have in common.
+struct Given {
+  Model::Pointer model;
+  SignalTable table;  // of --signal
+};
 
 // Who else may stop a run, and who hears how far it is.
 struct Company {
@@ -83,9 +90,9 @@ Result<bool> follow(Body& body, std::int64_t steps, const Company& company, Watc
   return false;
 }
 
-Result<RunReport> run_body(const RunOptions& options, const Model::Pointer& model,
-                           const Company& company) {
-  Result<Body> body = make_body(options, model);
+Result<RunReport> run_body(const RunOptions& options, const Given& given, const Company& company) {
+  const Model::Pointer& model = given.model;
+  Result<Body> body = make_body(options, model, given.table);
   if (!body) return body.error();
   RecordedColumns columns;
   columns.velocities = options.velocities;
@@ -118,7 +125,7 @@ Result<RunReport> run_body(const RunOptions& options, const Model::Pointer& mode
 }
 
 // The same run without anything to write, as large as the load makes it.
-Result<LoadAttempt> attempt(const RunOptions& options, const Model::Pointer& model, double scale) {
+Result<LoadAttempt> attempt(const RunOptions& options, const Given& given, double scale) {
   RunOptions trial = options;
   trial.scale = scale;
   trial.out.clear();
@@ -126,7 +133,7 @@ Result<LoadAttempt> attempt(const RunOptions& options, const Model::Pointer& mod
   trial.plot = false;
   trial.probes.clear();
   trial.coordinates.clear();
-  const Result<RunReport> report = run_body(trial, model, {});
+  const Result<RunReport> report = run_body(trial, given, {});
   if (!report) return report.error();
   if (!(report->size > 0)) return content_error(options.model + ": the surface has no size");
   return LoadAttempt{scale,
@@ -135,11 +142,11 @@ Result<LoadAttempt> attempt(const RunOptions& options, const Model::Pointer& mod
                      report->reason};
 }
 
-Result<double> scale_for_deflection(const RunOptions& options, const Model::Pointer& model) {
+Result<double> scale_for_deflection(const RunOptions& options, const Given& given) {
   const Result<double> share = parse_share(options.deflect);
   if (!share) return share.error();
   const Result<LoadScale> found =
-      search_load_scale(*share, [&](double scale) { return attempt(options, model, scale); });
+      search_load_scale(*share, [&](double scale) { return attempt(options, given, scale); });
   if (!found) return found.error();
   if (!(found->scale > 0))
     return content_error("--deflect " + options.deflect +
@@ -163,9 +170,15 @@ Result<RunReport> simulate(const RunOptions& options) {
   const Result<Model::Pointer> model = load_model(options);
   if (!model) return model.error();
   tell_nearest(options, **model);
+  Given given{*model, {}};
+  if (!options.signal.empty()) {
+    Result<SignalTable> table = read_signal(options.signal);
+    if (!table) return table.error();
+    given.table = std::move(*table);
+  }
   RunOptions scaled = options;
   if (!options.deflect.empty()) {
-    const Result<double> scale = scale_for_deflection(options, *model);
+    const Result<double> scale = scale_for_deflection(options, given);
     if (!scale) return scale.error();
     scaled.scale = *scale;
   }
@@ -173,7 +186,7 @@ Result<RunReport> simulate(const RunOptions& options) {
   if (!rigid) return rigid.error();
   const Interruption interruption;
   ToldProgress progress(options.name, options.duration);
-  Result<RunReport> report = run_body(scaled, *model, {&interruption, &progress});
+  Result<RunReport> report = run_body(scaled, given, {&interruption, &progress});
   if (report) report->rigid = *rigid;
   return report;
 }

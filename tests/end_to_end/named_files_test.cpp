@@ -114,7 +114,8 @@ TEST_F(NamedFiles, PipesDevicesAndFoldersAreRefusedAtOnce) {
         kPrecompute + "bar.veg --render pipe.obj" + to,
         kPrecompute + "bar.veg --import-basis pipe --import-cubic pipe" + to,
         kPrecompute + "reference bar.veg --config=pipe",
-        kPrecompute + "reference bar.veg --fix 'x<0.001' --compare pipe",
+        kPrecompute + "reference bar.veg --fix 'x<0.001' --load-at 'x>0.399' --load-force 0,0,-1 "
+                      "--compare pipe",
         kMesh + "pipe.obj -o new.msh"}) {
     const ProgramResult result = run(command + " </dev/null");
     EXPECT_EQ(result.code, 1) << command << "\n" << result.err;

@@ -409,9 +409,10 @@ TEST_F(RunProgram, ASignalFromAFileActsAsTheBuiltInOneOfTheSameShape) {
   std::ofstream(folder_ + "/square.csv") << "time,value\n0,1\n0.3,1\n";
   ASSERT_EQ(run("run " + model() + " --duration 0.6 --signal square.csv --out a").code, 0);
   ASSERT_EQ(run("run " + model() + " --duration 0.6 --load square --out b").code, 0);
-  const std::string csv = slurp(folder_ + "/a/run.csv");
-  EXPECT_FALSE(csv.empty());
-  EXPECT_EQ(csv, slurp(folder_ + "/b/run.csv"));
+  const Csv a = read_csv(folder_ + "/a/run.csv"), b = read_csv(folder_ + "/b/run.csv");
+  ASSERT_EQ(a.rows.size(), 201u);
+  for (std::size_t row = 0; row < a.rows.size(); ++row)  // averages are rounded differently
+    EXPECT_NEAR(a.at(row, "total"), b.at(row, "total"), 1e-11 * b.at(200, "total")) << row;
   std::ofstream(folder_ + "/bad.csv") << "0,1\n1,2\n0.5,3\n";
   expect_failure(run("run " + model() + " --signal bad.csv"), 3, "moment 3");
   std::ofstream(folder_ + "/bad.csv") << "0,1\n1,high\n";

@@ -97,7 +97,10 @@ TEST(Inspect, RefusesWhatNoBodyCanBeMadeOfAndNamesTheFileOnce) {
   bad[0].lambda << 90000.0, 400.0;
   bad[1].surface.vertex_ids = {0, 2, 1, 3};
   bad[2].triangles[0] = {1, 1, 7};
-  bad[3].interior.vertex_ids = {2};
+  bad[3].vertex_count = 6;  // those inside do not ascend
+  bad[3].interior.vertex_ids = {5, 4};
+  bad[3].interior.rest = {{0.25, 0.25, 0.25}, {0.2, 0.2, 0.2}};
+  bad[3].interior.rows = BasisRows::Constant(6, 2, 0.5);
   for (std::size_t i = 0; i < bad.size(); ++i) {
     const std::string path = testing::fresh_folder() + "/a.tremolo";
     if (!write_basis(path, bad[i])) continue;  // our own writer refuses it
