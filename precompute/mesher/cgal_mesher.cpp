@@ -93,6 +93,9 @@ void refine(const ImplicitRequest& request, const Domain& domain, Complex& compl
   complex.watch = nullptr;
   if (request.perturb)
     CGAL::perturb_mesh_3(complex, domain, sliver_bound = kSliverBound, time_limit = 0);
+  // Exudation sets no vertices, and ends soon.
+  RefinementWatch exuding({});
+  complex.watch = &exuding;
   CGAL::exude_mesh_3(complex, sliver_bound = kSliverBound, time_limit = 0);
 }
 

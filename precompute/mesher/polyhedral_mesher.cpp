@@ -106,7 +106,9 @@ TetMesh refine(const cgal::SurfaceMesh& polyhedron, const PolyhedralRequest& req
   RefinementWatch watch(request.watch);
   complex.watch = &watch;
   CGAL::refine_mesh_3(complex, domain, criteria, manifold(), no_perturb(), no_exude());
-  complex.watch = nullptr;
+  // Exudation sets no vertices, and ends soon.
+  RefinementWatch exuding({});
+  complex.watch = &exuding;
   CGAL::exude_mesh_3(complex, sliver_bound = kSliverBound, time_limit = 0);
   return extract(complex, &on_edge);
 }

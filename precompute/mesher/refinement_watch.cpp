@@ -9,9 +9,9 @@ namespace tremolo {
 namespace {
 
 // Questions without a new vertex. Of 300 surfaces none that could be meshed asked more than 3 700
-// at once, or three for each vertex.
+// at once, or seven for each vertex.
 constexpr std::uint64_t kStillAtLeast = 20'000;
-constexpr std::uint64_t kStillPerVertex = 20;
+constexpr std::uint64_t kStillPerVertex = 60;
 
 }  // namespace
 

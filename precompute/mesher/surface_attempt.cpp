@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 
+#include "common/format_text.h"
 #include "common/mesh_quality.h"
 #include "precompute/mesher/cgal_mesher.h"
 #include "precompute/mesher/polyhedral_mesher.h"
@@ -33,8 +34,9 @@ constexpr double kStepsPerTet = 200, kStepsAtLeast = 2e6;
 constexpr double kVerticesPerTet = 0.25;
 // Vertices that a surface rough below its size may ask for, over those expected, and at least.
 constexpr double kMostVertices = 2, kVerticesAtLeast = 25'000;
-// The second try by solid angle has less left of the time that one may wait.
-constexpr double kSecondTry = 0.6;
+// What each further try by solid angle may ask, of what the first may, and how much larger the
+// tetrahedra of the last one are.
+constexpr double kSecondQueries = 0.3, kLastQueries = 0.6, kLastSize = 1.4;
 
 // Points on the border of the solid that keep a distance from each other: 1.2 times the size, less
 // on shells that would get only a few.
@@ -125,7 +127,9 @@ Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& pl
 }
 
 Result<TetMesh> mesh_as_field(const SurfaceSolid& solid, const MeshPlan& plan,
-                              const SizeField& sizes) {
+                              const SizeField& sizes, std::string& method) {
+  method = solid.half_thickness > 0 ? "as a sheet of the thickness asked for"
+                                    : "by solid angle: inside is where it is above one half";
   ImplicitRequest request;
   request.bounds = bounding_box(solid.surface.vertices);
   const double margin = solid.half_thickness + 0.02;
@@ -153,8 +157,14 @@ Result<TetMesh> mesh_as_field(const SurfaceSolid& solid, const MeshPlan& plan,
   if (mesh) return mesh;
   request.manifold = false;
   request.surface_error *= 2.0;
-  request.most_queries =
-      static_cast<std::size_t>(kSecondTry * static_cast<double>(request.most_queries));
+  const auto first_queries = static_cast<double>(request.most_queries);
+  request.most_queries = static_cast<std::size_t>(kSecondQueries * first_queries);
+  mesh = mesh_implicit(request);
+  if (mesh) return mesh;
+  request.most_queries = static_cast<std::size_t>(kLastQueries * first_queries);
+  request.size = [&sizes](const Point& x) { return kLastSize * sizes.at(x); };
+  method +=
+      text(", with tetrahedra %g times as large as wanted, since those came to no end", kLastSize);
   return mesh_implicit(request);
 }
 
@@ -174,11 +184,9 @@ Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan
       return done;
     }
   }
-  Result<TetMesh> mesh = mesh_as_field(solid, plan, sizes);
+  Result<TetMesh> mesh = mesh_as_field(solid, plan, sizes, done.method);
   if (!mesh) return mesh.error();
   done.mesh = std::move(*mesh);
-  done.method = solid.half_thickness > 0 ? "as a sheet of the thickness asked for"
-                                         : "by solid angle: inside is where it is above one half";
   return done;
 }
 
