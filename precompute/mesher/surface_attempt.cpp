@@ -186,16 +186,23 @@ Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan
   return done;
 }
 
-// Meshes until the number of tetrahedra asked for is met.
 Result<MeshAttempt> attempt_mesh_to_count(const SurfaceSolid& solid, MeshPlan plan, int wanted) {
   Result<MeshAttempt> best = attempt_mesh(solid, plan);
-  for (int i = 1; i < kTries && wanted > 0 && best; ++i) {
-    const double share = static_cast<double>(best->mesh.tetrahedra.size()) / wanted;
-    if (share > 0 && std::abs(share - 1.0) <= kCountTolerance) break;
+  if (!best || wanted <= 0) return best;
+  const auto share_of = [wanted](const MeshAttempt& attempt) {
+    return static_cast<double>(attempt.mesh.tetrahedra.size()) / wanted;
+  };
+  // Too many and too few are as far off if one is the other's inverse.
+  const auto miss = [](double share) { return share > 0 ? std::abs(std::log(share)) : HUGE_VAL; };
+  double share = share_of(*best);
+  for (int i = 1; i < kTries && std::abs(share - 1.0) > kCountTolerance; ++i) {
     const double factor = share > 0 ? std::clamp(std::cbrt(share), 0.4, 2.5) : 0.5;
     plan.coarse *= factor;
     plan.fine *= factor;
-    best = attempt_mesh(solid, plan);
+    Result<MeshAttempt> next = attempt_mesh(solid, plan);
+    if (!next) break;
+    share = share_of(*next);
+    if (miss(share) < miss(share_of(*best))) best = std::move(next);
   }
   return best;
 }

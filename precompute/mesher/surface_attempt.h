@@ -18,8 +18,8 @@ struct MeshAttempt {
 // The mesh may be empty. Errors: kSolver if the mesher does not come to an end.
 Result<MeshAttempt> attempt_mesh(const SurfaceSolid& solid, const MeshPlan& plan);
 
-// Scales the plan's sizes until `wanted` tetrahedra are met within 10 %, in at most six tries; 0:
-// one try.
+// Scales the plan's sizes until `wanted` tetrahedra are met within 10 %, in at most six tries, of
+// which it returns the nearest; 0: one try.
 Result<MeshAttempt> attempt_mesh_to_count(const SurfaceSolid& solid, MeshPlan plan, int wanted);
 
 }  // namespace tremolo
