@@ -10,7 +10,7 @@
 #include <toml++/toml.h>
 
 #include "formats/whole_file.h"
-#include "runtime/program/start_state.h"
+#include "runtime/program/start_text.h"
 
 namespace tremolo {
 namespace {

@@ -16,40 +16,6 @@
 namespace tremolo {
 namespace {
 
-constexpr const char* kStatic = "static";
-
-struct Displacement {
-  std::string where;
-  Eigen::Vector3d by;
-};
-
-// WHERE=X,Y,Z; a selector may hold the sign as well.
-std::optional<Displacement> displacement_of(const std::string& text) {
-  const std::size_t equals = text.rfind('=');
-  if (equals == std::string::npos || equals == 0) return std::nullopt;
-  const Result<Eigen::Vector3d> by = parse_force(text.substr(equals + 1));
-  if (!by) return std::nullopt;
-  return Displacement{text.substr(0, equals), *by};
-}
-
-struct Row {
-  std::string path;
-  std::optional<double> time;  // s; none: the last one
-};
-
-// Behind the last @ only if a number stands there.
-Row row_of(const std::string& text) {
-  const std::size_t at = text.rfind('@');
-  double time = 0.0;
-  if (at != std::string::npos) {
-    const char* end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data() + at + 1, end, time);
-    if (error == std::errc{} && stop == end && std::isfinite(time))
-      return {text.substr(0, at), time};
-  }
-  return {text, std::nullopt};
-}
-
 std::vector<std::string_view> cells_of(std::string_view line) {
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   std::vector<std::string_view> cells;
@@ -123,7 +89,7 @@ Found find_row(std::string_view text, const Columns& columns, std::optional<doub
   return found;
 }
 
-Result<State> read_row(const Row& row, Eigen::Index modes) {
+Result<State> read_row(const StartRow& row, Eigen::Index modes) {
   const Result<std::string> text = read_whole_file(row.path);
   if (!text) return text.error();
   const std::string_view head = std::string_view(*text).substr(0, text->find('\n'));
@@ -144,7 +110,7 @@ Result<State> read_row(const Row& row, Eigen::Index modes) {
   return state;
 }
 
-Result<Eigen::VectorXd> displaced_shape(const Displacement& displacement, const Model& model) {
+Result<Eigen::VectorXd> displaced_shape(const StartDisplacement& displacement, const Model& model) {
   const Result<std::vector<VertexId>> vertices = vertices_of(displacement.where, model);
   if (!vertices) return vertices.error();
   Hold hold{Eigen::MatrixXd::Zero(3, model.modes()), displacement.by};
@@ -166,7 +132,7 @@ Result<State> start_state(const std::string& text, const Model& model,
     error.message = "--start " + text + ": " + error.message;
     return error;
   };
-  if (text == kStatic) {
+  if (text == kStaticStart) {
     if (force.isZero(0.0))
       return told(
           content_error("no load acts at t = 0 (a sine begins with zero): the body would stand in "
@@ -175,21 +141,12 @@ Result<State> start_state(const std::string& text, const Model& model,
     if (!q) return told(q.error());
     return State{*q, zero};
   }
-  if (const auto displacement = displacement_of(text)) {
+  if (const auto displacement = start_displacement(text)) {
     const Result<Eigen::VectorXd> q = displaced_shape(*displacement, model);
     if (!q) return told(q.error());
     return State{*q, zero};
   }
-  return read_row(row_of(text), model.modes());
-}
-
-std::string file_of_start(const std::string& text) {
-  return text.empty() || text == kStatic || displacement_of(text) ? "" : row_of(text).path;
-}
-
-std::string selector_of_start(const std::string& text) {
-  const auto displacement = displacement_of(text);
-  return displacement ? displacement->where : "";
+  return read_row(start_row(text), model.modes());
 }
 
 }  // namespace tremolo

@@ -6,6 +6,7 @@
 #include "common/result.h"
 #include "runtime/integrators/integrator.h"
 #include "runtime/model.h"
+#include "runtime/program/start_text.h"
 
 namespace tremolo {
 
@@ -22,9 +23,5 @@ namespace tremolo {
 // shape.
 Result<State> start_state(const std::string& text, const Model& model,
                           const Eigen::VectorXd& force);
-
-// The file that the text names, the selector that stands in it; empty: none.
-std::string file_of_start(const std::string& text);
-std::string selector_of_start(const std::string& text);
 
 }  // namespace tremolo
