@@ -9,7 +9,8 @@ packages_build="g++ cmake make ninja-build pkg-config libeigen3-dev libxxhash-de
   libpetsc-real-dev libslepc-real-dev libopenmpi-dev openmpi-bin libmetis-dev libopenblas-dev
   libsuitesparse-dev"
 packages_show="gnuplot-nox povray"
-packages_test="libgtest-dev clang libclang-rt-14-dev"
+# The last three hold surfaces for tests/corpus: 52 MB to load.
+packages_test="libgtest-dev clang libclang-rt-14-dev libcgal-demo assimp-testmodels glmark2-data"
 
 # need PACKAGE...: installs those that are missing.
 need() {

@@ -35,8 +35,13 @@ constexpr double kVerticesPerTet = 0.25;
 // Vertices that a surface rough below its size may ask for, over those expected, and at least.
 constexpr double kMostVertices = 2, kVerticesAtLeast = 25'000;
 // What each further try by solid angle may ask, of what the first may, and how much larger the
-// tetrahedra of the last one are.
+// tetrahedra of the last one are at least.
 constexpr double kSecondQueries = 0.3, kLastQueries = 0.6, kLastSize = 1.4;
+// What all questions of a try about the solid may cost (side_cost), about 12 s, and the fewest a
+// tetrahedron with which a try is worth its time.
+constexpr double kMostCost = 1.2e9, kFewSidesPerTet = 20;
+// Questions a tetrahedron of the last try, by which its size is chosen where they are dear.
+constexpr double kLastSidesPerTet = 60;
 
 // Points on the border of the solid that keep a distance from each other: 1.2 times the size, less
 // on shells that would get only a few.
@@ -126,6 +131,42 @@ Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& pl
   return *with_edges;
 }
 
+// Mean cost of asking on which side a point near the surface is.
+double side_cost(const SurfaceSolid& solid) {
+  constexpr std::size_t kPoints = 500;
+  double sum = 0;
+  for (const SurfacePoint& at : spread_points(solid.surface, kPoints))
+    sum += static_cast<double>(solid.winding.cost_at(at.point));
+  return sum / kPoints;
+}
+
+// At the wanted sizes; where that comes to no end or is too dear, without asking for a
+// two-manifold, and at last with larger tetrahedra, which `method` tells. cost: of a question;
+// count: of tetrahedra that are expected.
+Result<TetMesh> mesh_in_tries(ImplicitRequest& request, const SizeField& sizes, double cost,
+                              double count, std::string& method) {
+  const auto most = static_cast<double>(request.most_queries);
+  const double affordable = kMostCost / cost;
+  if (affordable > kFewSidesPerTet * count) {
+    request.most_queries = static_cast<std::size_t>(std::min(most, affordable));
+    Result<TetMesh> mesh = mesh_implicit(request);
+    if (mesh) return mesh;
+    request.manifold = false;
+    request.surface_error *= 2.0;
+    request.most_queries = static_cast<std::size_t>(kSecondQueries * std::min(most, affordable));
+    mesh = mesh_implicit(request);
+    if (mesh) return mesh;
+  }
+  const double factor = std::max(kLastSize, std::cbrt(kLastSidesPerTet * count / affordable));
+  request.manifold = false;
+  request.surface_error *= factor;
+  request.most_queries = static_cast<std::size_t>(std::min(kLastQueries * most, affordable));
+  request.size = [&sizes, factor](const Point& x) { return factor * sizes.at(x); };
+  method +=
+      text(", with tetrahedra %.2g times as large as wanted, since those came to no end", factor);
+  return mesh_implicit(request);
+}
+
 Result<TetMesh> mesh_as_field(const SurfaceSolid& solid, const MeshPlan& plan,
                               const SizeField& sizes, std::string& method) {
   method = solid.half_thickness > 0 ? "as a sheet of the thickness asked for"
@@ -153,19 +194,7 @@ Result<TetMesh> mesh_as_field(const SurfaceSolid& solid, const MeshPlan& plan,
     x = near.point;
     return true;
   };
-  Result<TetMesh> mesh = mesh_implicit(request);
-  if (mesh) return mesh;
-  request.manifold = false;
-  request.surface_error *= 2.0;
-  const auto first_queries = static_cast<double>(request.most_queries);
-  request.most_queries = static_cast<std::size_t>(kSecondQueries * first_queries);
-  mesh = mesh_implicit(request);
-  if (mesh) return mesh;
-  request.most_queries = static_cast<std::size_t>(kLastQueries * first_queries);
-  request.size = [&sizes](const Point& x) { return kLastSize * sizes.at(x); };
-  method +=
-      text(", with tetrahedra %g times as large as wanted, since those came to no end", kLastSize);
-  return mesh_implicit(request);
+  return mesh_in_tries(request, sizes, side_cost(solid), estimated_count(plan), method);
 }
 
 }  // namespace

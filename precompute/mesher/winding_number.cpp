@@ -78,9 +78,9 @@ std::size_t WindingNumber::build(std::size_t first, std::size_t last) {
   return self;
 }
 
-double WindingNumber::at(const Eigen::Vector3d& x) const {
-  if (nodes_.empty()) return 0.0;
-  double sum = 0;
+template <class Far, class Near>
+void WindingNumber::visit(const Eigen::Vector3d& x, const Far& far, const Near& near) const {
+  if (nodes_.empty()) return;
   std::size_t stack[64];
   std::size_t depth = 0;
   stack[depth++] = 0;
@@ -90,18 +90,34 @@ double WindingNumber::at(const Eigen::Vector3d& x) const {
     const Eigen::Vector3d d = node.centre - x;
     const double squared = d.squaredNorm();
     if (squared > kFar * kFar * node.radius * node.radius) {
-      // n . d / |d|^3 and its first derivative along (x - centre).
-      const double cubed = squared * std::sqrt(squared);
-      sum += d.dot(node.dipole) / cubed +
-             (node.quadrupole.trace() - 3.0 * d.dot(node.quadrupole * d) / squared) / cubed;
+      far(node, d, squared);
     } else if (node.right == 0) {
-      for (std::size_t i = node.first; i < node.last; ++i) sum += solid_angle(triangles_[i], x);
+      for (std::size_t i = node.first; i < node.last; ++i) near(triangles_[i]);
     } else {
       stack[depth++] = node.right;
       stack[depth++] = self + 1;
     }
   }
+}
+
+double WindingNumber::at(const Eigen::Vector3d& x) const {
+  double sum = 0;
+  const auto far = [&sum](const Node& node, const Eigen::Vector3d& d, double squared) {
+    // n . d / |d|^3 and its first derivative along (x - centre).
+    const double cubed = squared * std::sqrt(squared);
+    sum += d.dot(node.dipole) / cubed +
+           (node.quadrupole.trace() - 3.0 * d.dot(node.quadrupole * d) / squared) / cubed;
+  };
+  visit(x, far, [&](const Corners& triangle) { sum += solid_angle(triangle, x); });
   return sum / (4.0 * std::numbers::pi);
+}
+
+std::size_t WindingNumber::cost_at(const Eigen::Vector3d& x) const {
+  std::size_t cost = 1;
+  visit(
+      x, [&](const Node&, const Eigen::Vector3d&, double) { ++cost; },
+      [&](const Corners&) { ++cost; });
+  return cost;
 }
 
 }  // namespace tremolo

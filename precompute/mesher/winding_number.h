@@ -19,7 +19,13 @@ class WindingNumber {
   // Exact for near triangles; the far ones add an error of a few thousandths, 0.05 at most.
   double at(const Eigen::Vector3d& x) const;
 
+  // What at() costs there: triangles and nodes that it looks at.
+  std::size_t cost_at(const Eigen::Vector3d& x) const;
+
  private:
+  // Goes through the tree for x: far(node), near(triangle).
+  template <class Far, class Near>
+  void visit(const Eigen::Vector3d& x, const Far& far, const Near& near) const;
   struct Node {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();      // of the area
     Eigen::Vector3d dipole = Eigen::Vector3d::Zero();      // sum of area times normal
