@@ -43,16 +43,27 @@ constexpr double kMostCost = 1.2e9, kFewSidesPerTet = 20;
 // Questions a tetrahedron of the last try, by which its size is chosen where they are dear.
 constexpr double kLastSidesPerTet = 60;
 
+// Mean cost of asking on which side a point near the surface is.
+double side_cost(const SurfaceSolid& solid) {
+  constexpr std::size_t kPoints = 500;
+  double sum = 0;
+  for (const SurfacePoint& at : spread_points(solid.surface, kPoints))
+    sum += static_cast<double>(solid.winding.cost_at(at.point));
+  return sum / kPoints;
+}
+
 // Points on the border of the solid that keep a distance from each other: 1.2 times the size, less
 // on shells that would get only a few.
 std::vector<Seed> border_points(const SurfaceSolid& solid, const SizeField& sizes) {
   constexpr double kSpacing = 1.2;
-  constexpr std::size_t kPoints = 60'000;
+  constexpr double kPoints = 60'000, kCost = 2e8;  // two questions each
+  const auto points =
+      static_cast<std::size_t>(std::min(kPoints, 0.5 * kCost / std::max(1.0, side_cost(solid))));
   constexpr std::size_t kLeast = 12;
   constexpr double kStep = 1e-4;
   std::vector<Seed> candidates;
   std::vector<std::size_t> shell_of;
-  for (const SurfacePoint& at : spread_points(solid.surface, kPoints)) {
+  for (const SurfacePoint& at : spread_points(solid.surface, points)) {
     const Point normal =
         doubled_area(solid.surface, solid.surface.triangles[at.triangle]).normalized();
     if (solid.half_thickness > 0) {
@@ -129,15 +140,6 @@ Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& pl
     return smooth;
   }
   return *with_edges;
-}
-
-// Mean cost of asking on which side a point near the surface is.
-double side_cost(const SurfaceSolid& solid) {
-  constexpr std::size_t kPoints = 500;
-  double sum = 0;
-  for (const SurfacePoint& at : spread_points(solid.surface, kPoints))
-    sum += static_cast<double>(solid.winding.cost_at(at.point));
-  return sum / kPoints;
 }
 
 // At the wanted sizes; where that comes to no end or is too dear, without asking for a
