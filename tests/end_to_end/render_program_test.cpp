@@ -227,7 +227,7 @@ TEST_F(RenderProgram, WrongUseIsSaid) {
   expect_failure(run(kPrecompute + kBar + "-o no.tremolo --fix 'x<=0' --render nothing.obj"), 1,
                  {"nothing.obj"});
   expect_failure(run(kPrecompute + kBar + "-o skin.obj --fix 'x<=0' --render skin.obj"), 2,
-                 {"overwrite"});
+                 {"take the place", "--render"});
 }
 
 }  // namespace
