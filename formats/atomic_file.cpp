@@ -10,6 +10,7 @@
 #include <unistd.h>
 #include <utility>
 
+#include "formats/os_error.h"
 #include "formats/partial_file.h"
 
 namespace tremolo {
@@ -72,7 +73,7 @@ AtomicFile::~AtomicFile() {
 }
 
 Error AtomicFile::failure(const char* what) const {
-  return system_error(path_ + ": cannot " + what + ": " + std::strerror(errno));
+  return os_error(path_ + ": cannot " + what);
 }
 
 Result<AtomicFile> AtomicFile::create(const std::string& path) {
@@ -86,8 +87,7 @@ Result<AtomicFile> AtomicFile::create(const std::string& path) {
   const std::string final_path = target.empty() ? path : target.string();
   remove_stale_partials(final_path);
   PartialFile partial = create_partial(final_path);
-  if (partial.descriptor < 0)
-    return system_error(path + ": cannot create a file there: " + std::strerror(errno));
+  if (partial.descriptor < 0) return os_error(path + ": cannot create a file there");
   const int slot = remember_partial(partial.path);
   return AtomicFile(final_path, std::move(partial.path), partial.descriptor, slot);
 }

@@ -1,9 +1,9 @@
 #include "formats/input_file.h"
 
-#include <cerrno>
-#include <cstring>
 #include <fcntl.h>
 #include <unistd.h>
+
+#include "formats/os_error.h"
 
 namespace tremolo {
 namespace {
@@ -20,7 +20,7 @@ Error not_regular(const std::string& path, mode_t mode) {
 }
 
 Error failure(const std::string& path, const char* what) {
-  return system_error(path + ": cannot " + what + ": " + std::strerror(errno));
+  return os_error(path + ": cannot " + what);
 }
 
 }  // namespace

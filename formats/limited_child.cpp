@@ -7,7 +7,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <fcntl.h>
 #include <new>
@@ -18,6 +17,7 @@
 #include <unistd.h>
 
 #include "common/number_text.h"
+#include "formats/os_error.h"
 
 namespace tremolo {
 namespace {
@@ -30,7 +30,7 @@ constexpr int kNoPipe = 72;
 constexpr double kMegabyte = 1e6;
 
 Error system_failure(const char* what) {
-  return system_error(std::string("cannot ") + what + ": " + std::strerror(errno));
+  return os_error(std::string("cannot ") + what);
 }
 
 // Nothing of the parent's handlers and masks: a blocked SIGTERM would make a child that only

@@ -1,12 +1,11 @@
 #include "formats/mapped_file.h"
 
-#include <cerrno>
-#include <cstring>
 #include <sys/mman.h>
 #include <unistd.h>
 #include <utility>
 
 #include "formats/input_file.h"
+#include "formats/os_error.h"
 
 namespace tremolo {
 
@@ -18,7 +17,7 @@ Result<MappedFile> MappedFile::open(const std::string& path) {
     const auto size = static_cast<std::size_t>(input->size);
     void* address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, input->descriptor, 0);
     if (address == MAP_FAILED) {
-      const Error error = system_error(path + ": cannot map: " + std::strerror(errno));
+      const Error error = os_error(path + ": cannot map");
       ::close(input->descriptor);
       return error;
     }

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <string_view>
 #include <unistd.h>
@@ -12,6 +10,7 @@
 #include "common/number_text.h"
 #include "formats/input_file.h"
 #include "formats/limited_child.h"
+#include "formats/os_error.h"
 #include "formats/surface_answer.h"
 #include "formats/surface_scene.h"
 
@@ -47,8 +46,7 @@ std::string lower(std::string text) {
 Result<std::uint64_t> size_of(const std::string& path) {
   const Result<struct stat> status = examine_input(path);
   if (!status) return status.error();
-  if (::access(path.c_str(), R_OK) != 0)
-    return system_error(path + ": cannot open: " + std::strerror(errno));
+  if (::access(path.c_str(), R_OK) != 0) return os_error(path + ": cannot open");
   if (status->st_size <= 0) return content_error(path + ": the file is empty");
   return static_cast<std::uint64_t>(status->st_size);
 }

@@ -18,6 +18,9 @@ extern "C" {
 void* blas_memory_alloc(int) __attribute__((weak));
 void blas_memory_free(void*) __attribute__((weak));
 int openblas_get_num_threads() __attribute__((weak));
+// What `#pragma omp parallel num_threads(threads)` calls.
+void GOMP_parallel(void (*work)(void*), void* data, unsigned threads, unsigned flags)
+    __attribute__((weak));
 }
 
 namespace tremolo {
@@ -26,7 +29,11 @@ namespace {
 constexpr std::size_t kBuffer = (std::size_t{128} << 20) + 4096;  // one of OpenBLAS's, 64-bit
 // It has no more buffers than for twice so many threads.
 constexpr unsigned kMostThreads = 64;
-constexpr std::size_t kStack = std::size_t{8} << 20;  // of a thread
+// A thread's stack, and what the C library keeps for its own allocations.
+constexpr std::size_t kStack = std::size_t{8} << 20;
+constexpr std::size_t kArena = std::size_t{64} << 20;
+// CHOLMOD takes as many of OpenMP for a factor, whatever it is told; who calls is one of them.
+constexpr unsigned kFactorThreads = 4;
 // What the libraries and a small mesh take besides.
 constexpr std::size_t kRest = std::size_t{64} << 20;
 
@@ -36,6 +43,22 @@ bool there_is_room(std::size_t bytes) {
   if (region == MAP_FAILED) return false;
   ::munmap(region, bytes);
   return true;
+}
+
+// The stack of this thread grows as it is used, and where there is no room for it to grow a program
+// dies by SIGSEGV, wherever it is: so it is made as large as it may ever be asked to be.
+void grow_stack() {
+  constexpr std::size_t kDepth = std::size_t{4} << 20;
+  struct rlimit most = {};
+  if (::getrlimit(RLIMIT_STACK, &most) != 0 || most.rlim_cur < kDepth + kDepth / 2) return;
+  volatile char deep[kDepth];
+  deep[0] = 0;
+}
+
+// Starts the threads that OpenMP would start in the middle of a factor, where it ends the program
+// if it cannot have them.
+void start_factor_threads() {
+  if (GOMP_parallel != nullptr) GOMP_parallel([](void*) {}, nullptr, kFactorThreads, 0);
 }
 
 // Address space that the process has now, bytes. Without the C++ library, which may not be there
@@ -88,7 +111,8 @@ void require_room_for_blas(char** environment) {
   const std::size_t needed = threads * (kBuffer + kStack) + kRest;
   if (there_is_room(needed)) return;
   // What take_room_for_blas() will ask for, if there are to be as many threads of ours.
-  const std::size_t later = (2 * threads - 1) * (kBuffer + kStack) + kRest;
+  const std::size_t later = (2 * threads - 1) * (kBuffer + kStack) + (threads - 1) * kArena +
+                            (kFactorThreads - 1) * kStack + kRest;
   char reason[400];
   describe(reason, sizeof(reason), later, kBuffer + kStack + kRest);
   char line[450];
@@ -100,24 +124,35 @@ void require_room_for_blas(char** environment) {
 }
 
 void take_room_for_blas(unsigned threads) {
+  grow_stack();
   if (openblas_get_num_threads == nullptr) return;
   threads = std::min(threads, kMostThreads);
   // Each of its own threads keeps one for good, from its first work on; there is one thread less
   // than it was told, as who calls works too.
   const auto own = std::max(static_cast<int>(threads), openblas_get_num_threads()) - 1;
   const std::size_t count = threads + static_cast<std::size_t>(own);
-  const std::size_t needed = count * (kBuffer + kStack) + kRest;
-  if (!there_is_room(needed)) {
+  const std::size_t besides =
+      static_cast<std::size_t>(own) * kArena + (kFactorThreads - 1) * kStack + kRest;
+  const auto require_room = [&](std::size_t buffers) {
+    const std::size_t needed = buffers * (kBuffer + kStack) + besides;
+    if (there_is_room(needed)) return;
     char reason[400];
     describe(reason, sizeof(reason), needed, kBuffer + kStack + kRest);
     throw Failure(system_error(reason));
-  }
+  };
+  require_room(count);
   const BlasThreads all(static_cast<int>(threads));
-  if (blas_memory_alloc == nullptr || blas_memory_free == nullptr) return;
+  if (blas_memory_alloc == nullptr || blas_memory_free == nullptr) return start_factor_threads();
   std::vector<void*> buffers;
-  for (std::size_t i = 0; i < count; ++i) buffers.push_back(blas_memory_alloc(0));
+  for (std::size_t i = 0; i < count; ++i) {
+    // Threads that OpenBLAS has started meanwhile take room as well.
+    require_room(count - i);
+    buffers.push_back(blas_memory_alloc(0));
+  }
   // They go back to OpenBLAS, which keeps them.
   for (void* buffer : buffers) blas_memory_free(buffer);
+  // Last, as the memory that they keep for themselves is room too.
+  start_factor_threads();
 }
 
 }  // namespace tremolo

@@ -10,7 +10,8 @@ namespace tremolo {
 // with exit code 1.
 void require_room_for_blas(char** environment);
 
-// Buffers for `threads` threads that call BLAS at once, kept from here on. Throws Failure (kSystem)
+// Buffers for `threads` threads that call BLAS at once, the threads of a factor and the stack of
+// this thread, all kept from here on. Throws Failure (kSystem)
 // when there is no room, saying what would do.
 void take_room_for_blas(unsigned threads);
 

@@ -512,14 +512,15 @@ TEST_F(PrecomputeProgram, UnderALimitOfAddressSpaceItEndsInWords) {
   const TetMesh block = box_mesh({14, 8, 8}, {0.3, 0.2, 0.2});
   write_veg(folder_ + "/larger.veg", block);
   int refused = 0;
-  for (const int limit : {200'000, 300'000, 400'000, 500'000, 600'000, 700'000, 800'000, 900'000,
-                          1'000'000, 1'200'000, 1'600'000, 2'400'000}) {
+  for (int limit = 200'000; limit < 2'400'000; limit += limit < 1'000'000 ? 20'000 : 400'000) {
     const ProgramResult result = run_program(
         folder_, "ulimit -v " + std::to_string(limit) +
                      "; OPENBLAS_NUM_THREADS=2 timeout -s KILL "
                      "60 " +
                      kProgram + "larger.veg --threads 2 -o limited.tremolo --fix 'x<0.001'");
     if (result.code == 0) continue;
+    // The loader of shared libraries has no room: the program has not begun.
+    if (result.code == 127 && result.err.find("shared object") != std::string::npos) continue;
     ++refused;
     EXPECT_EQ(result.code, 1) << limit << ": " << result.err;
     EXPECT_NE(result.err.find("out of memory"), std::string::npos) << limit << ": " << result.err;
