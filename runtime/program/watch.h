@@ -44,6 +44,7 @@ class Watch {
   Eigen::Matrix<double, 3, Eigen::Dynamic> probe_;
   DriftMeter drift_;
   bool was_loaded_ = false;
+  std::int64_t shape_every_;      // steps
   std::int64_t shape_seen_ = -1;  // steps at the last look at the shape
   Moment last_;
 };
