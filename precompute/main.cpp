@@ -34,22 +34,6 @@
 namespace tremolo {
 namespace {
 
-// Null where not known.
-nlohmann::ordered_json locking_json(const Locking& locking) {
-  using Json = nlohmann::ordered_json;
-  const auto wall = [&locking](double WallLayers::*what) {
-    return locking.walls ? Json((*locking.walls).*what) : Json(nullptr);
-  };
-  const auto number = [](const std::optional<double>& value) {
-    return value ? Json(*value) : Json(nullptr);
-  };
-  return {{"wall_thickness_m", wall(&WallLayers::thickness)},
-          {"layers", wall(&WallLayers::layers)},
-          {"edge_over_thickness", wall(&WallLayers::edge)},
-          {"poisson", number(locking.poisson)},
-          {"frequency_excess", number(locking.excess)}};
-}
-
 void print_json(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks) {
   using Json = nlohmann::ordered_json;
   const BasisData& data = result.data;
@@ -97,7 +81,7 @@ void print_json(const PrecomputeResult& result, const StageLog& log, const RankT
       {"mass_orthonormality_error", result.findings.orthonormality_error},
       {"polynomial_error", result.findings.polynomial_error},
       {"cut_singular_values", cut},
-      {"locking", locking_json(result.findings.locking)},
+      {"locking", to_json(result.findings.locking)},
       {"target_error", target_json(result.findings.target)},
       {"encoding", provenance.value("encoding", Json{{"name", "full"}})},
       {"notes", result.problem.notes},
@@ -183,7 +167,8 @@ void write_vtu(const PrecomputeOptions& options, const TetMesh& mesh, const Basi
 // Outputs that cannot be written, or would take the place of an input or of each other, are told
 // before the work, not after it.
 void require_outputs(const PrecomputeOptions& options) {
-  unwrap(keep_apart({options.output_path, options.modes_vtu, options.preview}, input_files(options)));
+  unwrap(
+      keep_apart({options.output_path, options.modes_vtu, options.preview}, input_files(options)));
   unwrap(AtomicFile::create(options.output_path));
   if (!options.modes_vtu.empty()) unwrap(AtomicFile::create(options.modes_vtu));
   if (!options.preview.empty()) unwrap(AtomicFile::create(options.preview));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 
 #include "common/hash.h"
@@ -184,11 +183,6 @@ namespace {
 // Contradictions among the options that no file need be read for.
 void require_consistent(const PrecomputeOptions& options) {
   const auto refuse = [](const std::string& text) { throw Failure({ErrorKind::kUsage, text}); };
-  std::error_code ignored;
-  if (std::filesystem::equivalent(options.mesh_path, options.output_path, ignored))
-    refuse(options.output_path + ": the output would overwrite the mesh");
-  if (std::filesystem::equivalent(options.render_path, options.output_path, ignored))
-    refuse(options.output_path + ": the output would overwrite the render surface");
   if (options.fix.size() > 1 &&
       std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
     refuse("--fix none and another --fix contradict each other");

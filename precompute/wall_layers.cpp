@@ -172,4 +172,19 @@ std::vector<std::string> describe(const Locking& locking) {
                                            : "")};
 }
 
+nlohmann::ordered_json to_json(const Locking& locking) {
+  using Json = nlohmann::ordered_json;
+  const auto wall = [&locking](double WallLayers::*what) {
+    return locking.walls ? Json((*locking.walls).*what) : Json(nullptr);
+  };
+  const auto number = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  return {{"wall_thickness_m", wall(&WallLayers::thickness)},
+          {"layers", wall(&WallLayers::layers)},
+          {"edge_over_thickness", wall(&WallLayers::edge)},
+          {"poisson", number(locking.poisson)},
+          {"frequency_excess", number(locking.excess)}};
+}
+
 }  // namespace tremolo

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "precompute/problem.h"
 
 namespace tremolo {
@@ -40,5 +42,8 @@ Locking find_locking(const Problem& problem);
 
 // One line where the frequencies are off by 3 % or more, else nothing.
 std::vector<std::string> describe(const Locking& locking);
+
+// The object `locking` of the programs' JSON: null for what is not known.
+nlohmann::ordered_json to_json(const Locking& locking);
 
 }  // namespace tremolo

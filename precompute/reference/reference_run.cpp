@@ -17,6 +17,7 @@
 #include "precompute/reference/reference_loads.h"
 #include "precompute/reference/reference_report.h"
 #include "precompute/reference/reference_table.h"
+#include "precompute/wall_layers.h"
 
 namespace tremolo {
 namespace {
@@ -320,6 +321,8 @@ void run_reference(const ReferenceOptions& options) {
     if (!problem.held[axis].empty())
       log.note(text("%zu vertices are held along %c", problem.held[axis].size(),
                     static_cast<char>('x' + axis)));
+  const Locking locking = find_locking(problem);
+  for (const std::string& note : describe(locking)) log.note(note);
   require_place(options);
 
   log.begin("matrices");
@@ -347,6 +350,7 @@ void run_reference(const ReferenceOptions& options) {
   work.json["n"] = problem.mesh.vertices.size();
   work.json["m"] = problem.mesh.tetrahedra.size();
   work.json["dofs"] = body.size();
+  work.json["locking"] = to_json(locking);
   if (options.statics)
     run_statics(work);
   else

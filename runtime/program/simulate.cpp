@@ -133,7 +133,9 @@ Result<LoadAttempt> attempt(const RunOptions& options, const Given& given, doubl
   trial.plot = false;
   trial.probes.clear();
   trial.coordinates.clear();
-  const Result<RunReport> report = run_body(trial, given, {});
+  ToldProgress progress(fmt::format("{}, load times {:.4g}", options.name, scale),
+                        options.duration);
+  const Result<RunReport> report = run_body(trial, given, {nullptr, &progress});
   if (!report) return report.error();
   if (!(report->size > 0)) return content_error(options.model + ": the surface has no size");
   return LoadAttempt{scale,

@@ -110,6 +110,19 @@ TEST_F(ReferenceProgram, StaticsUnderGravityInPlaneStrain) {
   EXPECT_EQ(json["probes"][0]["displacement"][2], 0.0);
 }
 
+// Its elements are those of the precompute, and as stiff.
+TEST_F(ReferenceProgram, LayersAcrossWallsAreTold) {
+  testing::write_veg(folder_ + "/block.veg", testing::box_mesh({12, 12, 1}, {0.4, 0.4, 0.01}));
+  const ProgramResult result =
+      reference("--fix 'x<0.001' --load-at 'x>0.399' --load-force 0,0,-1e-3 --static --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.err.find("the thinnest walls, 0.01 m, are 1 layer"), std::string::npos)
+      << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_NEAR(json["locking"]["layers"].get<double>(), 1.0, 0.01);
+  EXPECT_GT(json["locking"]["frequency_excess"].get<double>(), 0.03);
+}
+
 TEST_F(ReferenceProgram, WrongValuesAreRefusedWithTheirName) {
   const std::string good = kBody;
   expect_failure(good + "--step 0", 3, "--step must be positive");

@@ -118,6 +118,12 @@ void save_texts(const fs::path& root) {
     save(root / "off", std::to_string(number++), text);
   for (const char* text : {"0 1 2\n", "1,2,3 # a comment\n4\n", "999"})
     save(root / "ids", std::to_string(number++), text);
+  for (const char* text :
+       {"t,value\n0,0\n0.1,1\n0.2,0\n", "0 1 # one\n1e-3\t-2\n\n2e-3 0", "\"t\"\n"})
+    save(root / "signal", std::to_string(number++), text);
+  for (const char* text : {"step,t,q0,q1,p0,p1\n0,0,0,0,0,0\n1,0.003,1e-3,-2e-3,0.5,0.25\n2,0.0",
+                           "t,p1,q1,p0,q0,\"ux 3\"\r\n0.01,4,3,2,1,\r\n", "t,q0,q1,q2\n"})
+    save(root / "state", std::to_string(number++), text);
   const fs::path scenes = fs::path(TREMOLO_SOURCE_DIR) / "assets/scenes";
   if (fs::exists(scenes))
     for (const fs::directory_entry& entry : fs::directory_iterator(scenes))

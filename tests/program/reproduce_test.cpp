@@ -1,4 +1,6 @@
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <set>
 #include <string>
 #include <vector>
@@ -256,6 +258,24 @@ TEST(SampleModels, AMissingFileNamesTheDemo) {
   ASSERT_FALSE(models);
   EXPECT_EQ(models.error().kind, ErrorKind::kSystem);
   EXPECT_NE(models.error().message.find("./demo"), std::string::npos);
+}
+
+TEST(SampleModels, AreNotWhereAReportWouldBeWritten) {
+  namespace fs = std::filesystem;
+  const std::string folder = fresh_folder();
+  fs::create_directories(folder + "/models");
+  fs::create_directories(folder + "/out/data");
+  std::ofstream(folder + "/models/horse.tremolo") << "a model";
+  std::ofstream(folder + "/out/index.html") << "a page";
+  EXPECT_TRUE(keep_models_apart(folder + "/out", folder + "/models", {}));
+  EXPECT_TRUE(keep_models_apart(folder + "/none", folder + "/models", {}));
+  fs::create_symlink(folder + "/models/horse.tremolo", folder + "/out/data/speed.csv");
+  const Status status = keep_models_apart(folder + "/out", folder + "/models", {});
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::kUsage);
+  EXPECT_NE(status.error().message.find("horse.tremolo"), std::string::npos)
+      << status.error().message;
+  EXPECT_TRUE(keep_models_apart(folder + "/out", folder + "/models", {"beam"}));
 }
 
 TEST(RunNames, DifferentRunsHaveDifferentNames) {

@@ -98,6 +98,9 @@ Result<int> measure_and_report(const Options& options, std::vector<SampleModel> 
 
 int run(Options options) {
   if (Status status = settle(options); !status) return report_error(status.error());
+  if (Status status = reproduce::keep_models_apart(options.out, options.models_dir, options.models);
+      !status)
+    return report_error(status.error());
   Result<std::vector<SampleModel>> models =
       reproduce::load_sample_models(options.models_dir, options.models);
   if (!models) return report_error(models.error());

@@ -34,6 +34,9 @@ void note(const std::string& text) {
 }
 
 Result<Workshop> open_workshop(const ReproduceOptions& options) {
+  if (Status status = keep_models_apart(options.out, options.models_directory, options.models);
+      !status)
+    return status.error();
   Result<std::vector<SampleModel>> models =
       load_sample_models(options.models_directory, options.models);
   if (!models) return models.error();

@@ -1,12 +1,14 @@
 #include "runtime/program/reproduce/sample_models.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "formats/checksum.h"
+#include "formats/output_guard.h"
 #include "formats/whole_file.h"
 #include "runtime/program/reproduce/thesis.h"
 
@@ -24,9 +26,17 @@ Status check_names(const std::vector<std::string>& names) {
   return Success{};
 }
 
+std::string path_of(const std::string& directory, std::string_view name) {
+  return (std::filesystem::path(directory) / fmt::format("{}.tremolo", name)).string();
+}
+
+bool is_of_a_report(const std::filesystem::path& file) {
+  constexpr std::array kEndings = {".html", ".csv", ".svg", ".json"};
+  return std::ranges::find(kEndings, file.extension()) != kEndings.end();
+}
+
 Result<SampleModel> load_one(const std::string& directory, std::string_view name) {
-  const std::string path =
-      (std::filesystem::path(directory) / fmt::format("{}.tremolo", name)).string();
+  const std::string path = path_of(directory, name);
   if (!std::filesystem::exists(path))
     return system_error(path +
                         ": there is no such file; ./demo makes the six sample models in "
@@ -53,6 +63,21 @@ Result<std::vector<SampleModel>> load_sample_models(const std::string& directory
     models.push_back(std::move(*model));
   }
   return models;
+}
+
+Status keep_models_apart(const std::string& out, const std::string& directory,
+                         const std::vector<std::string>& names) {
+  namespace fs = std::filesystem;
+  std::vector<NamedFile> inputs;
+  for (const std::string_view name : thesis::kModels)
+    if (names.empty() || std::ranges::find(names, name) != names.end())
+      inputs.push_back({path_of(directory, name), "a model"});
+  std::vector<std::string> outputs;
+  std::error_code error;
+  for (fs::recursive_directory_iterator at(out, error), end; !error && at != end;
+       at.increment(error))
+    if (is_of_a_report(at->path())) outputs.push_back(at->path().string());
+  return keep_apart(outputs, inputs);
 }
 
 }  // namespace tremolo::reproduce

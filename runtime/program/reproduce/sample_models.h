@@ -22,4 +22,9 @@ struct SampleModel {
 Result<std::vector<SampleModel>> load_sample_models(const std::string& directory,
                                                     const std::vector<std::string>& names);
 
+// Error (kUsage) if a file in the folder `out` that a report would write anew is one of the models:
+// of load_sample_models' arguments, through whatever links. To be asked before anything is written.
+Status keep_models_apart(const std::string& out, const std::string& directory,
+                         const std::vector<std::string>& names);
+
 }  // namespace tremolo::reproduce
