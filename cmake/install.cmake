@@ -27,7 +27,7 @@ function(tremolo_install_if_built target component)
     endif()" COMPONENT ${component})
 endfunction()
 
-foreach(program tremolo tremolo-precompute tremolo-mesh)
+foreach(program tremolo tremolo-lab tremolo-precompute tremolo-mesh)
   if(TARGET ${program})
     tremolo_install_if_built(${program} programs)
   endif()

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "common/format_text.h"
-#include "precompute/material_rules.h"
+#include "precompute/problem/material_rules.h"
 #include "precompute/soundness.h"
 
 namespace tremolo {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "precompute/problem.h"
-#include "precompute/stvk.h"
+#include "precompute/fem/stvk.h"
+#include "precompute/problem/problem.h"
 
 namespace tremolo {
 

@@ -1,14 +1,15 @@
 #include "precompute/pipeline.h"
 
 #include "common/format_text.h"
-#include "precompute/blas_threads.h"
 #include "precompute/body_measures.h"
-#include "precompute/failure.h"
 #include "precompute/pipeline_stages.h"
-#include "precompute/preview.h"
-#include "precompute/rank_agreement.h"
-#include "precompute/rigid_motion.h"
+#include "precompute/problem/model_geometry.h"
+#include "precompute/problem/preview.h"
+#include "precompute/problem/rigid_motion.h"
+#include "precompute/ranks/rank_agreement.h"
 #include "precompute/soundness.h"
+#include "precompute/system/blas_threads.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {

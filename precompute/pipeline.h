@@ -4,12 +4,12 @@
 #include <optional>
 
 #include "common/stage_log.h"
-#include "formats/basis_data.h"
-#include "precompute/encoding_error.h"
-#include "precompute/problem.h"
-#include "precompute/row_gather.h"
+#include "formats/basis/basis_data.h"
+#include "precompute/problem/problem.h"
+#include "precompute/problem/wall_layers.h"
+#include "precompute/ranks/row_gather.h"
+#include "precompute/reduction/encoding_error.h"
 #include "precompute/target_findings.h"
-#include "precompute/wall_layers.h"
 
 namespace tremolo {
 
@@ -46,10 +46,6 @@ struct PrecomputeResult {
 struct TargetSearch;
 PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log,
                                 TargetSearch* target = nullptr);
-
-// What the file keeps of the mesh: surface, interior, triangles, counts, fixed vertices and load;
-// the blocks' rows stay empty.
-void add_geometry(const Problem& problem, BasisData& data);
 
 // The JSON object kept in the file. No times: the same input gives the same file.
 std::string provenance_json(const PrecomputeOptions& options, const PrecomputeResult& result);

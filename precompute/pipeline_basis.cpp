@@ -1,13 +1,13 @@
 // Stages "target", "basis" and "coefficients".
 #include "common/format_text.h"
 #include "common/packed_index.h"
-#include "precompute/basis.h"
 #include "precompute/body_measures.h"
-#include "precompute/coefficients.h"
-#include "precompute/dense_decompositions.h"
-#include "precompute/halo.h"
+#include "precompute/dense/dense_decompositions.h"
 #include "precompute/pipeline_stages.h"
-#include "precompute/polynomial_check.h"
+#include "precompute/ranks/halo.h"
+#include "precompute/reduction/basis.h"
+#include "precompute/reduction/coefficients.h"
+#include "precompute/reduction/polynomial_check.h"
 #include "precompute/target_error.h"
 
 namespace tremolo {

@@ -1,13 +1,13 @@
 // Stages "modes", "derivatives" and "certificate", which share a factor of the stiffness.
 #include "common/format_text.h"
 #include "common/hertz.h"
-#include "precompute/block_lanczos.h"
 #include "precompute/body_measures.h"
-#include "precompute/derivatives.h"
-#include "precompute/failure.h"
-#include "precompute/halo.h"
+#include "precompute/modes/block_lanczos.h"
 #include "precompute/pipeline_stages.h"
+#include "precompute/ranks/halo.h"
+#include "precompute/reduction/derivatives.h"
 #include "precompute/soundness.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {

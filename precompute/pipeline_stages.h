@@ -2,8 +2,8 @@
 // and keeps it, takes what the report and the file want of it into the run's result, and says so.
 #pragma once
 
-#include "precompute/checkpoint_stages.h"
-#include "precompute/limits.h"
+#include "precompute/checkpoint/checkpoint_stages.h"
+#include "precompute/dense/limits.h"
 #include "precompute/pipeline.h"
 
 namespace tremolo {

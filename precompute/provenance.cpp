@@ -4,9 +4,9 @@
 #include <metis.h>
 #include <nlohmann/json.hpp>
 
-#include "precompute/material_rules.h"
-#include "precompute/petsc.h"
 #include "precompute/pipeline.h"
+#include "precompute/problem/material_rules.h"
+#include "precompute/system/petsc.h"
 #include "precompute/target_error.h"
 
 namespace tremolo {

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "common/format_text.h"
-#include "precompute/failure.h"
-#include "precompute/halo.h"
+#include "precompute/ranks/halo.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {

@@ -1,7 +1,7 @@
 // Whether what was computed can be believed: a result that cannot is refused, with the reason.
 #pragma once
 
-#include "precompute/modes.h"
+#include "precompute/modes/modes.h"
 #include "precompute/pipeline.h"
 
 namespace tremolo {

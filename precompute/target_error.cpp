@@ -6,8 +6,8 @@
 #include <cstdio>
 
 #include "common/format_text.h"
-#include "precompute/failure.h"
-#include "precompute/petsc.h"
+#include "precompute/system/failure.h"
+#include "precompute/system/petsc.h"
 
 namespace tremolo {
 namespace {

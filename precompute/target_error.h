@@ -11,8 +11,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "precompute/basis.h"
 #include "precompute/pipeline.h"
+#include "precompute/reduction/basis.h"
 #include "precompute/reference/step_equation.h"
 
 namespace tremolo {

@@ -5,11 +5,11 @@
 #include <Eigen/Cholesky>
 
 #include "common/format_text.h"
-#include "precompute/coefficients.h"
-#include "precompute/failure.h"
-#include "precompute/halo.h"
+#include "precompute/ranks/halo.h"
+#include "precompute/reduction/coefficients.h"
 #include "precompute/reference/full_order_solver.h"
 #include "precompute/reference/reduced_model.h"
+#include "precompute/system/failure.h"
 #include "precompute/target_error.h"
 
 namespace tremolo {

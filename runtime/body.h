@@ -11,12 +11,12 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/display/surface.h"
 #include "runtime/energy.h"
 #include "runtime/energy_bound.h"
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
-#include "runtime/surface.h"
 
 namespace tremolo {
 
@@ -87,7 +87,7 @@ class Body {
   // X + U q of the drawn surface's vertices, x y z x y z ..., m. out: 3 *
   // model().drawn().rest.size() long, else kUsage. The double variant allocates nothing. The float
   // variant reads rows that the model makes for it when they are first asked for
-  // (runtime/surface.h, where its error is told), and allocates nothing after that.
+  // (runtime/display/surface.h, where its error is told), and allocates nothing after that.
   Status surface_positions(std::span<double> out) const;
   Status surface_positions(std::span<float> out) const;
   // Those of the solid's boundary, whatever is drawn: 3 * model().surface().rest.size() long.

@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 
-#include "runtime/integrators/integrator.h"
-#include "runtime/potential.h"
+#include "runtime/integrator.h"
+#include "runtime/kernels/potential.h"
 
 namespace tremolo {
 

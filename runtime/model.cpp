@@ -7,10 +7,10 @@
 
 #include "common/number_text.h"
 #include "common/packed_index.h"
-#include "formats/basis_layout.h"
-#include "formats/basis_reader.h"
-#include "runtime/interior_rows.h"
-#include "runtime/surface.h"
+#include "formats/basis/basis_layout.h"
+#include "formats/basis/basis_reader.h"
+#include "runtime/display/interior_rows.h"
+#include "runtime/display/surface.h"
 
 namespace tremolo {
 namespace {

@@ -12,8 +12,8 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "formats/basis_data.h"
-#include "runtime/potential.h"
+#include "formats/basis/basis_data.h"
+#include "runtime/kernels/potential.h"
 
 namespace tremolo {
 
@@ -54,7 +54,7 @@ class Model {
   static Result<Pointer> from_data(const BasisData& data, ModelOptions options = {});
 
   // A basis file. Interior rows stay in the file until a vertex inside is asked for; the file is
-  // kept mapped for that. Errors as in formats/basis_reader.h and from_data.
+  // kept mapped for that. Errors as in formats/basis/basis_reader.h and from_data.
   static Result<Pointer> load(const std::string& path, ModelOptions options = {});
 
   // A basis file in memory. The bytes are not needed after the call: the interior is copied too.
@@ -92,8 +92,8 @@ class Model {
   // such vertex; what reading the file gives if the interior is read here. Thread-safe.
   Result<VertexRows> vertex(VertexId id) const;
 
-  // The drawn surface's rows as they are multiplied for display (runtime/surface.h), made when they
-  // are first asked for: a model that is never shown pays nothing. Thread-safe; may throw
+  // The drawn surface's rows as they are multiplied for display (runtime/display/surface.h), made
+  // when they are first asked for: a model that is never shown pays nothing. Thread-safe; may throw
   // bad_alloc.
   const SurfaceBasis& surface_basis() const;
 

@@ -3,11 +3,12 @@
 //
 // A group is a model, a method, a step and a level of detail; bodies belong to one. The default
 // method, `ep4`, cannot explode: its bodies step each by itself (runtime/body.h), as those of all
-// methods but two. Bodies of `verlet` and `imexv-linear` step in lanes (runtime/lane_group.h), in a
-// fortieth of the time and less, but are stable only while the step resolves what deformation
-// stiffens: the limit is in their headers (runtime/integrators/), take them for motion that you
-// know. What a body does depends on nothing but its own state and forces: not on the other bodies,
-// the number of threads, or when others were added, slept or woke, bit for bit.
+// methods but two. Bodies of `verlet` and `imexv-linear` step in lanes
+// (runtime/crowd/lane_group.h), in a fortieth of the time and less, but are stable only while the
+// step resolves what deformation stiffens: the limit is in their headers (runtime/integrators/),
+// take them for motion that you know. What a body does depends on nothing but its own state and
+// forces: not on the other bodies, the number of threads, or when others were added, slept or woke,
+// bit for bit.
 //
 // Sleep. A new body is at rest in the rest shape and sleeps. It wakes by a force, set_state() or
 // wake(), and falls asleep when its energy T + V has stayed at or below a threshold for a while and
@@ -38,7 +39,6 @@
 
 #include "common/result.h"
 #include "runtime/body.h"
-#include "runtime/lane_group.h"
 #include "runtime/model.h"
 
 namespace tremolo {
@@ -56,6 +56,9 @@ struct SleepOptions {
   double energy = 0.0;
   double time = 0.5;
 };
+
+// Of grad (C + Q) in lanes.
+enum class LanePrecision { kDouble, kFloat };
 
 // integrator, options: as make_integrator. modes: level of detail, leading coordinates that move, 0
 // for all of the model's; less than all only for methods in lanes (for others load the model with

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "common/tet_mesh.h"
+#include "common/mesh/tet_mesh.h"
 
 namespace tremolo {
 

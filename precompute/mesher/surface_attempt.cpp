@@ -6,11 +6,11 @@
 #include <optional>
 
 #include "common/format_text.h"
-#include "common/mesh_quality.h"
-#include "precompute/mesher/cgal_mesher.h"
-#include "precompute/mesher/polyhedral_mesher.h"
-#include "precompute/mesher/surface_distance.h"
-#include "precompute/mesher/thinning.h"
+#include "common/mesh/mesh_quality.h"
+#include "precompute/mesher/cgal/cgal_mesher.h"
+#include "precompute/mesher/cgal/polyhedral_mesher.h"
+#include "precompute/mesher/surface/surface_distance.h"
+#include "precompute/mesher/surface/thinning.h"
 
 namespace tremolo {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "common/mesh/tet_mesh.h"
 #include "common/result.h"
-#include "common/tet_mesh.h"
 #include "precompute/mesher/surface_plan.h"
 
 namespace tremolo {

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "common/length_unit.h"
-#include "formats/surface_reader.h"
+#include "formats/surface/surface_reader.h"
 
 namespace tremolo {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/render_surface.h"
+#include "common/mesh/render_surface.h"
 #include "common/result.h"
 #include "precompute/mesher/surface_mesher.h"
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "common/format_text.h"
+#include "precompute/mesher/surface/surface_outcome.h"
+#include "precompute/mesher/surface/surface_solid.h"
 #include "precompute/mesher/surface_attempt.h"
-#include "precompute/mesher/surface_outcome.h"
 #include "precompute/mesher/surface_plan.h"
-#include "precompute/mesher/surface_solid.h"
 
 namespace tremolo {
 namespace {

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "common/mesh_quality.h"
-#include "common/render_surface.h"
+#include "common/mesh/mesh_quality.h"
+#include "common/mesh/render_surface.h"
+#include "common/mesh/tet_mesh.h"
 #include "common/result.h"
-#include "common/tet_mesh.h"
-#include "precompute/mesher/surface_repair.h"
+#include "precompute/mesher/surface/surface_repair.h"
 
 namespace tremolo {
 

@@ -7,7 +7,7 @@
 
 #include "common/length_unit.h"
 #include "precompute/mesher/surface_mesher.h"
-#include "precompute/option_checks.h"
+#include "precompute/system/option_checks.h"
 
 namespace tremolo {
 

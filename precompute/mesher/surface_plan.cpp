@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/format_text.h"
-#include "precompute/mesher/surface_distance.h"
+#include "precompute/mesher/surface/surface_distance.h"
 
 namespace tremolo {
 namespace {

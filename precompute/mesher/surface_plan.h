@@ -2,9 +2,9 @@
 #pragma once
 
 #include "common/result.h"
-#include "precompute/mesher/size_field.h"
+#include "precompute/mesher/cgal/size_field.h"
+#include "precompute/mesher/surface/surface_solid.h"
 #include "precompute/mesher/surface_mesher.h"
-#include "precompute/mesher/surface_solid.h"
 
 namespace tremolo {
 

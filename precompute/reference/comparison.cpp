@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/format_text.h"
-#include "precompute/failure.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {

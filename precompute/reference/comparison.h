@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include "formats/basis_data.h"
+#include "formats/basis/basis_data.h"
 #include "precompute/reference/full_order_solver.h"
 #include "precompute/reference/reduced_model.h"
 

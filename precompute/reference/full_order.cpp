@@ -1,10 +1,10 @@
 #include "precompute/reference/full_order.h"
 
 #include "common/parallel.h"
-#include "precompute/failure.h"
-#include "precompute/point_mass.h"
+#include "precompute/problem/point_mass.h"
+#include "precompute/problem/rigid_motion.h"
 #include "precompute/reference/segment_elements.h"
-#include "precompute/rigid_motion.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {

@@ -2,11 +2,11 @@
 // that move. One process; loops over elements use threads, and sums do not depend on their number.
 #pragma once
 
-#include "precompute/petsc.h"
-#include "precompute/problem.h"
+#include "precompute/dense/sparse_rows.h"
+#include "precompute/fem/stvk.h"
+#include "precompute/problem/problem.h"
 #include "precompute/reference/unknowns.h"
-#include "precompute/sparse_rows.h"
-#include "precompute/stvk.h"
+#include "precompute/system/petsc.h"
 
 namespace tremolo {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "precompute/failure.h"
 #include "precompute/reference/secant_updates.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {

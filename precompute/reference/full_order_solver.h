@@ -8,7 +8,7 @@
 
 #include "precompute/reference/full_order.h"
 #include "precompute/reference/statics.h"
-#include "precompute/sparse_cholesky.h"
+#include "precompute/solver/sparse_cholesky.h"
 
 namespace tremolo {
 

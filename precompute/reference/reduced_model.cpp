@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include "common/packed_index.h"
-#include "precompute/blas.h"
+#include "precompute/dense/blas.h"
 
 namespace tremolo {
 namespace {

@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "precompute/failure.h"
 #include "precompute/reference/reference_options.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {

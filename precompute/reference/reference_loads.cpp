@@ -1,6 +1,6 @@
 #include "precompute/reference/reference_loads.h"
 
-#include "precompute/failure.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 

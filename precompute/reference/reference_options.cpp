@@ -2,10 +2,10 @@
 
 #include <iostream>
 
-#include "precompute/config_option.h"
-#include "precompute/failure.h"
-#include "precompute/option_checks.h"
-#include "precompute/solid_options.h"
+#include "precompute/options/config_option.h"
+#include "precompute/options/solid_options.h"
+#include "precompute/system/failure.h"
+#include "precompute/system/option_checks.h"
 
 namespace tremolo {
 namespace {

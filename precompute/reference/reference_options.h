@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "precompute/problem.h"
+#include "precompute/problem/problem.h"
 #include "precompute/reference/load_signal.h"
 #include "precompute/reference/time_integration.h"
 

@@ -8,16 +8,16 @@
 
 #include "common/format_text.h"
 #include "common/stage_log.h"
-#include "formats/atomic_file.h"
-#include "formats/basis_reader.h"
-#include "formats/selector_reader.h"
-#include "precompute/blas_threads.h"
-#include "precompute/failure.h"
-#include "precompute/named_files.h"
+#include "formats/basis/basis_reader.h"
+#include "formats/basis/selector_reader.h"
+#include "formats/file/atomic_file.h"
+#include "precompute/options/named_files.h"
+#include "precompute/problem/wall_layers.h"
 #include "precompute/reference/reference_loads.h"
 #include "precompute/reference/reference_report.h"
 #include "precompute/reference/reference_table.h"
-#include "precompute/wall_layers.h"
+#include "precompute/system/blas_threads.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {

@@ -1,9 +1,9 @@
-// Energy, force and tangent of one element (precompute/stvk.h), the latter two as weighted sums
+// Energy, force and tangent of one element (precompute/fem/stvk.h), the latter two as weighted sums
 // over points of a segment (step_equation.h).
 #pragma once
 
+#include "precompute/fem/stvk.h"
 #include "precompute/reference/step_equation.h"
-#include "precompute/stvk.h"
 
 namespace tremolo {
 

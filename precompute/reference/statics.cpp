@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "common/format_text.h"
-#include "precompute/failure.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "common/format_text.h"
-#include "precompute/failure.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "precompute/failure.h"
+#include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {

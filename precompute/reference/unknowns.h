@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "precompute/dof_map.h"
+#include "precompute/fem/dof_map.h"
 #include "precompute/reference/step_equation.h"
 
 namespace tremolo {

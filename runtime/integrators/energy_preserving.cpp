@@ -6,9 +6,9 @@
 #include <span>
 #include <utility>
 
-#include "runtime/damping.h"
-#include "runtime/integrators/newton.h"
-#include "runtime/integrators/rational_filter.h"
+#include "runtime/integrators/solve/damping.h"
+#include "runtime/integrators/solve/newton.h"
+#include "runtime/integrators/solve/rational_filter.h"
 
 namespace tremolo {
 namespace {

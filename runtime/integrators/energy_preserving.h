@@ -33,8 +33,8 @@
 // Damping. D = alpha I + beta Lambda itself stands in (b), so that the damping force is right on
 // coordinates that are slaved to others. theta and, for each coordinate, a change of N's value are
 // chosen so that a free linear mode has its exact roots up to h omega = 2.4 at any D
-// (runtime/damping.h); both tend to what stands without damping fast enough that no order is lost.
-// `dissipated` is exact: the negative terms of the balance above.
+// (runtime/integrators/solve/damping.h); both tend to what stands without damping fast enough that
+// no order is lost. `dissipated` is exact: the negative terms of the balance above.
 //
 // Solving. Without Dp, times h^2/2, for d:
 //
@@ -43,7 +43,7 @@
 // One contraction at the predicted step d = h p0 gives G there and K + O(h^2) for N and for the
 // frozen Jacobian; each correction costs one contraction more and is sharpened by Broyden's
 // updates. Where that stalls the exact Jacobian and a line search take over
-// (runtime/integrators/newton.h).
+// (runtime/integrators/solve/newton.h).
 //
 // What the solve leaves of g does work on d: H is off by exactly (2/h^2) g . d, which is known.
 // p1 is scaled to take that back, so the balance holds to rounding whatever the tolerance; a
@@ -51,7 +51,7 @@
 // is solved to 1e-13.
 #pragma once
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 
 namespace tremolo {
 

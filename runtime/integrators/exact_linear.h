@@ -1,7 +1,7 @@
 // The step of a linear model, V = 1/2 q^T Lambda q: its coordinates do not couple, and each is a
-// damped driven oscillator whose solution is known (runtime/integrators/linear_response.h). With f
-// inside the step the quadratic of runtime/load.h, f = g0 + g1 s + g2 s^2, s = (t - t0)/h, and
-// J_k, u of that header, a = D h, b = lambda h^2,
+// damped driven oscillator whose solution is known (runtime/integrators/solve/linear_response.h).
+// With f inside the step the quadratic of runtime/load.h, f = g0 + g1 s + g2 s^2, s = (t - t0)/h,
+// and J_k, u of that header, a = D h, b = lambda h^2,
 //
 //     q1 = (u' + D u) q0 + h J_0 p0 + h^2 (g0 J_1 + g1 J_2 + 2 g2 J_3)
 //     p1 =  -(b/h) J_0 q0 +  u' p0  + h   (g0 J_0 + g1 J_1 + 2 g2 J_2)
@@ -22,7 +22,7 @@
 // which processors are slow. O(r) a step, nothing is solved: `iterations` is 0.
 #pragma once
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 
 namespace tremolo {
 

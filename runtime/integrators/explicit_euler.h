@@ -9,7 +9,7 @@
 // is h p0.D p0: first order.
 #pragma once
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 
 namespace tremolo {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "runtime/damping.h"
-#include "runtime/integrators/newton.h"
+#include "runtime/integrators/solve/damping.h"
+#include "runtime/integrators/solve/newton.h"
 
 namespace tremolo {
 namespace {

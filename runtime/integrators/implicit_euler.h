@@ -15,7 +15,7 @@
 // d.D d/h: first order. What the method itself takes away is not in it.
 #pragma once
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 
 namespace tremolo {
 

@@ -15,7 +15,7 @@
 // reports; V is not kept exactly, it only oscillates.
 #pragma once
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 
 namespace tremolo {
 

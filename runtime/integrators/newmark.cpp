@@ -4,8 +4,8 @@
 #include <limits>
 #include <utility>
 
-#include "runtime/damping.h"
-#include "runtime/integrators/newton.h"
+#include "runtime/integrators/solve/damping.h"
+#include "runtime/integrators/solve/newton.h"
 
 namespace tremolo {
 namespace {

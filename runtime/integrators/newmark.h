@@ -16,7 +16,7 @@
 // `dissipated` is d.D d/h with d = q1 - q0: second order.
 #pragma once
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 
 namespace tremolo {
 

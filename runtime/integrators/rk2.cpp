@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "runtime/damping.h"
+#include "runtime/integrators/solve/damping.h"
 
 namespace tremolo {
 namespace {

@@ -12,7 +12,7 @@
 // `dissipated` is h pm.D pm: second order.
 #pragma once
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 
 namespace tremolo {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "runtime/damping.h"
+#include "runtime/integrators/solve/damping.h"
 
 namespace tremolo {
 namespace {

@@ -19,7 +19,7 @@
 // both fourth order.
 #pragma once
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 
 namespace tremolo {
 

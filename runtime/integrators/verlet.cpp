@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "runtime/damping.h"
-#include "runtime/integrators/force_cache.h"
+#include "runtime/integrators/solve/damping.h"
+#include "runtime/integrators/solve/force_cache.h"
 
 namespace tremolo {
 namespace {

@@ -6,19 +6,19 @@
 //     q <- q + h p
 //     p <- p + (h/2) (f((t+h)-) - R(q1))
 //
-// With damping each kick is DampedKick of runtime/damping.h, the exact flow of p' = -D p + f over
-// half a step: D = alpha + beta lambda_i then takes exactly e^{-D h} off the area of each mode's
-// phase plane, and a coordinate in thick damping moves with v = f/D.
+// With damping each kick is DampedKick of runtime/integrators/solve/damping.h, the exact flow of p'
+// = -D p + f over half a step: D = alpha + beta lambda_i then takes exactly e^{-D h} off the area
+// of each mode's phase plane, and a coordinate in thick damping moves with v = f/D.
 //
 // Explicit: one force a step. Second order, also with load and damping; symplectic and
 // time-reversible without them. Conditionally stable: linearly iff h omega < 2 for every omega
-// (damped somewhat beyond), the step below explicit_step_limit_s of `tremolo inspect` (0.5 to 2.2 ms
-// on the six sample models); deformation that stiffens the solid lowers the limit, and beyond it the
-// motion explodes. At 0.9 of it the six run for 10 s under their own loads. `dissipated` is exact
-// for these kicks.
+// (damped somewhat beyond), the step below explicit_step_limit_s of `tremolo inspect` (0.5 to 2.2
+// ms on the six sample models); deformation that stiffens the solid lowers the limit, and beyond it
+// the motion explodes. At 0.9 of it the six run for 10 s under their own loads. `dissipated` is
+// exact for these kicks.
 #pragma once
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 
 namespace tremolo {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "runtime/damping.h"
-#include "runtime/integrators/force_cache.h"
+#include "runtime/integrators/solve/damping.h"
+#include "runtime/integrators/solve/force_cache.h"
 
 namespace tremolo {
 namespace {

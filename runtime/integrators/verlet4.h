@@ -31,7 +31,7 @@
 // so fourth order. extra_work is what f does in the kicks less average.(q1 - q0): fourth order.
 #pragma once
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 
 namespace tremolo {
 

@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/atomic_file.h"
-#include "formats/basis_reader.h"
-#include "formats/output_guard.h"
-#include "formats/reduced_files.h"
-#include "formats/vtu_writer.h"
-#include "runtime/program/commands.h"
+#include "formats/basis/basis_reader.h"
+#include "formats/file/atomic_file.h"
+#include "formats/file/output_guard.h"
+#include "formats/vega/reduced_files.h"
+#include "formats/vtk/vtu_writer.h"
+#include "runtime/program/output/tell.h"
 
 namespace tremolo {
 namespace {

@@ -1,3 +1,5 @@
+#include "runtime/program/inspect.h"
+
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -8,11 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "common/hertz.h"
-#include "common/selector.h"
-#include "formats/basis_reader.h"
+#include "common/mesh/selector.h"
+#include "formats/basis/basis_reader.h"
 #include "runtime/model.h"
-#include "runtime/program/commands.h"
-#include "runtime/program/selection.h"
+#include "runtime/program/output/tell.h"
+#include "runtime/program/start/selection.h"
 
 namespace tremolo {
 namespace {

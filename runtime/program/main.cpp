@@ -1,18 +1,22 @@
 // tremolo: inspect a basis file, let it vibrate, plot what happened.
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "formats/atomic_file.h"
-#include "formats/standard_streams.h"
-#include "runtime/integrators/integrator.h"
-#include "runtime/program/bench/bench.h"
-#include "runtime/program/commands.h"
+#include "formats/file/atomic_file.h"
+#include "formats/file/standard_streams.h"
+#include "runtime/integrator.h"
 #include "runtime/program/export.h"
-#include "runtime/program/reproduce/reproduce.h"
+#include "runtime/program/inspect.h"
+#include "runtime/program/output/plot.h"
+#include "runtime/program/output/tell.h"
+#include "runtime/program/run/run.h"
 
 namespace tremolo {
 namespace {
@@ -72,48 +76,6 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
   run.add_flag("--hull", o.hull, "show the boundary of the tetrahedra, not the render surface");
 }
 
-void add_bench_flags(CLI::App& bench, bench::Options& o, bool& quick) {
-  bench.add_option("--models", o.models, "a,b,...; default: all six")->delimiter(',');
-  bench.add_option("--models-dir", o.models_dir, "where NAME.tremolo are")->capture_default_str();
-  bench.add_option("--integrators", o.integrators, "a,b,...; default: all")->delimiter(',');
-  bench.add_option("--loads", o.loads, "square, impulse, sine")->delimiter(',');
-  bench
-      .add_option("--amplitudes", o.amplitudes,
-                  "largest displacement of the loaded vertex over the solid's size")
-      ->delimiter(',');
-  bench.add_option("--steps-ms", o.steps_ms, "steps, ms; each divides 6 ms")->delimiter(',');
-  bench.add_option("--duration", o.duration, "simulated time, s")->capture_default_str();
-  bench.add_flag("--quick", quick,
-                 "beam and horse, square load, two amplitudes, fewer steps: minutes, not hours");
-  bench.add_option("--only", o.only, "precision, stability or speed");
-  bench.add_option("--out", o.out, "directory for the page and the CSVs")->capture_default_str();
-  bench.add_option("--threads", o.threads, "for all but the timing; 0: one a core");
-  bench.add_flag("--json", o.json, "print one JSON object on stdout");
-}
-
-// What --quick leaves out, unless a flag asks for it.
-void shorten(const CLI::App& bench, bench::Options& o) {
-  const auto given = [&](const char* flag) { return bench.count(flag) > 0; };
-  if (!given("--models")) o.models = {"beam", "horse"};
-  if (!given("--loads")) o.loads = {"square"};
-  if (!given("--amplitudes")) o.amplitudes = {0.05, 0.15};
-  if (!given("--steps-ms")) o.steps_ms = {6, 3, 1.5, 0.75, 0.3};
-  o.stability_scales = {1, 10};
-  o.stability_steps_ms = {10, 3};
-}
-
-void add_reproduce_flags(CLI::App& reproduce, ReproduceOptions& o) {
-  reproduce.add_option("--models", o.models, "of the six, comma-separated (default: all)")
-      ->delimiter(',');
-  reproduce.add_option("--models-dir", o.models_directory, "where their basis files are")
-      ->capture_default_str();
-  reproduce.add_option("--out", o.out, "directory for index.html and CSVs")->capture_default_str();
-  reproduce.add_flag("--long", o.long_form, "experiment 3 over 10 000 s instead of 200 s");
-  reproduce.add_option("--threads", o.threads, "for the curves (default: all cores)")
-      ->check(CLI::Range(1, 1024));
-  reproduce.add_flag("--json", o.json, "print the criteria as one JSON object on stdout");
-}
-
 void add_export_flags(CLI::App& app, ExportOptions& o) {
   app.add_option("file", o.model, "basis file")->required();
   app.add_option("--cub", o.cub, "VegaFEM's reduced forces, .cub");
@@ -127,14 +89,11 @@ void add_export_flags(CLI::App& app, ExportOptions& o) {
 
 struct Request {
   ExportOptions exported;
-  ReproduceOptions reproduce;
   std::string file;
   std::string select;
   bool json = false;
   std::vector<std::string> directories;
   std::string picture;
-  bench::Options bench;
-  bool quick = false;
 };
 
 // The same command line read onto given defaults: flags win over a scene's keys.
@@ -167,12 +126,28 @@ struct Parser {
     exporter = app.add_subcommand("export", "write a model in the formats of VegaFEM and ParaView");
     add_export_flags(*exporter, request.exported);
     bench = app.add_subcommand("bench", "run time against error and stability of all methods");
-    add_bench_flags(*bench, request.bench, request.quick);
     reproduce =
         app.add_subcommand("reproduce", "the thesis's tables and figures, ours beside them");
-    add_reproduce_flags(*reproduce, request.reproduce);
+    for (CLI::App* of_laboratory : {bench, reproduce}) {
+      of_laboratory->prefix_command();
+      of_laboratory->set_help_flag();
+    }
   }
 };
+
+// tremolo-lab, which stands beside this program, with the same words. It comes back only if that
+// cannot be started.
+int start_laboratory(char** words) {
+  std::error_code error;
+  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string laboratory = (here.parent_path() / "tremolo-lab").string();
+  ::execv(laboratory.c_str(), words);
+  const std::string why =
+      errno == ENOENT ? "it has not been built: cmake --build --preset release --target tremolo-lab"
+                      : std::strerror(errno);
+  return report_error(
+      system_error("`" + std::string(words[1]) + "` is what " + laboratory + " does; " + why));
+}
 
 std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flags) {
   RunOptions options = flags;
@@ -210,11 +185,7 @@ int run_program(int count, char** words) {
   if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
   if (*parser.exporter) return export_command(request.exported);
-  if (*parser.bench) {
-    if (request.quick) shorten(*parser.bench, request.bench);
-    return bench::run(request.bench);
-  }
-  if (*parser.reproduce) return reproduce_command(request.reproduce);
+  if (*parser.bench || *parser.reproduce) return start_laboratory(words);
   if (std::filesystem::path(request.file).extension() == ".toml")
     return run_scene(count, words, request);
   return run_command(bodies_of(request, options), request.json);

@@ -1,4 +1,4 @@
-#include "common/mesh_check.h"
+#include "common/mesh/mesh_check.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "common/mesh_quality.h"
+#include "common/mesh/mesh_quality.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "common/selector.h"
+#include "common/mesh/selector.h"
 
 #include <string>
 #include <vector>

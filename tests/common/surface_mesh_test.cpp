@@ -1,4 +1,4 @@
-#include "common/surface_mesh.h"
+#include "common/mesh/surface_mesh.h"
 
 #include <algorithm>
 #include <cmath>

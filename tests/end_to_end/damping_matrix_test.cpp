@@ -1,13 +1,13 @@
 // Damped motion of the sample models against a stiff solver that shares nothing with the
 // integrators but the potential.
-#include "runtime/program/damping/damping_matrix.h"
+#include "tests/lab/damping/damping_matrix.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/bench/reference.h"
-#include "runtime/program/damping/stiff_orbit.h"
+#include "tests/lab/bench/reference.h"
+#include "tests/lab/damping/stiff_orbit.h"
 
 namespace tremolo::damping {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 #include "tests/support/run_program.h"
 
 namespace tremolo {

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "common/mesh_check.h"
-#include "common/mesh_quality.h"
-#include "formats/mesh_reader.h"
+#include "common/mesh/mesh_check.h"
+#include "common/mesh/mesh_quality.h"
+#include "formats/mesh/mesh_reader.h"
 #include "tests/support/run_program.h"
 #include "tests/support/surface_files.h"
 

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/mesh_check.h"
-#include "common/mesh_quality.h"
-#include "formats/basis_reader.h"
-#include "formats/mesh_reader.h"
+#include "common/mesh/mesh_check.h"
+#include "common/mesh/mesh_quality.h"
+#include "formats/basis/basis_reader.h"
+#include "formats/mesh/mesh_reader.h"
 #include "runtime/body.h"
 #include "tests/support/run_program.h"
 

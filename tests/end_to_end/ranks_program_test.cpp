@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/basis_reader.h"
+#include "formats/basis/basis_reader.h"
 #include "tests/support/joined_mesh.h"
 #include "tests/support/mesh_file.h"
 #include "tests/support/run_program.h"

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/basis_reader.h"
-#include "formats/basis_writer.h"
+#include "formats/basis/basis_reader.h"
+#include "formats/basis/basis_writer.h"
 #include "tests/support/box_mesh.h"
 #include "tests/support/mesh_file.h"
 #include "tests/support/run_program.h"

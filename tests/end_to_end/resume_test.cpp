@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/basis_reader.h"
-#include "formats/checkpoint_file.h"
+#include "formats/basis/basis_reader.h"
+#include "formats/file/checkpoint_file.h"
 #include "tests/support/box_mesh.h"
 #include "tests/support/mesh_file.h"
 #include "tests/support/run_program.h"

@@ -2,8 +2,8 @@
 // tolerance, a smaller step drifts less.
 #include <gtest/gtest.h>
 
-#include "runtime/program/bench/sampled_run.h"
-#include "runtime/program/reproduce/sample_models.h"
+#include "tests/lab/bench/sampled_run.h"
+#include "tests/lab/samples/sample_models.h"
 
 namespace tremolo {
 namespace {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/basis_reader.h"
-#include "formats/mesh_reader.h"
+#include "formats/basis/basis_reader.h"
+#include "formats/mesh/mesh_reader.h"
 #include "runtime/model.h"
 #include "tests/support/box_mesh.h"
 #include "tests/support/mesh_file.h"

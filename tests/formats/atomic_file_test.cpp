@@ -1,5 +1,5 @@
 // Outputs appear whole or not at all, whatever interrupts the writing.
-#include "formats/atomic_file.h"
+#include "formats/file/atomic_file.h"
 
 #include <csignal>
 #include <filesystem>

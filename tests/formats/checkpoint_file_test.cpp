@@ -1,5 +1,5 @@
 // The file in which a finished stage is kept: it gives back every bit, and believes nothing.
-#include "formats/checkpoint_file.h"
+#include "formats/file/checkpoint_file.h"
 
 #include <cstring>
 #include <filesystem>

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "common/packed_index.h"
-#include "formats/basis_writer.h"
-#include "formats/compact_values.h"
+#include "formats/basis/basis_writer.h"
+#include "formats/basis/compact_values.h"
 #include "tests/support/basis_bytes.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_basis.h"

@@ -1,5 +1,5 @@
 // What happens in the child stays in the child.
-#include "formats/limited_child.h"
+#include "formats/file/limited_child.h"
 
 #include <array>
 #include <atomic>

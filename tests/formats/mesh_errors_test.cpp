@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/mesh_reader.h"
+#include "formats/mesh/mesh_reader.h"
 #include "tests/support/mesh_variants.h"
 #include "tests/support/temporary_folder.h"
 

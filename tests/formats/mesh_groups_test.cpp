@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/mesh_reader.h"
-#include "formats/selector_file.h"
-#include "formats/selector_reader.h"
+#include "formats/basis/selector_file.h"
+#include "formats/basis/selector_reader.h"
+#include "formats/mesh/mesh_reader.h"
 #include "tests/support/mesh_variants.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // Every format gives the same mesh, and nothing in a file can do harm.
-#include "formats/mesh_reader.h"
+#include "formats/mesh/mesh_reader.h"
 
 #include <algorithm>
 #include <cctype>

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "common/mesh_check.h"
-#include "formats/mesh_reader.h"
-#include "formats/veg_material.h"
+#include "common/mesh/mesh_check.h"
+#include "formats/mesh/mesh_reader.h"
+#include "formats/vega/veg_material.h"
 #include "tests/support/mesh_variants.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/vega_files.h"

@@ -1,4 +1,4 @@
-#include "formats/msh_writer.h"
+#include "formats/msh/msh_writer.h"
 
 #include <cmath>
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/mesh_reader.h"
+#include "formats/mesh/mesh_reader.h"
 #include "tests/support/box_mesh.h"
 #include "tests/support/small_mesh.h"
 #include "tests/support/temporary_folder.h"

@@ -1,5 +1,5 @@
 // OFF as programs write it, and as it is broken.
-#include "formats/off_text.h"
+#include "formats/surface/off_text.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Outputs are kept apart from inputs however the paths are spelled.
-#include "formats/output_guard.h"
+#include "formats/file/output_guard.h"
 
 #include <filesystem>
 #include <fstream>

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "common/mesh_check.h"
-#include "common/surface_mesh.h"
-#include "formats/mesh_reader.h"
-#include "formats/msh_writer.h"
+#include "common/mesh/mesh_check.h"
+#include "common/mesh/surface_mesh.h"
+#include "formats/mesh/mesh_reader.h"
+#include "formats/msh/msh_writer.h"
 #include "tests/support/mesh_writers.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/temporary_folder.h"

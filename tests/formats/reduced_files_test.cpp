@@ -1,5 +1,5 @@
 // VegaFEM's .cub and .U: what the numbers mean, and that no file can do harm.
-#include "formats/reduced_files.h"
+#include "formats/vega/reduced_files.h"
 
 #include <cstring>
 #include <limits>

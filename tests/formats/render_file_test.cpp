@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/basis_writer.h"
+#include "formats/basis/basis_writer.h"
 #include "tests/support/basis_bytes.h"
 #include "tests/support/tiny_render.h"
 

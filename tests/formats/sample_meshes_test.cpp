@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "common/mesh_check.h"
-#include "common/mesh_quality.h"
-#include "formats/mesh_reader.h"
+#include "common/mesh/mesh_check.h"
+#include "common/mesh/mesh_quality.h"
+#include "formats/mesh/mesh_reader.h"
 
 namespace tremolo {
 namespace {

@@ -1,5 +1,5 @@
 // The child's answer, whole and damaged.
-#include "formats/surface_answer.h"
+#include "formats/surface/surface_answer.h"
 
 #include <cmath>
 #include <cstring>

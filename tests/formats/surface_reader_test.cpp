@@ -1,5 +1,5 @@
 // The same box out of every format, and what a scene adds to it.
-#include "formats/surface_reader.h"
+#include "formats/surface/surface_reader.h"
 
 #include <algorithm>
 #include <cmath>

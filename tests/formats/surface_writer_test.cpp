@@ -1,4 +1,4 @@
-#include "formats/surface_writer.h"
+#include "formats/surface/surface_writer.h"
 
 #include <algorithm>
 #include <cstring>

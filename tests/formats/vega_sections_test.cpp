@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/basis_reader.h"
-#include "formats/basis_writer.h"
+#include "formats/basis/basis_reader.h"
+#include "formats/basis/basis_writer.h"
 #include "tests/support/tiny_basis.h"
 
 namespace tremolo {

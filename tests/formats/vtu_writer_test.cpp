@@ -1,13 +1,13 @@
 // Modes for ParaView: what is written is what our own reader reads.
-#include "formats/vtu_writer.h"
+#include "formats/vtk/vtu_writer.h"
 
 #include <cstring>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "formats/base64.h"
-#include "formats/mesh_reader.h"
+#include "formats/file/base64.h"
+#include "formats/mesh/mesh_reader.h"
 #include "tests/support/run_program.h"
 #include "tests/support/small_mesh.h"
 

@@ -1,5 +1,5 @@
 // The basis file: header, table, every section.
-#include "formats/basis_reader.h"
+#include "formats/basis/basis_reader.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

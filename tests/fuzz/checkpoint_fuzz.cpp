@@ -1,5 +1,5 @@
 // The checkpoint file: header, table, every array as what it is and as what it is not.
-#include "formats/checkpoint_file.h"
+#include "formats/file/checkpoint_file.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

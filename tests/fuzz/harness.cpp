@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <sanitizer/allocator_interface.h>
 
-#include "common/mesh_check.h"
+#include "common/mesh/mesh_check.h"
 
 namespace tremolo::fuzz {
 namespace {

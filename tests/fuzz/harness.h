@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "common/result.h"
-#include "formats/mesh_reader.h"
+#include "formats/mesh/mesh_reader.h"
 
 namespace tremolo::fuzz {
 

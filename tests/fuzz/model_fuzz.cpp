@@ -1,6 +1,6 @@
 // A basis file in memory becomes a model: what an engine does with a file from the network.
+#include "runtime/display/surface.h"
 #include "runtime/model.h"
-#include "runtime/surface.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

@@ -1,7 +1,7 @@
 // Geomview's OFF, before assimp cuts its polygons.
 #include <charconv>
 
-#include "formats/off_text.h"
+#include "formats/surface/off_text.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

@@ -1,5 +1,5 @@
 // VegaFEM's .cub and .U. What is read is written back to the same bytes.
-#include "formats/reduced_files.h"
+#include "formats/vega/reduced_files.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

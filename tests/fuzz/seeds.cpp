@@ -5,10 +5,10 @@
 #include <iterator>
 #include <string>
 
-#include "formats/basis_writer.h"
-#include "formats/checkpoint_file.h"
-#include "formats/reduced_files.h"
-#include "formats/surface_answer.h"
+#include "formats/basis/basis_writer.h"
+#include "formats/file/checkpoint_file.h"
+#include "formats/surface/surface_answer.h"
+#include "formats/vega/reduced_files.h"
 #include "tests/support/mesh_variants.h"
 #include "tests/support/tiny_basis.h"
 

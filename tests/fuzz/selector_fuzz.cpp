@@ -1,5 +1,5 @@
 // Selectors as a user writes them, on a small mesh with a set and a vertex that nothing uses.
-#include "common/selector.h"
+#include "common/mesh/selector.h"
 #include "tests/fuzz/harness.h"
 #include "tests/support/small_mesh.h"
 

@@ -1,5 +1,5 @@
 // The CSV that `tremolo run --start FILE.csv@T` goes on from.
-#include "runtime/program/state_row.h"
+#include "runtime/program/start/state_row.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

@@ -1,7 +1,7 @@
 // What the child process in which assimp runs sends: a file may have taken the child over.
 #include <cmath>
 
-#include "formats/surface_answer.h"
+#include "formats/surface/surface_answer.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

@@ -1,6 +1,6 @@
 // TetGen's .node and .ele: what stands before the first $ is the one, what stands behind it the
 // other.
-#include "formats/mesh_formats.h"
+#include "formats/mesh/mesh_formats.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

@@ -1,4 +1,4 @@
-#include "precompute/mesher/refinement_watch.h"
+#include "precompute/mesher/cgal/refinement_watch.h"
 
 #include <stdexcept>
 

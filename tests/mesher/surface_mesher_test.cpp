@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/mesh_check.h"
+#include "common/mesh/mesh_check.h"
 #include "tests/support/surfaces.h"
 
 namespace tremolo {

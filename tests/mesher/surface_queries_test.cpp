@@ -1,10 +1,10 @@
 // Winding number, nearest points, rays, wall thickness and sizes.
 #include <gtest/gtest.h>
 
-#include "precompute/mesher/size_field.h"
-#include "precompute/mesher/surface_distance.h"
-#include "precompute/mesher/triangle_tree.h"
-#include "precompute/mesher/winding_number.h"
+#include "precompute/mesher/cgal/size_field.h"
+#include "precompute/mesher/surface/surface_distance.h"
+#include "precompute/mesher/surface/triangle_tree.h"
+#include "precompute/mesher/surface/winding_number.h"
 #include "tests/support/surfaces.h"
 
 namespace tremolo {

@@ -1,9 +1,9 @@
-#include "precompute/mesher/surface_repair.h"
+#include "precompute/mesher/surface/surface_repair.h"
 
 #include <gtest/gtest.h>
 
-#include "precompute/mesher/surface_weld.h"
-#include "precompute/mesher/winding_number.h"
+#include "precompute/mesher/surface/surface_weld.h"
+#include "precompute/mesher/surface/winding_number.h"
 #include "tests/support/surfaces.h"
 
 namespace tremolo {

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "common/packed_index.h"
-#include "precompute/checkpoint_stages.h"
-#include "precompute/failure.h"
-#include "precompute/rigid_motion.h"
+#include "precompute/checkpoint/checkpoint_stages.h"
+#include "precompute/problem/rigid_motion.h"
+#include "precompute/system/failure.h"
 #include "tests/support/box_mesh.h"
 #include "tests/support/run_program.h"
 

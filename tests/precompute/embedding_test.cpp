@@ -1,5 +1,5 @@
 // Weights of a surface in a tetrahedral mesh.
-#include "precompute/embedding.h"
+#include "precompute/embedding/embedding.h"
 
 #include <cmath>
 #include <random>
@@ -7,9 +7,9 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "common/surface_mesh.h"
-#include "precompute/box_tree.h"
-#include "precompute/closest_point.h"
+#include "common/mesh/surface_mesh.h"
+#include "precompute/embedding/box_tree.h"
+#include "precompute/embedding/closest_point.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo {

@@ -1,13 +1,13 @@
 // A model of VegaFEM's, imported: the same forces in other coordinates, or a message that says what
 // does not fit.
-#include "precompute/import.h"
+#include "precompute/vega/import.h"
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
 #include "common/packed_index.h"
-#include "precompute/failure.h"
-#include "precompute/reduced_tensors.h"
+#include "precompute/system/failure.h"
+#include "precompute/vega/reduced_tensors.h"
 #include "tests/support/box_mesh.h"
 #include "tests/support/mesh_file.h"
 #include "tests/support/run_program.h"

@@ -1,7 +1,7 @@
 // PETSc is started once for all tests.
 #include <gtest/gtest.h>
 
-#include "precompute/petsc.h"
+#include "precompute/system/petsc.h"
 
 int main(int count, char** words) {
   ::testing::InitGoogleTest(&count, words);

@@ -9,16 +9,16 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "common/mesh_check.h"
-#include "precompute/basis.h"
-#include "precompute/coefficients.h"
-#include "precompute/dense_decompositions.h"
-#include "precompute/derivatives.h"
-#include "precompute/element_group.h"
-#include "precompute/halo.h"
-#include "precompute/modes.h"
-#include "precompute/point_mass.h"
-#include "precompute/polynomial_check.h"
+#include "common/mesh/mesh_check.h"
+#include "precompute/dense/dense_decompositions.h"
+#include "precompute/fem/element_group.h"
+#include "precompute/modes/modes.h"
+#include "precompute/problem/point_mass.h"
+#include "precompute/ranks/halo.h"
+#include "precompute/reduction/basis.h"
+#include "precompute/reduction/coefficients.h"
+#include "precompute/reduction/derivatives.h"
+#include "precompute/reduction/polynomial_check.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo {

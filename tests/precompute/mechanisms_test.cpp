@@ -1,11 +1,11 @@
 // Mechanisms against the null space of the stiffness, and what is said of them.
-#include "precompute/mechanisms.h"
+#include "precompute/problem/mechanisms.h"
 
 #include <gtest/gtest.h>
 
-#include "precompute/dense_decompositions.h"
-#include "precompute/failure.h"
-#include "precompute/matrices.h"
+#include "precompute/dense/dense_decompositions.h"
+#include "precompute/fem/matrices.h"
+#include "precompute/system/failure.h"
 #include "tests/support/joined_mesh.h"
 #include "tests/support/random_mesh.h"
 

@@ -1,15 +1,15 @@
 // Modes of equal frequency: the same vectors whoever found them.
-#include "precompute/mode_clusters.h"
+#include "precompute/modes/mode_clusters.h"
 
 #include <random>
 
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
-#include "precompute/halo.h"
 #include "precompute/pipeline.h"
-#include "precompute/polynomial_check.h"
-#include "precompute/rigid_motion.h"
+#include "precompute/problem/rigid_motion.h"
+#include "precompute/ranks/halo.h"
+#include "precompute/reduction/polynomial_check.h"
 #include "tests/support/joined_mesh.h"
 #include "tests/support/mesh_writers.h"
 #include "tests/support/random_mesh.h"

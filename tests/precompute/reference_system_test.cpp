@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "precompute/polynomial_check.h"
+#include "precompute/problem/rigid_motion.h"
+#include "precompute/reduction/polynomial_check.h"
 #include "precompute/reference/load_signal.h"
 #include "precompute/reference/reduced_model.h"
 #include "precompute/reference/time_integration.h"
-#include "precompute/rigid_motion.h"
 #include "tests/support/reference_body.h"
 
 namespace tremolo {

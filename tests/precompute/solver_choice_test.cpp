@@ -1,12 +1,12 @@
 // Who solves, and the solver that needs no factor.
 #include <gtest/gtest.h>
 
-#include "common/mesh_check.h"
-#include "precompute/derivatives.h"
-#include "precompute/failure.h"
-#include "precompute/halo.h"
-#include "precompute/modes.h"
-#include "precompute/rigid_motion.h"
+#include "common/mesh/mesh_check.h"
+#include "precompute/modes/modes.h"
+#include "precompute/problem/rigid_motion.h"
+#include "precompute/ranks/halo.h"
+#include "precompute/reduction/derivatives.h"
+#include "precompute/system/failure.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo {

@@ -4,14 +4,14 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-#include "common/mesh_check.h"
-#include "precompute/block_lanczos.h"
-#include "precompute/dense_decompositions.h"
-#include "precompute/element_group.h"
-#include "precompute/failure.h"
-#include "precompute/matrices.h"
-#include "precompute/modes.h"
-#include "precompute/rigid_motion.h"
+#include "common/mesh/mesh_check.h"
+#include "precompute/dense/dense_decompositions.h"
+#include "precompute/fem/element_group.h"
+#include "precompute/fem/matrices.h"
+#include "precompute/modes/block_lanczos.h"
+#include "precompute/modes/modes.h"
+#include "precompute/problem/rigid_motion.h"
+#include "precompute/system/failure.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo {

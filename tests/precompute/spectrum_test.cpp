@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include "precompute/failure.h"
-#include "precompute/modes.h"
+#include "precompute/modes/modes.h"
+#include "precompute/system/failure.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo {

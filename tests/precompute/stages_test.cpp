@@ -4,17 +4,17 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "common/mesh_check.h"
+#include "common/mesh/mesh_check.h"
 #include "common/packed_index.h"
-#include "precompute/basis.h"
-#include "precompute/coefficients.h"
-#include "precompute/dense_decompositions.h"
-#include "precompute/derivatives.h"
-#include "precompute/failure.h"
-#include "precompute/halo.h"
-#include "precompute/modes.h"
-#include "precompute/polynomial_check.h"
-#include "precompute/rigid_motion.h"
+#include "precompute/dense/dense_decompositions.h"
+#include "precompute/modes/modes.h"
+#include "precompute/problem/rigid_motion.h"
+#include "precompute/ranks/halo.h"
+#include "precompute/reduction/basis.h"
+#include "precompute/reduction/coefficients.h"
+#include "precompute/reduction/derivatives.h"
+#include "precompute/reduction/polynomial_check.h"
+#include "precompute/system/failure.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo {

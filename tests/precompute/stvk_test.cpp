@@ -1,6 +1,6 @@
 // The elements against what defines them: invariance, derivatives, the closed form of one
 // tetrahedron.
-#include "precompute/stvk.h"
+#include "precompute/fem/stvk.h"
 
 #include <numbers>
 #include <random>
@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "precompute/assembly.h"
+#include "precompute/fem/assembly.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo {

@@ -1,9 +1,9 @@
 // Colours, objects and materials of a surface, on the mesh.
-#include "precompute/surface_sets.h"
+#include "precompute/problem/surface_sets.h"
 
 #include <gtest/gtest.h>
 
-#include "common/selector.h"
+#include "common/mesh/selector.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo {

@@ -1,4 +1,4 @@
-#include "precompute/up_axis.h"
+#include "precompute/problem/up_axis.h"
 
 #include <gtest/gtest.h>
 

@@ -1,15 +1,15 @@
 // Elements across walls, and how much too high they make frequencies.
-#include "precompute/wall_layers.h"
+#include "precompute/problem/wall_layers.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "precompute/halo.h"
-#include "precompute/material_rules.h"
-#include "precompute/modes.h"
-#include "precompute/rigid_motion.h"
+#include "precompute/modes/modes.h"
+#include "precompute/problem/material_rules.h"
+#include "precompute/problem/rigid_motion.h"
+#include "precompute/ranks/halo.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo {

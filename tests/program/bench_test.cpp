@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/bench/orbit_text.h"
-#include "runtime/program/bench/precision_report.h"
-#include "runtime/program/bench/stability.h"
-#include "runtime/program/report/table.h"
-#include "runtime/program/statistics.h"
+#include "runtime/program/output/statistics.h"
+#include "tests/lab/bench/orbit_text.h"
+#include "tests/lab/bench/precision_report.h"
+#include "tests/lab/bench/stability.h"
+#include "tests/lab/report/table.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/temporary_folder.h"
 

@@ -11,13 +11,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/atomic_file.h"
-#include "formats/basis_writer.h"
+#include "formats/basis/basis_writer.h"
+#include "formats/file/atomic_file.h"
 #include "runtime/model.h"
-#include "runtime/program/commands.h"
-#include "runtime/program/report/page.h"
-#include "runtime/program/report/store.h"
-#include "runtime/program/report/table.h"
+#include "runtime/program/inspect.h"
+#include "runtime/program/run/run.h"
+#include "tests/lab/report/page.h"
+#include "tests/lab/report/store.h"
+#include "tests/lab/report/table.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_basis.h"
 

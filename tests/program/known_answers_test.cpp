@@ -1,5 +1,5 @@
 // The experiments with a known answer against closed forms that share no code with them.
-#include "runtime/program/known/known_answers.h"
+#include "tests/lab/known/known_answers.h"
 
 #include <cmath>
 #include <filesystem>
@@ -8,14 +8,14 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/known/energy_trend.h"
-#include "runtime/program/known/fput.h"
-#include "runtime/program/known/pendulum.h"
-#include "runtime/program/known/quartic_model.h"
-#include "runtime/program/known/resonance.h"
-#include "runtime/program/known/spring_chain.h"
-#include "runtime/program/known/step_properties.h"
-#include "runtime/program/statistics.h"
+#include "runtime/program/output/statistics.h"
+#include "tests/lab/known/energy_trend.h"
+#include "tests/lab/known/fput.h"
+#include "tests/lab/known/pendulum.h"
+#include "tests/lab/known/quartic_model.h"
+#include "tests/lab/known/resonance.h"
+#include "tests/lab/known/spring_chain.h"
+#include "tests/lab/known/step_properties.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo::known {

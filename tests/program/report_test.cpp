@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/report/chart.h"
-#include "runtime/program/report/page.h"
-#include "runtime/program/report/store.h"
-#include "runtime/program/report/table.h"
+#include "tests/lab/report/chart.h"
+#include "tests/lab/report/page.h"
+#include "tests/lab/report/store.h"
+#include "tests/lab/report/table.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

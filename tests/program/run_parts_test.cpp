@@ -5,12 +5,12 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/program/free_body.h"
-#include "runtime/program/load_search.h"
-#include "runtime/program/march.h"
-#include "runtime/program/run_body.h"
-#include "runtime/program/run_progress.h"
-#include "runtime/program/statics.h"
+#include "runtime/program/run/free_body.h"
+#include "runtime/program/run/march.h"
+#include "runtime/program/run/run_body.h"
+#include "runtime/program/run/run_progress.h"
+#include "runtime/program/start/load_search.h"
+#include "runtime/program/start/statics.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo {

@@ -1,5 +1,5 @@
 // Principal stretches of a surface.
-#include "runtime/program/stretch.h"
+#include "runtime/program/run/stretch.h"
 
 #include <gtest/gtest.h>
 

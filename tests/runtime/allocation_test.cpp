@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/body.h"
-#include "runtime/integrators/newton.h"
+#include "runtime/integrators/solve/newton.h"
 #include "runtime/world.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/linear_model.h"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/basis_writer.h"
+#include "formats/basis/basis_writer.h"
 #include "runtime/body.h"
 #include "runtime/tremolo.h"
 #include "tests/support/dynamics.h"

@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "runtime/integrators/rational_filter.h"
+#include "runtime/integrators/solve/rational_filter.h"
 #include "tests/support/dynamics.h"
 
 namespace tremolo {
@@ -62,12 +62,8 @@ constexpr double kRounding = 3e-13;
 TEST(EnergyPreserving, EveryStepBalancesEnergyWorkAndDissipation) {
   for (const char* name : kFamily)
     for (const double step : {1e-3, 1e-2, 5e-2})
-      for (const auto& [alpha, beta] : {std::pair{0.0, 0.0},
-                                        {0.9, 3e-3},
-                                        {0.0, 1e-4},
-                                        {200.0, 0.0},
-                                        {0.0, 1.0},
-                                        {2e4, 1.0}}) {
+      for (const auto& [alpha, beta] :
+           {std::pair{0.0, 0.0}, {0.9, 3e-3}, {0.0, 1e-4}, {200.0, 0.0}, {0.0, 1.0}, {2e4, 1.0}}) {
         IntegratorOptions options{.step = step, .alpha = alpha, .beta = beta};
         for (const bool loaded : {true, false})
           EXPECT_LE(worst_balance(name, options, 1.0, loaded, 400), kRounding)

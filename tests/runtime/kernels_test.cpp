@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "common/packed_index.h"
-#include "runtime/cholesky.h"
-#include "runtime/pair_kernel.h"
-#include "runtime/symmetric_kernel.h"
+#include "runtime/kernels/cholesky.h"
+#include "runtime/kernels/pair_kernel.h"
+#include "runtime/kernels/symmetric_kernel.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo {

@@ -1,4 +1,4 @@
-#include "runtime/potential.h"
+#include "runtime/kernels/potential.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The matrix functions that ep4 is made of, against their dense definitions.
-#include "runtime/integrators/rational_filter.h"
+#include "runtime/integrators/solve/rational_filter.h"
 
 #include <cmath>
 

@@ -2,9 +2,9 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "formats/basis_writer.h"
-#include "runtime/smooth_patches.h"
-#include "runtime/surface.h"
+#include "formats/basis/basis_writer.h"
+#include "runtime/display/smooth_patches.h"
+#include "runtime/display/surface.h"
 #include "runtime/tremolo.h"
 #include "runtime/world.h"
 #include "tests/support/dynamics.h"

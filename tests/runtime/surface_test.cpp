@@ -1,5 +1,5 @@
 // The surface in float against the same sums in double, and its normals against their definition.
-#include "runtime/surface.h"
+#include "runtime/display/surface.h"
 
 #include <cmath>
 #include <random>
@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "formats/basis_reader.h"
-#include "formats/basis_writer.h"
+#include "formats/basis/basis_reader.h"
+#include "formats/basis/basis_writer.h"
 #include "runtime/body.h"
 #include "tests/support/sample_basis.h"
 

@@ -1,4 +1,4 @@
-#include "runtime/thread_pool.h"
+#include "runtime/crowd/thread_pool.h"
 
 #include <atomic>
 

@@ -17,8 +17,8 @@
 #include <gtest/gtest.h>
 
 #include "common/hash.h"
-#include "formats/basis_layout.h"
-#include "formats/basis_reader.h"
+#include "formats/basis/basis_layout.h"
+#include "formats/basis/basis_reader.h"
 
 namespace tremolo::testing {
 

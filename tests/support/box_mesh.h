@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "common/tet_mesh.h"
+#include "common/mesh/tet_mesh.h"
 
 namespace tremolo::testing {
 

@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include "runtime/integrators/integrator.h"
+#include "runtime/integrator.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo::testing {

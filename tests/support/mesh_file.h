@@ -5,7 +5,7 @@
 #include <iomanip>
 #include <string>
 
-#include "common/tet_mesh.h"
+#include "common/mesh/tet_mesh.h"
 
 namespace tremolo::testing {
 

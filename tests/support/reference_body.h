@@ -4,8 +4,8 @@
 #include <memory>
 #include <random>
 
-#include "precompute/failure.h"
 #include "precompute/reference/full_order_solver.h"
+#include "precompute/system/failure.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo::testing {

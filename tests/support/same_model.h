@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <random>
 
+#include "common/mesh/tet_mesh.h"
 #include "common/packed_index.h"
-#include "common/tet_mesh.h"
-#include "formats/basis_data.h"
+#include "formats/basis/basis_data.h"
 
 namespace tremolo::testing {
 

@@ -15,7 +15,7 @@
 #include <Eigen/Core>
 
 #include "common/packed_index.h"
-#include "formats/basis_data.h"
+#include "formats/basis/basis_data.h"
 
 namespace tremolo::testing {
 

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <string>
 
-#include "common/tet_mesh.h"
+#include "common/mesh/tet_mesh.h"
 
 namespace tremolo::testing {
 

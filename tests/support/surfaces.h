@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "common/render_surface.h"
-#include "common/surface_mesh.h"
+#include "common/mesh/render_surface.h"
+#include "common/mesh/surface_mesh.h"
 
 namespace tremolo::testing {
 

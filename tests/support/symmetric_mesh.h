@@ -4,7 +4,7 @@
 #include <array>
 #include <map>
 
-#include "common/tet_mesh.h"
+#include "common/mesh/tet_mesh.h"
 
 namespace tremolo::testing {
 

@@ -1,7 +1,7 @@
 // A basis of two coordinates over five vertices: the smallest file with every section in it.
 #pragma once
 
-#include "formats/basis_data.h"
+#include "formats/basis/basis_data.h"
 
 namespace tremolo::testing {
 

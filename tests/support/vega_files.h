@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "common/tet_mesh.h"
+#include "common/mesh/tet_mesh.h"
 #include "tests/support/sample_basis.h"
 #include "tests/support/small_mesh.h"
 

@@ -3,9 +3,9 @@
 // it, or if an element is inverted.
 #include <cstdio>
 
-#include "common/mesh_check.h"
-#include "common/mesh_quality.h"
-#include "formats/mesh_reader.h"
+#include "common/mesh/mesh_check.h"
+#include "common/mesh/mesh_quality.h"
+#include "formats/mesh/mesh_reader.h"
 
 int main(int count, char** words) {
   using namespace tremolo;

@@ -1,0 +1,183 @@
+#include "common/mesh/mesh_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "common/mesh/mesh_parts.h"
+
+namespace tremolo {
+namespace {
+
+constexpr std::size_t kNamed = 5;  // how many culprits an error names
+
+// "PROBLEM: tetrahedra 3, 8, 9, 12, 40 and 7 more"
+class Culprits {
+ public:
+  Culprits(const char* one, const char* many) : one_(one), many_(many) {}
+  void add(std::size_t index, const std::string& detail = "") {
+    if (++count_ > kNamed) return;
+    list_ += (count_ > 1 ? ", " : "") + std::to_string(index) + detail;
+  }
+  bool any() const { return count_ > 0; }
+  Error error(const std::string& problem) const {
+    return content_error(
+        problem + ": " + (count_ == 1 ? one_ : many_) + " " + list_ +
+        (count_ > kNamed ? " and " + std::to_string(count_ - kNamed) + " more" : ""));
+  }
+
+ private:
+  const char* one_;
+  const char* many_;
+  std::size_t count_ = 0;
+  std::string list_;
+};
+
+Culprits tetrahedra() {
+  return {"tetrahedron", "tetrahedra"};
+}
+
+bool is_vertex(const TetMesh& mesh, VertexId id) {
+  return id >= 0 && static_cast<std::size_t>(id) < mesh.vertices.size();
+}
+
+Status check_coordinates(const TetMesh& mesh) {
+  Culprits culprits("vertex", "vertices");
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    if (!mesh.vertices[v].allFinite()) culprits.add(v);
+  if (culprits.any()) return culprits.error("coordinates are not finite");
+  return Success{};
+}
+
+Status check_indices(const TetMesh& mesh) {
+  Culprits outside = tetrahedra();
+  Culprits repeated = tetrahedra();
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    Tetrahedron tet = mesh.tetrahedra[t];
+    for (VertexId id : tet) {
+      if (is_vertex(mesh, id)) continue;
+      outside.add(t, " (vertex " + std::to_string(id) + ")");
+      break;
+    }
+    std::sort(tet.begin(), tet.end());
+    const auto twice = std::adjacent_find(tet.begin(), tet.end());
+    if (twice != tet.end()) repeated.add(t, " (vertex " + std::to_string(*twice) + ")");
+  }
+  if (outside.any())
+    return outside.error("vertex index out of range, the mesh has " +
+                         std::to_string(mesh.vertices.size()) + " vertices");
+  if (repeated.any()) return repeated.error("a vertex is repeated within a tetrahedron");
+  if (!mesh.region_of.empty() && mesh.region_of.size() != mesh.tetrahedra.size())
+    return content_error("the mesh has " + std::to_string(mesh.tetrahedra.size()) +
+                         " tetrahedra and regions of " + std::to_string(mesh.region_of.size()));
+  for (std::int32_t region : mesh.region_of)
+    if (region < -1 || region >= static_cast<std::int64_t>(mesh.region_names.size()))
+      return content_error("a tetrahedron is in region " + std::to_string(region) +
+                           ", the mesh has " + std::to_string(mesh.region_names.size()));
+  for (const auto& [name, ids] : mesh.node_sets)
+    for (VertexId id : ids)
+      if (!is_vertex(mesh, id))
+        return content_error("set `" + name + "` names vertex " + std::to_string(id) +
+                             ", the mesh has " + std::to_string(mesh.vertices.size()) +
+                             " vertices");
+  return Success{};
+}
+
+double longest_edge(const TetMesh& mesh, const Tetrahedron& tet) {
+  double squared = 0;
+  for (std::size_t a = 0; a < 4; ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      squared = std::max(squared, (mesh.vertices[tet[a]] - mesh.vertices[tet[b]]).squaredNorm());
+  return std::sqrt(squared);
+}
+
+Status check_volumes(const TetMesh& mesh) {
+  Culprits culprits = tetrahedra();
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    const double edge = longest_edge(mesh, mesh.tetrahedra[t]);
+    const double volume = std::abs(signed_volume(mesh, mesh.tetrahedra[t]));
+    // Written so that what overflowed to infinity or NaN is refused too.
+    if (!(volume > kDegenerateVolume * edge * edge * edge) || !std::isfinite(volume))
+      culprits.add(t);
+  }
+  if (culprits.any()) return culprits.error("no volume (degenerate)");
+  return Success{};
+}
+
+Status check_duplicates(const TetMesh& mesh) {
+  std::vector<std::pair<Tetrahedron, std::size_t>> keys;
+  keys.reserve(mesh.tetrahedra.size());
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    keys.emplace_back(mesh.tetrahedra[t], t);
+    std::sort(keys.back().first.begin(), keys.back().first.end());
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;  // {repeat, first}
+  std::size_t first = 0;
+  for (std::size_t n = 1; n < keys.size(); ++n) {
+    if (keys[n].first == keys[first].first)
+      pairs.emplace_back(keys[n].second, keys[first].second);
+    else
+      first = n;
+  }
+  std::sort(pairs.begin(), pairs.end());
+  Culprits culprits = tetrahedra();
+  for (const auto& [repeat, original] : pairs)
+    culprits.add(repeat, " (same vertices as " + std::to_string(original) + ")");
+  if (culprits.any()) return culprits.error("duplicate tetrahedra");
+  return Success{};
+}
+
+std::size_t orient(TetMesh& mesh, double& volume) {
+  std::size_t flipped = 0;
+  for (Tetrahedron& tet : mesh.tetrahedra) {
+    const double signed_value = signed_volume(mesh, tet);
+    volume += std::abs(signed_value);
+    if (signed_value > 0) continue;
+    std::swap(tet[2], tet[3]);
+    ++flipped;
+  }
+  return flipped;
+}
+
+void label_parts(const TetMesh& mesh, MeshReport& report) {
+  MeshParts parts = mesh_parts(mesh);
+  report.parts = parts.count;
+  report.part_of_vertex = std::move(parts.part_of_vertex);
+  report.unreferenced_vertices = static_cast<std::size_t>(
+      std::count(report.part_of_vertex.begin(), report.part_of_vertex.end(), -1));
+}
+
+void add_notes(MeshReport& report) {
+  if (report.flipped > 0)
+    report.notes.push_back(std::to_string(report.flipped) + " inverted tetrahedra were repaired");
+  if (report.unreferenced_vertices > 0)
+    report.notes.push_back(std::to_string(report.unreferenced_vertices) +
+                           " vertices belong to no tetrahedron and are kept");
+  if (report.parts > 1)
+    report.notes.push_back("the mesh has " + std::to_string(report.parts) +
+                           " parts that do not touch");
+}
+
+}  // namespace
+
+Result<MeshReport> check_mesh(TetMesh& mesh) {
+  if (mesh.tetrahedra.empty()) return content_error("the mesh has no tetrahedra");
+  if (mesh.vertices.size() > static_cast<std::size_t>(std::numeric_limits<VertexId>::max()))
+    return content_error("the mesh has 2^31 vertices or more");
+  for (const auto& check : {check_coordinates, check_indices, check_volumes, check_duplicates}) {
+    const Status status = check(mesh);
+    if (!status) return status.error();
+  }
+  MeshReport report;
+  report.flipped = orient(mesh, report.volume);
+  if (!std::isfinite(report.volume))
+    return content_error("the volume of the mesh is beyond what a number can hold");
+  label_parts(mesh, report);
+  add_notes(report);
+  return report;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,131 @@
+// Basis file -> values. The reader trusts nothing: every size product, bound and overlap is checked
+// before anything is allocated, and a section's checksum on its first use.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.h"
+#include "formats/basis/basis_data.h"
+#include "formats/basis/basis_layout.h"
+#include "formats/file/mapped_file.h"
+
+namespace tremolo {
+
+// One row of the file's table.
+struct BasisSection {
+  std::string name;
+  basis_layout::ElementType type{};
+  bool critical = false;
+  std::uint64_t offset = 0;  // bytes from the start of the file
+  std::uint64_t size = 0;    // bytes
+  std::uint64_t rows = 0;
+  std::uint64_t columns = 0;
+  std::uint64_t hash = 0;
+};
+
+// The section `dimensions`.
+struct BasisDimensions {
+  std::uint64_t vertices = 0;      // n
+  std::uint64_t tetrahedra = 0;    // m
+  std::uint64_t linear_modes = 0;  // k
+  std::uint64_t modes = 0;         // r
+  std::uint64_t fixed = 0;
+  std::uint64_t rigid = 0;
+  std::uint64_t surface_vertices = 0;  // s
+  std::uint64_t triangles = 0;         // t
+};
+
+// An open basis file: header, table and dimensions are checked by open(); sections are checked
+// and their checksum verified when they are first asked for. Errors are kContent and name the
+// section, the offset, what was expected and what was found; kSystem if the file cannot be read.
+// Reading from several threads needs a lock of the caller's.
+class BasisReader {
+ public:
+  // Maps the file: only what is used is touched.
+  static Result<BasisReader> open(const std::string& path);
+  // Borrows the bytes: they must outlive the reader and whatever it returns. `name` is for errors.
+  static Result<BasisReader> from_memory(std::span<const std::byte> bytes,
+                                         std::string name = "memory");
+
+  const BasisDimensions& dimensions() const { return dimensions_; }
+  const std::vector<BasisSection>& sections() const { return sections_; }
+  std::uint16_t minor_version() const { return minor_; }
+  bool has(std::string_view section) const { return find(section) != nullptr; }
+  // Coefficients are f32 and basis rows 16 bits with a scale a column, else everything is f64.
+  bool compact() const { return has(basis_layout::kBasisScales); }
+  // `cubic` and `quartic` are there but empty: V has no such terms.
+  bool linear() const { return find(basis_layout::kQuartic)->rows == 0; }
+
+  // The verified contents, as they lie in the file. Doubles are finite. Valid while the reader
+  // lives. An optional section that is not there is an error here: ask has() first.
+  Result<std::span<const double>> doubles(std::string_view section);
+  // `cubic` or `quartic` as doubles, whatever the encoding.
+  Result<std::vector<double>> coefficients(std::string_view section);
+  // Ids, each below `bound`.
+  Result<std::span<const std::uint32_t>> indices(std::string_view section, std::uint64_t bound);
+  Result<std::string_view> text(std::string_view section);
+  // Finite floats, and bytes.
+  Result<std::span<const float>> floats(std::string_view section);
+  Result<std::span<const std::uint8_t>> bytes(std::string_view section);
+
+  // A block of vertices: `ids`, `rest` and `basis` are section names. All columns of the basis, as
+  // doubles whatever the encoding.
+  Result<VertexBlock> vertex_block(std::string_view ids, std::string_view rest,
+                                   std::string_view basis);
+  // The rows of a basis alone, likewise.
+  Result<BasisRows> basis_rows(std::string_view basis);
+  // r, of a compact file; else none.
+  Result<Eigen::VectorXd> column_scales();
+
+  // The checksum of every section, used or not.
+  Status verify_all();
+
+ private:
+  BasisReader() = default;
+  Status parse_header();
+  Status parse_table();
+  Status parse_entry(std::size_t index);
+  Status check_packing() const;
+  Status check_shapes() const;
+  Status check_render() const;
+  Status read_dimensions();
+  const BasisSection* find(std::string_view name) const;
+  Result<std::span<const double>> scales(std::string_view section);
+  Result<std::span<const std::byte>> contents(std::string_view section,
+                                              basis_layout::ElementType type);
+  Status verify(std::size_t index);
+  Error error_at(std::string_view where, std::uint64_t offset, const std::string& what) const;
+
+  std::string name_;
+  MappedFile file_;
+  std::unique_ptr<std::byte[]> copy_;  // when borrowed bytes are not aligned for doubles
+  std::span<const std::byte> bytes_;
+  std::uint16_t minor_ = 0;
+  std::vector<BasisSection> sections_;
+  std::vector<bool> verified_;
+  BasisDimensions dimensions_;
+};
+
+// Parts of the file, checked beyond their shape: lambda is positive and ascending.
+Result<Eigen::VectorXd> read_lambda(BasisReader& reader);
+Result<std::vector<Triangle>> read_triangles(BasisReader& reader);
+Result<DefaultLoad> read_default_load(BasisReader& reader);
+// nullopt: the file has none. Errors also for an index that names nothing and names that do not
+// end.
+Result<std::optional<RenderBlock>> read_render(BasisReader& reader);
+
+// The files of an imported model; empty when it is none.
+Result<VegaFiles> read_vega_files(BasisReader& reader);
+
+// Everything in the file but the files of an imported model, which only an export wants.
+Result<BasisData> read_basis(BasisReader& reader);
+Result<BasisData> read_basis(const std::string& path);
+
+}  // namespace tremolo

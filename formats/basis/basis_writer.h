@@ -1,0 +1,43 @@
+// BasisData -> basis file (docs/basis-format.md).
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "formats/basis/basis_data.h"
+
+namespace tremolo {
+
+// kFull keeps every number as it is. kCompact rounds (formats/basis/compact_values.h): coefficients
+// to f32, basis rows to 16 bits; all else, lambda and the rest positions among it, stays f64.
+enum class BasisEncoding { kFull, kCompact };
+
+// The bytes of the file. The same data give the same bytes. Errors (kContent) name the member
+// whose shape does not fit the others, or, for kCompact, that holds a value that is not finite.
+Result<std::vector<std::byte>> encode_basis(const BasisData& data,
+                                            BasisEncoding encoding = BasisEncoding::kFull);
+
+// Rows of the basis that are in nobody's memory as a whole. Fills `out`, 3*count x r, row-major,
+// with those of the block's vertices first .. first+count-1. Called in ascending order, each vertex
+// once, kRowsAtOnce vertices at a time but for the last.
+using RowSource = std::function<Status(std::size_t first, std::size_t count, double* out)>;
+inline constexpr std::size_t kRowsAtOnce = 4096;
+struct RowSources {
+  RowSource surface;
+  RowSource interior;
+  RowSource render;  // asked only if data.render is there
+};
+
+// write_basis in full encoding; the `rows` of the data's blocks are empty, their numbers come from
+// `sources`, surface first, then render, then interior. What is in memory is the data, a file's
+// other sections and kRowsAtOnce vertices.
+Status write_basis(const std::string& path, const BasisData& data, const RowSources& sources);
+
+// encode_basis, written under a temporary name and renamed to `path`.
+Status write_basis(const std::string& path, const BasisData& data,
+                   BasisEncoding encoding = BasisEncoding::kFull);
+
+}  // namespace tremolo

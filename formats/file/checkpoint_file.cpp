@@ -1,0 +1,257 @@
+#include "formats/file/checkpoint_file.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "common/hash.h"
+#include "formats/file/atomic_file.h"
+#include "formats/file/stored_hash.h"
+
+namespace tremolo {
+namespace {
+
+using namespace checkpoint_layout;
+static_assert(std::endian::native == std::endian::little, "values are written as they lie");
+
+// 0: unknown.
+std::uint64_t element_size(ArrayType type) {
+  switch (type) {
+    case ArrayType::kF64:
+    case ArrayType::kI64:
+      return 8;
+    case ArrayType::kText:
+      return 1;
+  }
+  return 0;
+}
+
+// Whether there can be such an array, and then its size. An empty one has one column: 0 times
+// anything would pass as a shape, and who loops over its columns would not come back.
+bool find_size(ArrayType type, std::uint64_t rows, std::uint64_t columns, std::uint64_t& bytes) {
+  const std::uint64_t element = element_size(type);
+  if (element == 0 || __builtin_mul_overflow(rows, columns, &bytes) ||
+      __builtin_mul_overflow(bytes, element, &bytes))
+    return false;
+  return columns == 1 || (type != ArrayType::kText && bytes > 0);
+}
+
+template <class T>
+void put(std::span<std::byte> bytes, std::size_t at, T value) {
+  std::memcpy(bytes.data() + at, &value, sizeof(value));
+}
+
+template <class T>
+T get(std::span<const std::byte> bytes, std::size_t at) {
+  T value;
+  std::memcpy(&value, bytes.data() + at, sizeof(value));
+  return value;
+}
+
+Status check_arrays(const std::string& path, std::span<const NamedArray> arrays) {
+  const auto bad = [&path](const NamedArray& array, const char* what) {
+    return content_error(path + ": array '" + array.name + "': " + what);
+  };
+  if (arrays.empty() || arrays.size() > kMaxArrays)
+    return content_error(path + ": no arrays, or too many");
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    const NamedArray& array = arrays[i];
+    if (array.name.empty() || array.name.size() > kNameSize ||
+        array.name.find('\0') != std::string::npos)
+      return bad(array, "no name for an array");
+    for (std::size_t other = 0; other < i; ++other)
+      if (arrays[other].name == array.name) return bad(array, "appears twice");
+    std::uint64_t bytes = 0;
+    if (!find_size(array.type, array.rows, array.columns, bytes) || bytes != array.bytes.size())
+      return bad(array, "the size does not fit the bytes");
+  }
+  return Success{};
+}
+
+// Header and table.
+std::vector<std::byte> encode_front(std::span<const NamedArray> arrays) {
+  std::vector<std::byte> front(kHeaderSize + arrays.size() * kEntrySize);
+  const std::span<std::byte> header = std::span(front).first(kHeaderSize);
+  const std::span<std::byte> table = std::span(front).subspan(kHeaderSize);
+  std::uint64_t size = front.size();
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    const std::span<std::byte> entry = table.subspan(i * kEntrySize, kEntrySize);
+    std::memcpy(entry.data(), arrays[i].name.data(), arrays[i].name.size());
+    put(entry, kTypeAt, static_cast<std::uint32_t>(arrays[i].type));
+    put(entry, kRowsAt, arrays[i].rows);
+    put(entry, kColumnsAt, arrays[i].columns);
+    put(entry, kHashAt, hash_bytes(arrays[i].bytes));
+    size += arrays[i].bytes.size();
+  }
+  std::memcpy(header.data(), kMagic.data(), kMagic.size());
+  put(header, kVersionAt, kVersion);
+  put(header, kArraysAt, static_cast<std::uint32_t>(arrays.size()));
+  put(header, kFileSizeAt, size);
+  put(header, kTableHashAt, hash_bytes(table));
+  put(header, kHeaderHashAt, hash_bytes(header.first(kHeaderHashAt)));
+  return front;
+}
+
+}  // namespace
+
+NamedArray named_array(std::string name, std::span<const double> values, std::uint64_t rows,
+                       std::uint64_t columns) {
+  return {std::move(name), ArrayType::kF64, rows, columns, std::as_bytes(values)};
+}
+
+NamedArray named_array(std::string name, std::span<const std::int64_t> values) {
+  return {std::move(name), ArrayType::kI64, values.size(), 1, std::as_bytes(values)};
+}
+
+NamedArray named_array(std::string name, std::string_view text) {
+  return {std::move(name), ArrayType::kText, text.size(), 1,
+          std::as_bytes(std::span(text.data(), text.size()))};
+}
+
+Status write_checkpoint_file(const std::string& path, std::span<const NamedArray> arrays) {
+  if (Status status = check_arrays(path, arrays); !status) return status;
+  const std::vector<std::byte> front = encode_front(arrays);
+  Result<AtomicFile> file = AtomicFile::create(path);
+  if (!file) return file.error();
+  if (Status status = file->write(front); !status) return status;
+  for (const NamedArray& array : arrays)
+    if (Status status = file->write(array.bytes); !status) return status;
+  return file->commit();
+}
+
+Error CheckpointFile::error_at(std::string_view where, std::uint64_t offset,
+                               const std::string& what) const {
+  return content_error(name_ + ": " + std::string(where) + " at byte " + std::to_string(offset) +
+                       ": " + what);
+}
+
+Result<CheckpointFile> CheckpointFile::open(const std::string& path) {
+  Result<MappedFile> mapped = MappedFile::open(path);
+  if (!mapped) return mapped.error();
+  Result<CheckpointFile> file = from_memory(mapped->bytes(), path);
+  if (file) file->file_ = std::move(*mapped);
+  return file;
+}
+
+Result<CheckpointFile> CheckpointFile::from_memory(std::span<const std::byte> bytes,
+                                                   std::string name) {
+  CheckpointFile file;
+  file.name_ = std::move(name);
+  file.bytes_ = bytes;
+  if (Status status = file.parse_header(); !status) return status.error();
+  if (Status status = file.parse_table(); !status) return status.error();
+  return file;
+}
+
+Status CheckpointFile::parse_header() {
+  if (bytes_.size() < kHeaderSize)
+    return error_at("header", 0,
+                    std::to_string(bytes_.size()) + " bytes are no checkpoint: it was cut off");
+  if (std::memcmp(bytes_.data(), kMagic.data(), kMagic.size()) != 0)
+    return error_at("header", 0, "not a checkpoint (the magic is not TREMCKPT)");
+  if (!hash_fits(bytes_.first(kHeaderHashAt), get<std::uint64_t>(bytes_, kHeaderHashAt)))
+    return error_at("header", kHeaderHashAt, "the checksum does not fit");
+  if (const auto version = get<std::uint32_t>(bytes_, kVersionAt); version != kVersion)
+    return error_at(
+        "header", kVersionAt,
+        "version " + std::to_string(version) + ", this program writes " + std::to_string(kVersion));
+  if (const auto size = get<std::uint64_t>(bytes_, kFileSizeAt); size != bytes_.size())
+    return error_at(
+        "header", kFileSizeAt,
+        std::to_string(size) + " bytes were written, there are " + std::to_string(bytes_.size()));
+  for (std::size_t at = kReservedAt; at < kHeaderHashAt; ++at)
+    if (bytes_[at] != std::byte{0}) return error_at("header", at, "a reserved byte is not zero");
+  return Success{};
+}
+
+Status CheckpointFile::parse_table() {
+  const auto count = get<std::uint32_t>(bytes_, kArraysAt);
+  if (count == 0 || count > kMaxArrays || kHeaderSize + count * kEntrySize > bytes_.size())
+    return error_at("header", kArraysAt, std::to_string(count) + " arrays do not fit the file");
+  if (!hash_fits(bytes_.subspan(kHeaderSize, count * kEntrySize),
+                 get<std::uint64_t>(bytes_, kTableHashAt)))
+    return error_at("table", kHeaderSize, "the checksum does not fit");
+  std::uint64_t offset = kHeaderSize + count * kEntrySize;
+  for (std::size_t index = 0; index < count; ++index)
+    if (Status status = parse_entry(index, offset); !status) return status;
+  if (offset != bytes_.size())
+    return error_at("table", kHeaderSize,
+                    "the arrays end at byte " + std::to_string(offset) + ", the file does not");
+  return Success{};
+}
+
+// offset: where this array begins; afterwards, where the next one does.
+Status CheckpointFile::parse_entry(std::size_t index, std::uint64_t& offset) {
+  const std::size_t at = kHeaderSize + index * kEntrySize;
+  const std::span<const std::byte> entry = bytes_.subspan(at, kEntrySize);
+  const char* name = reinterpret_cast<const char*>(entry.data());
+  const std::size_t length = ::strnlen(name, kNameSize);
+  NamedArray array;
+  array.name.assign(name, length);
+  if (length == 0 || std::any_of(name + length, name + kNameSize, [](char c) { return c != 0; }))
+    return error_at("table", at, "a name is empty or not padded with zeros");
+  for (const NamedArray& other : arrays_)
+    if (other.name == array.name)
+      return error_at("table", at, "array '" + array.name + "' appears twice");
+  if (get<std::uint32_t>(entry, kZeroAt) != 0)
+    return error_at("table", at + kZeroAt, "a reserved byte is not zero");
+  array.type = static_cast<ArrayType>(get<std::uint32_t>(entry, kTypeAt));
+  array.rows = get<std::uint64_t>(entry, kRowsAt);
+  array.columns = get<std::uint64_t>(entry, kColumnsAt);
+  std::uint64_t size = 0;
+  if (!find_size(array.type, array.rows, array.columns, size))
+    return error_at("table", at + kTypeAt, "array '" + array.name + "' has no possible size");
+  if (size > bytes_.size() - offset)
+    return error_at("table", at + kRowsAt, "array '" + array.name + "' is not inside the file");
+  array.bytes = bytes_.subspan(offset, size);
+  offset += size;
+  arrays_.push_back(std::move(array));
+  hashes_.push_back(get<std::uint64_t>(entry, kHashAt));
+  return Success{};
+}
+
+std::uint64_t CheckpointFile::offset_of(const NamedArray& array) const {
+  return static_cast<std::uint64_t>(array.bytes.data() - bytes_.data());
+}
+
+Result<NamedArray> CheckpointFile::checked(std::string_view name, ArrayType type) const {
+  const auto found = std::find_if(arrays_.begin(), arrays_.end(),
+                                  [&](const NamedArray& array) { return array.name == name; });
+  if (found == arrays_.end())
+    return error_at("table", kHeaderSize, "array '" + std::string(name) + "' is missing");
+  if (found->type != type) return error_at(name, offset_of(*found), "the array has another type");
+  if (!hash_fits(found->bytes, hashes_[static_cast<std::size_t>(found - arrays_.begin())]))
+    return error_at(name, offset_of(*found), "the checksum does not fit (damaged file?)");
+  return *found;
+}
+
+Result<Eigen::MatrixXd> CheckpointFile::matrix(std::string_view name) const {
+  const Result<NamedArray> array = checked(name, ArrayType::kF64);
+  if (!array) return array.error();
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(array->rows),
+                         static_cast<Eigen::Index>(array->columns));
+  if (!array->bytes.empty()) std::memcpy(values.data(), array->bytes.data(), array->bytes.size());
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values.data()[i]))
+      return error_at(name, offset_of(*array) + sizeof(double) * static_cast<std::uint64_t>(i),
+                      "a value is not finite");
+  return values;
+}
+
+Result<std::vector<std::int64_t>> CheckpointFile::integers(std::string_view name) const {
+  const Result<NamedArray> array = checked(name, ArrayType::kI64);
+  if (!array) return array.error();
+  std::vector<std::int64_t> values(array->bytes.size() / sizeof(std::int64_t));
+  if (!array->bytes.empty()) std::memcpy(values.data(), array->bytes.data(), array->bytes.size());
+  return values;
+}
+
+Result<std::string> CheckpointFile::text(std::string_view name) const {
+  const Result<NamedArray> array = checked(name, ArrayType::kText);
+  if (!array) return array.error();
+  return std::string(reinterpret_cast<const char*>(array->bytes.data()), array->bytes.size());
+}
+
+}  // namespace tremolo

@@ -1,0 +1,15 @@
+#include "formats/file/standard_streams.h"
+
+#include <fcntl.h>
+
+namespace tremolo {
+
+void hold_standard_streams() {
+  for (int stream = 0; stream < 3; ++stream) {
+    if (::fcntl(stream, F_GETFD) >= 0) continue;
+    // The lowest free number is this one: those below are open.
+    if (::open("/dev/null", stream == 0 ? O_WRONLY : O_RDONLY) < 0) return;
+  }
+}
+
+}  // namespace tremolo

@@ -1,0 +1,29 @@
+// One reader a format, behind read_tet_mesh(). Each takes the bytes of the file and its path, which
+// stands in the errors and beside which a second file may lie.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "common/result.h"
+#include "formats/mesh/mesh_reader.h"
+
+namespace tremolo {
+
+// Gmsh's MSH 2.x and 4.1, text and binary in both byte orders. Physical groups become node sets.
+Result<MeshFile> read_msh(std::string_view text, const std::string& path);
+// VTK legacy unstructured grid, text and binary (big-endian).
+Result<MeshFile> read_vtk(std::string_view text, const std::string& path);
+// VTK XML unstructured grid, text or base64, not compressed, data inside their elements.
+Result<MeshFile> read_vtu(std::string_view text, const std::string& path);
+// VegaFEM's .veg. *INCLUDE takes files from the same folder, each once.
+Result<MeshFile> read_veg(std::string_view text, const std::string& path);
+// VegaFEM's .vegb, version 1, tetrahedra.
+Result<MeshFile> read_vegb(std::string_view bytes, const std::string& path);
+// TetGen's NAME.node and NAME.ele; path is either of the two.
+Result<MeshFile> read_tetgen(const std::string& path);
+// The same of their contents.
+Result<MeshFile> read_tetgen_texts(std::string_view nodes, const std::string& node_path,
+                                   std::string_view elements, const std::string& ele_path);
+
+}  // namespace tremolo

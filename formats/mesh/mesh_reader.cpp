@@ -1,0 +1,67 @@
+#include "formats/mesh/mesh_reader.h"
+
+#include <filesystem>
+#include <string_view>
+
+#include "formats/file/text_scanner.h"
+#include "formats/file/whole_file.h"
+#include "formats/mesh/mesh_formats.h"
+
+namespace tremolo {
+namespace {
+
+enum class MeshFormat { kMsh, kVtk, kVtu, kVeg, kVegb, kUnknown };
+
+MeshFormat format_of_first_line(std::string_view text) {
+  TextScanner scanner(text, "");
+  const std::string_view first = scanner.peek();
+  if (first == "$MeshFormat") return MeshFormat::kMsh;
+  if (first == "<?xml" || first == "<VTKFile") return MeshFormat::kVtu;
+  if (text.starts_with("# vtk DataFile")) return MeshFormat::kVtk;
+  // A .veg file may open with comments.
+  TextScanner uncommented(text, "", {.comment = '#'});
+  const std::string_view keyword = uncommented.peek();
+  if (keyword.starts_with("*VERTICES") || keyword.starts_with("*INCLUDE")) return MeshFormat::kVeg;
+  return MeshFormat::kUnknown;
+}
+
+MeshFormat format_of_extension(const std::string& extension) {
+  if (extension == ".msh") return MeshFormat::kMsh;
+  if (extension == ".vtk") return MeshFormat::kVtk;
+  if (extension == ".vtu") return MeshFormat::kVtu;
+  if (extension == ".veg") return MeshFormat::kVeg;
+  if (extension == ".vegb") return MeshFormat::kVegb;
+  return MeshFormat::kUnknown;
+}
+
+}  // namespace
+
+Result<MeshFile> read_tet_mesh(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".node" || extension == ".ele") return read_tetgen(path);
+  const Result<std::string> text = read_whole_file(path);
+  if (!text) return text.error();
+  MeshFormat format = format_of_first_line(*text);
+  if (format == MeshFormat::kUnknown) format = format_of_extension(extension);
+  switch (format) {
+    case MeshFormat::kMsh:
+      return read_msh(*text, path);
+    case MeshFormat::kVtk:
+      return read_vtk(*text, path);
+    case MeshFormat::kVtu:
+      return read_vtu(*text, path);
+    case MeshFormat::kVeg:
+      return read_veg(*text, path);
+    case MeshFormat::kVegb:
+      return read_vegb(*text, path);
+    case MeshFormat::kUnknown:
+      break;
+  }
+  return content_error(
+      path +
+      ", line 1: expected a tetrahedral mesh (.msh 2.2 or 4.1, .vtk, .vtu, .veg, .vegb, "
+      ".node/.ele), found " +
+      quoted_text(TextScanner(*text, path).rest_of_line()));
+}
+
+}  // namespace tremolo

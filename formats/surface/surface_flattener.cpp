@@ -1,0 +1,239 @@
+#include "formats/surface/surface_flattener.h"
+
+#include <algorithm>
+#include <assimp/scene.h>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Dense>
+
+#include "common/number_text.h"
+#include "formats/surface/surface_answer.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+// What one vertex and one triangle take in a RenderSurface.
+constexpr std::uint64_t kVertexBytes = 48;
+constexpr std::uint64_t kTriangleBytes = 20;
+
+constexpr VertexId kNotTaken = -1;
+constexpr VertexId kNotFinite = -2;
+
+// Empty if an importer made it up: "<OFFRoot>", "$ColladaAutoName$_0".
+std::string_view given_name(const aiString& text) {
+  const std::string_view name = text_of(text);
+  const bool made_up =
+      (name.starts_with('<') && name.ends_with('>')) || name.starts_with("$ColladaAutoName$");
+  return made_up ? std::string_view() : name;
+}
+
+Matrix4d matrix_of(const aiMatrix4x4& m) {
+  Matrix4d matrix;
+  matrix << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2,
+      m.d3, m.d4;
+  return matrix;
+}
+
+std::uint8_t channel_byte(float value) {
+  // Written so that NaN becomes 0.
+  return static_cast<std::uint8_t>(value > 0 ? std::lround(std::min(value, 1.0F) * 255.0F) : 0);
+}
+
+std::string counted(std::uint64_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+}  // namespace
+
+std::string UniqueNames::take(std::string_view wanted) {
+  // Room for a number.
+  std::string name = printable_text(wanted, kLongestName - 16);
+  if (name.find_first_not_of(' ') == std::string::npos) name = nameless_;
+  if (taken_.insert(name).second) return name;
+  std::uint64_t& count = repeats_.try_emplace(name, 1).first->second;
+  for (;;) {
+    std::string numbered = name + " " + std::to_string(++count);
+    if (taken_.insert(numbered).second) return numbered;
+  }
+}
+
+// Where a node puts its meshes. normals: the cofactors, which are the inverse transposed times the
+// determinant and exist for flat transforms too; turned for mirrors, so that outside stays outside.
+struct Flattener::Placement {
+  explicit Placement(const Matrix4d& world)
+      : linear(world.topLeftCorner<3, 3>()), offset(world.topRightCorner<3, 1>()) {
+    const double determinant = linear.determinant();
+    mirrored = determinant < 0;
+    for (int i = 0; i < 3; ++i)
+      normals.col(i) = linear.col((i + 1) % 3).cross(linear.col((i + 2) % 3));
+    if (mirrored) normals = -normals;
+  }
+
+  Eigen::Matrix3d linear;
+  Vector3d offset;
+  Eigen::Matrix3d normals;
+  bool mirrored = false;
+};
+
+std::uint32_t Flattener::material_of(unsigned index) {
+  const auto [entry, fresh] =
+      materials_.try_emplace(index, static_cast<std::uint32_t>(surface.materials.size()));
+  if (fresh) {
+    aiString name;
+    if (index < scene_.mNumMaterials && scene_.mMaterials[index] != nullptr)
+      scene_.mMaterials[index]->Get(AI_MATKEY_NAME, name);
+    surface.materials.push_back(material_names_.take(text_of(name)));
+  }
+  return entry->second;
+}
+
+// Gives every vertex all channels: which of them the surface has is seen at the end.
+VertexId Flattener::vertex_of(const aiMesh& mesh, unsigned index, const Placement& place) {
+  VertexId& taken = taken_[index];
+  if (taken != kNotTaken) return taken;
+  const aiVector3D& at = mesh.mVertices[index];
+  const Vector3d x = place.linear * Vector3d(at.x, at.y, at.z) + place.offset;
+  if (!x.allFinite()) return taken = kNotFinite;
+  taken = static_cast<VertexId>(surface.vertices.size());
+  surface.vertices.push_back(x);
+
+  Vector3d n = Vector3d::Zero();
+  if (mesh.mNormals != nullptr) {
+    const aiVector3D& given = mesh.mNormals[index];
+    n = (place.normals * Vector3d(given.x, given.y, given.z)).stableNormalized();
+  }
+  const bool good = n.allFinite() && std::abs(n.norm() - 1) < 1e-6;
+  surface.normals.push_back(good ? Vector3f(n.cast<float>()) : Vector3f(0, 0, 1));
+  has_normal_.push_back(good);
+  any_normal_ |= good;
+
+  Eigen::Vector2f uv = Eigen::Vector2f::Zero();
+  if (mesh.mTextureCoords[0] != nullptr) {
+    uv = {mesh.mTextureCoords[0][index].x, mesh.mTextureCoords[0][index].y};
+    any_uv_ = true;
+  }
+  surface.uvs.push_back(uv.allFinite() ? uv : Eigen::Vector2f(0, 0));
+
+  Colour colour = {255, 255, 255, 255};
+  if (mesh.mColors[0] != nullptr) {
+    const aiColor4D& given = mesh.mColors[0][index];
+    colour = {channel_byte(given.r), channel_byte(given.g), channel_byte(given.b),
+              channel_byte(given.a)};
+    any_colour_ = true;
+  }
+  surface.colours.push_back(colour);
+  return taken;
+}
+
+void Flattener::add_mesh(const aiMesh& mesh, const Placement& place) {
+  if (mesh.mVertices == nullptr || mesh.mFaces == nullptr) return;
+  const std::uint64_t vertices = surface.vertices.size() + std::uint64_t{mesh.mNumVertices};
+  const std::uint64_t triangles = surface.triangles.size() + std::uint64_t{mesh.mNumFaces};
+  constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<VertexId>::max());
+  if (vertices > kMost || triangles > kMost ||
+      vertices * kVertexBytes + triangles * kTriangleBytes > bytes_)
+    throw Refusal{"its scene shows so many copies of its meshes that they need more than " +
+                  number_text(std::ceil(static_cast<double>(bytes_) / 1e6)) + " MB"};
+  if (mesh.HasBones() || mesh.mNumAnimMeshes > 0) ++skinned_;
+  taken_.assign(mesh.mNumVertices, kNotTaken);
+  const auto object = static_cast<std::uint32_t>(surface.objects.size() - 1);
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+    const aiFace& face = mesh.mFaces[f];
+    if (face.mNumIndices != 3) {
+      ++(face.mNumIndices < 2 ? points_ : face.mNumIndices == 2 ? lines_ : polygons_);
+      continue;
+    }
+    Triangle triangle = {};
+    for (int corner = 0; corner < 3; ++corner) {
+      const unsigned index = face.mIndices[corner];
+      if (index >= mesh.mNumVertices)
+        throw Refusal{"face " + std::to_string(f) + " of a mesh names vertex " +
+                      std::to_string(index) + " of " + std::to_string(mesh.mNumVertices)};
+      triangle[corner] = vertex_of(mesh, index, place);
+    }
+    if (std::find(triangle.begin(), triangle.end(), kNotFinite) != triangle.end()) {
+      ++not_finite_;
+      continue;
+    }
+    if (place.mirrored) std::swap(triangle[1], triangle[2]);
+    surface.triangles.push_back(triangle);
+    surface.object_of.push_back(object);
+    surface.material_of.push_back(material_of(mesh.mMaterialIndex));
+  }
+}
+
+// Walks without recursion: a file may nest its nodes as deep as it likes.
+void Flattener::add_nodes(double file_scale) {
+  struct Visit {
+    const aiNode* node;
+    Matrix4d parent;
+  };
+  Matrix4d root = Matrix4d::Identity();
+  root.topLeftCorner<3, 3>() *= 1.0 / file_scale;
+  std::vector<Visit> stack = {{scene_.mRootNode, root}};
+  while (!stack.empty()) {
+    const auto [node, parent] = stack.back();
+    stack.pop_back();
+    const Matrix4d world = parent * matrix_of(node->mTransformation);
+    const std::size_t before = surface.triangles.size();
+    surface.objects.emplace_back();
+    std::string_view name = given_name(node->mName);
+    const Placement place(world);
+    for (unsigned m = 0; m < node->mNumMeshes; ++m) {
+      if (node->mMeshes[m] >= scene_.mNumMeshes) throw Refusal{"a node names a mesh that is not"};
+      const aiMesh& mesh = *scene_.mMeshes[node->mMeshes[m]];
+      if (name.empty()) name = given_name(mesh.mName);
+      add_mesh(mesh, place);
+    }
+    if (surface.triangles.size() == before)
+      surface.objects.pop_back();
+    else
+      surface.objects.back() = object_names_.take(name);
+    for (unsigned child = node->mNumChildren; child-- > 0;)
+      stack.push_back({node->mChildren[child], world});
+  }
+  if (!any_uv_) surface.uvs.clear();
+  if (!any_colour_) surface.colours.clear();
+}
+
+// Vertices without a normal get that of their triangles, weighted by area.
+void Flattener::fill_normals() {
+  if (!any_normal_) {
+    surface.normals.clear();
+    return;
+  }
+  if (std::find(has_normal_.begin(), has_normal_.end(), false) == has_normal_.end()) return;
+  std::vector<Vector3d> sums(surface.vertices.size(), Vector3d::Zero());
+  for (const Triangle& triangle : surface.triangles) {
+    const Vector3d& a = surface.vertices[triangle[0]];
+    const Vector3d twice_area =
+        (surface.vertices[triangle[1]] - a).cross(surface.vertices[triangle[2]] - a);
+    for (const VertexId v : triangle) sums[v] += twice_area;
+  }
+  for (std::size_t v = 0; v < sums.size(); ++v) {
+    const Vector3d n = sums[v].stableNormalized();
+    // A vertex of flat triangles only keeps what stands there.
+    if (!has_normal_[v] && n.allFinite() && std::abs(n.norm() - 1) < 1e-6)
+      surface.normals[v] = n.cast<float>();
+  }
+}
+
+void Flattener::note_what_was_left_out(std::vector<std::string>& notes) const {
+  if (points_ > 0) notes.push_back(counted(points_, "point", "points") + " left out");
+  if (lines_ > 0) notes.push_back(counted(lines_, "line", "lines") + " left out");
+  if (polygons_ > 0)
+    notes.push_back(counted(polygons_, "polygon", "polygons") +
+                    " that could not be cut into triangles left out");
+  if (not_finite_ > 0)
+    notes.push_back(counted(not_finite_, "triangle", "triangles") +
+                    " with coordinates that are no numbers left out");
+  if (skinned_ > 0) notes.push_back("skins and shapes that move: taken in their rest pose");
+}
+
+}  // namespace tremolo

@@ -1,0 +1,200 @@
+#include "formats/surface/surface_scene.h"
+
+#include <array>
+#include <assimp/Importer.hpp>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "common/number_text.h"
+#include "formats/file/folder_files.h"
+#include "formats/surface/off_loader.h"
+#include "formats/surface/surface_answer.h"
+#include "formats/surface/surface_flattener.h"
+
+namespace tremolo {
+namespace {
+
+// The file's unit, m, and what of it assimp has put into the root's transform.
+struct Unit {
+  double metres = 1;
+  std::string words = "the file does not say; taken as metres";
+  double applied = 1;
+};
+
+// The double that a text would have given: 0.01 for the float next to it.
+double decimal(float value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  double number = value;
+  std::from_chars(text.data(), end, number);
+  return number;
+}
+
+bool metadata_number(const aiScene& scene, const char* key, double& value) {
+  if (scene.mMetaData == nullptr) return false;
+  float single = 0;
+  if (scene.mMetaData->Get(key, single)) {
+    value = decimal(single);
+    return true;
+  }
+  return scene.mMetaData->Get(key, value);
+}
+
+bool is_unit(double metres) {
+  return std::isfinite(metres) && metres > 0;
+}
+
+Unit unit_of(const aiScene& scene, const std::string& extension) {
+  Unit unit;
+  if (extension == "gltf" || extension == "glb" || extension == "x3d" || extension == "x3db") {
+    unit.words = "metres, as the format has it";
+  } else if (extension == "ifc" || extension == "ifczip") {
+    unit.words = "metres, into which the file's unit was turned";
+  } else if (extension == "dae" || extension == "zae") {
+    // assimp multiplies the root, which has no transform of its own, by the unit.
+    const double scale = scene.mRootNode->mTransformation.a1;
+    if (is_unit(scale)) {
+      unit.applied = scale;
+      unit.metres = decimal(scene.mRootNode->mTransformation.a1);
+      unit.words = "the file's unit of " + number_text(unit.metres) + " m";
+    }
+  } else if (extension == "fbx") {
+    double centimetres = 0;
+    if (metadata_number(scene, "UnitScaleFactor", centimetres) && is_unit(centimetres)) {
+      unit.metres = centimetres * 0.01;
+      unit.words = "the file's unit of " + number_text(unit.metres) + " m";
+    } else {
+      unit.metres = 0.01;
+      unit.words = "centimetres, as the format has it";
+    }
+  } else if (extension == "3mf" || extension == "amf") {
+    unit.metres = 1e-3;
+    unit.words = "millimetres, as the format has it; what the file says of it is not read";
+  }
+  return unit;
+}
+
+std::string format_name(const aiScene& scene, const std::string& extension) {
+  static const std::unordered_map<std::string, std::string> names = {
+      {"obj", "Wavefront OBJ"}, {"ply", "PLY"},       {"stl", "STL"},           {"off", "OFF"},
+      {"gltf", "glTF"},         {"glb", "GLB"},       {"fbx", "Autodesk FBX"},  {"dae", "Collada"},
+      {"3ds", "3D Studio"},     {"3mf", "3MF"},       {"blend", "Blender"},     {"x3d", "X3D"},
+      {"amf", "AMF"},           {"dxf", "DXF"},       {"lwo", "LightWave LWO"}, {"ac", "AC3D"},
+      {"x", "DirectX X"},       {"ms3d", "MilkShape"}};
+  const auto known = names.find(extension);
+  if (known != names.end()) return known->second;
+  aiString importer;
+  if (scene.mMetaData != nullptr) scene.mMetaData->Get("SourceAsset_Format", importer);
+  std::string name = printable_text(text_of(importer), kLongestName);
+  return name.empty() ? extension : name;
+}
+
+std::string lower_extension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+// assimp 5.2.5 looks for the end of a header for ever where there is none.
+bool lacks_ply_header_end(const std::string& path) {
+  std::string start(std::size_t{1} << 20, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(stream.gcount()));
+  return start.find("end_header") == std::string::npos;
+}
+
+// What assimp says, or what it means by it.
+std::string reason(const std::string& said, const std::string& extension) {
+  if (said.empty() || said.starts_with("No suitable reader"))
+    return "it is not of the format that its extension says";
+  if (extension == "stl" && said.starts_with("Failed to determine"))
+    return "it is neither STL as text nor binary STL of as many triangles as it says; it may be "
+           "cut "
+           "off";
+  return said;
+}
+
+void set_up(Assimp::Importer& importer) {
+  // Triangles for bones, where a file has bones alone, are not the author's.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
+  // Axes stay as the file has them: selectors speak of the coordinates its author saw.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
+}
+
+// Puts our reader of OFF in the place of assimp's, which is not deleted: the process ends soon.
+OffLoader& take_over_off(Assimp::Importer& importer) {
+  importer.UnregisterLoader(importer.GetImporter("off"));
+  auto* loader = new OffLoader;
+  importer.RegisterLoader(loader);  // which deletes it
+  return *loader;
+}
+
+}  // namespace
+
+Result<SurfaceFile> import_surface(const std::string& path, std::uint64_t bytes) {
+  const std::string extension = lower_extension(path);
+  if (extension == "ply" && lacks_ply_header_end(path))
+    return content_error("its header has no end_header; the file may be cut off");
+  // Never deleted: a scene of deeply nested nodes takes itself apart by recursion, and the process
+  // ends soon.
+  Assimp::Importer& importer = *new Assimp::Importer;
+  auto* files = new FolderFiles(path);
+  importer.SetIOHandler(files);  // which deletes it
+  set_up(importer);
+  const OffLoader& off = take_over_off(importer);
+  const aiScene* scene =
+      importer.ReadFile(std::filesystem::absolute(path).string(), aiProcess_Triangulate);
+  const auto note_refused = [files](std::vector<std::string>& notes) {
+    for (const std::string& name : files->refused())
+      notes.push_back("not opened, since it is no file in this folder: " + name);
+  };
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    std::string message = reason(importer.GetErrorString(), extension);
+    std::vector<std::string> refused;
+    note_refused(refused);
+    for (const std::string& note : refused) message += "; " + note;
+    return content_error(message);
+  }
+  const Unit unit = unit_of(*scene, extension);
+  SurfaceFile file;
+  file.format = format_name(*scene, extension);
+  file.metres_per_unit = unit.metres;
+  file.unit = unit.words;
+  Flattener flattener(*scene, bytes);
+  try {
+    flattener.add_nodes(unit.applied);
+  } catch (const Refusal& refusal) {
+    return content_error(refusal.message);
+  }
+  flattener.fill_normals();
+  flattener.note_what_was_left_out(file.notes);
+  file.notes.insert(file.notes.end(), off.notes().begin(), off.notes().end());
+  if (scene->mNumAnimations > 0) file.notes.push_back("movements left out: taken in the rest pose");
+  note_refused(file.notes);
+  file.surface = std::move(flattener.surface);
+  if (file.surface.triangles.empty()) {
+    std::string message = "it holds no triangles: export the shape as a mesh of polygons";
+    for (const std::string& note : file.notes) message += "; " + note;
+    return content_error(message);
+  }
+  for (std::string& note : file.notes) note = printable_text(note, kLongestMessage);
+  return file;
+}
+
+}  // namespace tremolo

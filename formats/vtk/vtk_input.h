@@ -1,0 +1,55 @@
+// The keywords and number lists of a legacy VTK file, the same whether it is text or binary.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.h"
+#include "formats/file/byte_scanner.h"
+#include "formats/file/text_scanner.h"
+
+namespace tremolo {
+
+// Reads that fail return false and leave error().
+class VtkInput {
+ public:
+  VtkInput(std::string_view text, const std::string& path);
+
+  // The three lines before DATASET: version, title, ASCII or BINARY.
+  bool read_header();
+  bool binary() const { return binary_; }
+
+  // Numbers of a type that the file names ("float", "vtktypeint64"), from the next line on if the
+  // file is binary. A list that cannot fit in the rest of the file is refused before it is stored.
+  bool read_list(const std::string& type, std::uint64_t count, std::string_view what,
+                 std::vector<std::int64_t>& values);
+  bool read_list(const std::string& type, std::uint64_t count, std::string_view what,
+                 std::vector<double>& values);
+
+  TextScanner& text() { return text_; }
+  // Of the last token: what is found wrong in the list it begins will be said to be there.
+  void begin_part(const std::string& keyword) { part_ = text_.problem("in " + keyword).message; }
+  const std::string& part() const { return part_; }
+  // An error in the part.
+  bool fail(const std::string& complaint);
+  const Error& error() const { return error_.message.empty() ? text_.error() : error_; }
+
+ private:
+  template <class T>
+  bool read_values(const std::string& type, std::uint64_t count, std::string_view what,
+                   std::vector<T>& values);
+  template <class Stored, class T>
+  bool read_bytes(std::uint64_t count, std::string_view what, std::vector<T>& values);
+
+  std::string_view whole_;
+  std::string path_;
+  TextScanner text_;
+  bool binary_ = false;
+  std::string part_;
+  Error error_;
+};
+
+}  // namespace tremolo

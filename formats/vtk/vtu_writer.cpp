@@ -1,0 +1,135 @@
+#include "formats/vtk/vtu_writer.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <numbers>
+
+#include "formats/file/atomic_file.h"
+#include "formats/file/base64.h"
+
+namespace tremolo {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "values are written as they lie");
+
+// VTK's numbers of the two kinds (vtkCellType.h).
+constexpr std::uint8_t kTriangle = 5;
+constexpr std::uint8_t kTetrahedron = 10;
+
+struct Cells {
+  std::span<const VertexId> nodes;
+  std::size_t nodes_of_one;
+  std::uint8_t type;
+  std::size_t count() const { return nodes.size() / nodes_of_one; }
+};
+
+// One DataArray: its bytes behind their number, together in base64.
+template <class T>
+Status write_array(AtomicFile& file, const std::string& attributes, std::span<const T> values) {
+  const std::uint64_t size = values.size_bytes();
+  std::string bytes(sizeof(size) + size, '\0');
+  std::memcpy(bytes.data(), &size, sizeof(size));
+  if (size > 0) std::memcpy(bytes.data() + sizeof(size), values.data(), size);
+  Status status = file.write("<DataArray " + attributes + " format=\"binary\">");
+  if (status) status = file.write(encode_base64(bytes));
+  if (status) status = file.write("</DataArray>\n");
+  return status;
+}
+
+std::string mode_name(Eigen::Index mode, Eigen::Index modes) {
+  const std::string number = std::to_string(mode + 1);
+  const std::size_t width = std::max<std::size_t>(2, std::to_string(modes).size());
+  return "mode_" + std::string(width - number.size(), '0') + number;
+}
+
+Status write_frequencies(AtomicFile& file, const Eigen::VectorXd& lambda) {
+  const Eigen::VectorXd hertz = lambda.cwiseSqrt() / (2.0 * std::numbers::pi);
+  Status status = file.write("<FieldData>\n");
+  if (status)
+    status = write_array(file,
+                         "type=\"Float64\" Name=\"frequency_hz\" NumberOfTuples=\"" +
+                             std::to_string(hertz.size()) + "\"",
+                         std::span(hertz.data(), static_cast<std::size_t>(hertz.size())));
+  if (status) status = file.write("</FieldData>\n");
+  return status;
+}
+
+Status write_modes(AtomicFile& file, const BasisRows& rows) {
+  Status status = file.write("<PointData>\n");
+  for (Eigen::Index mode = 0; status && mode < rows.cols(); ++mode) {
+    const Eigen::VectorXd column = rows.col(mode);
+    status = write_array(
+        file,
+        "type=\"Float64\" Name=\"" + mode_name(mode, rows.cols()) + "\" NumberOfComponents=\"3\"",
+        std::span(column.data(), static_cast<std::size_t>(column.size())));
+  }
+  if (status) status = file.write("</PointData>\n");
+  return status;
+}
+
+Status write_cells(AtomicFile& file, const Cells& cells) {
+  std::vector<std::int64_t> offsets(cells.count());
+  for (std::size_t c = 0; c < offsets.size(); ++c)
+    offsets[c] = static_cast<std::int64_t>((c + 1) * cells.nodes_of_one);
+  const std::vector<std::uint8_t> types(cells.count(), cells.type);
+  Status status = file.write("<Cells>\n");
+  if (status) status = write_array(file, "type=\"Int32\" Name=\"connectivity\"", cells.nodes);
+  if (status)
+    status = write_array(file, "type=\"Int64\" Name=\"offsets\"",
+                         std::span<const std::int64_t>(offsets));
+  if (status)
+    status =
+        write_array(file, "type=\"UInt8\" Name=\"types\"", std::span<const std::uint8_t>(types));
+  if (status) status = file.write("</Cells>\n");
+  return status;
+}
+
+Status write_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,
+                 const Cells& cells, const BasisRows& rows, const Eigen::VectorXd& lambda) {
+  static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
+  Result<AtomicFile> created = AtomicFile::create(path);
+  if (!created) return created.error();
+  AtomicFile& file = *created;
+  Status status = file.write(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n");
+  if (status) status = write_frequencies(file, lambda);
+  if (status)
+    status = file.write("<Piece NumberOfPoints=\"" + std::to_string(points.size()) +
+                        "\" NumberOfCells=\"" + std::to_string(cells.count()) + "\">\n");
+  if (status) status = write_modes(file, rows);
+  if (status) status = file.write("<Points>\n");
+  if (status)
+    status = write_array(file, "type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"",
+                         std::span<const double>(points.empty() ? nullptr : points.front().data(),
+                                                 3 * points.size()));
+  if (status) status = file.write("</Points>\n");
+  if (status) status = write_cells(file, cells);
+  if (status) status = file.write("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+  return status ? file.commit() : status;
+}
+
+// The corners of all cells behind each other, as they lie.
+template <class Cell>
+std::span<const VertexId> corners(std::span<const Cell> cells) {
+  static_assert(sizeof(Cell) == std::tuple_size_v<Cell> * sizeof(VertexId));
+  return {cells.empty() ? nullptr : cells.front().data(), cells.size() * std::tuple_size_v<Cell>};
+}
+
+}  // namespace
+
+Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,
+                       std::span<const Tetrahedron> cells, const BasisRows& rows,
+                       const Eigen::VectorXd& lambda) {
+  return write_vtu(path, points, {corners(cells), 4, kTetrahedron}, rows, lambda);
+}
+
+Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,
+                       std::span<const Triangle> cells, const BasisRows& rows,
+                       const Eigen::VectorXd& lambda) {
+  return write_vtu(path, points, {corners(cells), 3, kTriangle}, rows, lambda);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,27 @@
+// Modes for ParaView and meshio: a VTU file (VTK XML unstructured grid) with a vector a point for
+// every mode. Needs no XML library.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "formats/basis/basis_data.h"
+
+namespace tremolo {
+
+// points: rest positions, m. rows: 3 x points rows, r columns, kg^-1/2. lambda: r, (rad/s)^2.
+// Point data `mode_01`, `mode_02`, ...: the columns; a displacement is one of them times its
+// coordinate, kg^1/2 m. Field data `frequency_hz`: r numbers. Arrays are f64 in base64, inside
+// their elements. Errors: kSystem of the file.
+Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,
+                       std::span<const Tetrahedron> cells, const BasisRows& rows,
+                       const Eigen::VectorXd& lambda);
+Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,
+                       std::span<const Triangle> cells, const BasisRows& rows,
+                       const Eigen::VectorXd& lambda);
+
+}  // namespace tremolo

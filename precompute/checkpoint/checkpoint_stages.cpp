@@ -1,0 +1,232 @@
+#include "precompute/checkpoint/checkpoint_stages.h"
+
+#include <deque>
+
+#include "common/packed_index.h"
+#include "precompute/system/failure.h"
+
+namespace tremolo {
+namespace {
+
+constexpr Eigen::Index kAnyRows = -1;
+
+// Values by name into a file. They must outlive what arrays() returns, and so must the writer.
+class StageWriter {
+ public:
+  void operator()(const char* name, const double& value) {
+    arrays_.push_back(named_array(name, std::span(&value, 1), 1));
+  }
+  void operator()(const char* name, const int& value) { add(name, value); }
+  void operator()(const char* name, const Eigen::Index& value) { add(name, value); }
+  void operator()(const char* name, const std::string& text) {
+    arrays_.push_back(named_array(name, std::string_view(text)));
+  }
+  void operator()(const char* name, const std::vector<double>& values, Eigen::Index) {
+    arrays_.push_back(named_array(name, values, values.size()));
+  }
+  void operator()(const char* name, const Eigen::VectorXd& values, Eigen::Index) {
+    add(name, values.data(), values.rows(), 1);
+  }
+  void operator()(const char* name, const Columns& values, Eigen::Index, Eigen::Index) {
+    add(name, values.data(), values.rows(), values.cols());
+  }
+  // As the columns of its transpose.
+  void operator()(const char* name, const BasisRows& values, Eigen::Index, Eigen::Index) {
+    add(name, values.data(), values.cols(), values.rows());
+  }
+  void add(const char* name, const double* values, Eigen::Index rows, Eigen::Index columns) {
+    arrays_.push_back(named_array(name, std::span(values, static_cast<std::size_t>(rows * columns)),
+                                  static_cast<std::uint64_t>(rows),
+                                  static_cast<std::uint64_t>(columns)));
+  }
+  const std::vector<NamedArray>& arrays() const { return arrays_; }
+
+ private:
+  void add(const char* name, std::int64_t value) {
+    integers_.push_back(value);
+    arrays_.push_back(named_array(name, std::span<const std::int64_t>(&integers_.back(), 1)));
+  }
+
+  std::deque<std::int64_t> integers_;
+  std::vector<NamedArray> arrays_;
+};
+
+// The same names out of a file, each of the shape that is asked for. Throws Failure.
+class StageReader {
+ public:
+  explicit StageReader(const CheckpointFile& file) : file_(file) {}
+
+  void operator()(const char* name, double& value) { value = shaped(name, 1, 1)(0); }
+  void operator()(const char* name, int& value) { value = static_cast<int>(integer(name)); }
+  void operator()(const char* name, Eigen::Index& value) { value = integer(name); }
+  void operator()(const char* name, std::string& text) { text = unwrap(file_.text(name)); }
+  void operator()(const char* name, std::vector<double>& values, Eigen::Index rows) {
+    const Eigen::MatrixXd matrix = shaped(name, rows, 1);
+    values.assign(matrix.data(), matrix.data() + matrix.size());
+  }
+  void operator()(const char* name, Eigen::VectorXd& values, Eigen::Index rows) {
+    values = shaped(name, rows, 1);
+  }
+  void operator()(const char* name, Columns& values, Eigen::Index rows, Eigen::Index columns) {
+    values = shaped(name, rows, columns);
+  }
+  void operator()(const char* name, BasisRows& values, Eigen::Index rows, Eigen::Index columns) {
+    values = shaped(name, columns, rows).transpose();
+  }
+
+ private:
+  [[noreturn]] static void refuse(const char* name) {
+    throw Failure(content_error(std::string("'") + name + "' has another size than the stage's"));
+  }
+  // Counts, all of them, that fit an int.
+  std::int64_t integer(const char* name) const {
+    const std::vector<std::int64_t> values = unwrap(file_.integers(name));
+    if (values.size() != 1 || values[0] != static_cast<int>(values[0])) refuse(name);
+    return values[0];
+  }
+  Eigen::MatrixXd shaped(const char* name, Eigen::Index rows, Eigen::Index columns) const {
+    Eigen::MatrixXd values = unwrap(file_.matrix(name));
+    if ((rows != kAnyRows && values.rows() != rows) || values.cols() != columns) refuse(name);
+    return values;
+  }
+
+  const CheckpointFile& file_;
+};
+
+// How many there are where `asked` were asked for. Throws Failure.
+Eigen::Index in_range(Eigen::Index found, Eigen::Index asked) {
+  if (found < asked || found > asked + kMostAdded)
+    throw Failure(content_error(std::to_string(found) + " columns where " + std::to_string(asked) +
+                                " were asked for"));
+  return found;
+}
+
+// One list of names for both ways. asked: of the reader alone, as all shapes are.
+template <class Archive, class Value>
+void describe_modes(Archive& archive, Value& whole, Eigen::Index dofs, Eigen::Index asked) {
+  auto& modes = whole.modes;
+  archive("squared_frequencies", modes.squared_frequencies, kAnyRows);
+  const Eigen::Index count =
+      asked == kAnyRows ? asked : in_range(modes.squared_frequencies.size(), asked);
+  archive("vectors", modes.vectors, dofs, count);
+  archive("residuals", modes.residuals, count);
+  archive("left_out", modes.left_out, kAnyRows);
+  archive("scaled_residual", modes.scaled_residual);
+  archive("next_squared_frequency", modes.next_squared_frequency);
+  archive("cancellation", modes.cancellation);
+  archive("shift", modes.shift);
+  archive("solves", modes.solves);
+  archive("solver", modes.solver);
+  archive("factorisation", modes.factorisation);
+  archive("note", whole.note);
+}
+
+template <class Archive, class Value>
+void describe_certificate(Archive& archive, Value& certificate) {
+  archive("bound", certificate.bound);
+  archive("expected", certificate.expected);
+  archive("counted", certificate.counted);
+  archive("solver", certificate.solver);
+}
+
+template <class Archive, class Value>
+void describe_basis(Archive& archive, Value& finished, Eigen::Index rows, Eigen::Index asked) {
+  archive("lambda", finished.basis.lambda, kAnyRows);
+  const Eigen::Index r = asked == kAnyRows ? asked : in_range(finished.basis.lambda.size(), asked);
+  archive("rows", finished.rows, rows, r);
+  archive("singular_values", finished.basis.singular_values, kAnyRows);
+  archive("orthonormality_error", finished.basis.orthonormality_error);
+  archive("diagonality_error", finished.basis.diagonality_error);
+  archive("cut_first", finished.basis.cut.first);
+  archive("cut_count", finished.basis.cut.count);
+  archive("derivative_residual", finished.derivative_residual);
+}
+
+template <class Archive, class Value>
+void describe_coefficients(Archive& archive, Value& finished, Eigen::Index r) {
+  const auto count = static_cast<std::size_t>(r);
+  archive("cubic", finished.cubic, static_cast<Eigen::Index>(triple_count(count)));
+  archive("quartic", finished.quartic, static_cast<Eigen::Index>(quad_count(count)));
+  archive("polynomial_error", finished.polynomial_error);
+}
+
+template <class Describe>
+void keep(Checkpoint& checkpoint, const char* stage, const Describe& describe) {
+  StageWriter writer;
+  describe(writer);
+  checkpoint.keep(stage, writer.arrays());
+}
+
+template <class Describe>
+bool find(Checkpoint& checkpoint, const char* stage, const Describe& describe) {
+  return checkpoint.find(stage, [&](const CheckpointFile& file) {
+    StageReader reader(file);
+    describe(reader);
+  });
+}
+
+}  // namespace
+
+void keep_modes(Checkpoint& checkpoint, const WholeModes& whole) {
+  keep(checkpoint, "modes",
+       [&](auto& archive) { describe_modes(archive, whole, kAnyRows, kAnyRows); });
+}
+
+bool find_modes(Checkpoint& checkpoint, Eigen::Index dofs, Eigen::Index count, WholeModes& whole) {
+  return find(checkpoint, "modes",
+              [&](auto& archive) { describe_modes(archive, whole, dofs, count); });
+}
+
+void keep_derivatives(Checkpoint& checkpoint, const ModalDerivatives& derivatives) {
+  keep(checkpoint, "derivatives", [&](auto& archive) {
+    const auto vectors = derivatives.vectors();
+    archive.add("vectors", vectors.data(), vectors.rows(), vectors.cols());
+    archive("residual", derivatives.residual);
+  });
+}
+
+bool find_derivatives(Checkpoint& checkpoint, const Columns& modes, ModalDerivatives& derivatives) {
+  return find(checkpoint, "derivatives", [&](auto& archive) {
+    const Eigen::Index count = modes.cols() * (modes.cols() + 1) / 2;
+    Columns vectors;
+    archive("vectors", vectors, modes.rows(), count);
+    archive("residual", derivatives.residual);
+    derivatives.modes = modes.cols();
+    derivatives.columns.resize(modes.rows(), modes.cols() + count);
+    derivatives.columns << modes, vectors;
+  });
+}
+
+void keep_certificate(Checkpoint& checkpoint, const InertiaCertificate& certificate) {
+  keep(checkpoint, "certificate",
+       [&](auto& archive) { describe_certificate(archive, certificate); });
+}
+
+bool find_certificate(Checkpoint& checkpoint, InertiaCertificate& certificate) {
+  return find(checkpoint, "certificate",
+              [&](auto& archive) { describe_certificate(archive, certificate); });
+}
+
+void keep_basis(Checkpoint& checkpoint, const FinishedBasis& finished) {
+  keep(checkpoint, "basis",
+       [&](auto& archive) { describe_basis(archive, finished, kAnyRows, kAnyRows); });
+  checkpoint.drop("derivatives");
+}
+
+bool find_basis(Checkpoint& checkpoint, Eigen::Index rows, Eigen::Index r,
+                FinishedBasis& finished) {
+  return find(checkpoint, "basis",
+              [&](auto& archive) { describe_basis(archive, finished, rows, r); });
+}
+
+void keep_coefficients(Checkpoint& checkpoint, const FinishedCoefficients& finished) {
+  keep(checkpoint, "coefficients",
+       [&](auto& archive) { describe_coefficients(archive, finished, 0); });
+}
+
+bool find_coefficients(Checkpoint& checkpoint, Eigen::Index r, FinishedCoefficients& finished) {
+  return find(checkpoint, "coefficients",
+              [&](auto& archive) { describe_coefficients(archive, finished, r); });
+}
+
+}  // namespace tremolo

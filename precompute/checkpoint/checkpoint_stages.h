@@ -1,0 +1,50 @@
+// What of each stage is kept, and how it comes back: all that the report, the basis file and later
+// stages want of it. find_... is false when the stage is not there and is to be made; what comes
+// back has the shapes that are asked for.
+#pragma once
+
+#include "precompute/checkpoint/checkpoint.h"
+#include "precompute/modes/mode_clusters.h"
+#include "precompute/reduction/basis.h"
+#include "precompute/reduction/coefficients.h"
+#include "precompute/reduction/derivatives.h"
+
+namespace tremolo {
+
+// For the log, behind what a stage says of itself.
+inline const char* origin(bool found) {
+  return found ? ", from the checkpoint" : "";
+}
+
+// Without the factor: restore_solver (modes.h) makes it again, bit for bit. count: asked for; up to
+// kMostAdded more may be there.
+void keep_modes(Checkpoint& checkpoint, const WholeModes& whole);
+bool find_modes(Checkpoint& checkpoint, Eigen::Index dofs, Eigen::Index count, WholeModes& whole);
+
+// modes: their vectors, the first of the columns; they are kept with the modes.
+void keep_derivatives(Checkpoint& checkpoint, const ModalDerivatives& derivatives);
+bool find_derivatives(Checkpoint& checkpoint, const Columns& modes, ModalDerivatives& derivatives);
+
+void keep_certificate(Checkpoint& checkpoint, const InertiaCertificate& certificate);
+bool find_certificate(Checkpoint& checkpoint, InertiaCertificate& certificate);
+
+// basis: without its vectors. rows: of the vertices that this rank has, rows x r, up to kMostAdded
+// more columns than asked for.
+// derivative_residual: the derivatives are of no further use, and dropped.
+struct FinishedBasis {
+  Basis basis;
+  BasisRows rows;
+  double derivative_residual = 0;
+};
+void keep_basis(Checkpoint& checkpoint, const FinishedBasis& finished);
+bool find_basis(Checkpoint& checkpoint, Eigen::Index rows, Eigen::Index r, FinishedBasis& finished);
+
+// cubic, quartic: as in BasisData.
+struct FinishedCoefficients {
+  std::vector<double> cubic, quartic;
+  double polynomial_error = 0;
+};
+void keep_coefficients(Checkpoint& checkpoint, const FinishedCoefficients& finished);
+bool find_coefficients(Checkpoint& checkpoint, Eigen::Index r, FinishedCoefficients& finished);
+
+}  // namespace tremolo

@@ -1,0 +1,63 @@
+// Element matrices into a sparse matrix, without knowing which: entries go to a callable.
+#pragma once
+
+#include "precompute/fem/dof_map.h"
+#include "precompute/fem/stvk.h"
+
+namespace tremolo {
+
+// One mass matrix from the elements to the file; mixing the two costs M-orthonormality.
+enum class MassKind { kConsistent, kLumped };
+
+// Mass of vertex pair (a, b) of an element: rho V/20 (1 + delta_ab), or rho V/4 delta_ab lumped.
+inline double element_mass(const Solid& solid, std::size_t element, int a, int b, MassKind kind) {
+  const double mass = solid.density(element) * solid.samples[element].weight;
+  if (kind == MassKind::kLumped) return a == b ? mass / 4.0 : 0.0;
+  return a == b ? mass / 10.0 : mass / 20.0;
+}
+
+// Calls add(row node, column node, 3x3 block) for every pair of free nodes of every element that
+// this rank has rows of; only rows of its own nodes. solid: of the rank's part of the mesh.
+template <class Add>
+void for_each_stiffness_block(const Solid& solid, const LocalDofs& local, const Add& add) {
+  for (int element : local.elements) {
+    const auto e = static_cast<std::size_t>(element);
+    const Tetrahedron& tet = solid.mesh.tetrahedra[e];
+    const Eigen::Matrix<double, 12, 12> stiffness =
+        rest_stiffness(solid.elasticity(e), solid.samples[e]);
+    for (int a = 0; a < 4; ++a) {
+      if (local.row_of_vertex[tet[a]] < 0) continue;
+      for (int b = 0; b < 4; ++b)
+        if (local.node_of_vertex[tet[b]] >= 0)
+          add(local.node_of_vertex[tet[a]], local.node_of_vertex[tet[b]],
+              Eigen::Matrix3d(stiffness.block<3, 3>(3 * a, 3 * b)));
+    }
+  }
+}
+
+// The same for the mass, point masses included: add(row node, column node, value); the block is
+// value times identity.
+template <class Add>
+void for_each_mass_entry(const Solid& solid, const LocalDofs& local, MassKind kind,
+                         const Add& add) {
+  for (int element : local.elements) {
+    const auto e = static_cast<std::size_t>(element);
+    const Tetrahedron& tet = solid.mesh.tetrahedra[e];
+    for (int a = 0; a < 4; ++a) {
+      if (local.row_of_vertex[tet[a]] < 0) continue;
+      for (int b = 0; b < 4; ++b) {
+        if (local.node_of_vertex[tet[b]] < 0 || (kind == MassKind::kLumped && a != b)) continue;
+        add(local.node_of_vertex[tet[a]], local.node_of_vertex[tet[b]],
+            element_mass(solid, e, a, b, kind));
+      }
+    }
+  }
+  for (std::size_t v = 0; v < solid.point_mass.size(); ++v)
+    if (solid.point_mass[v] != 0 && local.row_of_vertex[v] >= 0)
+      add(local.node_of_vertex[v], local.node_of_vertex[v], solid.point_mass[v]);
+}
+
+// Mass of the whole mesh with its point masses, kg.
+double total_mass(const Solid& solid);
+
+}  // namespace tremolo

@@ -1,0 +1,165 @@
+#include "precompute/mesher/cgal/size_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "precompute/mesher/surface/surface_distance.h"
+
+namespace tremolo {
+namespace {
+
+using Point = Eigen::Vector3d;
+
+constexpr double kGrowth = 0.5;
+constexpr int kCells = 72;  // along the longest side
+// Rays behind a sample: one straight in, the others on a cone, so that a nick does not count.
+constexpr int kConeRays = 4;
+// Cosine between the normals of two sides of a wall.
+constexpr double kParallel = 0.8;
+constexpr double kCone = 30.0 * std::numbers::pi / 180.0;
+// Volume of a tetrahedron over the cube of the wanted edge, as the mesher fills space; measured.
+constexpr double kVolumePerCube = 0.2;
+// Triangles within the solid that a ray passes, and how far behind one it goes on; surfaces are
+// scaled to a diagonal of 1.
+constexpr int kMostHits = 8;
+constexpr double kStep = 1e-6;
+constexpr std::size_t kNoTriangle = static_cast<std::size_t>(-1);
+
+// Where a ray leaves the solid: it goes on behind triangles that lie within.
+Hit way_out(const TriangleTree& tree, const Inside& inside, const Point& x, const Point& direction,
+            std::size_t triangle) {
+  Hit way = tree.first_hit(x, direction, triangle);
+  for (int hit = 0; inside && hit < kMostHits && std::isfinite(way.distance); ++hit) {
+    const Point behind = x + (way.distance + kStep) * direction;
+    if (!inside(behind)) break;
+    const Hit next = tree.first_hit(behind, direction, kNoTriangle);
+    way = {way.distance + kStep + next.distance, next.triangle};
+  }
+  return way;
+}
+
+// Infinite where the solid does not end behind the point, or ends at no wall: at the edge of a
+// wedge the two sides are near each other but not parallel.
+double thickness_behind(const SurfaceMesh& surface, const TriangleTree& tree, const Inside& inside,
+                        const SurfacePoint& at, const Point& inwards) {
+  const Hit straight = way_out(tree, inside, at.point, inwards, at.triangle);
+  if (!std::isfinite(straight.distance)) return straight.distance;
+  const Point far = doubled_area(surface, surface.triangles[straight.triangle]).normalized();
+  if (std::abs(far.dot(inwards)) < kParallel) return HUGE_VAL;
+  std::vector<double> lengths{straight.distance};
+  const Point side = inwards.unitOrthogonal();
+  const Point other = inwards.cross(side);
+  for (int i = 0; i < kConeRays; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / kConeRays;
+    const Point direction = std::cos(kCone) * inwards +
+                            std::sin(kCone) * (std::cos(turn) * side + std::sin(turn) * other);
+    lengths.push_back(std::cos(kCone) *
+                      way_out(tree, inside, at.point, direction, at.triangle).distance);
+  }
+  std::nth_element(lengths.begin(), lengths.begin() + 2, lengths.end());
+  return lengths[2];
+}
+
+}  // namespace
+
+std::vector<WallSample> wall_samples(const SurfaceMesh& surface, const TriangleTree& tree,
+                                     const Inside& inside, std::size_t count) {
+  double area = 0;
+  for (const Triangle& t : surface.triangles) area += 0.5 * doubled_area(surface, t).norm();
+  std::vector<WallSample> samples;
+  for (const SurfacePoint& at : spread_points(surface, count)) {
+    const Point normal = doubled_area(surface, surface.triangles[at.triangle]).normalized();
+    if (inside && (inside(at.point + kStep * normal) || !inside(at.point - kStep * normal)))
+      continue;
+    const double thickness = thickness_behind(surface, tree, inside, at, -normal);
+    if (std::isfinite(thickness) && thickness > 0)
+      samples.push_back({at.point, thickness, area / static_cast<double>(count)});
+  }
+  return samples;
+}
+
+SizeField::SizeField(const BoundingBox& box, const std::vector<WallSample>& walls, double coarse,
+                     double fine)
+    : coarse_(coarse) {
+  step_ = (box.high - box.low).maxCoeff() / kCells;
+  low_ = box.low - Point::Constant(step_);
+  count_ = ((box.high - box.low) / step_).array().ceil().cast<int>() + 4;
+  values_.assign(static_cast<std::size_t>(count_.prod()), static_cast<float>(coarse));
+  const auto index = [this](int i, int j, int k) {
+    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(count_[1]) +
+            static_cast<std::size_t>(j)) *
+               static_cast<std::size_t>(count_[0]) +
+           static_cast<std::size_t>(i);
+  };
+  for (const WallSample& wall : walls) {
+    const double size = std::clamp(wall.thickness, fine, coarse);
+    const Eigen::Vector3i cell = ((wall.point - low_) / step_).array().floor().cast<int>();
+    for (int corner = 0; corner < 8; ++corner) {
+      float& value =
+          values_[index(cell[0] + corner % 2, cell[1] + corner / 2 % 2, cell[2] + corner / 4)];
+      value = std::min(value, static_cast<float>(size));
+    }
+  }
+  // Sweeps in all eight directions: the distance to a cell's neighbours along the axes.
+  const auto slope = static_cast<float>(kGrowth * step_);
+  for (int sweep = 0; sweep < 8; ++sweep) {
+    const Eigen::Vector3i sign(sweep & 1 ? -1 : 1, sweep & 2 ? -1 : 1, sweep & 4 ? -1 : 1);
+    Eigen::Vector3i at;
+    for (int k = 0; k < count_[2]; ++k)
+      for (int j = 0; j < count_[1]; ++j)
+        for (int i = 0; i < count_[0]; ++i) {
+          at = {sign[0] > 0 ? i : count_[0] - 1 - i, sign[1] > 0 ? j : count_[1] - 1 - j,
+                sign[2] > 0 ? k : count_[2] - 1 - k};
+          float& value = values_[index(at[0], at[1], at[2])];
+          for (int axis = 0; axis < 3; ++axis) {
+            Eigen::Vector3i before = at;
+            before[axis] -= sign[axis];
+            if (before[axis] < 0 || before[axis] >= count_[axis]) continue;
+            value = std::min(value, values_[index(before[0], before[1], before[2])] + slope);
+          }
+        }
+  }
+}
+
+double SizeField::at(const Point& x) const {
+  const Point place = (x - low_) / step_;
+  Eigen::Vector3i cell;
+  Point share;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double inside = std::clamp(place[axis], 0.0, static_cast<double>(count_[axis]) - 1.001);
+    cell[axis] = static_cast<int>(inside);
+    share[axis] = inside - cell[axis];
+  }
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const int di = corner % 2, dj = corner / 2 % 2, dk = corner / 4;
+    const double weight = (di ? share[0] : 1 - share[0]) * (dj ? share[1] : 1 - share[1]) *
+                          (dk ? share[2] : 1 - share[2]);
+    sum += weight *
+           values_[(static_cast<std::size_t>(cell[2] + dk) * static_cast<std::size_t>(count_[1]) +
+                    static_cast<std::size_t>(cell[1] + dj)) *
+                       static_cast<std::size_t>(count_[0]) +
+                   static_cast<std::size_t>(cell[0] + di)];
+  }
+  return sum;
+}
+
+double size_for_count(double volume, double count) {
+  return std::cbrt(volume / (kVolumePerCube * count));
+}
+
+double estimated_count(const std::vector<WallSample>& walls, double volume, double coarse,
+                       double fine) {
+  double behind = 0;
+  for (const WallSample& wall : walls) behind += wall.area * wall.thickness;
+  if (!(behind > 0)) return volume / (kVolumePerCube * coarse * coarse * coarse);
+  double count = 0;
+  for (const WallSample& wall : walls) {
+    const double size = std::clamp(wall.thickness, fine, coarse);
+    count += volume * wall.area * wall.thickness / behind / (kVolumePerCube * size * size * size);
+  }
+  return count;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,15 @@
+#include "precompute/mesher/surface/cgal_surface.h"
+
+namespace tremolo::cgal {
+
+bool copy(const tremolo::SurfaceMesh& surface, SurfaceMesh& out) {
+  std::vector<SurfaceMesh::Vertex_index> vertices;
+  for (const Eigen::Vector3d& x : surface.vertices)
+    vertices.push_back(out.add_vertex(Kernel::Point_3(x[0], x[1], x[2])));
+  const auto at = [&](VertexId v) { return vertices[static_cast<std::size_t>(v)]; };
+  for (const Triangle& t : surface.triangles)
+    if (out.add_face(at(t[0]), at(t[1]), at(t[2])) == SurfaceMesh::null_face()) return false;
+  return true;
+}
+
+}  // namespace tremolo::cgal

@@ -1,0 +1,118 @@
+#include "precompute/mesher/surface/surface_outcome.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "common/mesh/mesh_parts.h"
+#include "precompute/mesher/surface/surface_distance.h"
+
+namespace tremolo {
+namespace {
+
+using Point = Eigen::Vector3d;
+
+constexpr std::size_t kDistanceSamples = 20'000;
+// A part with less than this share of the largest one's volume is a crumb.
+constexpr double kCrumb = 0.01;
+
+// The largest distance from the mesh's boundary to the surface. Where a hole was closed there is no
+// surface: there the solid angle goes steadily through one half, and only there.
+double mesh_to_surface(const SurfaceSolid& solid, const SurfaceMesh& boundary, double error,
+                       double& largest_cap) {
+  const double step = 3.0 * error;
+  double largest = 0;
+  for (const SurfacePoint& at : spread_points(boundary, kDistanceSamples)) {
+    const double distance = solid.tree.nearest(at.point).distance;
+    if (!solid.closed && distance > error) {
+      const Point normal = doubled_area(boundary, boundary.triangles[at.triangle]).normalized();
+      const double before = solid.winding.at(at.point + step * normal);
+      const double behind = solid.winding.at(at.point - step * normal);
+      constexpr double kSteady = 0.25;
+      if (std::abs(before - 0.5) < kSteady && std::abs(behind - 0.5) < kSteady) {
+        largest_cap = std::max(largest_cap, distance);
+        continue;
+      }
+    }
+    largest = std::max(largest, distance);
+  }
+  return largest;
+}
+
+// Whether a point parts inside from outside. A fin has a half of a turn on either side.
+bool is_border(const SurfaceSolid& solid, const SurfacePoint& at) {
+  constexpr double kStep = 1e-4;
+  constexpr double kBacked = 0.65;
+  const Point normal =
+      doubled_area(solid.surface, solid.surface.triangles[at.triangle]).normalized();
+  return solid.winding.at(at.point - kStep * normal) > kBacked &&
+         !solid.inside(at.point + kStep * normal);
+}
+
+// The way back, from those points of the surface that part inside from outside. Shells that were
+// left out as a whole do not count.
+double surface_to_mesh(const SurfaceSolid& solid, const TriangleTree& boundary) {
+  struct Range {
+    double least = HUGE_VAL, most = 0;
+  };
+  std::map<std::size_t, Range> shells;
+  for (const SurfacePoint& at : spread_points(solid.surface, kDistanceSamples)) {
+    if (!solid.closed && !is_border(solid, at)) continue;
+    const double distance = boundary.nearest(at.point).distance;
+    Range& range = shells[solid.shell_of[at.triangle]];
+    range.least = std::min(range.least, distance);
+    range.most = std::max(range.most, distance);
+  }
+  double largest = 0;
+  for (const auto& [shell, range] : shells)
+    if (range.least < kWorstError) largest = std::max(largest, range.most);
+  return largest;
+}
+
+}  // namespace
+
+PartCounts drop_crumbs(TetMesh& mesh, bool keep) {
+  const MeshParts labels = mesh_parts(mesh);
+  const auto part_of = [&labels](const Tetrahedron& t) {
+    return static_cast<std::size_t>(labels.part_of_vertex[static_cast<std::size_t>(t[0])]);
+  };
+  std::vector<double> volumes(labels.count, 0.0);
+  for (const Tetrahedron& t : mesh.tetrahedra) volumes[part_of(t)] += signed_volume(mesh, t);
+  const double largest = *std::max_element(volumes.begin(), volumes.end());
+  PartCounts parts;
+  for (const double volume : volumes)
+    ++(keep || volume >= kCrumb * largest ? parts.kept : parts.dropped);
+  if (parts.dropped == 0) return parts;
+  TetMesh result;
+  std::vector<VertexId> place(mesh.vertices.size(), -1);
+  for (const Tetrahedron& t : mesh.tetrahedra) {
+    if (volumes[part_of(t)] < kCrumb * largest) continue;
+    Tetrahedron moved{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      VertexId& to = place[static_cast<std::size_t>(t[i])];
+      if (to < 0) {
+        to = static_cast<VertexId>(result.vertices.size());
+        result.vertices.push_back(mesh.vertices[static_cast<std::size_t>(t[i])]);
+      }
+      moved[i] = to;
+    }
+    result.tetrahedra.push_back(moved);
+  }
+  mesh = std::move(result);
+  return parts;
+}
+
+SurfaceDistances measure_distances(const SurfaceSolid& solid, double error, const TetMesh& mesh) {
+  const SurfaceMesh boundary = boundary_mesh(mesh);
+  const TriangleTree tree(boundary);
+  if (solid.half_thickness > 0)
+    // The faces of a sheet are half its thickness off on purpose.
+    return {distance_from(boundary, solid.tree, kDistanceSamples) - solid.half_thickness,
+            distance_from(solid.surface, tree, kDistanceSamples) - solid.half_thickness, 0.0};
+  SurfaceDistances distances;
+  distances.mesh_to_surface = mesh_to_surface(solid, boundary, error, distances.cap_to_surface);
+  distances.surface_to_mesh = surface_to_mesh(solid, tree);
+  return distances;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,27 @@
+// What came out of meshing a surface: parts, and how far mesh and surface are apart.
+#pragma once
+
+#include "common/mesh/tet_mesh.h"
+#include "precompute/mesher/surface/surface_solid.h"
+
+namespace tremolo {
+
+// Farther apart than that, in units of the diagonal, a mesh does not follow its surface.
+inline constexpr double kWorstError = 0.01;
+
+struct PartCounts {
+  std::size_t kept = 0, dropped = 0;
+};
+
+// Takes parts out that have less than 1 % of the largest one's volume, unless they are to be kept.
+PartCounts drop_crumbs(TetMesh& mesh, bool keep);
+
+// In units of the diagonal; see SurfaceMeshReport. error: the wanted distance.
+struct SurfaceDistances {
+  double mesh_to_surface = 0;
+  double surface_to_mesh = 0;
+  double cap_to_surface = 0;
+};
+SurfaceDistances measure_distances(const SurfaceSolid& solid, double error, const TetMesh& mesh);
+
+}  // namespace tremolo

@@ -1,0 +1,194 @@
+#include "precompute/mesher/surface/surface_repair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "precompute/mesher/surface/crossings.h"
+#include "precompute/mesher/surface/surface_patches.h"
+#include "precompute/mesher/surface/surface_union.h"
+#include "precompute/mesher/surface/surface_weld.h"
+#include "precompute/mesher/surface/winding_number.h"
+
+namespace tremolo {
+namespace {
+
+using Point = Eigen::Vector3d;
+
+// Six times the volume between a patch and the origin.
+double volume_below(const SurfaceMesh& surface, const Triangle& t) {
+  return surface.vertices[static_cast<std::size_t>(t[0])].dot(
+      surface.vertices[static_cast<std::size_t>(t[1])].cross(
+          surface.vertices[static_cast<std::size_t>(t[2])]));
+}
+
+struct Shell {
+  std::size_t patch;
+  BoundingBox box;
+  double volume = 0;  // m^3, unsigned
+  int depth = 0;      // how many others it lies in
+};
+
+bool contains(const BoundingBox& outer, const BoundingBox& inner) {
+  return (outer.low.array() <= inner.low.array()).all() &&
+         (outer.high.array() >= inner.high.array()).all();
+}
+
+SurfaceMesh part_of(const SurfaceMesh& surface, const SurfacePatch& patch) {
+  SurfaceMesh part;
+  part.vertices = surface.vertices;
+  for (const std::size_t t : patch.triangles) part.triangles.push_back(surface.triangles[t]);
+  return part;
+}
+
+// Closed shells: outermost ones face outwards. One inside another is a cavity if it faces the other
+// way than the one around it did in the file, and superfluous if it faces the same way.
+void settle_closed_shells(SurfaceMesh& surface, const std::vector<SurfacePatch>& patches,
+                          SurfaceFindings& findings, std::vector<bool>& dropped) {
+  std::vector<Shell> shells;
+  std::vector<bool> inverted(patches.size(), false);
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    if (patches[p].open || patches[p].branching) continue;
+    double volume = 0;
+    std::vector<Point> corners;
+    for (const std::size_t t : patches[p].triangles) {
+      volume += volume_below(surface, surface.triangles[t]) / 6.0;
+      for (const VertexId v : surface.triangles[t])
+        corners.push_back(surface.vertices[static_cast<std::size_t>(v)]);
+    }
+    inverted[p] = volume < 0;
+    shells.push_back({p, bounding_box(corners), std::abs(volume)});
+  }
+  std::sort(shells.begin(), shells.end(),
+            [](const Shell& a, const Shell& b) { return a.volume > b.volume; });
+  std::vector<std::size_t> parent(shells.size());
+  for (std::size_t outer = 0; outer < shells.size(); ++outer) {
+    std::unique_ptr<WindingNumber> winding;
+    for (std::size_t inner = outer + 1; inner < shells.size(); ++inner) {
+      if (!contains(shells[outer].box, shells[inner].box)) continue;
+      if (!winding)
+        winding = std::make_unique<WindingNumber>(part_of(surface, patches[shells[outer].patch]));
+      const Triangle& t = surface.triangles[patches[shells[inner].patch].triangles.front()];
+      if (std::abs(winding->at(surface.vertices[static_cast<std::size_t>(t[0])])) > 0.5) {
+        ++shells[inner].depth;
+        parent[inner] = outer;  // the smallest one around comes last
+      }
+    }
+  }
+  std::vector<bool> as_cavity(shells.size(), false);
+  for (std::size_t s = 0; s < shells.size(); ++s) {
+    const std::size_t p = shells[s].patch;
+    const bool inside = shells[s].depth > 0;
+    if (inside && dropped[shells[parent[s]].patch]) {
+      dropped[p] = true;  // what lies in a superfluous shell
+    } else if (inside && inverted[p] == inverted[shells[parent[s]].patch]) {
+      dropped[p] = !as_cavity[parent[s]];
+    } else {
+      as_cavity[s] = inside && !as_cavity[parent[s]];
+    }
+    if (dropped[p]) {
+      ++findings.inner_shells;
+      continue;
+    }
+    findings.cavities += as_cavity[s];
+    if (inverted[p] != as_cavity[s]) turn_patch(surface, patches[p], findings);
+  }
+}
+
+// Closed shells that only cross each other become one surface, of one patch.
+bool unite(SurfaceMesh& surface, const std::vector<SurfacePatch>& patches,
+           std::vector<std::size_t>& patch_of, SurfaceFindings& findings) {
+  SurfaceMesh outwards = surface;
+  SurfaceFindings turned = findings;
+  std::size_t inwards = 0;
+  for (const SurfacePatch& patch : patches) {
+    double volume = 0;
+    for (const std::size_t t : patch.triangles)
+      volume += volume_below(surface, surface.triangles[t]);
+    inwards += volume < 0;
+    if (volume < 0) turn_patch(outwards, patch, turned);
+  }
+  // Some of each: cavities, perhaps.
+  if (inwards > 0 && inwards < patches.size()) return false;
+  std::optional<SurfaceMesh> united = unite_shells(outwards, patch_of);
+  if (!united) return false;
+  findings.turned = turned.turned;
+  findings.united = patches.size();
+  findings.crossings = 0;
+  surface = std::move(*united);
+  patch_of.assign(surface.triangles.size(), 0);
+  return true;
+}
+
+}  // namespace
+
+RepairedSurface repair_surface(const SurfaceMesh& given) {
+  RepairedSurface result;
+  SurfaceFindings& findings = result.findings;
+  SurfaceMesh surface = given;
+  findings.triangles = surface.triangles.size();
+  const WeldCounts counts = weld(surface);
+  findings.welded = counts.welded;
+  findings.degenerate = counts.degenerate;
+  findings.repeated = counts.repeated;
+  findings.cancelled = counts.cancelled;
+  if (surface.triangles.empty()) return result;
+
+  std::vector<std::size_t> patch_of;
+  std::vector<SurfacePatch> patches = orient_within_patches(surface, patch_of, findings);
+  find_holes(surface, patch_of, patches, findings);
+  findings.shells = patches.size();
+  if (findings.branching_edges == 0 && findings.one_sided_edges == 0)
+    findings.crossings = count_crossings(surface);
+  std::vector<bool> dropped(patches.size(), false);
+  if (findings.crossings == 0)
+    settle_closed_shells(surface, patches, findings, dropped);
+  else if (findings.holes == 0 && unite(surface, patches, patch_of, findings))
+    dropped.assign(1, false);
+  if (!findings.clean()) {
+    for (SurfacePatch& patch : patches) patch.branching = patch.branching || findings.crossings > 0;
+    orient_open_patches(surface, patches, findings);
+  }
+  result.mesh.vertices = surface.vertices;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (dropped[patch_of[t]]) continue;
+    result.mesh.triangles.push_back(surface.triangles[t]);
+    result.shell_of.push_back(patch_of[t]);
+  }
+  drop_unused_vertices(result.mesh);
+  return result;
+}
+
+std::vector<std::string> describe(const SurfaceFindings& f) {
+  std::vector<std::string> lines;
+  const auto say = [&](std::size_t count, const char* one, const char* many) {
+    if (count > 0) lines.push_back(std::to_string(count) + (count == 1 ? one : many));
+  };
+  say(f.welded, " vertex welded to another at its place",
+      " vertices welded to others at their place");
+  say(f.degenerate, " triangle without an area left out", " triangles without an area left out");
+  say(f.repeated, " repeated triangle left out", " repeated triangles left out");
+  say(f.cancelled, "", " triangles that lay back to back in pairs left out: an inner wall");
+  say(f.turned, " triangle turned to face outwards", " triangles turned to face outwards");
+  say(f.united, "", " shells that overlapped united");
+  say(f.inner_shells, " inner shell left out (it faces the same way as the one around it)",
+      " inner shells left out (they face the same way as those around them)");
+  say(f.cavities, " cavity kept", " cavities kept");
+  if (f.holes > 0) {
+    char text[160];
+    std::snprintf(text, sizeof(text), "%zu hole%s, %.2g %% of the surface: closed by solid angle",
+                  f.holes, f.holes == 1 ? "" : "s", 100.0 * f.hole_share);
+    lines.emplace_back(text);
+  }
+  say(f.branching_edges, " edge where three or more triangles meet",
+      " edges where three or more triangles meet");
+  say(f.one_sided_edges, " edge across which no side is the outside",
+      " edges across which no side is the outside");
+  say(f.crossings, " pair of triangles that cross each other",
+      " pairs of triangles that cross each other");
+  return lines;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,54 @@
+// What is wrong with a surface, and what can be mended without guessing.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "common/mesh/render_surface.h"
+#include "common/mesh/surface_mesh.h"
+
+namespace tremolo {
+
+// Counts of triangles unless said otherwise. The first group was mended, the second is still there.
+struct SurfaceFindings {
+  std::size_t triangles = 0;  // as given
+  std::size_t welded = 0;     // vertices that lay where another did
+  std::size_t degenerate = 0;
+  std::size_t repeated = 0;
+  std::size_t cancelled = 0;  // back to back with another: both were taken out
+  std::size_t turned = 0;     // orientation
+  std::size_t united = 0;     // closed shells that overlapped
+
+  std::size_t holes = 0;            // closed chains of edges with one triangle
+  double hole_share = 0;            // area of the flattest caps over that of the surface
+  std::size_t branching_edges = 0;  // edges with three triangles or more
+  std::size_t one_sided_edges = 0;  // where a sheet cannot be oriented, as on a Moebius strip
+  std::size_t crossings = 0;        // pairs of triangles
+  std::size_t shells = 0;           // parts that are connected by edges
+  std::size_t inner_shells = 0;     // inside another one and oriented like it: no cavity
+  std::size_t cavities = 0;
+  double open_share = 0;  // area of shells that have a hole over the whole area
+
+  // Nothing is left that only a solid angle can judge.
+  bool clean() const {
+    return holes == 0 && branching_edges == 0 && one_sided_edges == 0 && crossings == 0;
+  }
+};
+
+// mesh: no vertex twice, no degenerate triangle, oriented outwards as well as it goes.
+// shell_of: one a triangle.
+struct RepairedSurface {
+  SurfaceMesh mesh;
+  std::vector<std::size_t> shell_of;
+  SurfaceFindings findings;
+};
+
+// `surface` is best scaled so that its bounding box has a diagonal of 1: lengths below 3e-5 may be
+// closed as gaps. Inner shells are taken out, cavities stay.
+RepairedSurface repair_surface(const SurfaceMesh& surface);
+
+// One sentence for each finding, "welded 120 vertices"; empty for a sound surface.
+std::vector<std::string> describe(const SurfaceFindings& findings);
+
+}  // namespace tremolo

@@ -1,0 +1,28 @@
+// Triangles that share corners, from triangles that only touch.
+#pragma once
+
+#include <cstddef>
+
+#include "common/mesh/surface_mesh.h"
+
+namespace tremolo {
+
+struct WeldCounts {
+  std::size_t welded = 0;      // vertices that lay where another did
+  std::size_t degenerate = 0;  // triangles without an area
+  std::size_t repeated = 0;    // triangles that were there already
+  std::size_t cancelled = 0;   // triangles that lay back to back with another one
+};
+
+// Vertices at one place become one; if edges with a single triangle are left, so do vertices closer
+// than 3e-5 (less where edges are short), provided that this closes some. Triangles back to back
+// are both taken out if that leaves fewer open edges than keeping one of them.
+WeldCounts weld(SurfaceMesh& surface);
+
+// Vertices that no triangle uses go; the order of the others stays.
+void drop_unused_vertices(SurfaceMesh& surface);
+
+// Edges with an odd number of triangles.
+std::size_t odd_edges(const SurfaceMesh& surface);
+
+}  // namespace tremolo

@@ -1,0 +1,173 @@
+#include "precompute/modes/block_lanczos.h"
+
+#include <random>
+
+#include "precompute/dense/dense_decompositions.h"
+#include "precompute/dense/parallel_columns.h"
+#include "precompute/system/blas_threads.h"
+
+namespace tremolo {
+namespace {
+
+constexpr Eigen::Index kBlock = kLanczosBlock;
+
+// X^T Y, the same bits on all ranks.
+Eigen::MatrixXd products_of(const ColumnsRef& x, const ColumnsRef& y) {
+  Eigen::MatrixXd products = transposed_product(x, y);
+  sum_over_ranks(products);
+  return products;
+}
+
+Columns start_block(Eigen::Index rows, Eigen::Index columns) {
+  // Its raw numbers are the same everywhere.
+  std::mt19937 engine(20110101u + static_cast<unsigned>(mpi_rank()));
+  Columns block(rows, columns);
+  for (double& entry : block.reshaped()) entry = static_cast<double>(engine()) / 4294967296.0 - 0.5;
+  return block;
+}
+
+// Takes the part along the columns of v (M-orthonormal) out of w; returns what it was, v^T M w.
+Eigen::MatrixXd project_out(const Pencil& pencil, const ColumnsRef& v, const ColumnsOut& w) {
+  if (v.cols() == 0) return Eigen::MatrixXd(0, w.cols());
+  Eigen::MatrixXd along = products_of(v, pencil.mass(w));
+  add_product(-1.0, v, along, 1.0, w);
+  return along;
+}
+
+// W = Q B with Q^T M Q = 1, in place. The first `rank` columns of w become those of Q that a Gram
+// matrix can tell from the others' rounding and that are not rounding next to `scale` themselves.
+// |B s| is the M-norm of W s, what was left out included.
+struct Orthonormalised {
+  Eigen::Index rank = 0;
+  Eigen::MatrixXd b;
+};
+Orthonormalised orthonormalise(const Pencil& pencil, ColumnsOut w, double scale) {
+  const Eigen::MatrixXd gram = products_of(w, pencil.mass(w));
+  const EigenPairs eigen = eigenpairs(0.5 * (gram + gram.transpose()));
+  constexpr double kRounding = 1e-14;
+  const double largest = eigen.values.maxCoeff();
+  const double least = std::max(kRounding * largest, std::pow(kRounding * scale, 2));
+  Orthonormalised result;
+  result.rank = (eigen.values.array() > least).count();
+  const Eigen::VectorXd root = eigen.values.cwiseMax(0.0).cwiseSqrt();
+  const Columns old = w;
+  add_product(
+      1.0, old,
+      eigen.vectors.rightCols(result.rank) * root.tail(result.rank).cwiseInverse().asDiagonal(),
+      0.0, w.leftCols(result.rank));
+  result.b = root.asDiagonal() * eigen.vectors.transpose();
+  return result;
+}
+
+}  // namespace
+
+Pencil thread_pencil(Mat mass, const SparseCholesky& factor, const Columns& deflated,
+                     unsigned threads) {
+  const SparseRows rows = sparse_rows(mass);
+  Pencil pencil;
+  pencil.mass = [rows, threads](const ColumnsRef& x) {
+    Columns product(x.rows(), x.cols());
+    parallel_columns(x.cols(), 4, threads, [&](Eigen::Index first, Eigen::Index count) {
+      multiply(rows, x.middleCols(first, count), product.middleCols(first, count));
+    });
+    return product;
+  };
+  pencil.inverse = [rows, &factor, threads](ColumnsOut x) {
+    const BlasThreads single(1);
+    parallel_columns(x.cols(), kBlock, threads, [&](Eigen::Index first, Eigen::Index count) {
+      SparseCholesky::Workspace workspace;
+      Columns load(x.rows(), count);
+      multiply(rows, x.middleCols(first, count), load);
+      factor.solve(load, x.middleCols(first, count), workspace);
+    });
+  };
+  pencil.deflated = &deflated;
+  pencil.rows = pencil.all_rows = rows.rows;
+  return pencil;
+}
+
+Pencil petsc_pencil(Mat mass, Mat factor, const Columns& deflated) {
+  constexpr const char* kDoing = "solve for the modes";
+  Pencil pencil;
+  pencil.mass = [mass](const ColumnsRef& x) { return multiply(mass, Columns(x)); };
+  pencil.inverse = [mass, factor](ColumnsOut x) {
+    const Columns load = multiply(mass, Columns(x));
+    Columns solution(load.rows(), load.cols());
+    const PetscMatrix from = as_dense(load), to = as_dense(solution);
+    check_petsc(MatMatSolve(factor, from.get(), to.get()), kDoing);
+    x = solution;
+  };
+  pencil.deflated = &deflated;
+  PetscInt rows = 0, all_rows = 0;
+  check_petsc(MatGetLocalSize(mass, &rows, nullptr), kDoing);
+  check_petsc(MatGetSize(mass, &all_rows, nullptr), kDoing);
+  pencil.rows = rows;
+  pencil.all_rows = all_rows;
+  return pencil;
+}
+
+void apply_inverse(const Pencil& pencil, const ColumnsOut& x) {
+  pencil.inverse(x);
+  project_out(pencil, *pencil.deflated, x);
+}
+
+LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance) {
+  const Eigen::Index rows = pencil.rows;
+  // Many parts of much the same shape have as many frequencies next to each other, which only a
+  // large basis tells apart.
+  constexpr Eigen::Index kMostMore = 1500;
+  const Eigen::Index several =
+      pencil.deflated->cols() > 6 ? std::min(kMostMore, 2 * pencil.deflated->cols()) : 0;
+  const Eigen::Index usual = 8 * Eigen::Index{wanted} + 20 * kBlock;
+  const Eigen::Index most = std::min<Eigen::Index>(pencil.all_rows, usual + several);
+  LanczosPairs pairs;
+  Columns v(rows, most);
+  Eigen::MatrixXd t = Eigen::MatrixXd::Zero(most, most);  // V^T M A V
+  Eigen::Index size = std::min(kBlock, most), first = 0;
+  double largest = 0;
+  v.leftCols(size) = start_block(rows, size);
+  project_out(pencil, *pencil.deflated, v.leftCols(size));
+  for (int pass = 0; pass < 2; ++pass) size = orthonormalise(pencil, v.leftCols(size), 0.0).rank;
+  while (size > first) {
+    const Eigen::Index width = size - first;
+    Columns w = v.middleCols(first, width);
+    apply_inverse(pencil, w);
+    pairs.solves += static_cast<int>(width);
+    const Eigen::MatrixXd along = project_out(pencil, v.leftCols(size), w);
+    t.block(0, first, size, width) = along;
+    t.block(first, 0, width, size) = along.transpose();
+
+    // In a large basis to look is more work than to go on.
+    constexpr Eigen::Index kSeldom = 8 * kBlock;
+    const bool look = size <= usual || size % kSeldom < kBlock || size + kBlock > most;
+    EigenPairs ritz;
+    if (look) {
+      ritz = eigenpairs(t.topLeftCorner(size, size));
+      largest = std::max(largest, ritz.values.cwiseAbs().maxCoeff());
+    }
+    const auto [next, coupling] = orthonormalise(pencil, w, largest);
+    if (look && size >= wanted) {
+      const Eigen::MatrixXd chosen = ritz.vectors.rightCols(wanted).rowwise().reverse();
+      pairs.values = ritz.values.tail(wanted).reverse();
+      const Eigen::VectorXd residuals =
+          (coupling * chosen.middleRows(first, width)).colwise().norm();
+      if ((residuals.array() <= tolerance * pairs.values.array()).all()) {
+        pairs.converged = true;
+        pairs.vectors.resize(rows, wanted);
+        add_product(1.0, v.leftCols(size), chosen, 0.0, pairs.vectors);
+        return pairs;
+      }
+    }
+    if (size + next > most) return pairs;
+    // A second time: what rounding left along the basis grew when directions were scaled up.
+    project_out(pencil, *pencil.deflated, w.leftCols(next));
+    project_out(pencil, v.leftCols(size), w.leftCols(next));
+    const Eigen::Index kept = orthonormalise(pencil, w.leftCols(next), 0.0).rank;
+    v.middleCols(size, kept) = w.leftCols(kept);
+    first = size;
+    size += kept;
+  }
+  return pairs;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,173 @@
+#include "precompute/options/options.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "precompute/options/config_option.h"
+#include "precompute/options/solid_options.h"
+#include "precompute/system/failure.h"
+#include "precompute/system/option_checks.h"
+
+namespace tremolo {
+namespace {
+
+// What shaped the result: where it went, how many threads worked and what was printed is left out,
+// so that the same model gives the same file.
+std::string essential(const std::vector<std::string>& words) {
+  std::string line;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (word == "--json" || word == "--limits" || word.starts_with("--checkpoint") ||
+        word.starts_with("--resume") || word.starts_with("--output=") ||
+        word.starts_with("--modes-vtu=") || word.starts_with("--preview=") ||
+        word.starts_with("--threads=") || (word.starts_with("-o") && word.size() > 2))
+      continue;
+    if (word == "-o" || word == "--output" || word == "--threads" || word == "--modes-vtu" ||
+        word == "--preview") {
+      ++i;
+      continue;
+    }
+    if (!line.empty()) line += ' ';
+    line += word;
+  }
+  return line;
+}
+
+}  // namespace
+
+std::variant<CommandLine, int> parse_command_line(int count, char** words) {
+  CommandLine line;
+  PrecomputeOptions& options = line.options;
+  std::vector<std::string> own;
+  int at = 1;
+  for (; at < count && std::string(words[at]) != "--"; ++at) own.emplace_back(words[at]);
+  options.command_line = essential(own);
+  for (++at; at < count; ++at) line.petsc_options.emplace_back(words[at]);
+
+  CLI::App app{
+      "Turns a tetrahedral mesh into a basis file for tremolo. Units are SI.\n"
+      "`tremolo-precompute reference MESH ...` moves the whole mesh instead, to judge a basis by: "
+      "see\n"
+      "`tremolo-precompute reference --help`.\n"
+      "What follows -- goes to PETSc and SLEPc (their inner solver has the prefix -st_)."};
+  app.name("tremolo-precompute");
+  app.failure_message(one_line_message);
+  app.set_version_flag("--version", std::string("tremolo-precompute ") + TREMOLO_VERSION);
+  app.allow_config_extras(CLI::config_extras_mode::error);
+  add_config_option(app, "read options from a TOML file (keys are the long flag names)");
+  SolidTexts texts;
+  add_solid_options(app, options, texts);
+  app.add_option("-o,--output", options.output_path, "the basis file to write");
+  app.add_option(
+      "--render", options.render_path,
+      "surface that is drawn in place of the mesh's boundary and moves with it: .obj .ply "
+      ".stl .gltf .glb .fbx ... (default: the surface that was meshed)");
+  app.add_option("--select", options.select,
+                 "print the vertices that a selector chooses, and compute nothing");
+  app.add_option("--preview", options.preview,
+                 "write the mesh's boundary, .ply, painted: blue what is held, red what is loaded, "
+                 "with an arrow, green what --select finds; without --output nothing is computed");
+  CLI::Option* linear_modes =
+      app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)");
+  CLI::Option* modes =
+      app.add_option("--modes", options.modes,
+                     "R, coordinates to keep (default 30; with --linear all linear modes)");
+  CLI::Option* target_error = app.add_option(
+      "--target-error", options.target_error,
+      "E, e.g. 0.02: as many coordinates as it takes for the static displacement under the\n"
+      "default load to be off by E at most, measured against the whole mesh");
+  const CLI::Option* mass_option = app.get_option("--mass");
+  app.add_flag("--certify,!--no-certify", options.certify,
+               "count the modes by inertia as well: one more factorisation (default: yes)");
+  CLI::Option* linear =
+      app.add_flag("--linear", options.linear,
+                   "the linear modes alone: no derivatives, no cubic and quartic terms");
+  target_error->excludes(linear);
+  std::string encoding = "full";
+  app.add_option("--encoding", encoding,
+                 "full (f64), or compact: coefficients f32, basis rows 16 bits; the error is told")
+      ->check(CLI::IsMember({"full", "compact"}))
+      ->capture_default_str();
+  app.add_option("--import-basis", options.import_basis,
+                 "VegaFEM's basis, .U, over the vertices of this mesh: nothing is solved. It is "
+                 "orthonormal in the lumped mass, of which --density is part (--material file: the "
+                 "mesh file's own)")
+      ->excludes(linear_modes)
+      ->excludes(modes)
+      ->excludes(linear)
+      ->excludes(target_error)
+      ->excludes(app.get_option("--point-mass"));
+  app.add_option("--import-cubic", options.import_cubic,
+                 "VegaFEM's polynomials of the reduced forces, .cub; the stiffness is theirs")
+      ->needs("--import-basis");
+  app.get_option("--import-basis")->needs("--import-cubic");
+  // Its rows are along the axes of the mesh's file.
+  app.get_option("--import-basis")->excludes("--up");
+  app.add_option("--modes-vtu", options.modes_vtu,
+                 "also write the modes on the tetrahedra, .vtu, for ParaView and meshio");
+  std::string solver = "auto";
+  app.add_option(
+         "--solver", solver,
+         "cholmod (a factor in one process), mumps (spread over ranks), iterative (multigrid,\n"
+         "no factor) or auto: a factor where memory allows")
+      ->check(CLI::IsMember({"auto", "cholmod", "mumps", "iterative"}))
+      ->capture_default_str();
+  std::uint64_t memory = 0;
+  app.add_option("--memory", memory, "bytes a rank may use, e.g. 4GB (default: what is free)")
+      ->transform(byte_count());
+  CLI::Option* import = app.get_option("--import-basis");
+  app.add_flag("--checkpoint", options.checkpoint,
+               "keep every finished stage in the folder OUTPUT.checkpoint until all is written")
+      ->excludes(import)
+      ->excludes(target_error);
+  app.add_flag("--resume", options.resume,
+               "go on from the stages in OUTPUT.checkpoint, and keep the further ones there")
+      ->excludes(import)
+      ->excludes(target_error);
+  app.add_flag("--limits", options.limits,
+               "measure this machine and print the shortest time each stage could take on it");
+  app.add_flag("--json", line.json, "print one JSON object on stdout");
+
+  if (!vectors_are_words(own, "--load-force")) return exit_code({ErrorKind::kUsage, ""});
+  try {
+    std::vector<std::string> reversed(own.rbegin(), own.rend());
+    app.parse(reversed);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error, std::cout, std::cerr);
+    return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});
+  } catch (const Failure& failure) {
+    std::cerr << "tremolo-precompute: " << failure.what() << "\n";
+    return exit_code(failure.error());
+  }
+  options.config_path = config_path(app);
+  if (options.output_path.empty() && options.select.empty() && options.preview.empty()) {
+    std::cerr << "tremolo-precompute: --output is required\n";
+    return exit_code({ErrorKind::kUsage, ""});
+  }
+  if (options.target_error && options.modes) {
+    const auto gives_modes = [](const std::string& word) {
+      return word == "--modes" || word.starts_with("--modes=");
+    };
+    if (std::any_of(own.begin(), own.end(), gives_modes)) {
+      std::cerr
+          << "tremolo-precompute: --target-error chooses the coordinates: leave --modes out\n";
+      return exit_code({ErrorKind::kUsage, ""});
+    }
+    options.modes.reset();  // of a config file
+  }
+  for (const LinearSolver each :
+       {LinearSolver::kCholmod, LinearSolver::kMumps, LinearSolver::kIterative})
+    if (solver == name_of(each)) options.solver = each;
+  if (memory > 0) options.memory = static_cast<double>(memory);
+  line.settings = app.config_to_str(true);
+  options.encoding = encoding == "compact" ? BasisEncoding::kCompact : BasisEncoding::kFull;
+  options.checkpoint = options.checkpoint || options.resume;
+  options.mass_given = mass_option->count() > 0;
+  if (!finish_solid_options(texts, options)) return exit_code({ErrorKind::kUsage, ""});
+  return line;
+}
+
+}  // namespace tremolo

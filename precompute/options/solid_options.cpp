@@ -1,0 +1,105 @@
+#include "precompute/options/solid_options.h"
+
+#include <charconv>
+#include <iostream>
+#include <thread>
+
+#include "common/length_unit.h"
+#include "precompute/mesher/surface_options.h"
+#include "precompute/problem/material_rules.h"
+#include "precompute/system/option_checks.h"
+
+namespace tremolo {
+
+bool parse_vector(const std::string& text, Eigen::Vector3d& vector) {
+  const char* at = text.data();
+  const char* end = at + text.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [next, error] = std::from_chars(at, end, vector[axis]);
+    if (error != std::errc{}) return false;
+    at = next;
+    if (axis < 2) {
+      if (at == end || *at != ',') return false;
+      ++at;
+    }
+  }
+  return at == end;
+}
+
+bool vectors_are_words(const std::vector<std::string>& words, const std::string& flag) {
+  // "0," is what a comma with a blank behind it leaves.
+  const auto number = [](std::string word) {
+    if (word.ends_with(',')) word.pop_back();
+    double value = 0;
+    const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return error == std::errc{} && stop == word.data() + word.size() ? word : std::string();
+  };
+  for (std::size_t i = 0; i + 2 < words.size(); ++i) {
+    if (words[i] != flag || number(words[i + 1]).empty() || number(words[i + 2]).empty()) continue;
+    const std::string third = i + 3 < words.size() ? number(words[i + 3]) : "";
+    std::cerr << "tremolo-precompute: " << flag << " takes one word, X,Y,Z with commas: " << flag
+              << ' ' << number(words[i + 1]) << ',' << number(words[i + 2]) << ','
+              << (third.empty() ? "0" : third) << "\n";
+    return false;
+  }
+  return true;
+}
+
+void add_solid_options(CLI::App& app, PrecomputeOptions& options, SolidTexts& texts) {
+  app.add_option(
+         "mesh", options.mesh_path,
+         "tetrahedral mesh (.msh .vtk .vtu .veg .vegb .node .ele), or a surface (.obj .ply\n"
+         ".stl .gltf .glb .fbx .dae ...), which is meshed first")
+      ->required();
+  app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
+  app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
+  app.add_option("--density", options.material.density, "density, kg/m^3")->capture_default_str();
+  app.add_option(
+      "--material", options.materials,
+      std::string("a material of a region of the mesh, later ones decide; may be repeated: ") +
+          kMaterialGrammar);
+  app.add_option("--point-mass", options.point_masses,
+                 "SELECTOR=KG: a mass shared by the selected vertices; may be repeated");
+  app.add_option("--fix", options.fix,
+                 "vertices that do not move: x<0.01, y>=90%, box:x0,y0,z0,x1,y1,z1, "
+                 "sphere:x,y,z,r, plane:x,y,z,nx,ny,nz, near:x,y,z,k, vertex:ID, file:ids.txt, "
+                 "colour:red, a set of the mesh, or none for a free body; may be repeated");
+  constexpr const char* kAxes[] = {"x", "y", "z"};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    app.add_option(std::string("--fix-") + kAxes[axis], options.fix_axis[axis],
+                   std::string("vertices that do not move along ") + kAxes[axis] +
+                       " (selector); may be repeated");
+  app.add_option("--load-at", options.load_at, "vertices that the default load acts on (selector)");
+  app.add_option("--load-force", texts.force, "the default load, X,Y,Z in N, shared among them")
+      ->needs("--load-at");
+  app.add_option("--mass", texts.mass,
+                 "consistent or lumped; with --import-basis: the basis is made orthonormal in it")
+      ->check(CLI::IsMember({"consistent", "lumped"}))
+      ->capture_default_str();
+  app.add_option("--up", texts.up,
+                 "the axis of the mesh's (and the render surface's) file that points up: y turns "
+                 "them so that z does, (x, y, z) -> (x, -z, y); selectors, forces and results are "
+                 "in turned coordinates")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
+  add_surface_options(app, options.meshing, options.unit);
+  app.get_option("--unit")->description(
+      std::string("of the surface's coordinates, or of a tetrahedral mesh's where no surface is "
+                  "read: ") +
+      kLengthUnits);
+  app.add_option("--mesh-unit", options.mesh_unit,
+                 "of a tetrahedral mesh's coordinates, where --unit is of the --render surface");
+  options.threads = std::max(1u, std::thread::hardware_concurrency());
+  app.add_option("--threads", options.threads, "threads of a rank")->check(at_least_one());
+}
+
+bool finish_solid_options(const SolidTexts& texts, PrecomputeOptions& options) {
+  options.mass = texts.mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;
+  options.y_up = texts.up == "y";
+  if (texts.force.empty() || parse_vector(texts.force, options.load_force)) return true;
+  std::cerr << "tremolo-precompute: --load-force " << texts.force
+            << ": expected three numbers, X,Y,Z in N\n";
+  return false;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,37 @@
+#include "precompute/problem/model_geometry.h"
+
+#include <algorithm>
+
+namespace tremolo {
+namespace {
+
+VertexBlock make_block(const TetMesh& mesh, const std::vector<VertexId>& ids) {
+  VertexBlock block;
+  block.vertex_ids = ids;
+  for (const VertexId id : ids) block.rest.push_back(mesh.vertices[id]);
+  return block;
+}
+
+}  // namespace
+
+void add_geometry(const Problem& problem, BasisData& data) {
+  const TetMesh& mesh = problem.mesh;
+  const BoundarySurface boundary = boundary_surface(mesh);
+  std::vector<VertexId> interior;
+  for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertices.size()); ++v)
+    if (!std::binary_search(boundary.vertex_ids.begin(), boundary.vertex_ids.end(), v))
+      interior.push_back(v);
+  data.surface = make_block(mesh, boundary.vertex_ids);
+  data.interior = make_block(mesh, interior);
+  data.triangles = boundary.triangles;
+  if (problem.render)
+    data.render =
+        RenderBlock{*problem.render, BasisRows(), heaviest_vertices(problem.embedding, mesh), {}};
+  data.vertex_count = mesh.vertices.size();
+  data.tetrahedron_count = mesh.tetrahedra.size();
+  data.fixed_vertices = problem.fixed;
+  data.fixed_vertex_count = problem.fixed.size();
+  data.load = problem.load;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,57 @@
+#include "precompute/problem/point_mass.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "common/mesh/selector.h"
+#include "common/number_text.h"
+#include "formats/basis/selector_reader.h"
+
+namespace tremolo {
+
+Result<PointMass> parse_point_mass(const std::string& text) {
+  // A selector may hold the sign as well: x>=1.2=0.5.
+  const std::size_t equals = text.rfind('=');
+  const std::string digits = equals == std::string::npos ? "" : text.substr(equals + 1);
+  PointMass mass;
+  const auto [stop, error] =
+      std::from_chars(digits.data(), digits.data() + digits.size(), mass.kilograms);
+  if (equals == 0 || error != std::errc{} || stop != digits.data() + digits.size())
+    return Error{ErrorKind::kUsage, "--point-mass " + text +
+                                        ": expected SELECTOR=KG, a selector, `=` and a mass in kg"};
+  if (!(mass.kilograms > 0) || !std::isfinite(mass.kilograms))
+    return content_error("--point-mass " + text + ": the mass is " + number_text(mass.kilograms) +
+                         ", must be positive and finite (kg)");
+  mass.selector = text.substr(0, equals);
+  const Result<Selector> selector = parse_selector(mass.selector);
+  if (!selector) return selector.error();
+  return mass;
+}
+
+Result<PointMass> read_point_mass(const std::string& text, const TetMesh& mesh,
+                                  const std::vector<VertexId>& fixed) {
+  Result<PointMass> parsed = parse_point_mass(text);
+  if (!parsed) return parsed;
+  PointMass& mass = *parsed;
+  Result<std::vector<VertexId>> vertices = resolve_selector(mass.selector, mesh);
+  if (!vertices) return vertices.error();
+  if (vertices->empty())
+    return content_error("--point-mass " + text + ": the mass must sit on a vertex");
+  mass.vertices = std::move(*vertices);
+  mass.fixed = static_cast<std::size_t>(
+      std::count_if(mass.vertices.begin(), mass.vertices.end(),
+                    [&](VertexId v) { return std::binary_search(fixed.begin(), fixed.end(), v); }));
+  return parsed;
+}
+
+std::vector<double> mass_of_vertices(const std::vector<PointMass>& masses, std::size_t vertices) {
+  std::vector<double> kilograms(masses.empty() ? 0 : vertices, 0.0);
+  for (const PointMass& mass : masses)
+    for (VertexId v : mass.vertices)
+      kilograms[static_cast<std::size_t>(v)] +=
+          mass.kilograms / static_cast<double>(mass.vertices.size());
+  return kilograms;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,305 @@
+#include "precompute/problem/problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/hash.h"
+#include "common/length_unit.h"
+#include "common/mesh/selector.h"
+#include "common/packed_index.h"
+#include "formats/basis/selector_reader.h"
+#include "formats/surface/surface_reader.h"
+#include "precompute/mesher/surface_input.h"
+#include "precompute/problem/material_rules.h"
+#include "precompute/problem/mechanisms.h"
+#include "precompute/problem/rigid_motion.h"
+#include "precompute/problem/surface_sets.h"
+#include "precompute/problem/tet_input.h"
+#include "precompute/problem/up_axis.h"
+#include "precompute/system/failure.h"
+
+namespace tremolo {
+namespace {
+
+std::string hash_mesh(const TetMesh& mesh) {
+  const std::uint64_t parts[] = {hash_bytes(std::as_bytes(std::span(mesh.vertices))),
+                                 hash_bytes(std::as_bytes(std::span(mesh.tetrahedra)))};
+  return hash_text(hash_bytes(std::as_bytes(std::span(parts))));
+}
+
+std::vector<VertexId> select_all(const std::vector<std::string>& selectors, const TetMesh& mesh) {
+  std::vector<VertexId> fixed;
+  for (const std::string& selector : selectors) {
+    const std::vector<VertexId> chosen = unwrap(resolve_selector(selector, mesh));
+    fixed.insert(fixed.end(), chosen.begin(), chosen.end());
+  }
+  std::sort(fixed.begin(), fixed.end());
+  fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
+  return fixed;
+}
+
+void require_force(const PrecomputeOptions& options) {
+  if (!options.load_at.empty() &&
+      (!options.load_force.allFinite() || options.load_force.norm() == 0.0))
+    throw Failure(
+        content_error("--load-at needs --load-force with a finite force other than zero"));
+}
+
+void require_selector(const std::string& text) {
+  if (!text.empty()) unwrap(parse_selector(text));
+}
+
+// What no mesh could make right is told before one is made. Counts that only the mesh's dofs refuse
+// come later.
+void require_well_formed(const PrecomputeOptions& options) {
+  for (const std::string& text : options.fix) require_selector(text);
+  for (const auto& selectors : options.fix_axis)
+    for (const std::string& text : selectors) require_selector(text);
+  require_selector(options.load_at);
+  require_selector(options.select);
+  for (const std::string& text : options.point_masses) unwrap(parse_point_mass(text));
+  if (!options.unit.empty()) unwrap(metres_per_unit(options.unit));
+  if (!options.select.empty()) return;
+  require_force(options);
+  if (options.import_basis.empty()) choose_mode_counts(options, std::numeric_limits<int>::max());
+}
+
+// Which vertices a `near:` took.
+void note_near(const PrecomputeOptions& options, Problem& problem) {
+  const auto note = [&](const char* flag, const std::string& text) {
+    for (const std::string& each : near_notes(text, problem.mesh))
+      problem.notes.push_back(std::string(flag) + " " + each);
+  };
+  for (const std::string& text : options.fix) note("--fix", text);
+  constexpr const char* kFlags[] = {"--fix-x", "--fix-y", "--fix-z"};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const std::string& text : options.fix_axis[axis]) note(kFlags[axis], text);
+  note("--load-at", options.load_at);
+  for (const PointMass& mass : problem.point_masses) note("--point-mass", mass.selector);
+}
+
+// Who has turned the body knows what is up.
+void note_side(const PrecomputeOptions& options, Problem& problem) {
+  if (options.y_up) return;
+  std::vector<std::string> selectors = options.fix;
+  selectors.push_back(options.select);
+  std::string hint = side_hint(selectors, problem.mesh, has_y_up(options.mesh_path));
+  if (!hint.empty()) problem.notes.push_back(std::move(hint));
+}
+
+// A part that can still move rigidly would make K singular. Where single axes are held, joints of
+// pieces are not looked at.
+void require_held(const Problem& problem) {
+  const std::vector<int> freedom =
+      rigid_freedom(problem.mesh, problem.report.part_of_vertex,
+                    static_cast<int>(problem.report.parts), problem.fixed, problem.held);
+  for (std::size_t part = 0; part < freedom.size(); ++part) {
+    if (freedom[part] == 0) continue;
+    const auto& labels = problem.report.part_of_vertex;
+    const auto first = std::find(labels.begin(), labels.end(), static_cast<int>(part));
+    const Eigen::Vector3d x = problem.mesh.vertices[first - labels.begin()];
+    const auto count = std::count(labels.begin(), labels.end(), static_cast<int>(part));
+    throw Failure(content_error(
+        "part " + std::to_string(part + 1) + " of " + std::to_string(freedom.size()) + " (" +
+        std::to_string(count) + " vertices, one at " + std::to_string(x.x()) + ", " +
+        std::to_string(x.y()) + ", " + std::to_string(x.z()) +
+        ") is not held: " + std::to_string(freedom[part]) +
+        " rigid motions are left. Hold it with --fix SELECTOR (or --fix-x, --fix-y, --fix-z along "
+        "one axis), or ask for a free body with --fix none"));
+  }
+}
+
+MaterialTable make_materials(const PrecomputeOptions& options,
+                             const std::vector<MaterialRule>& rules,
+                             const std::vector<FileMaterial>& of_file, Problem& problem) {
+  MaterialTable table = unwrap(assign_materials(rules, options.material, problem.mesh, of_file));
+  const bool several = problem.mesh.region_names.size() > 1;
+  if (rules.empty() && (several || !of_file.empty()))
+    problem.notes.push_back(list_regions(problem.mesh) +
+                            ": all of one material without --material" +
+                            (of_file.empty() ? ""
+                                             : "; the file's own are not used without "
+                                               "--material file"));
+  return table;
+}
+
+std::vector<PointMass> make_point_masses(const PrecomputeOptions& options, Problem& problem) {
+  std::vector<PointMass> masses;
+  for (const std::string& text : options.point_masses) {
+    masses.push_back(unwrap(read_point_mass(text, problem.mesh, problem.fixed)));
+    const PointMass& mass = masses.back();
+    if (mass.fixed > 0)
+      problem.notes.push_back("--point-mass " + text + ": " + std::to_string(mass.fixed) +
+                              " of its " + std::to_string(mass.vertices.size()) +
+                              " vertices are fixed, where a mass does nothing");
+  }
+  return masses;
+}
+
+}  // namespace
+
+DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) {
+  DefaultLoad load;
+  if (options.load_at.empty()) return load;
+  require_force(options);
+  for (VertexId v : unwrap(resolve_selector(options.load_at, problem.mesh)))
+    if (!std::binary_search(problem.fixed.begin(), problem.fixed.end(), v))
+      load.vertices.push_back(v);
+  if (load.vertices.empty())
+    throw Failure(content_error("--load-at " + options.load_at + ": every such vertex is fixed"));
+  load.forces.assign(load.vertices.size(),
+                     options.load_force / static_cast<double>(load.vertices.size()));
+  return load;
+}
+
+namespace {
+
+void read_render(const PrecomputeOptions& options, Problem& problem) {
+  SurfaceReadOptions reading;
+  if (!options.unit.empty()) reading.metres_per_unit = unwrap(metres_per_unit(options.unit));
+  SurfaceFile file = unwrap(read_surface(options.render_path, reading));
+  problem.notes.push_back("render surface: " + options.render_path + ", " + file.format +
+                          ", unit: " + file.unit);
+  problem.notes.insert(problem.notes.end(), file.notes.begin(), file.notes.end());
+  if (options.y_up) turn_y_to_z(file.surface);
+  attach_render(problem, std::move(file.surface), options.threads);
+}
+
+}  // namespace
+
+void attach_render(Problem& problem, RenderSurface surface, unsigned threads) {
+  const auto note = [&problem](std::vector<std::string> notes) {
+    for (std::string& each : notes) problem.notes.push_back(std::move(each));
+  };
+  problem.embedding = embed(surface.vertices, problem.mesh, threads);
+  note(describe(problem.embedding, problem.mesh));
+  note(add_surface_sets(surface, problem.mesh));
+  problem.render = std::move(surface);
+}
+
+namespace {
+
+// Contradictions among the options that no file need be read for.
+void require_consistent(const PrecomputeOptions& options) {
+  const auto refuse = [](const std::string& text) { throw Failure({ErrorKind::kUsage, text}); };
+  if (options.fix.size() > 1 &&
+      std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
+    refuse("--fix none and another --fix contradict each other");
+  for (const auto& selectors : options.fix_axis)
+    if (!selectors.empty() && options.fix.size() == 1 && options.fix.front() == "none")
+      refuse("--fix none and --fix-x, --fix-y or --fix-z contradict each other");
+}
+
+// Of either kind. meshed: the surface that was cut; of_file: the mesh file's own materials.
+void read_solid(const PrecomputeOptions& options, Problem& problem,
+                std::optional<RenderSurface>& meshed, std::vector<FileMaterial>& of_file) {
+  if (is_surface_file(options.mesh_path)) {
+    if (!options.mesh_unit.empty())
+      throw Failure({ErrorKind::kUsage, "--mesh-unit is of a tetrahedral mesh's coordinates: " +
+                                            options.mesh_path + " is a surface, see --unit"});
+    SurfaceInput input = unwrap(load_surface(options.mesh_path, options.unit, options.meshing));
+    problem.mesh = std::move(input.mesh);
+    meshed = std::move(input.render);
+    problem.mesh_format = std::move(input.format);
+    problem.notes = std::move(input.notes);
+    return;
+  }
+  MeshFile file = load_tetrahedra(options);
+  problem.mesh = std::move(file.mesh);
+  problem.mesh_format = std::move(file.format);
+  problem.notes = std::move(file.notes);
+  of_file = std::move(file.materials);
+}
+
+// What is held, and whether that is enough.
+void hold(const PrecomputeOptions& options, Problem& problem) {
+  problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
+  if (!problem.free_body) {
+    problem.fixed = select_all(options.fix, problem.mesh);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      problem.held[axis] = select_all(options.fix_axis[axis], problem.mesh);
+  }
+  const bool along_axes = std::any_of(problem.held.begin(), problem.held.end(),
+                                      [](const auto& held) { return !held.empty(); });
+  // An imported basis says itself what it holds.
+  if (options.import_basis.empty() && along_axes) require_held(problem);
+  if (options.import_basis.empty() && !along_axes)
+    require_no_loose_piece(problem.mesh, problem.report, problem.fixed, problem.free_body);
+  if (problem.free_body && problem.report.parts > kMostFreeParts)
+    throw Failure(
+        content_error("a free body of " + std::to_string(problem.report.parts) +
+                      " parts that do not touch: each moves by itself, and at most " +
+                      std::to_string(kMostFreeParts) +
+                      " are taken. Make a model of each, join them, or hold them with --fix"));
+  if (problem.free_body)
+    for (std::string& note : rigid_motion_notes(problem.mesh, problem.report))
+      problem.notes.push_back(std::move(note));
+}
+
+}  // namespace
+
+Problem load_problem(const PrecomputeOptions& options) {
+  unwrap(check_material(options.material));
+  std::vector<MaterialRule> rules;
+  for (const std::string& text : options.materials)
+    rules.push_back(unwrap(parse_material_rule(text, options.material)));
+  require_consistent(options);
+  require_well_formed(options);
+  Problem problem;
+  std::optional<RenderSurface> meshed;
+  std::vector<FileMaterial> of_file;
+  read_solid(options, problem, meshed, of_file);
+  if (options.y_up) {
+    turn_y_to_z(problem.mesh);
+    turn_y_to_z(of_file);
+    if (meshed) turn_y_to_z(*meshed);
+    problem.notes.emplace_back("turned from y up to z up: (x, y, z) -> (x, -z, y)");
+  }
+  Result<MeshReport> report = check_mesh(problem.mesh);
+  if (!report)
+    throw Failure({report.error().kind, options.mesh_path + ": " + report.error().message});
+  problem.report = std::move(*report);
+  problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
+                       problem.report.notes.end());
+  problem.mesh_hash = hash_mesh(problem.mesh);
+  if (!options.render_path.empty())
+    read_render(options, problem);
+  else if (meshed)
+    attach_render(problem, std::move(*meshed), options.threads);
+  // Behind the render surface: its objects and colours may choose a material.
+  problem.materials = make_materials(options, rules, of_file, problem);
+  note_side(options, problem);
+  if (!options.select.empty()) {
+    for (std::string& note : near_notes(options.select, problem.mesh))
+      problem.notes.push_back(std::move(note));
+    return problem;
+  }
+  hold(options, problem);
+  problem.load = make_load(options, problem);
+  problem.point_masses = make_point_masses(options, problem);
+  note_near(options, problem);
+  return problem;
+}
+
+ModeCounts choose_mode_counts(const PrecomputeOptions& options, int free_dofs) {
+  ModeCounts counts;
+  counts.linear = options.linear_modes.value_or(std::min(20, free_dofs));
+  const auto refuse = [](const std::string& text) { throw Failure(content_error(text)); };
+  if (counts.linear < 1)
+    refuse("--linear-modes " + std::to_string(counts.linear) + ": at least one is needed");
+  if (counts.linear > free_dofs)
+    refuse("--linear-modes " + std::to_string(counts.linear) + ": the mesh has " +
+           std::to_string(free_dofs) + " dofs to move");
+  const auto k = static_cast<std::size_t>(counts.linear);
+  const int most = static_cast<int>(std::min<std::size_t>(k + (options.linear ? 0 : pair_count(k)),
+                                                          static_cast<std::size_t>(free_dofs)));
+  counts.modes = options.modes.value_or(options.linear ? most : std::min(30, most));
+  if (counts.modes < 1 || counts.modes > most)
+    refuse("--modes " + std::to_string(counts.modes) + ": " + std::to_string(counts.linear) +
+           " linear modes" + (options.linear ? "" : " and their derivatives") + " give at most " +
+           std::to_string(most));
+  return counts;
+}
+
+}  // namespace tremolo

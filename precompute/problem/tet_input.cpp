@@ -1,0 +1,79 @@
+#include "precompute/problem/tet_input.h"
+
+#include <utility>
+
+#include "common/length_unit.h"
+#include "common/number_text.h"
+#include "precompute/system/failure.h"
+
+namespace tremolo {
+namespace {
+
+// An extent beyond these is more likely a unit that was not said, m; as of surfaces.
+constexpr double kLarge = 100;
+constexpr double kSmall = 1e-3;
+
+// What would be passed over in silence.
+void refuse_surface_options(const PrecomputeOptions& options) {
+  const SurfaceMeshOptions& meshing = options.meshing;
+  const std::pair<bool, const char*> given[] = {
+      {meshing.tets > 0, "--tets"},         {meshing.size > 0, "--size"},
+      {meshing.error > 0, "--error"},       {meshing.thicken > 0, "--thicken"},
+      {meshing.fill_holes, "--fill-holes"}, {meshing.keep_crumbs, "--keep-crumbs"}};
+  for (const auto& [is_given, name] : given)
+    if (is_given)
+      throw Failure({ErrorKind::kUsage, std::string(name) +
+                                            " is of meshing a surface: " + options.mesh_path +
+                                            " is tetrahedra already, which are taken as they are"});
+}
+
+void to_metres(const PrecomputeOptions& options, const std::string& unit, TetMesh& mesh) {
+  const double metres = unwrap(metres_per_unit(unit));
+  for (Eigen::Vector3d& x : mesh.vertices) {
+    x *= metres;
+    if (!x.allFinite())
+      throw Failure(content_error(options.mesh_path + ": in units of " + number_text(metres) +
+                                  " m its coordinates are too large for a number"));
+  }
+}
+
+// What belongs to no tetrahedron may lie anywhere. Indices are not checked yet.
+double extent(const TetMesh& mesh) {
+  std::vector<Eigen::Vector3d> used;
+  for (const Tetrahedron& tet : mesh.tetrahedra)
+    for (const VertexId v : tet)
+      if (v >= 0 && static_cast<std::size_t>(v) < mesh.vertices.size())
+        used.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+  return bounding_box(used).diagonal();
+}
+
+}  // namespace
+
+MeshFile load_tetrahedra(const PrecomputeOptions& options) {
+  refuse_surface_options(options);
+  const bool surface_has_it = !options.render_path.empty();
+  const std::string& unit =
+      !options.mesh_unit.empty() || surface_has_it ? options.mesh_unit : options.unit;
+  if (!unit.empty() && !options.import_basis.empty())
+    throw Failure({ErrorKind::kUsage,
+                   "an imported basis and its forces are in the units of their mesh: --unit and "
+                   "--mesh-unit would change the mesh alone"});
+  MeshFile file = unwrap(read_tet_mesh(options.mesh_path));
+  if (!unit.empty()) {
+    to_metres(options, unit, file.mesh);
+    file.notes.push_back("the mesh's unit: " + unit + ", given");
+  }
+  const std::string flag = surface_has_it ? "--mesh-unit" : "--unit";
+  if (unit.empty() && !options.unit.empty())
+    file.notes.push_back("--unit " + options.unit +
+                         " is of the render surface; the mesh's coordinates are taken as metres "
+                         "(else: --mesh-unit)");
+  const double size = extent(file.mesh);
+  if (unit.empty() && size > 0 && (size > kLarge || size < kSmall))
+    file.notes.push_back("the mesh is " + number_text(size) +
+                         " m across: if its unit is not 1 m, say so, as in " + flag + " mm or " +
+                         flag + " cm");
+  return file;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,218 @@
+#include "precompute/reduction/basis.h"
+
+#include <limits>
+
+#include <Eigen/Cholesky>
+
+#include "common/format_text.h"
+#include "common/packed_index.h"
+#include "precompute/dense/dense_decompositions.h"
+#include "precompute/dense/parallel_columns.h"
+#include "precompute/dense/sparse_rows.h"
+#include "precompute/reduction/many_columns.h"
+#include "precompute/system/blas_threads.h"
+#include "precompute/system/failure.h"
+
+namespace tremolo {
+namespace {
+
+// How the columns enter a motion u = sum Psi_i p_i + 1/2 sum Phi_ij p_i p_j whose amplitudes are
+// p_i = a w2_1/w2_i, divided by a.
+Eigen::VectorXd weights(const Eigen::VectorXd& w2, double amplitude, Eigen::Index columns) {
+  const Eigen::Index k = w2.size();
+  Eigen::VectorXd weight(columns);
+  weight.head(k) = w2[0] * w2.cwiseInverse();
+  if (columns == k) return weight;
+  for (Eigen::Index j = 0; j < k; ++j)
+    for (Eigen::Index i = 0; i <= j; ++i)
+      weight[k + static_cast<Eigen::Index>(pair_index(i, j))] =
+          0.5 * amplitude * w2[0] * w2[0] / (w2[i] * w2[j]);
+  return weight;
+}
+
+// X <- X P, by blocks of rows: P's columns are no more than X's, the rest of X is left as it is.
+void transform(ColumnsOut x, const Eigen::MatrixXd& p, unsigned threads) {
+  constexpr Eigen::Index kRows = 1024;
+  const BlasThreads single(1);
+  parallel_columns(x.rows(), kRows, threads, [&](Eigen::Index first, Eigen::Index count) {
+    const Columns block = x.middleRows(first, count);
+    add_product(1.0, block, p, 0.0, x.block(first, 0, count, p.cols()));
+  });
+}
+
+// By BLAS where there are many; fewer give the same digits as ever.
+Eigen::MatrixXd product_of(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  if (a.cols() < kLarge) return a * b;
+  Eigen::MatrixXd c(a.rows(), b.cols());
+  add_product(1.0, a, b, 0.0, c);
+  return c;
+}
+
+// W = Q T with Q^T M Q = I, W = columns * weight. A Gram matrix squares the condition, so columns
+// are first scaled to unit M-norm and compressed to the directions it can resolve; a second pass on
+// the compressed columns, now well conditioned, makes Q orthonormal to rounding. What comes back is
+// Q = columns * q, the first `rank` columns having been changed in place.
+Factored orthonormalise(Mat mass, Columns& columns, const Eigen::VectorXd& weight,
+                        unsigned threads) {
+  const Eigen::MatrixXd first = gram(mass, columns, threads);
+  // A column may be zero: modes of parts that do not touch have no common derivative.
+  const Eigen::VectorXd norms =
+      first.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
+  const Eigen::MatrixXd scaled =
+      norms.cwiseInverse().asDiagonal() * first * norms.cwiseInverse().asDiagonal();
+  const EigenPairs eigen = eigenpairs(scaled);
+  constexpr double kResolved = 1e-12;  // of the largest: what a Gram matrix holds above rounding
+  const double largest = eigen.values.maxCoeff();
+  Factored factored;
+  factored.rank = (eigen.values.array() > kResolved * largest).count();
+  const Eigen::VectorXd root = eigen.values.tail(factored.rank).cwiseSqrt();
+  const Eigen::MatrixXd directions = eigen.vectors.rightCols(factored.rank);
+  transform(columns,
+            norms.cwiseInverse().asDiagonal() * directions * root.cwiseInverse().asDiagonal(),
+            threads);
+  const Eigen::LLT<Eigen::MatrixXd> second(gram(mass, columns.leftCols(factored.rank), threads));
+  factored.q = second.matrixU().solve(Eigen::MatrixXd::Identity(factored.rank, factored.rank));
+  factored.t = second.matrixU() * (root.asDiagonal() * directions.transpose() *
+                                   norms.cwiseProduct(weight).asDiagonal());
+  return factored;
+}
+
+// Makes the directions canonical that the cut goes through.
+void choose_at_cut(Mat mass, const Marker& marker, const Cluster& cut,
+                   PrincipalColumns& principal) {
+  const Eigen::MatrixXd old = principal.turn.middleCols(cut.first, cut.count);
+  Columns equals(principal.columns.rows(), cut.count);
+  add_product(1.0, principal.columns, old, 0.0, equals);
+  principal.turn.middleCols(cut.first, cut.count) = old * canonical_rotation(mass, marker, equals);
+}
+
+void find_directions(PrincipalColumns& principal) {
+  constexpr double kRank = 1e-13;  // of the largest singular value: below is rounding
+  const SingularPairs pairs = singular_pairs(principal.t, SingularVectors::kThinLeft);
+  principal.singular_values = pairs.values;
+  principal.rank =
+      (principal.singular_values.array() > kRank * principal.singular_values[0]).count();
+  principal.turn = product_of(principal.q, pairs.vectors);
+}
+
+}  // namespace
+
+Columns PrincipalColumns::first(Eigen::Index r) const {
+  Columns result(columns.rows(), r);
+  result.leftCols(kept.cols()) = kept;
+  const Eigen::Index others = r - kept.cols();
+  add_product(1.0, columns, turn.leftCols(others), 0.0, result.rightCols(others));
+  return result;
+}
+
+PrincipalColumns principal_columns(const Matrices& matrices, Columns columns,
+                                   const Eigen::VectorXd& w2, double amplitude, unsigned threads,
+                                   const Tell& tell) {
+  PrincipalColumns principal;
+  principal.linear_modes = w2.size();
+  const Mat mass = matrices.mass.get();
+  const Eigen::VectorXd weight = weights(w2, amplitude, columns.cols());
+  // Before any BLAS of its own: they go back when all is done.
+  const bool many = columns.cols() >= kLarge;
+  const BlasThreads all(many ? static_cast<int>(threads) : blas_thread_count());
+  Factored factored = many ? orthonormalise_many(mass, columns, weight, threads, tell)
+                           : orthonormalise(mass, columns, weight, threads);
+  columns.conservativeResize(Eigen::NoChange, factored.rank);
+  principal.kept.resize(columns.rows(), 0);
+  principal.columns = std::move(columns);
+  principal.q = std::move(factored.q);
+  principal.t = std::move(factored.t);
+  if (many && tell) tell(text("singular values of %d rows", static_cast<int>(factored.rank)));
+  find_directions(principal);
+  return principal;
+}
+
+void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
+                 PrincipalColumns& principal) {
+  constexpr double kLeft = 1e-12;  // squared: of a direction that the vectors hold
+  const Mat mass = matrices.mass.get();
+  const Eigen::VectorXd norms = gram(mass, vectors, threads).diagonal().cwiseSqrt();
+  vectors = Columns(vectors * norms.cwiseInverse().asDiagonal());
+  const Eigen::LLT<Eigen::MatrixXd> factor(gram(mass, vectors, threads));
+  transform(vectors,
+            factor.matrixU().solve(Eigen::MatrixXd::Identity(vectors.cols(), vectors.cols())),
+            threads);
+  Eigen::MatrixXd shares = transposed_product(product(mass, vectors, threads), principal.columns);
+  sum_over_ranks(shares);
+  add_product(-1.0, vectors, shares, 1.0, principal.columns);
+  // columns * q is no longer orthonormal: its Gram matrix is I - A^T A.
+  const Eigen::MatrixXd held = shares * principal.q;
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(held.cols(), held.cols());
+  const EigenPairs left = eigenpairs(identity - held.transpose() * held);
+  const auto count = (left.values.array() > kLeft).count();
+  const Eigen::VectorXd root = left.values.tail(count).cwiseSqrt();
+  const Eigen::MatrixXd directions = left.vectors.rightCols(count);
+  principal.q =
+      Eigen::MatrixXd(product_of(principal.q, directions) * root.cwiseInverse().asDiagonal());
+  principal.t = product_of(root.asDiagonal() * directions.transpose(), principal.t);
+  principal.kept = std::move(vectors);
+  find_directions(principal);
+}
+
+Basis make_basis(const Matrices& matrices, Columns columns, const Eigen::VectorXd& w2,
+                 double amplitude, int r, unsigned threads, const Marker* marker, bool extend) {
+  PrincipalColumns principal =
+      principal_columns(matrices, std::move(columns), w2, amplitude, threads);
+  return make_basis(matrices, std::move(principal), r, threads, marker, extend);
+}
+
+Basis make_basis(const Matrices& matrices, PrincipalColumns principal, int r, unsigned threads,
+                 const Marker* marker, bool extend) {
+  const Mat mass = matrices.mass.get();
+  const Eigen::VectorXd& sigma = principal.singular_values;
+  const Eigen::Index kept = principal.kept.cols();
+  if (r < 1 || r <= kept || r > principal.size())
+    throw Failure(content_error(
+        std::to_string(r) + " coordinates asked for; " + std::to_string(principal.linear_modes) +
+        " linear modes with their derivatives span " + std::to_string(principal.size())));
+  Basis basis;
+  // What is kept counts like the first direction.
+  basis.singular_values.assign(static_cast<std::size_t>(kept), sigma[0]);
+  basis.singular_values.insert(basis.singular_values.end(), sigma.begin(), sigma.end());
+  if (marker != nullptr) {
+    basis.cut = cluster_at_cut(sigma.head(principal.rank), r - kept, {});
+    const auto end = kept + basis.cut.first + basis.cut.count;
+    if (extend && end > r && end - r <= kMostAdded)
+      r = static_cast<int>(end);
+    else if (basis.cut.count > 0)
+      choose_at_cut(mass, *marker, basis.cut, principal);
+    basis.cut.first += kept;
+  }
+  Columns reduced = principal.first(r);
+  principal.columns.resize(0, 0);
+
+  // The generalised form takes up what rounding has left of orthonormality.
+  const EigenPairs rotation =
+      eigenpairs(gram(matrices.stiffness.get(), reduced, threads), gram(mass, reduced, threads));
+  basis.lambda = rotation.values;
+  transform(reduced, rotation.vectors, threads);
+  // What is turned here is off the diagonal by as much as its Lambdas differ: rounding, no more.
+  const Nearness equal{1e-9, 1e-12 * basis.lambda[r - 1]};
+  if (marker != nullptr) make_canonical(mass, *marker, find_clusters(basis.lambda, equal), reduced);
+  basis.vectors = std::move(reduced);
+
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(r, r);
+  basis.orthonormality_error =
+      (gram(mass, basis.vectors, threads) - identity).cwiseAbs().maxCoeff();
+  Eigen::MatrixXd stiffness = gram(matrices.stiffness.get(), basis.vectors, threads);
+  stiffness.diagonal() -= basis.lambda;
+  basis.diagonality_error = stiffness.cwiseAbs().maxCoeff() / basis.lambda.maxCoeff();
+  return basis;
+}
+
+std::string note_on_cut(const Cluster& cut, Eigen::Index asked, Eigen::Index kept) {
+  if (cut.count == 0) return "";
+  const auto end = static_cast<int>(cut.first + cut.count);
+  const std::string same = text("coordinates %d to %d weigh the same in the basis",
+                                static_cast<int>(cut.first + 1), end);
+  if (kept > asked)
+    return text("%d coordinates, not %d: ", static_cast<int>(kept), static_cast<int>(asked)) + same;
+  return same + text("; --modes %d takes all of them", end);
+}
+
+}  // namespace tremolo

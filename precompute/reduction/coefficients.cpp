@@ -1,0 +1,194 @@
+#include "precompute/reduction/coefficients.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/packed_index.h"
+#include "common/parallel.h"
+#include "precompute/fem/element_group.h"
+#include "precompute/system/blas_threads.h"
+
+extern "C" {
+// BLAS, Fortran interface: C <- alpha A^T A + beta C on one triangle.
+// NOLINTNEXTLINE(readability-identifier-naming)
+void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha,
+            const double* a, const int* lda, const double* beta, double* c, const int* ldc);
+}
+
+namespace tremolo {
+namespace {
+
+// The square root of one isotropic elasticity tensor: sqrt(2 mu) on deviators, sqrt(2 mu +
+// 3 lambda) on the volumetric direction. On a strain in Mandel's notation (|v|^2 = E:E) it is
+// shear * (v + spread * tr(E) (1,1,1,0,0,0)).
+struct ElasticityRoot {
+  double shear;
+  double spread;
+
+  explicit ElasticityRoot(const Elasticity& elasticity)
+      : shear(std::sqrt(2.0 * elasticity.mu)),
+        spread((std::sqrt(2.0 * elasticity.mu + 3.0 * elasticity.lambda) / shear - 1.0) / 3.0) {}
+};
+
+// At most eight consecutive elements with each basis column's displacement gradients; lanes left
+// over are zero. scale: sqrt(weight), of one isotropic material times shear. root: of each
+// element's tensor, else.
+struct alignas(8 * kLanes) ElementGroup {
+  std::vector<LaneGradient> gradients;  // r
+  Lanes scale;
+  Lanes root[6][6] = {};
+};
+
+void load_group(const Solid& solid, const BasisRows& basis, std::size_t first, std::size_t count,
+                double shear, ElementGroup& group) {
+  int elements[kLanes];
+  group.scale = Lanes{};
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    elements[lane] = static_cast<int>(first + lane);
+    group.scale[lane] = std::sqrt(solid.samples[first + lane].weight) * shear;
+  }
+  load_gradients(solid, basis, elements, count, group.gradients);
+  if (solid.uniform()) return;
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    const Matrix6& root = solid.elasticity(first + lane).root;
+    for (int k = 0; k < 6; ++k)
+      for (int l = k; l < 6; ++l) group.root[k][l][lane] = root(k, l);
+  }
+}
+
+// Strains of all columns: put(column, xx, yy, zz, twice yz, xz, xy).
+template <class Put>
+[[gnu::always_inline]] inline void strain_rows_with(const ElementGroup& group, const Put& put) {
+  const std::size_t r = group.gradients.size();
+  for (std::size_t j = 0; j < r; ++j) {
+    Lanes h[9];
+    for (std::size_t c = 0; c < 9; ++c) h[c] = group.scale * group.gradients[j].at[c];
+    put(j, h[0], h[4], h[8], h[5] + h[7], h[2] + h[6], h[1] + h[3]);
+    const std::size_t column = r + pair_index(0, j);
+    for (std::size_t i = 0; i <= j; ++i) {
+      if (i == j)
+        for (Lanes& entry : h) entry *= 0.5;
+      const Lanes* g = group.gradients[i].at;
+      put(column + i, g[0] * h[0] + g[3] * h[3] + g[6] * h[6],
+          g[1] * h[1] + g[4] * h[4] + g[7] * h[7], g[2] * h[2] + g[5] * h[5] + g[8] * h[8],
+          (g[1] * h[2] + g[4] * h[5] + g[7] * h[8]) + (g[2] * h[1] + g[5] * h[4] + g[8] * h[7]),
+          (g[0] * h[2] + g[3] * h[5] + g[6] * h[8]) + (g[2] * h[0] + g[5] * h[3] + g[8] * h[6]),
+          (g[0] * h[1] + g[3] * h[4] + g[6] * h[7]) + (g[1] * h[0] + g[4] * h[3] + g[7] * h[6]));
+    }
+  }
+}
+
+// Six rows of B_e for each of the group's elements: 48 rows of all columns, `stride` apart, eight
+// elements' first components first.
+TREMOLO_CLONES void strain_rows(const ElementGroup& group, const ElasticityRoot& root, double* rows,
+                                std::size_t stride) {
+  const double half_root2 = std::sqrt(0.5);
+  const auto put = [&](std::size_t column, const Lanes& xx, const Lanes& yy, const Lanes& zz,
+                       const Lanes& yz, const Lanes& xz, const Lanes& xy)
+      __attribute__((always_inline)) {
+    const Lanes mean = root.spread * (xx + yy + zz);
+    auto* out = reinterpret_cast<Lanes*>(rows + column * stride);
+    out[0] = xx + mean;
+    out[1] = yy + mean;
+    out[2] = zz + mean;
+    out[3] = half_root2 * yz;  // Mandel: sqrt(2) times half the sum of both
+    out[4] = half_root2 * xz;
+    out[5] = half_root2 * xy;
+  };
+  strain_rows_with(group, put);
+}
+
+TREMOLO_CLONES void general_strain_rows(const ElementGroup& group, double* rows,
+                                        std::size_t stride) {
+  const double half_root2 = std::sqrt(0.5);
+  const auto put = [&](std::size_t column, const Lanes& xx, const Lanes& yy, const Lanes& zz,
+                       const Lanes& yz, const Lanes& xz, const Lanes& xy)
+      __attribute__((always_inline)) {
+    const Lanes strain[6] = {xx, yy, zz, half_root2 * yz, half_root2 * xz, half_root2 * xy};
+    auto* out = reinterpret_cast<Lanes*>(rows + column * stride);
+    for (int k = 0; k < 6; ++k) {
+      Lanes sum = group.root[k][k] * strain[k];
+      for (int l = k + 1; l < 6; ++l) sum += group.root[k][l] * strain[l];
+      out[k] = sum;
+    }
+  };
+  strain_rows_with(group, put);
+}
+
+}  // namespace
+
+Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::size_t first,
+                            std::size_t last, unsigned threads) {
+  constexpr std::size_t kParts = 8;   // accumulators: fixed, so that the sum is
+  constexpr std::size_t kGroups = 8;  // of elements a SYRK: rows that stay in the cache
+  constexpr std::size_t kBatch = kGroups * kLanes;
+  const auto r = static_cast<std::size_t>(basis.cols());
+  const auto columns = static_cast<int>(r + pair_count(r));
+  const bool uniform = solid.uniform();
+  const ElasticityRoot root(solid.elasticities.front());
+  const BlasThreads single(1);  // our threads are outside: BLAS's would fight them
+  std::array<Eigen::MatrixXd, kParts> sums;
+  parallel_for(kParts, threads, [&](std::size_t part) {
+    const std::size_t begin = first + (last - first) * part / kParts;
+    const std::size_t end = first + (last - first) * (part + 1) / kParts;
+    sums[part].setZero(columns, columns);
+    // The stride is kept off powers of two: columns would share cache sets.
+    constexpr std::size_t kStride = 6 * kBatch + kLanes;
+    std::vector<LaneBlock> rows(kStride / kLanes * static_cast<std::size_t>(columns));
+    auto* values = reinterpret_cast<double*>(rows.data());
+    ElementGroup group;
+    group.gradients.resize(r);
+    for (std::size_t e = begin; e < end; e += kBatch) {
+      const std::size_t count = std::min(kBatch, end - e);
+      const std::size_t groups = (count + kLanes - 1) / kLanes;
+      for (std::size_t g = 0; g < groups; ++g) {
+        load_group(solid, basis, e + g * kLanes, std::min(kLanes, count - g * kLanes),
+                   uniform ? root.shear : 1.0, group);
+        if (uniform)
+          strain_rows(group, root, values + 6 * kLanes * g, kStride);
+        else
+          general_strain_rows(group, values + 6 * kLanes * g, kStride);
+      }
+      const int depth = static_cast<int>(6 * kLanes * groups);
+      const int stride = static_cast<int>(kStride);
+      const double one = 1.0;
+      dsyrk_("L", "T", &columns, &depth, &one, values, &stride, &one, sums[part].data(), &columns);
+    }
+  });
+  for (std::size_t part = 1; part < kParts; ++part) sums[0] += sums[part];
+  return std::move(sums[0]);
+}
+
+Coefficients coefficients_from_gram(const Eigen::MatrixXd& gram, int r) {
+  const auto modes = static_cast<std::size_t>(r);
+  const auto entry = [&gram](std::size_t a, std::size_t b) {
+    return gram(static_cast<Eigen::Index>(std::max(a, b)),
+                static_cast<Eigen::Index>(std::min(a, b)));
+  };
+  Coefficients c;
+  c.quadratic = gram.topLeftCorner(r, r).selfadjointView<Eigen::Lower>();
+  c.cubic.assign(triple_count(modes), 0.0);
+  c.quartic.assign(quad_count(modes), 0.0);
+  // 1/2 y^T G y: the linear-quadratic block appears twice, the quadratic block once off its
+  // diagonal twice. What is summed here are coefficients of monomials.
+  for (std::size_t j = 0; j < modes; ++j)
+    for (std::size_t i = 0; i <= j; ++i) {
+      const std::size_t row = modes + pair_index(i, j);
+      for (std::size_t a = 0; a < modes; ++a) c.cubic[triple_index_any(a, i, j)] += entry(row, a);
+      for (std::size_t l = 0; l < modes; ++l)
+        for (std::size_t k = 0; k <= l; ++k)
+          c.quartic[quad_index_any(i, j, k, l)] += 0.5 * entry(row, modes + pair_index(k, l));
+    }
+  // A tensor entry is its monomial's coefficient shared among the orderings.
+  for (std::size_t k = 0; k < modes; ++k)
+    for (std::size_t j = 0; j <= k; ++j)
+      for (std::size_t i = 0; i <= j; ++i) {
+        c.cubic[triple_index(i, j, k)] /= orderings(i, j, k);
+        for (std::size_t l = k; l < modes; ++l)
+          c.quartic[quad_index(i, j, k, l)] /= orderings(i, j, k, l);
+      }
+  return c;
+}
+
+}  // namespace tremolo

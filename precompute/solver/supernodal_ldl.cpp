@@ -1,0 +1,289 @@
+#include "precompute/solver/supernodal_ldl.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/parallel.h"
+#include "precompute/system/blas_threads.h"
+
+extern "C" {
+// BLAS, Fortran interface: B <- B op(A)^-1 for a triangular A on the right.
+// NOLINTNEXTLINE(readability-identifier-naming)
+void dtrsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m,
+            const int* n, const double* alpha, const double* a, const int* lda, double* b,
+            const int* ldb);
+// C <- alpha op(A) op(B) + beta C.
+// NOLINTNEXTLINE(readability-identifier-naming)
+void dgemm_(const char* trans_a, const char* trans_b, const int* m, const int* n, const int* k,
+            const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
+            const double* beta, double* c, const int* ldc);
+}
+
+namespace tremolo {
+namespace {
+
+constexpr double kOne = 1.0, kZero = 0.0, kMinusOne = -1.0;
+
+// The panels and what they wait for.
+struct Factorisation {
+  const Supernodes& f;
+  const SparseRows& a;
+  const int* order;
+  std::vector<int> place;                        // inverse of order
+  std::vector<int> node_of;                      // supernode of a column
+  std::vector<int> parent;                       // -1: a root
+  std::vector<int> first_waiting, next_waiting;  // lists of panels that update a supernode next
+  std::vector<int> next_row;  // of a panel: its first row that still has to be passed on
+  double* values;
+
+  int columns(int s) const { return f.first_column[s + 1] - f.first_column[s]; }
+  int rows(int s) const { return f.first_row[s + 1] - f.first_row[s]; }
+  const int* row(int s) const { return f.row + f.first_row[s]; }
+  double* panel(int s) const { return values + f.panel[s]; }
+};
+
+// One thread's.
+struct Scratch {
+  std::vector<int> at;         // row of the factor -> row of the panel in work
+  std::vector<double> scaled;  // L D of the rows that meet the panel's columns
+  std::vector<double> product;
+};
+
+void assemble_panel(const Factorisation& w, int s, Scratch& scratch) {
+  const int rows = w.rows(s), first = w.f.first_column[s];
+  double* panel = w.panel(s);
+  std::fill(panel, panel + static_cast<std::size_t>(rows) * w.columns(s), 0.0);
+  for (int i = 0; i < rows; ++i) scratch.at[w.row(s)[i]] = i;
+  for (int c = 0; c < w.columns(s); ++c) {
+    double* column = panel + static_cast<std::size_t>(c) * rows;
+    const int source = w.order[first + c];
+    for (int at = w.a.start[source]; at < w.a.start[source + 1]; ++at) {
+      const int row = w.place[w.a.column[at]];
+      if (row >= first + c) column[scratch.at[row]] = w.a.value[at];
+    }
+  }
+}
+
+// Takes L_d D_d L_d^T out of panel s, where panel d's next rows are columns of s.
+void update_from(const Factorisation& w, int s, int d, Scratch& scratch) {
+  const int rows = w.rows(d), columns = w.columns(d), begin = w.next_row[d];
+  const int* row = w.row(d);
+  int end = begin;
+  while (end < rows && row[end] < w.f.first_column[s + 1]) ++end;
+  const int width = end - begin, depth = rows - begin;
+  const double* source = w.panel(d) + begin;
+  scratch.scaled.resize(static_cast<std::size_t>(width) * columns);
+  scratch.product.resize(static_cast<std::size_t>(depth) * width);
+  for (int k = 0; k < columns; ++k) {
+    const double pivot = w.panel(d)[static_cast<std::size_t>(k) * rows + k];
+    for (int i = 0; i < width; ++i)
+      scratch.scaled[static_cast<std::size_t>(k) * width + i] =
+          pivot * source[static_cast<std::size_t>(k) * rows + i];
+  }
+  dgemm_("N", "T", &depth, &width, &columns, &kOne, source, &rows, scratch.scaled.data(), &width,
+         &kZero, scratch.product.data(), &depth);
+  const int target_rows = w.rows(s);
+  for (int c = 0; c < width; ++c) {
+    double* target =
+        w.panel(s) + static_cast<std::size_t>(row[begin + c] - w.f.first_column[s]) * target_rows;
+    const double* from = scratch.product.data() + static_cast<std::size_t>(c) * depth;
+    for (int i = c; i < depth; ++i) target[scratch.at[row[begin + i]]] -= from[i];
+  }
+}
+
+// L D L^T of a dense trapezoid in place, a few columns at a time.
+void factorise_panel(double* panel, int rows, int columns, Scratch& scratch) {
+  constexpr int kWidth = 48;
+  const auto at = [&](int i, int c) -> double& {
+    return panel[static_cast<std::size_t>(c) * rows + i];
+  };
+  for (int first = 0; first < columns; first += kWidth) {
+    const int width = std::min(kWidth, columns - first), end = first + width;
+    for (int c = first; c < end; ++c)
+      for (int k = c + 1; k < end; ++k) {
+        const double factor = at(k, c) / at(c, c);
+        for (int i = k; i < end; ++i) at(i, k) -= at(i, c) * factor;
+      }
+    for (int c = first; c < end; ++c)
+      for (int i = c + 1; i < end; ++i) at(i, c) /= at(c, c);
+    const int below = rows - end, later = columns - end;
+    if (below == 0) continue;
+    dtrsm_("R", "L", "T", "U", &below, &width, &kOne, &at(first, first), &rows, &at(end, first),
+           &rows);
+    // What stands there now is L D.
+    scratch.scaled.resize(static_cast<std::size_t>(later) * width);
+    for (int c = first; c < end; ++c) {
+      const double pivot = at(c, c);
+      for (int i = 0; i < later; ++i)
+        scratch.scaled[static_cast<std::size_t>(c - first) * later + i] = at(end + i, c);
+      for (int i = end; i < rows; ++i) at(i, c) /= pivot;
+    }
+    if (later > 0)
+      dgemm_("N", "T", &below, &later, &width, &kMinusOne, &at(end, first), &rows,
+             scratch.scaled.data(), &later, &kOne, &at(end, end), &rows);
+  }
+}
+
+void compute_supernode(Factorisation& w, int s, Scratch& scratch) {
+  assemble_panel(w, s, scratch);
+  for (int d = w.first_waiting[s]; d >= 0;) {
+    const int next = w.next_waiting[d];
+    update_from(w, s, d, scratch);
+    d = next;
+  }
+  factorise_panel(w.panel(s), w.rows(s), w.columns(s), scratch);
+}
+
+// Which supernode panel d updates next, after those rows that were columns of the last; -1: none.
+int move_on(Factorisation& w, int d, int last) {
+  while (w.next_row[d] < w.rows(d) && w.row(d)[w.next_row[d]] < w.f.first_column[last + 1])
+    ++w.next_row[d];
+  return w.next_row[d] < w.rows(d) ? w.node_of[w.row(d)[w.next_row[d]]] : -1;
+}
+
+// Computes supernodes first..last in order. Panels that wait for one beyond are handed out.
+std::vector<int> compute_range(Factorisation& w, int first, int last, Scratch& scratch) {
+  std::vector<int> leaving;
+  scratch.at.resize(w.node_of.size());
+  const auto pass_on = [&](int d, int done) {
+    const int next = move_on(w, d, done);
+    if (next > last) leaving.push_back(d);
+    if (next < 0 || next > last) return;
+    w.next_waiting[d] = w.first_waiting[next];
+    w.first_waiting[next] = d;
+  };
+  for (int s = first; s <= last; ++s) {
+    compute_supernode(w, s, scratch);
+    for (int d = w.first_waiting[s]; d >= 0;) {
+      const int next = w.next_waiting[d];
+      pass_on(d, s);
+      d = next;
+    }
+    w.next_row[s] = w.columns(s);
+    pass_on(s, s);
+  }
+  return leaving;
+}
+
+// Subtrees small enough to share out, as ranges of the postorder; what is in none is the top.
+struct Range {
+  int first, last;
+};
+std::vector<Range> independent_subtrees(const Factorisation& w) {
+  const int count = static_cast<int>(w.f.count);
+  std::vector<double> work(w.f.count, 0.0);
+  std::vector<int> first(w.f.count);
+  double total = 0;
+  for (int s = 0; s < count; ++s) first[s] = s;
+  for (int s = 0; s < count; ++s) {
+    const double own = static_cast<double>(w.rows(s)) * w.rows(s) * w.columns(s);
+    work[s] += own;
+    total += own;
+    if (w.parent[s] < 0) continue;
+    work[w.parent[s]] += work[s];
+    first[w.parent[s]] = std::min(first[w.parent[s]], first[s]);
+  }
+  constexpr double kShare =
+      1.0 / 16.0;  // of the work: several to a thread, so that they end together
+  std::vector<Range> ranges;
+  for (int s = 0; s < count; ++s) {
+    const bool small = work[s] <= kShare * total;
+    const bool whole = w.parent[s] < 0 || work[w.parent[s]] > kShare * total;
+    if (small && whole) ranges.push_back({first[s], s});
+  }
+  return ranges;
+}
+
+LdlReport examine(const Factorisation& w) {
+  LdlReport report;
+  std::vector<double> magnitude(w.node_of.size(), 0.0);
+  for (int s = 0; s < static_cast<int>(w.f.count); ++s)
+    for (int c = 0; c < w.columns(s); ++c) {
+      const double* column = w.panel(s) + static_cast<std::size_t>(c) * w.rows(s);
+      const double pivot = column[c];
+      if (pivot < 0) ++report.negative;
+      magnitude[w.row(s)[c]] += std::abs(pivot);
+      for (int i = c + 1; i < w.rows(s); ++i)
+        magnitude[w.row(s)[i]] += column[i] * column[i] * std::abs(pivot);
+    }
+  for (std::size_t i = 0; i < magnitude.size(); ++i) {
+    const int source = w.order[i];
+    double diagonal = 0;
+    for (int at = w.a.start[source]; at < w.a.start[source + 1]; ++at)
+      if (w.a.column[at] == source) diagonal = std::abs(w.a.value[at]);
+    const double growth = magnitude[i] / diagonal;
+    // Not-a-number counts as the worst.
+    if (!(growth <= report.growth)) report.growth = growth;
+    if (std::isnan(growth)) report.growth = std::numeric_limits<double>::infinity();
+  }
+  return report;
+}
+
+}  // namespace
+
+LdlReport factorise_ldl(const Supernodes& pattern, const int* order, const SparseRows& a,
+                        double* values, unsigned threads) {
+  const int count = static_cast<int>(pattern.count);
+  const auto size = static_cast<std::size_t>(a.rows);
+  Factorisation w{pattern, a, order, {}, {}, {}, {}, {}, {}, values};
+  w.place.resize(size);
+  w.node_of.resize(size);
+  for (std::size_t i = 0; i < size; ++i)
+    w.place[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
+  for (int s = 0; s < count; ++s)
+    std::fill(w.node_of.begin() + pattern.first_column[s],
+              w.node_of.begin() + pattern.first_column[s + 1], s);
+  for (int s = 0; s < count; ++s)
+    w.parent.push_back(w.columns(s) < w.rows(s) ? w.node_of[w.row(s)[w.columns(s)]] : -1);
+  w.first_waiting.assign(pattern.count, -1);
+  w.next_waiting.assign(pattern.count, -1);
+  w.next_row.assign(pattern.count, 0);
+
+  const std::vector<Range> ranges = independent_subtrees(w);
+  std::vector<std::vector<int>> leaving(ranges.size());
+  {
+    const BlasThreads single(1);
+    parallel_for(ranges.size(), threads, [&](std::size_t i) {
+      Scratch scratch;
+      leaving[i] = compute_range(w, ranges[i].first, ranges[i].last, scratch);
+    });
+  }
+  for (const std::vector<int>& panels : leaving)
+    for (int d : panels) {
+      const int next = w.node_of[w.row(d)[w.next_row[d]]];
+      w.next_waiting[d] = w.first_waiting[next];
+      w.first_waiting[next] = d;
+    }
+  // Small panels are not worth sharing: the threads would wait for each other.
+  constexpr int kWorthwhile = 1500;  // rows
+  const BlasThreads shared(pattern.most_rows < kWorthwhile ? 1 : static_cast<int>(threads));
+  Scratch scratch;
+  scratch.at.resize(size);
+  std::size_t range = 0;
+  for (int s = 0; s < count; ++s) {
+    if (range < ranges.size() && s == ranges[range].first) {
+      s = ranges[range++].last;
+      continue;
+    }
+    compute_supernode(w, s, scratch);
+    for (int d = w.first_waiting[s]; d >= 0;) {
+      const int after = w.next_waiting[d];
+      const int next = move_on(w, d, s);
+      if (next >= 0) {
+        w.next_waiting[d] = w.first_waiting[next];
+        w.first_waiting[next] = d;
+      }
+      d = after;
+    }
+    w.next_row[s] = w.columns(s);
+    const int next = move_on(w, s, s);
+    if (next >= 0) {
+      w.next_waiting[s] = w.first_waiting[next];
+      w.first_waiting[next] = s;
+    }
+  }
+  return examine(w);
+}
+
+}  // namespace tremolo

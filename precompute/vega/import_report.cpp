@@ -1,0 +1,86 @@
+// What is told about an imported model: in its file and by --json.
+#include <cmath>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "common/hertz.h"
+#include "precompute/vega/import.h"
+
+namespace tremolo {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A file name need not be UTF-8; the JSON is.
+std::string dump(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json import_json(const ImportFindings& findings) {
+  return {{"mass", findings.mass == MassKind::kLumped ? "lumped" : "consistent"},
+          {"orthonormalised", findings.orthonormalised},
+          {"lumped_orthonormality_error", findings.lumped_error},
+          {"consistent_orthonormality_error", findings.consistent_error},
+          {"asymmetry", findings.asymmetry},
+          {"force_error", findings.force_error}};
+}
+
+Json encoding_json(const ImportFindings& findings) {
+  if (!findings.encoding_error) return {{"name", "full"}};
+  return {{"name", "compact"},
+          {"displacement_error", findings.encoding_error->displacement},
+          {"displacement_error_bound", findings.encoding_error->displacement_bound},
+          {"force_error", findings.encoding_error->force}};
+}
+
+}  // namespace
+
+std::string import_provenance(const PrecomputeOptions& options, const ImportResult& result) {
+  const ImportFindings& findings = result.findings;
+  const auto name = [](const std::string& path) {
+    return std::filesystem::path(path).filename().string();
+  };
+  Json json;
+  json["generator"] = std::string("tremolo-precompute ") + TREMOLO_VERSION;
+  json["units"] = "SI";
+  json["command_line"] = options.command_line;
+  json["mesh"] = {{"file", name(options.mesh_path)},
+                  {"format", result.problem.mesh_format},
+                  {"xxh3_64", result.problem.mesh_hash}};
+  // Of the materials the densities alone are used: the stiffness is the .cub's.
+  Json densities = Json::array();
+  for (const NamedMaterial& named : result.problem.materials.materials)
+    densities.push_back({{"name", named.name}, {"density_kg_m3", named.material.density}});
+  json["materials"] = densities;
+  json["mass"] = findings.mass == MassKind::kLumped ? "lumped" : "consistent";
+  json["fix"] = options.fix;
+  json["import"] = import_json(findings);
+  json["import"]["basis"] = {{"file", name(options.import_basis)},
+                             {"xxh3_64", findings.basis_hash}};
+  json["import"]["cubic"] = {{"file", name(options.import_cubic)},
+                             {"xxh3_64", findings.cubic_hash}};
+  json["mass_orthonormality_error"] = findings.orthonormality_error;
+  if (findings.encoding_error) json["encoding"] = encoding_json(findings);
+  return dump(json);
+}
+
+std::string import_report(const ImportResult& result) {
+  const BasisData& data = result.data;
+  Json frequencies = Json::array();
+  for (double value : data.lambda) frequencies.push_back(hertz(value));
+  return dump({{"n", data.vertex_count},
+               {"m", data.tetrahedron_count},
+               {"r", data.lambda.size()},
+               {"fixed_vertices", data.fixed_vertex_count},
+               {"rigid_modes", data.rigid_mode_count},
+               {"frequencies_hz", frequencies},
+               {"explicit_step_limit_s", 2.0 / std::sqrt(data.lambda[data.lambda.size() - 1])},
+               {"total_mass_kg", data.total_mass},
+               {"mass_orthonormality_error", result.findings.orthonormality_error},
+               {"import", import_json(result.findings)},
+               {"encoding", encoding_json(result.findings)},
+               {"notes", result.problem.notes}});
+}
+
+}  // namespace tremolo

@@ -1,0 +1,122 @@
+// What a World is made of; internal to runtime/world*.cpp.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "runtime/crowd/lane_group.h"
+#include "runtime/crowd/thread_pool.h"
+#include "runtime/display/surface.h"
+#include "runtime/kernels/aligned.h"
+#include "runtime/world.h"
+
+namespace tremolo {
+
+inline constexpr std::size_t kAsleep = static_cast<std::size_t>(-1);
+
+// A force that still acts on a body in lanes.
+struct WorldForce {
+  BodyId body = 0;
+  int steps = 0;
+  Eigen::VectorXd force;  // reduced
+};
+
+// place: of its home or its Body in the group. slot: in the list of those awake, or kAsleep.
+struct WorldBody {
+  GroupId group = 0;
+  std::size_t place = 0;
+  std::size_t slot = kAsleep;
+  int forces = 0;  // WorldForces that still act
+  bool alive = true;
+  bool shown = false;
+  bool touched = false;       // moved since its surface was built, other than by being awake
+  std::int64_t built_at = 0;  // the group's steps then
+  std::uint64_t version = 0;  // of the surface
+  AlignedFloats surface;      // whole blocks
+};
+
+// Either `lanes` and `homes`, or `bodies`.
+struct WorldGroup {
+  Model::Pointer model;
+  std::string integrator;
+  IntegratorOptions options;
+  std::size_t modes = 0;
+  Eigen::Index low = 0;     // where the high band begins
+  double threshold = 0.0;   // J
+  double quiet_time = 0.0;  // s
+  std::int64_t steps = 0;
+
+  std::optional<LaneGroup> lanes;
+  std::vector<double> homes;  // what lanes keep of each body while it sleeps, 4 x modes a place
+  std::vector<EnergyBound> home_bounds;      // a place
+  std::vector<LaneGroup::Outcome> outcomes;  // a block, of the last step
+  std::vector<WorldForce> forces;
+
+  std::vector<std::unique_ptr<Body>> bodies;
+  std::vector<double> quiet;        // s, a place
+  std::vector<StepFailure> failed;  // a slot, of the last step
+
+  std::size_t places = 0;
+  std::vector<std::size_t> free_places;
+  std::vector<BodyId> awake;  // by slot
+
+  std::size_t shown = 0;
+  std::vector<BodyId> touched;  // shown, see WorldBody
+
+  double* home(const WorldBody& body) { return homes.data() + 4 * modes * body.place; }
+  std::size_t tasks() const { return lanes ? lanes->blocks() : awake.size(); }
+  // Steps since energies were looked at if the coming step is one after which they are, else 0.
+  int look() const { return (steps + 1) % kStepsBetweenLooks == 0 ? kStepsBetweenLooks : 0; }
+};
+
+// Shown bodies of one group that are rebuilt together: stale[first, first + count).
+struct SurfaceBatch {
+  GroupId group = 0;
+  std::size_t first = 0;
+  std::size_t count = 0;
+};
+
+// What one thread works in.
+struct WorldScratch {
+  LaneScratch lanes;
+  std::vector<double> q, p;    // the largest number of modes
+  std::vector<float> q_float;  // kSurfaceBodies of them
+};
+
+struct World::Contents {
+  std::unique_ptr<ThreadPool> pool;
+  std::vector<WorldScratch> scratch;  // a thread
+  std::vector<WorldGroup> groups;
+  std::vector<WorldBody> bodies;
+  std::vector<BodyId> failed;
+  std::vector<StepFailure> why;  // of those
+  WorldReport report;
+  std::vector<std::size_t> task_ends;  // a group
+  std::vector<BodyId> stale;
+  std::vector<SurfaceBatch> batches;
+
+  Status check_body(BodyId body) const;
+  Status check_group(GroupId group) const;
+  void read_state(const WorldBody& body, double* q, double* p) const;
+  void write_state(BodyId id, const double* q, const double* p);  // q, p: of the group's modes
+  void wake(BodyId id);
+  void sleep(BodyId id);
+  void touch(BodyId id);  // its surface is to be built again
+  void show(BodyId id, bool shown);
+  void place(BodyId id, GroupId group);  // at rest, asleep; the group has a place for it
+  Status make_place(GroupId group);
+  void leave(BodyId id);  // its group; asleep and hidden
+
+  // Steps the groups [first, end).
+  void step(GroupId first, GroupId end);
+  void place_forces(WorldGroup& group);
+  void run_task(WorldGroup& group, std::size_t task, WorldScratch& scratch);
+  void finish(WorldGroup& group);
+  void finish_body(WorldGroup& group, std::size_t slot, StepFailure failure, bool quiet);
+  void clear_forces(BodyId id);
+
+  void list_stale();
+  void build(const SurfaceBatch& batch, WorldScratch& scratch);
+};
+
+}  // namespace tremolo

@@ -1,0 +1,36 @@
+// Rows of the vertices inside a solid: in memory, or in a file until somebody asks.
+#pragma once
+
+#include <mutex>
+#include <optional>
+
+#include "common/result.h"
+#include "formats/basis/basis_data.h"
+#include "formats/basis/basis_reader.h"
+
+namespace tremolo {
+
+// The leading `modes` columns of a block, after a check of its shape: `name` is for errors.
+// kContent if sizes differ, ids do not ascend or a value is not finite.
+Result<VertexBlock> leading_columns(const VertexBlock& block, Eigen::Index modes, const char* name);
+
+// Position of a vertex in the block, if it is there.
+std::optional<std::size_t> find_vertex(const VertexBlock& block, VertexId id);
+
+class InteriorRows {
+ public:
+  explicit InteriorRows(VertexBlock block) : block_(std::move(block)) {}
+  InteriorRows(BasisReader reader, Eigen::Index modes)
+      : reader_(std::move(reader)), modes_(modes) {}
+
+  // The block, read on first use. Thread-safe; the reference stays valid as long as the object.
+  Result<const VertexBlock*> block();
+
+ private:
+  std::mutex mutex_;
+  std::optional<BasisReader> reader_;  // gone once the block is there
+  Eigen::Index modes_ = 0;
+  std::optional<VertexBlock> block_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,23 @@
+// Which vertices of a render surface are one vertex to the eye.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "common/mesh/render_surface.h"
+
+namespace tremolo {
+
+// group_of: s, below count. Every group has a vertex.
+struct SmoothPatches {
+  std::vector<std::uint32_t> group_of;
+  std::size_t count = 0;
+};
+
+// Vertices are split where texture coordinates, materials or normals are. Those at exactly the same
+// place whose rest normals are equal to a thousandth belong together: the author shades across
+// them. Without rest normals, those at the same place whose first triangles are of one object do.
+SmoothPatches find_smooth_patches(const RenderSurface& surface);
+
+}  // namespace tremolo

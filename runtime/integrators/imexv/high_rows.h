@@ -1,0 +1,68 @@
+// The implicit half of the splitting methods: the midpoint rule on the high rows alone, while the
+// low rows go from q0_l to q1_l by themselves.
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "runtime/integrators/solve/newton.h"
+#include "runtime/kernels/potential.h"
+
+namespace tremolo {
+
+// How the damping force on the high rows is written.
+enum class HighDamping {
+  kMeanVelocity,  // D d/h, with theta of runtime/integrators/solve/damping.h: second order
+  kEndVelocity,   // D p1, p1 = 2 d/h - p0: first order, the thesis's
+};
+
+// When the solve has converged.
+enum class SolveNorm {
+  kRelative,  // |residual|_2 <= tolerance * max(h |p|, h^2 |R|, h^2 |f|) over the high rows
+  kAbsolute,  // max |residual_i| <= tolerance
+};
+
+// Scratch of one or more HighRows that take turns. Its contents mean nothing between calls.
+struct HighScratch {
+  explicit HighScratch(const Potential& potential)
+      : workspace(potential.make_workspace(kUseSegment)),
+        evaluation(potential.make_evaluation()),
+        middle(Eigen::VectorXd::Zero(potential.size())) {}
+
+  PotentialWorkspace workspace;
+  Evaluation evaluation;
+  Eigen::VectorXd middle;  // qm, r
+};
+
+class HighRows {
+ public:
+  // The model must live on. scratch: one's own if none is given.
+  HighRows(const Model& model, Split split, const IntegratorOptions& options, HighDamping damping,
+           SolveNorm norm, std::shared_ptr<HighScratch> scratch = nullptr);
+
+  // q0: before the step, r. state: low rows of q already at the step's end, high rows of q and p
+  // before it. load: average over the step, r. Solves, with sigma = 1/2 + theta h D,
+  //     (d - h p0)/(2 sigma) + (h^2/2) [R(qm) + damping force - f]_h = 0,
+  //     sigma (p1 - p0) = d/h - p0
+  // and moves the high rows of state to the end; leaves them alone if it does not converge.
+  // dissipated: what damping took, J.
+  StepReport advance(const Eigen::VectorXd& q0, State& state, const Eigen::VectorXd& load);
+
+ private:
+  double evaluate(const Eigen::VectorXd& q0, const State& state, const Eigen::VectorXd& load);
+
+  const Potential& potential_;
+  Split split_;
+  Eigen::VectorXd rates_;    // D
+  Eigen::VectorXd divisor_;  // 2 sigma
+  double step_;
+  double tolerance_;
+  int max_iterations_;
+  HighDamping damping_;
+  SolveNorm norm_;
+  std::shared_ptr<HighScratch> scratch_;
+  NewtonWorkspace newton_;  // d_h
+};
+
+}  // namespace tremolo

@@ -1,0 +1,48 @@
+// The implicit-explicit variational integrator in the thesis's own two-stage form (Huang 2011,
+// algorithm 2 and (4.3.31)-(4.3.32)), as far as it makes sense.
+//
+//     stage 1   p_l <- p_l + h (f_l - R_l(q0) - D_l p_l)            the low rows' whole kick
+//     stage 2   q_l <- q_l + h p_l
+//               solve for d_h:  d_h - h p_h + (h^2/2) [R(qm) + D p1 - fm]_h = 0,  p1 = 2 d/h - p_h
+//               Jacobian  I + (h^2/4) K_hh(qm) + h D_hh
+//               p_h <- 2 d_h/h - p_h
+//
+// Two neighbouring half kicks of the symmetric step (imexv.h) are one whole kick here. Hence,
+// without damping, the orbit of q is that of `imexv` whose low momenta start half a kick later; and
+// the low momenta that are stored lag by half a kick, so an energy must be read from
+// synchronized_momentum(), which adds the missing half.
+//
+// Kept as in the thesis:
+//   - the merged kick, and a start that is not staggered: the given p is taken as the lagging one;
+//   - damping by the velocity at the end of the step on high rows and by p_k on low ones: first
+//   order
+//     against damping, and explicit on the low rows (stable only for h D_l < 2);
+//   - the absolute tolerance in the maximum norm, |residual|_inf <= tolerance, in units of q;
+//   - the Newton Jacobian is evaluated anew each iteration; the solve is over the high rows only.
+// Mended, because the printed formula is nonsense, or another equation:
+//   - (4.4.3) and line 9: the bracket is + (h^2/2) (R - f); line 12: A = I + (h^2/2) (K/2 + ...),
+//   with
+//     the printed minus it is singular at h omega = 2;
+//   - line 3 lacks h; R = -dV/dq contradicts the algorithm, which needs R = +dV/dq;
+//   - line 18 starts from p_k^+, not p_k; and p_{k+1} is set also when the loop ends at j = 1;
+//   - the damping Jacobian has the wrong sign and lacks the 1/h of its velocity;
+//   - the damping matrix is alpha I + beta K(0) as in every other method here; the printed
+//     alpha I + beta/2 K(qm), on high rows only, is another equation.
+// Chosen, where the thesis is silent: it splits only damping between low and high and evaluates
+// loads at q_k, that is at t_k. A whole kick at t_k sees the mean of the load's two one-sided
+// values there (the end of the step before and the start of this one), which keeps the second order
+// and gives a pulse its true impulse; the high rows see the average over the step. `dissipated` is
+// the work of the damping force, first order.
+//
+// Conditionally stable, as `imexv`.
+#pragma once
+
+#include "runtime/integrator.h"
+
+namespace tremolo {
+
+// Uses the default split unless options.split says otherwise. Errors as choose_split.
+Result<std::unique_ptr<Integrator>> make_imexv_thesis(Model::Pointer model,
+                                                      const IntegratorOptions& options);
+
+}  // namespace tremolo

@@ -1,0 +1,120 @@
+// Rayleigh damping D = alpha M + beta K(0). In the model's coordinates M is the identity and K(0)
+// is diagonal, so D is diagonal too, and so is what the methods make of it.
+//
+// Two things have to be right at once, whatever D h is. A coordinate that moves freely must decay
+// as s^2 + D s + omega^2 = 0 says. A stiff coordinate that is slaved to others, or one in thick
+// damping that is slaved to the load, moves with the velocity at which D v balances the other
+// forces: there the damping force itself must be right, while Dp and with it all that is said about
+// free motion hardly matter.
+//
+// Implicit rows. The energy-preserving step of one coordinate
+// (runtime/integrators/energy_preserving.h, where sigma stands for 1/2 + theta h D)
+//
+//     sigma Dp = n d/h - p0,      n Dp/h + omega^2 (q0 + d/2) + D d/h = f
+//
+// has D d/h for its damping force, and two numbers are left free: theta >= 0, which takes
+// theta h D Dp^2 of the energy, and the weight n of the inertia. With c = h D, w = h omega and N
+// the weight without damping, the step's two roots z have
+//
+//     1 - z1 z2        = c (1 + theta w^2) / S,      S = n^2 + sigma (w^2/2 + c),
+//     (1 - z1)(1 - z2) = w^2 / S,
+//
+// so that both follow from the roots that are wanted: z1 z2 = e^{-c}, and
+//
+//     m = (1 - z1)(1 - z2):   theta = (1 - e^{-c})/(c m) - 1/w^2,   n^2 = w^2/m - sigma (w^2/2 +
+//     c).
+//
+// Wanted are the exact roots where the oscillator is overdamped, else e^{-c/2 +- i psi} with the
+// phase that N gives an undamped oscillator of the damped frequency: psi = 2 atan(x/N(x)),
+// x = (w^2 - c^2/4)^{1/2}/2. theta is positive everywhere: 1/12 for small c and w where N = x cot
+// x, 1/4 where N = 1, 1/(2c) for large c. n differs from N by O(c^2), O(c w). For w = 0 both n = 1
+// and a sigma = 1/(1 - e^{-c}) - 1/c are exact.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace tremolo {
+
+// The diagonal of D: alpha + beta lambda_i, 1/s. alpha: 1/s, beta: s, lambda: (rad/s)^2.
+inline Eigen::VectorXd damping_rates(const Eigen::VectorXd& lambda, double alpha, double beta) {
+  return (alpha + beta * lambda.array()).matrix();
+}
+
+// theta and n of the header for one coordinate.
+struct DampedWeights {
+  double theta = 0.0;
+  double n = 1.0;
+};
+
+// N(x) of an undamped oscillator, x = h omega/2 >= 0. Dimensionless, positive.
+using InertiaWeight = double (*)(double x);
+
+// c = h D >= 0, w = h omega >= 0. Where n^2 would not be positive (overdamped and stiff, w > 4) n
+// is kLeastInertia: the slow root is off by at most a tenth in its logarithm there, for c > w^2/2
+// less.
+DampedWeights damped_weights(double c, double w, InertiaWeight undamped);
+
+// Of the midpoint rule, N = 1.
+inline double unit_weight(double) {
+  return 1.0;
+}
+
+// 1 + 2 theta h D for rows that take the midpoint rule with theta and keep n = 1, r; 1 without
+// damping. rates: D, lambda: omega^2, both r.
+Eigen::VectorXd midpoint_damping(const Eigen::VectorXd& rates, const Eigen::VectorXd& lambda,
+                                 double step);
+
+inline constexpr double kLeastInertia = 0.2;
+
+// p_i <- decay_i p_i, in place. Returns the kinetic energy that this took away, J.
+inline double decay_momentum(const Eigen::VectorXd& decay, Eigen::VectorXd& p) {
+  const double before = p.squaredNorm();
+  p.array() *= decay.array();
+  return 0.5 * (before - p.squaredNorm());
+}
+
+// Explicit rows: kick and damping in one, the exact flow of p' = -D p + f for constant f over half
+// a step,
+//
+//     p <- e^{-y} p + s phi1(y) f,      s = h/2, y = D s, phi1(y) = (1 - e^{-y})/y.
+//
+// With the drift q <- q + h p between two of these a free coordinate has z1 z2 = e^{-c} and is
+// stable for w^2 < 2 c coth(c/2), and one slaved to f moves with v = f/D exactly.
+class DampedKick {
+ public:
+  DampedKick() = default;
+  DampedKick(const Eigen::VectorXd& rates, double step);
+
+  // Kicks the first force.size() rows. Returns what damping took, J: the work of f less the growth
+  // of p^2/2.
+  template <class Force>
+  double operator()(const Force& force, Eigen::VectorXd& p) const {
+    const Eigen::Index rows = force.size();
+    if (!damped_) {
+      p.head(rows) += half_step_ * force;
+      return 0.0;
+    }
+    double taken = 0.0;
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const double before = p[i], f = force[i];
+      const double after = decay_[i] * before + reach_[i] * f;
+      const double path = reach_[i] * before + path_[i] * f;
+      taken += f * path - 0.5 * (after - before) * (after + before);
+      p[i] = after;
+    }
+    return taken;
+  }
+
+  bool damped() const { return damped_; }
+  const Eigen::VectorXd& decay() const { return decay_; }  // e^{-y}
+  const Eigen::VectorXd& reach() const { return reach_; }  // s phi1(y), s
+
+ private:
+  bool damped_ = false;
+  double half_step_ = 0.0;
+  Eigen::VectorXd decay_;
+  Eigen::VectorXd reach_;
+  Eigen::VectorXd path_;  // s^2 (1 - phi1(y))/y, s^2: the way that f itself makes
+};
+
+}  // namespace tremolo

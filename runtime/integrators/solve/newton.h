@@ -1,0 +1,151 @@
+// Newton's method for the equation of one implicit step, in storage that is made once.
+//
+// The residual g of every implicit method here is the gradient of a functional of the unknowns (so
+// the Jacobian is symmetric), and for a quartic V that functional is a quartic along any line. A
+// correction c that solves J c = g is used whole where it brings |g| down. Where it does not, the
+// slope -g(x - t c).c, a cubic in t known from its values and derivatives at both ends, is solved
+// for its first zero: an exact line search without another evaluation. An indefinite Jacobian is
+// shifted to the nearest convenient positive definite one, so that c always leads downhill.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "runtime/integrator.h"
+#include "runtime/kernels/cholesky.h"
+
+namespace tremolo {
+
+inline constexpr int kUpdates = 8;  // Broyden's, then the exact Jacobian
+
+// unknowns, residual, correction: n. jacobian: d residual / d unknowns, n x n, symmetric, both
+// triangles filled.
+struct NewtonWorkspace {
+  explicit NewtonWorkspace(Eigen::Index n);
+
+  Eigen::VectorXd unknowns;
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd jacobian;
+  Eigen::VectorXd correction;
+  Eigen::VectorXd image;  // jacobian * correction
+  SmallCholesky cholesky;
+  std::array<Eigen::VectorXd, kUpdates> moves;  // of solve_frozen
+  Eigen::VectorXd start;                        // its unknowns at first
+  bool frozen = false;  // cholesky is a factor of solve_frozen's, of this jacobian or one before
+  double shift = 0.0;   // what was added to the Jacobian's diagonal before it was factored
+};
+
+// Factors the Jacobian, shifted if it is not positive definite. False if it is not finite.
+bool factor_jacobian(NewtonWorkspace& workspace);
+
+// correction = (jacobian + shift)^-1 residual, by the last factor.
+void solve_correction(NewtonWorkspace& workspace);
+
+// move, which is -J^-1 g by a Jacobian that was frozen before the first of the `count` moves made
+// so far, becomes the move by Broyden's updates after all of them (Kelley 1995, chapter 7, without
+// their matrix). moves: those made.
+void apply_broyden(std::span<const Eigen::VectorXd> moves, Eigen::VectorXd& move);
+
+// The first zero in (0, 4 end], 4 end if there is none, of the cubic s with s(0) = slope0 < 0,
+// s'(0) = bend0, s(end) = slope1, s'(end) = bend1.
+double first_zero(double end, double slope0, double bend0, double slope1, double bend1);
+
+// Of the unknowns, relative: a few units in the last place.
+inline constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+
+// Corrects workspace.unknowns until the residual is small enough, at most max_iterations times.
+// evaluate(): fills residual and jacobian for the present unknowns and returns the residual's size
+// divided by what is allowed, so that <= 1 is convergence; a correction that is lost in the
+// rounding of the unknowns is convergence too, since h^2 omega^2 may lift the residual's rounding
+// above any tolerance. The report's residual is the Euclidean norm.
+template <class Evaluate>
+StepReport solve_newton(NewtonWorkspace& workspace, int max_iterations, Evaluate&& evaluate) {
+  StepReport report;
+  double ratio = evaluate();
+  for (;; ++report.iterations) {
+    report.converged = ratio <= 1.0;  // false for NaN
+    if (report.converged || !std::isfinite(ratio) || report.iterations == max_iterations) break;
+    if (!factor_jacobian(workspace)) break;
+    solve_correction(workspace);
+    const Eigen::VectorXd& c = workspace.correction;
+    const double rounding = kRounding * workspace.unknowns.norm();
+    report.converged = c.norm() <= rounding;
+    if (report.converged) break;
+    const double slope = -workspace.residual.dot(c);
+    const double bend = -slope - workspace.shift * c.squaredNorm();
+    double length = 1.0;  // of the correction, as a fraction of c
+    workspace.unknowns -= c;
+    double next = evaluate();
+    // Far out the numbers may overflow: come back until they do not.
+    while (!std::isfinite(next) && length > 1e-6) {
+      workspace.unknowns += 0.9 * length * c;
+      length *= 0.1;
+      next = evaluate();
+    }
+    if (next > 1.0 && !(next < 0.9 * ratio)) {
+      workspace.image.noalias() = workspace.jacobian * c;
+      const double best =
+          first_zero(length, slope, bend, -workspace.residual.dot(c), c.dot(workspace.image));
+      if (best != length) {
+        workspace.unknowns += (length - best) * c;
+        next = evaluate();
+      }
+    }
+    ratio = next;
+  }
+  report.residual = workspace.residual.norm();
+  return report;
+}
+
+// The same with the Jacobian of the first evaluation and Broyden's updates: evaluate(false) need
+// not fill it, which is cheaper. Where that does not lead on, solve_newton() from the start.
+template <class Evaluate>
+StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate&& evaluate) {
+  constexpr double kSlow = 0.6;  // a residual that falls by less is slow
+  workspace.start = workspace.unknowns;
+  const bool had_factor = workspace.frozen;
+  workspace.frozen = false;
+  double ratio = evaluate(true);
+  StepReport report;
+  report.converged = ratio <= 1.0;
+  bool usable = !report.converged && std::isfinite(ratio) && factor_jacobian(workspace) &&
+                workspace.shift == 0.0;
+  const int most = std::min(kUpdates, max_iterations);
+  for (int slow = 0; usable && !report.converged && slow < 2 && report.iterations < most;
+       ++report.iterations) {
+    const std::span<Eigen::VectorXd> moves(workspace.moves);
+    const auto count = static_cast<std::size_t>(report.iterations);
+    workspace.correction = -workspace.residual;
+    workspace.cholesky.solve(workspace.correction);
+    apply_broyden(moves.first(count), workspace.correction);
+    moves[count] = workspace.correction;
+    report.converged = moves[count].norm() <= kRounding * workspace.unknowns.norm();
+    if (report.converged) break;
+    workspace.unknowns += moves[count];
+    const double next = evaluate(false);
+    usable = std::isfinite(next);
+    if (!(next < kSlow * ratio)) ++slow;
+    ratio = next;
+    report.converged = ratio <= 1.0;
+  }
+  report.residual = workspace.residual.norm();
+  workspace.frozen = report.converged && (report.iterations > 0 || had_factor);
+  if (report.converged) return report;
+  const int before = report.iterations;
+  workspace.unknowns = workspace.start;
+  report = solve_newton(workspace, max_iterations, [&] { return evaluate(true); });
+  report.iterations += before;
+  return report;
+}
+
+// size / (tolerance * scale); 0 where nothing moves and nothing pushes.
+inline double relative_size(double size, double tolerance, double scale) {
+  return size == 0.0 ? 0.0 : size / (tolerance * scale);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,150 @@
+#include "runtime/integrators/solve/rational_filter.h"
+
+#include <complex>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+#include "runtime/kernels/lanes.h"
+
+#define TREMOLO_KERNEL "runtime/integrators/solve/rational_filter.inc"
+#include "runtime/kernels/every_machine.inc"
+
+namespace tremolo {
+namespace {
+
+using lanes::kLanes;
+
+using Number = std::complex<double>;
+
+// Coefficients from the constant up.
+using Polynomial = std::vector<double>;
+
+Polynomial product(const Polynomial& a, const Polynomial& b) {
+  Polynomial result(a.size() + b.size() - 1, 0.0);
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t j = 0; j < b.size(); ++j) result[i + j] += a[i] * b[j];
+  return result;
+}
+
+Number value(const Polynomial& p, Number z) {
+  Number sum = 0.0;
+  for (std::size_t i = p.size(); i-- > 0;) sum = sum * z + p[i];
+  return sum;
+}
+
+Polynomial derivative(const Polynomial& p) {
+  Polynomial result;
+  for (std::size_t i = 1; i < p.size(); ++i) result.push_back(static_cast<double>(i) * p[i]);
+  return result;
+}
+
+// The roots with imaginary part >= 0, by the companion matrix and two corrections by Newton.
+std::vector<Number> upper_roots(const Polynomial& p) {
+  const auto degree = static_cast<Eigen::Index>(p.size()) - 1;
+  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(degree, degree);
+  for (Eigen::Index i = 0; i < degree; ++i) {
+    if (i + 1 < degree) companion(i + 1, i) = 1.0;
+    companion(i, degree - 1) = -p[static_cast<std::size_t>(i)] / p.back();
+  }
+  const Polynomial slope = derivative(p);
+  std::vector<Number> roots;
+  for (Number root : companion.eigenvalues()) {
+    if (root.imag() < 0.0) continue;
+    for (int k = 0; k < 2; ++k) root -= value(p, root) / value(slope, root);
+    roots.push_back(root);
+  }
+  return roots;
+}
+
+// b1 and b2 as the header has them.
+Polynomial numerator(const FilterShape& shape) {
+  return {1.0, shape.a1, shape.a2};
+}
+Polynomial denominator(const FilterShape& shape) {
+  const double b1 = shape.a1 + 1.0 / 3.0;
+  return {1.0, b1, shape.a2 + b1 / 3.0 + 1.0 / 45.0};
+}
+
+}  // namespace
+
+double filter_value(const FilterShape& shape, double z) {
+  return (value(numerator(shape), z) / value(denominator(shape), z)).real();
+}
+
+double filter_slope(const FilterShape& shape, double z, double y) {
+  const Polynomial a = numerator(shape), b = denominator(shape);
+  const double above =
+      (a[1] - b[1]) + (a[2] - b[2]) * (z + y) + (a[2] * b[1] - a[1] * b[2]) * z * y;
+  return above / (value(b, z) * value(b, y)).real();
+}
+
+RationalFilter::RationalFilter(Eigen::Index size, const FilterShape& shape)
+    : tridiagonal_(size), poles_(2 * kLanes, 0.0) {
+  const Polynomial above = numerator(shape);
+  const Polynomial below = denominator(shape);
+  limit_ = above[2] / below[2];
+  apply_weights_.assign(2 * kLanes, 0.0);
+  solve_weights_.assign(2 * kLanes, 0.0);
+  for (AlignedDoubles* array :
+       {&inverse_re_, &inverse_im_, &ratio_re_, &ratio_im_, &scratch_re_, &scratch_im_})
+    array->assign(static_cast<std::size_t>(size) * kLanes, 0.0);
+  // At most two poles and five: eight lanes suffice. A lane that is left over has its pole far
+  // away.
+  std::fill_n(poles_.begin(), kLanes, -1.0);
+  std::fill_n(poles_.begin() + kLanes, kLanes, 1.0);
+  std::size_t lane = 0;
+  const auto add = [&](Number root, Number residue, AlignedDoubles& weights) {
+    if (root.imag() > 0.0) residue *= 2.0;
+    poles_[lane] = root.real();
+    poles_[kLanes + lane] = root.imag();
+    weights[lane] = residue.real();
+    weights[kLanes + lane] = residue.imag();
+    ++lane;
+  };
+  for (const Number root : upper_roots(below))
+    add(root, value(above, root) / value(derivative(below), root), apply_weights_);
+  // 1/(N^2 + z) = below^2 / (above^2 + z below^2)
+  Polynomial whole = product({0.0, 1.0}, product(below, below));
+  const Polynomial square = product(above, above);
+  for (std::size_t i = 0; i < square.size(); ++i) whole[i] += square[i];
+  for (const Number root : upper_roots(whole))
+    add(root, value(below, root) * value(below, root) / value(derivative(whole), root),
+        solve_weights_);
+}
+
+void RationalFilter::compute(const Eigen::MatrixXd& z) {
+  tridiagonal_.compute(z);
+  if (z.rows() > 0)
+    (*TREMOLO_BEST(factor_poles))(tridiagonal_.diagonal().data(), tridiagonal_.off().data(),
+                                  static_cast<std::size_t>(z.rows()), poles_.data(),
+                                  inverse_re_.data(), inverse_im_.data(), ratio_re_.data(),
+                                  ratio_im_.data());
+}
+
+void RationalFilter::apply(Eigen::VectorXd& x) {
+  (*TREMOLO_BEST(sum_fractions))(static_cast<std::size_t>(x.size()), apply_weights_.data(), limit_,
+                                 inverse_re_.data(), inverse_im_.data(), ratio_re_.data(),
+                                 ratio_im_.data(), scratch_re_.data(), scratch_im_.data(),
+                                 x.data());
+}
+
+void RationalFilter::solve(Eigen::VectorXd& x) {
+  (*TREMOLO_BEST(sum_fractions))(static_cast<std::size_t>(x.size()), solve_weights_.data(), 0.0,
+                                 inverse_re_.data(), inverse_im_.data(), ratio_re_.data(),
+                                 ratio_im_.data(), scratch_re_.data(), scratch_im_.data(),
+                                 x.data());
+}
+
+void RationalFilter::multiply(Eigen::VectorXd& x) const {
+  double before = 0.0;  // the entry above, as it was
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    double sum = tridiagonal_.diagonal()[i] * x[i];
+    if (i > 0) sum += tridiagonal_.off()[i - 1] * before;
+    if (i + 1 < x.size()) sum += tridiagonal_.off()[i] * x[i + 1];
+    before = x[i];
+    x[i] = sum;
+  }
+}
+
+}  // namespace tremolo

@@ -1,0 +1,70 @@
+// The matrix N of the fourth-order energy-preserving step
+// (runtime/integrators/energy_preserving.h), a rational function of a symmetric matrix Z, in Z's
+// tridiagonal basis Z = W T W^T.
+//
+//     N(z) = (1 + a1 z + a2 z^2) / (1 + b1 z + b2 z^2),
+//     b1 = a1 + 1/3,  b2 = a2 + b1/3 + 1/45:   N(z) = sqrt(z) cot(sqrt(z)) + O(z^3)
+//
+// Both N and 1/(N^2 + z), which the step's Newton matrix is, fall into simple fractions
+// n + sum_k c_k/(z - z_k): a vector costs one tridiagonal solve for each pole, in complex numbers
+// where the pole is complex (of a conjugate pair one, its real part twice).
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+#include "runtime/kernels/aligned.h"
+#include "runtime/kernels/tridiagonal.h"
+
+namespace tremolo {
+
+// The two free numbers.
+struct FilterShape {
+  double a1 = 0.0;
+  double a2 = 0.0;
+};
+
+// For z >= 0 N falls from 1 to 0.5581 at infinity, lowest value 0.5082: never small, so that the
+// solve stays well posed far beyond h omega = 2. For z < 0 it lies between 0.558 and 1.208. N^2 + z
+// is positive above its one real zero, z = -1.403: below it solve() is that of an indefinite
+// matrix.
+inline constexpr FilterShape kRobustShape{-0.00368349, 0.166819};
+
+double filter_value(const FilterShape& shape, double z);
+
+// (N(z) - N(y))/(z - y), N'(z) for y = z. For Z near a diagonal matrix diag(z_i) it is the
+// derivative of N(Z): N(Z)_ij = N(z_i) delta_ij + filter_slope(z_i, z_j) (Z - diag(z))_ij + ...
+double filter_slope(const FilterShape& shape, double z, double y);
+
+class RationalFilter {
+ public:
+  RationalFilter(Eigen::Index size, const FilterShape& shape);
+
+  // z: r x r, symmetric; its lower triangle is read. Nothing is allocated, here and below. Without
+  // pivoting a pole should have an imaginary part or lie below the spectrum; a real pole among the
+  // eigenvalues may cost accuracy, and on one the result is not finite.
+  void compute(const Eigen::MatrixXd& z);
+
+  void to_basis(Eigen::VectorXd& x) const { tridiagonal_.to_basis(x); }      // x <- W^T x
+  void from_basis(Eigen::VectorXd& x) const { tridiagonal_.from_basis(x); }  // x <- W x
+
+  // In the basis: x <- N x, x <- (N^2 + T)^-1 x and x <- T x.
+  void apply(Eigen::VectorXd& x);
+  void solve(Eigen::VectorXd& x);
+  void multiply(Eigen::VectorXd& x) const;
+
+ private:
+  // Poles side by side in the lanes of one vector: a solve for all of them takes as long as one.
+  // First N's, then those of 1/(N^2 + z).
+  Tridiagonal tridiagonal_;
+  double limit_;                            // N at infinity
+  AlignedDoubles poles_;                    // real parts, imaginary parts
+  AlignedDoubles apply_weights_;            // residues: real, imaginary; twice them where the
+  AlignedDoubles solve_weights_;            // conjugate pole is left out; zero for the other use
+  AlignedDoubles inverse_re_, inverse_im_;  // LDL^T of T - pole without pivoting: of the pivots
+  AlignedDoubles ratio_re_, ratio_im_;      // off-diagonal of L
+  AlignedDoubles scratch_re_, scratch_im_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,36 @@
+// Cholesky's factor of a small symmetric positive definite matrix, in vectors: Eigen's is compiled
+// for the plain machine, since a library that runs everywhere must be.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "runtime/kernels/aligned.h"
+
+namespace tremolo {
+
+// A = L D L^T, L with a unit diagonal: the same without roots. A diagonal A, as every step of a
+// linear model has, is its own D: it is seen, and costs no products. All is sized by the
+// constructor; nothing is allocated later.
+class SmallCholesky {
+ public:
+  explicit SmallCholesky(Eigen::Index size);
+
+  // a: size x size, its lower triangle is read. False, and no solve until the next, if A is not
+  // positive definite or not finite.
+  bool compute(const Eigen::MatrixXd& a);
+
+  // x <- A^-1 x.
+  void solve(Eigen::VectorXd& x) const;
+
+ private:
+  std::size_t n_;
+  std::size_t stride_;
+  bool diagonal_ = false;
+  AlignedDoubles masks_;
+  AlignedDoubles columns_;  // L column by column, padded, zeros above the diagonal
+  AlignedDoubles rows_;     // L D row by row, without the diagonal
+  AlignedDoubles inverse_;  // of D
+  mutable AlignedDoubles scratch_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,52 @@
+// The CSV of a run: a row for each recorded moment, written as it goes.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "formats/file/atomic_file.h"
+#include "runtime/energy.h"
+#include "runtime/model.h"
+#include "runtime/program/run/march.h"
+
+namespace tremolo {
+
+// coordinates: whose q is recorded; probes: vertices whose displacement is. velocities: p of these
+// coordinates and the velocities of these vertices too.
+struct RecordedColumns {
+  std::vector<int> coordinates;
+  std::vector<int> probes;
+  bool velocities = false;
+};
+
+// Columns: t (s), kinetic, potential, total, high_band, work, dissipated (J), q<i> (kg^1/2 m) and
+// p<i> (kg^1/2 m/s) of chosen coordinates, u<v>x u<v>y u<v>z (m) and v<v>x v<v>y v<v>z (m/s) of
+// chosen vertices. Rows go to the file's temporary place in pieces of whole lines; finish() puts it
+// in its place.
+class Recorder {
+ public:
+  // path: of the CSV; empty: nothing is recorded. Errors: kUsage for a vertex that the model does
+  // not have; kSystem if the file cannot be made.
+  static Result<Recorder> create(const Model& model, const RecordedColumns& columns,
+                                 const std::string& path);
+
+  Status record(const Moment& moment, const Energy& energy);
+  // Writes the rows that are still here, so that they can be read in the temporary file.
+  Status flush();
+  Status finish();
+
+ private:
+  struct Probe {
+    int vertex;
+    Eigen::Matrix<double, 3, Eigen::Dynamic> rows;
+  };
+
+  RecordedColumns columns_;
+  std::vector<Probe> probes_;
+  std::string text_;
+  std::optional<AtomicFile> file_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,159 @@
+#include "runtime/program/run/run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <iostream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/file/atomic_file.h"
+#include "runtime/program/output/tell.h"
+#include "runtime/program/run/run_files.h"
+#include "runtime/program/run/simulate.h"
+
+namespace tremolo {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json to_json(const RunReport& report, const RunOptions& options) {
+  Json json;
+  json["body"] = report.name;
+  json["model"] = options.model;
+  json["integrator"] = report.integrator;
+  json["load"] = options.signal.empty() ? options.load : options.signal;
+  json["scale"] = number(report.scale);
+  json["deflect"] = options.deflect.empty() ? Json(nullptr) : Json(options.deflect);
+  json["start"] = options.start.empty() ? Json(nullptr) : Json(options.start);
+  json["step"] = report.step;
+  json["duration"] = report.duration;
+  json["steps"] = report.steps;
+  json["reached"] = report.reached;
+  json["iterations_per_step"] = number(report.iterations_per_step);
+  json["microseconds_per_step"] = number(report.microseconds_per_step);
+  json["real_time_factor"] = number(report.step * 1e6 / report.microseconds_per_step);
+  json["energy_initial"] = number(report.energy_initial);
+  json["energy_reference"] = number(report.energy_reference);
+  json["energy_final"] = number(report.energy_final);
+  json["energy_drift_max"] = number(report.energy_drift_max);
+  json["high_band_final"] = number(report.high_band_final);
+  json["work"] = number(report.work);
+  json["dissipated"] = number(report.dissipated);
+  json["low_modes"] = report.split ? Json(report.split->low) : Json(nullptr);
+  json["high_modes"] = report.split ? Json(report.split->high) : Json(nullptr);
+  Json moves = Json::array();
+  for (const SplitMove& move : report.moves)
+    moves.push_back(
+        {{"time", move.time}, {"low_before", move.low_before}, {"low_after", move.low_after}});
+  json["split_moves"] = moves;
+  json["halved_steps"] = report.halved_steps;
+  json["stretch_min"] = number(report.stretch.smallest);
+  json["stretch_max"] = number(report.stretch.largest);
+  json["squeezed_at"] = report.squeezed_at < 0 ? Json(nullptr) : Json(report.squeezed_at);
+  json["size"] = number(report.size);
+  json["largest_displacement"] = number(report.farthest.distance);
+  json["largest_displacement_share"] = number(report.farthest.distance / report.size);
+  json["largest_displacement_vertex"] = report.farthest.vertex;
+  json["largest_displacement_at"] = number(report.farthest_at);
+  json["rigid_modes"] = report.rigid ? Json(report.rigid->rigid_modes) : Json(0);
+  json["load_rigid_share"] = report.rigid ? number(report.rigid->share) : Json(nullptr);
+  if (!options.probes.empty()) json["largest_probe_displacement"] = number(report.largest_probe);
+  json["exit_code"] = report.exit_code;
+  json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
+  json["files"] = report.files;
+  return json;
+}
+
+void print_rigid_loss(const RigidLoss& loss) {
+  tell("  a free body: it vibrates where it is, {} motions without strain are left out",
+       loss.rigid_modes);
+  if (std::isfinite(loss.share))
+    tell(
+        ", and with them {:.3g} % of what this load sets in motion (net force {:.4g} N, torque "
+        "{:.4g} N m about its centre; mass taken as spread evenly)\n",
+        100 * loss.share, loss.force, loss.torque);
+  else
+    tell(", and with them what this load's net force of {:.4g} N and torque set in motion\n",
+         loss.force);
+}
+
+void print_text(const RunReport& report) {
+  tell("{}: {} reached {:.6g} of {:.6g} s in {} steps of {:.4g} s\n", report.name,
+       report.integrator, report.reached, report.duration, report.steps, report.step);
+  if (report.split)
+    tell("  {} coordinates explicit, {} implicit\n", report.split->low, report.split->high);
+  constexpr std::size_t kShown = 8;
+  for (std::size_t i = 0; i < std::min(report.moves.size(), kShown); ++i)
+    tell("  t = {:.6g} s: {} -> {} coordinates explicit\n", report.moves[i].time,
+         report.moves[i].low_before, report.moves[i].low_after);
+  if (report.moves.size() > kShown)
+    tell("  ... and {} moves more (--json lists them)\n", report.moves.size() - kShown);
+  if (report.halved_steps > 0) tell("  {} steps were taken in parts\n", report.halved_steps);
+  tell("  {:.2f} us a step ({:.0f} times faster than real time), {:.2f} iterations\n",
+       report.microseconds_per_step, report.step * 1e6 / report.microseconds_per_step,
+       report.iterations_per_step);
+  if (std::isfinite(report.energy_drift_max))
+    tell("  energy {:.6g} J at the end, largest drift {:.2e}\n", report.energy_final,
+         report.energy_drift_max);
+  if (report.squeezed_at >= 0)
+    tell(
+        "  warning: at t = {:.4g} s the surface is squeezed below {:.2f} of its length (at the "
+        "worst to {:.2f}): StVK softens there and may turn inside out; use a smaller load or "
+        "a stiffer material\n",
+        report.squeezed_at, kSofteningStretch, report.stretch.smallest);
+  if (report.size > 0)
+    tell("  moved by {:.4g} m at most, {:.3g} % of its size (vertex {}, t = {:.4g} s)\n",
+         report.farthest.distance, 100 * report.farthest.distance / report.size,
+         report.farthest.vertex, report.farthest_at);
+  if (report.rigid) print_rigid_loss(*report.rigid);
+}
+
+// report.json, and the line that tells of all files.
+Status write_report(const RunOptions& options, std::vector<std::string> files, const Json& json) {
+  if (options.out.empty()) return Success{};
+  const std::string path = options.out + "/" + kReportName;
+  if (Status status =
+          write_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+      !status)
+    return status;
+  files.push_back(path);
+  tell("  wrote into {}: {}\n", options.out, list_files(files));
+  return Success{};
+}
+
+}  // namespace
+
+int run_command(const std::vector<RunOptions>& bodies, bool json) {
+  Json objects = Json::array();
+  int code = 0, signal = 0;
+  for (const RunOptions& options : bodies) {
+    Result<RunReport> report = simulate(options);
+    if (!report) return report_error(report.error());
+    print_text(*report);
+    objects.push_back(to_json(*report, options));
+    if (Status status = write_report(options, report->files, objects.back()); !status)
+      return report_error(status.error());
+    if (report->exit_code != 0) {
+      tell("tremolo: {}: {}\n", report->name, report->reason);
+      code = report->exit_code;
+    }
+    signal = report->signal;
+    if (signal != 0) break;
+  }
+  if (json)
+    std::cout << (objects.size() == 1 ? objects.front() : Json{{"bodies", objects}})
+                     .dump(2, ' ', false, Json::error_handler_t::replace)
+              << "\n";
+  const bool told = bool(std::cout.flush());
+  // Whoever started the program shall see that a signal ended it.
+  if (signal != 0) ::raise(signal);
+  return told ? code : report_error(system_error("standard output cannot be written"));
+}
+
+}  // namespace tremolo

@@ -1,0 +1,37 @@
+// A body as `tremolo run` is told to make it.
+#pragma once
+
+#include "common/result.h"
+#include "runtime/body.h"
+#include "runtime/program/run/run_options.h"
+
+namespace tremolo {
+
+// Numbers and names that need no model to be judged. Errors: kUsage, kContent.
+Status check_run(const RunOptions& options);
+
+// The model that the options name.
+Result<Model::Pointer> load_model(const RunOptions& options);
+
+// The load in space, unscaled: of --at and --force, else the model's; without vertices for --load
+// none.
+Result<DefaultLoad> load_of_run(const RunOptions& options, const Model& model);
+
+// A body with its load, where --start puts it. table: of options.signal, which it must outlive.
+// Errors of Body::create and Body::add_load, and of start_state.
+Result<Body> make_body(const RunOptions& options, Model::Pointer model, const SignalTable& table);
+
+// The coordinates of "all", "I" and "I-J", each once, in the order named. Errors: kUsage.
+Result<std::vector<int>> coordinates_of(const std::vector<std::string>& texts, Eigen::Index modes);
+
+// The vertices of ids and selectors, each once, in the order named.
+Result<std::vector<int>> probes_of(const std::vector<std::string>& texts, const Model& model);
+
+// The library calls a wrong argument wrong usage; on the command line that is an unknown flag or
+// name, and a number out of range is an invalid value (kContent).
+Error value_error(Error error);
+
+// The share of --deflect: "5%" or "0.05". Errors: kUsage; kContent if it is not positive.
+Result<double> parse_share(const std::string& text);
+
+}  // namespace tremolo

@@ -1,0 +1,219 @@
+#include "runtime/program/run/run_options.h"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <type_traits>
+
+#include <toml++/toml.h>
+
+#include "formats/file/whole_file.h"
+#include "runtime/program/start/start_text.h"
+
+namespace tremolo {
+namespace {
+
+// One key of a scene: how to store its value; false if the type is wrong.
+using Store = bool (*)(const toml::node&, RunOptions&);
+
+// toml++ turns any float into an integer to see whether it is one, which a large one does not bear.
+std::optional<int> whole_number(const toml::node& node) {
+  const auto* number = node.as_floating_point();
+  if (number == nullptr) return node.value<int>();
+  const double value = number->get();
+  if (!(std::abs(value) <= std::numeric_limits<int>::max()) || value != std::trunc(value))
+    return std::nullopt;
+  return static_cast<int>(value);
+}
+
+template <class T>
+std::optional<T> value_of(const toml::node& node) {
+  if constexpr (std::is_same_v<T, int>)
+    return whole_number(node);
+  else
+    return node.value<T>();
+}
+
+template <class T>
+bool store(const toml::node& node, T& target) {
+  const auto value = value_of<T>(node);
+  if (value) target = *value;
+  return value.has_value();
+}
+
+// A vertex or a selector, a coordinate or a range of them.
+bool store_text(const toml::node& node, std::string& target) {
+  if (const auto number = whole_number(node)) {
+    target = std::to_string(*number);
+    return true;
+  }
+  const auto text = node.value_exact<std::string>();
+  if (!text || text->find('\0') != std::string::npos) return false;
+  target = *text;
+  return true;
+}
+
+bool store_list(const toml::node& node, std::vector<std::string>& target) {
+  std::string single;
+  if (store_text(node, single)) {
+    target = {single};
+    return true;
+  }
+  const toml::array* array = node.as_array();
+  if (array == nullptr) return false;
+  target.clear();
+  for (const toml::node& entry : *array) {
+    if (!store_text(entry, single)) return false;
+    target.push_back(single);
+  }
+  return true;
+}
+
+// A vertex or a selector.
+bool store_at(const toml::node& node, std::string& target) {
+  if (const auto vertex = node.value_exact<std::int64_t>()) {
+    target = std::to_string(*vertex);
+    return true;
+  }
+  const auto selector = node.value_exact<std::string>();
+  if (selector) target = *selector;
+  return selector.has_value();
+}
+
+struct Key {
+  std::string_view name;
+  Store store;
+};
+
+constexpr Key kKeys[] = {
+    {"model", [](const toml::node& n, RunOptions& o) { return store(n, o.model); }},
+    {"integrator", [](const toml::node& n, RunOptions& o) { return store(n, o.integrator); }},
+    {"step", [](const toml::node& n, RunOptions& o) { return store(n, o.step); }},
+    {"duration", [](const toml::node& n, RunOptions& o) { return store(n, o.duration); }},
+    {"modes", [](const toml::node& n, RunOptions& o) { return store(n, o.modes); }},
+    {"linear", [](const toml::node& n, RunOptions& o) { return store(n, o.linear); }},
+    {"load", [](const toml::node& n, RunOptions& o) { return store(n, o.load); }},
+    {"at", [](const toml::node& n, RunOptions& o) { return store_at(n, o.at); }},
+    {"force", [](const toml::node& n, RunOptions& o) { return store(n, o.force); }},
+    {"signal", [](const toml::node& n, RunOptions& o) { return store(n, o.signal); }},
+    {"scale", [](const toml::node& n, RunOptions& o) { return store(n, o.scale); }},
+    {"alpha", [](const toml::node& n, RunOptions& o) { return store(n, o.alpha); }},
+    {"beta", [](const toml::node& n, RunOptions& o) { return store(n, o.beta); }},
+    {"newmark-beta", [](const toml::node& n, RunOptions& o) { return store(n, o.newmark_beta); }},
+    {"newmark-gamma", [](const toml::node& n, RunOptions& o) { return store(n, o.newmark_gamma); }},
+    {"split", [](const toml::node& n, RunOptions& o) { return store(n, o.split); }},
+    {"safety", [](const toml::node& n, RunOptions& o) { return store(n, o.safety); }},
+    {"tolerance", [](const toml::node& n, RunOptions& o) { return store(n, o.tolerance); }},
+    {"max-iterations",
+     [](const toml::node& n, RunOptions& o) { return store(n, o.max_iterations); }},
+    {"probe", [](const toml::node& n, RunOptions& o) { return store_list(n, o.probes); }},
+    {"coordinate", [](const toml::node& n, RunOptions& o) { return store_list(n, o.coordinates); }},
+    {"velocities", [](const toml::node& n, RunOptions& o) { return store(n, o.velocities); }},
+    {"deflect", [](const toml::node& n, RunOptions& o) { return store(n, o.deflect); }},
+    {"start", [](const toml::node& n, RunOptions& o) { return store(n, o.start); }},
+    {"out", [](const toml::node& n, RunOptions& o) { return store(n, o.out); }},
+    {"every", [](const toml::node& n, RunOptions& o) { return store(n, o.every); }},
+    {"plot", [](const toml::node& n, RunOptions& o) { return store(n, o.plot); }},
+    {"surfaces", [](const toml::node& n, RunOptions& o) { return store(n, o.surfaces); }},
+    {"surface-format",
+     [](const toml::node& n, RunOptions& o) { return store(n, o.surface_format); }},
+    {"hull", [](const toml::node& n, RunOptions& o) { return store(n, o.hull); }},
+};
+
+Error error_at(const std::string& path, const toml::source_region& where, const std::string& what) {
+  return content_error(path + ": line " + std::to_string(where.begin.line) + ": " + what);
+}
+
+// What the scene file `path` names, relative to it.
+std::string beside(const std::string& path, const std::string& name) {
+  const std::filesystem::path file(name);
+  if (file.is_absolute()) return name;
+  return (std::filesystem::path(path).parent_path() / file).lexically_normal().string();
+}
+
+Status read_body(const std::string& path, const toml::table& table, RunOptions& body) {
+  for (const auto& [key, node] : table) {
+    const Key* known = nullptr;
+    for (const Key& candidate : kKeys)
+      if (candidate.name == key.str()) known = &candidate;
+    if (known == nullptr)
+      return error_at(path, key.source(), "unknown key '" + std::string(key.str()) + "'");
+    if (!known->store(node, body))
+      return error_at(path, node.source(),
+                      "the value of '" + std::string(key.str()) + "' has the wrong type");
+    // The system would open what stands before it.
+    const auto text = node.value_exact<std::string_view>();
+    if (text && text->find('\0') != std::string_view::npos)
+      return error_at(path, node.source(),
+                      "the value of '" + std::string(key.str()) + "' holds a NUL");
+  }
+  if (body.model.empty())
+    return error_at(path, table.source(), "body '" + body.name + "' names no model");
+  if (table.contains("signal") && table.contains("load"))
+    return error_at(path, table.source(),
+                    "body '" + body.name +
+                        "': `signal` and `load` are two "
+                        "courses of one load: leave one out");
+  body.scene = path;
+  body.model = beside(path, body.model);
+  if (!body.signal.empty()) body.signal = beside(path, body.signal);
+  if (!file_of_start(body.start).empty()) body.start = beside(path, body.start);
+  return Success{};
+}
+
+// A dotted key a.b.c is a table in a table, and those are built and destroyed by recursion: without
+// a bound a small file could exhaust the stack. Scenes need neither dotted keys nor inline tables.
+Status check_nesting(std::string_view text, const std::string& path) {
+  constexpr int kDotsOfLine = 64, kBraces = 64;
+  int line = 1, dots = 0, braces = 0;
+  for (const char c : text) {
+    dots = c == '\n' ? 0 : dots + (c == '.' ? 1 : 0);
+    braces += c == '{' ? 1 : 0;
+    if (dots > kDotsOfLine || braces > kBraces)
+      return content_error(path + ": line " + std::to_string(line) +
+                           ": tables in tables: a scene has one table a body, with plain keys");
+    line += c == '\n' ? 1 : 0;
+  }
+  return Success{};
+}
+
+}  // namespace
+
+Result<std::vector<RunOptions>> read_scene(const std::string& path) {
+  const Result<std::string> text = read_whole_file(path);
+  if (!text) return text.error();
+  return parse_scene(*text, path);
+}
+
+Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path) {
+  if (Status status = check_nesting(text, path); !status) return status.error();
+  toml::table scene;
+  try {
+    scene = toml::parse(text, path);
+  } catch (const toml::parse_error& error) {
+    return error_at(path, error.source(), std::string(error.description()));
+  }
+  std::vector<RunOptions> bodies;
+  for (const auto& [name, node] : scene) {
+    const toml::table* table = node.as_table();
+    if (table == nullptr)
+      return error_at(path, name.source(),
+                      "'" + std::string(name.str()) + "' stands outside a table: one table a body");
+    RunOptions body;
+    body.name = std::string(name.str());
+    // It becomes the name of a folder.
+    if (body.name.empty() || body.name.front() == '.' ||
+        body.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                    "._-") != std::string::npos)
+      return error_at(path, name.source(),
+                      "body '" + body.name + "': a name has letters, digits, '.', '_', '-' only");
+    if (Status status = read_body(path, *table, body); !status) return status.error();
+    bodies.push_back(std::move(body));
+  }
+  if (bodies.empty()) return content_error(path + ": the scene has no body");
+  return bodies;
+}
+
+}  // namespace tremolo

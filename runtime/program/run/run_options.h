@@ -1,0 +1,56 @@
+// What `tremolo run` is told, by flags or by a scene file.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/integrator.h"
+
+namespace tremolo {
+
+// One body. The names are those of the flags; units SI.
+struct RunOptions {
+  std::string name;   // the scene's table; the file's stem without a scene
+  std::string model;  // path of the basis file
+  std::string scene;  // path of the scene; empty: none
+  std::string integrator{kDefaultIntegrator};
+  double step = 3e-3;
+  double duration = 30.0;
+  int modes = 0;                // leading coordinates to keep; 0: all
+  bool linear = false;          // without the cubic and quartic terms
+  std::string load = "square";  // impulse, square, sine, constant, none
+  std::string at;               // vertex or selector; with force; else the model's default load
+  std::string force;            // "X,Y,Z" in N, shared by the vertices
+  std::string signal;           // CSV of the load's course in time; it takes the place of `load`
+  double scale = 1.0;
+  std::string deflect;  // "5%": the load is scaled until the motion is so large; empty: it is not
+  std::string start;    // start_state.h; empty: at rest
+  double alpha = 0.0, beta = 0.0;
+  double newmark_beta = 0.25, newmark_gamma = 0.5;
+  std::string split = "default";
+  double safety = 0.9;
+  double tolerance = 1e-6;
+  int max_iterations = 20;
+  std::vector<std::string> probes;       // vertices or selectors whose displacement is recorded
+  std::vector<std::string> coordinates;  // "I", "I-J", "all": coordinates whose q is recorded
+  bool velocities = false;               // of probes and coordinates too
+  std::string out;                       // directory for CSV, plots and surfaces; empty: none
+  int every = 1;                         // a CSV row every so many steps
+  bool plot = false;
+  int surfaces = 0;                    // surface files, evenly spaced in time
+  std::string surface_format = "ply";  // ply, obj or inc
+  bool hull = false;                   // of the solid's boundary, not of a render surface
+};
+
+// A scene: one table a body, keys as the long flags; `model`, the path of the basis file, `signal`
+// and a file of `start` are relative to the scene file. Errors: kSystem if unreadable; kContent
+// with file, line and the wrong key or type.
+Result<std::vector<RunOptions>> read_scene(const std::string& path);
+// The same of the file's contents; `path` stands in errors and `model` is relative to it.
+Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path);
+
+}  // namespace tremolo

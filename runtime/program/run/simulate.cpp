@@ -1,0 +1,196 @@
+#include "runtime/program/run/simulate.h"
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "runtime/program/output/tell.h"
+#include "runtime/program/run/interruption.h"
+#include "runtime/program/run/march.h"
+#include "runtime/program/run/run_body.h"
+#include "runtime/program/run/run_files.h"
+#include "runtime/program/run/run_progress.h"
+#include "runtime/program/run/watch.h"
+#include "runtime/program/start/load_search.h"
+#include "runtime/program/start/selection.h"
+#include "runtime/program/start/signal_file.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Steps between two looks: the memory that a look brings in costs the first step behind it some
+// microseconds, and a signal waits so long.
+constexpr std::size_t kBlock = 64;
+constexpr std::chrono::seconds kFlushEvery{1};  // the CSV can be followed so closely
+
+RunReport start_report(const RunOptions& options, const Body& body) {
+  RunReport report;
+  report.name = options.name;
+  report.integrator = options.integrator;
+  report.step = options.step;
+  report.duration = options.duration;
+  report.scale = options.scale;
+  report.split = body.integrator().split();
+  return report;
+}
+
+// What a run and the attempts before it have in common.
+struct Given {
+  Model::Pointer model;
+  SignalTable table;  // of --signal
+};
+
+// Who else may stop a run, and who hears how far it is.
+struct Company {
+  const Interruption* interruption = nullptr;
+  ToldProgress* progress = nullptr;
+};
+
+// The moments of the run, one after the other; false: it ended before its time, and the report says
+// why.
+Result<bool> follow(Body& body, std::int64_t steps, const Company& company, Watch& watch,
+                    RunReport& report) {
+  Moment start;
+  look_at(body, start);
+  Result<bool> inside = watch.observe(start);
+  if (!inside || !*inside) return inside;
+  March march(body, kBlock);
+  auto flushed = std::chrono::steady_clock::now();
+  while (body.steps() < steps && !march.failed()) {
+    for (const Moment& moment : march.advance(steps)) {
+      inside = watch.observe(moment);
+      if (!inside || !*inside) break;
+    }
+    report.microseconds_per_step = march.microseconds_per_step();
+    if (!inside || !*inside) return inside;
+    if (company.progress != nullptr) company.progress->reached(body.time());
+    if (const auto now = std::chrono::steady_clock::now(); now - flushed > kFlushEvery) {
+      flushed = now;
+      if (Status status = watch.flush(); !status) return status.error();
+    }
+    report.signal = company.interruption == nullptr ? 0 : company.interruption->signal();
+    if (report.signal != 0) {
+      report.exit_code = 128 + report.signal;
+      report.reason = fmt::format("ended at t = {:.6g} s by signal {} ({})", body.time(),
+                                  report.signal, ::strsignal(report.signal));
+      return false;
+    }
+  }
+  if (!march.failed()) return true;
+  report.exit_code = static_cast<int>(error_kind(march.failed()->failure));
+  report.reason = why_not_made(*march.failed(), body.time());
+  return false;
+}
+
+Result<RunReport> run_body(const RunOptions& options, const Given& given, const Company& company) {
+  const Model::Pointer& model = given.model;
+  Result<Body> body = make_body(options, model, given.table);
+  if (!body) return body.error();
+  RecordedColumns columns;
+  columns.velocities = options.velocities;
+  Result<std::vector<int>> coordinates = coordinates_of(options.coordinates, model->modes());
+  if (!coordinates) return coordinates.error();
+  columns.coordinates = std::move(*coordinates);
+  Result<std::vector<int>> probes = probes_of(options.probes, *model);
+  if (!probes) return probes.error();
+  columns.probes = std::move(*probes);
+  const std::string csv =
+      options.out.empty() ? std::string() : (fs::path(options.out) / kTableName).string();
+  if (!options.out.empty()) {
+    std::error_code error;
+    fs::create_directories(options.out, error);
+    if (error) return system_error(options.out + ": cannot create: " + error.message());
+  }
+  Result<Recorder> recorder = Recorder::create(*model, columns, csv);
+  if (!recorder) return value_error(recorder.error());
+
+  RunReport report = start_report(options, *body);
+  const auto steps = static_cast<std::int64_t>(std::llround(options.duration / options.step));
+  Result<Watch> watch =
+      Watch::create(options, *body, columns.probes.empty() ? nullptr : columns.probes.data(), steps,
+                    std::move(*recorder), report);
+  if (!watch) return value_error(watch.error());
+  const Result<bool> whole = follow(*body, steps, company, *watch, report);
+  if (!whole) return whole.error();
+  if (Status status = watch->finish(); !status) return status.error();
+  return report;
+}
+
+// The same run without anything to write, as large as the load makes it.
+Result<LoadAttempt> attempt(const RunOptions& options, const Given& given, double scale) {
+  RunOptions trial = options;
+  trial.scale = scale;
+  trial.out.clear();
+  trial.surfaces = 0;
+  trial.plot = false;
+  trial.probes.clear();
+  trial.coordinates.clear();
+  ToldProgress progress(fmt::format("{}, load times {:.4g}", options.name, scale),
+                        options.duration);
+  const Result<RunReport> report = run_body(trial, given, {nullptr, &progress});
+  if (!report) return report.error();
+  if (!(report->size > 0)) return content_error(options.model + ": the surface has no size");
+  return LoadAttempt{scale,
+                     report->exit_code != 0 ? std::numeric_limits<double>::infinity()
+                                            : report->farthest.distance / report->size,
+                     report->reason};
+}
+
+Result<double> scale_for_deflection(const RunOptions& options, const Given& given) {
+  const Result<double> share = parse_share(options.deflect);
+  if (!share) return share.error();
+  const Result<LoadScale> found =
+      search_load_scale(*share, [&](double scale) { return attempt(options, given, scale); });
+  if (!found) return found.error();
+  if (!(found->scale > 0))
+    return content_error("--deflect " + options.deflect +
+                         ": no factor of the load gives that: " + found->trouble);
+  tell("{}: the load times {:.4g} moves it by {} of its size\n", options.name, found->scale,
+       options.deflect);
+  return found->scale;
+}
+
+void tell_nearest(const RunOptions& options, const Model& model) {
+  for (const std::string& note : nearest_of(options.at, model)) tell("  --at {}\n", note);
+  for (const std::string& probe : options.probes)
+    for (const std::string& note : nearest_of(probe, model)) tell("  --probe {}\n", note);
+}
+
+}  // namespace
+
+Result<RunReport> simulate(const RunOptions& options) {
+  if (Status status = check_run(options); !status) return status.error();
+  if (Status status = keep_run_apart(options); !status) return status.error();
+  const Result<Model::Pointer> model = load_model(options);
+  if (!model) return model.error();
+  tell_nearest(options, **model);
+  Given given{*model, {}};
+  if (!options.signal.empty()) {
+    Result<SignalTable> table = read_signal(options.signal);
+    if (!table) return table.error();
+    given.table = std::move(*table);
+  }
+  RunOptions scaled = options;
+  if (!options.deflect.empty()) {
+    const Result<double> scale = scale_for_deflection(options, given);
+    if (!scale) return scale.error();
+    scaled.scale = *scale;
+  }
+  const Result<std::optional<RigidLoss>> rigid = rigid_loss(options, **model);
+  if (!rigid) return rigid.error();
+  const Interruption interruption;
+  ToldProgress progress(options.name, options.duration);
+  Result<RunReport> report = run_body(scaled, given, {&interruption, &progress});
+  if (report) report->rigid = *rigid;
+  return report;
+}
+
+}  // namespace tremolo

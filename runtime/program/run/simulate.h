@@ -1,0 +1,61 @@
+// One body from its start to the end of its time, watched.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "runtime/body.h"
+#include "runtime/program/run/free_body.h"
+#include "runtime/program/run/run_options.h"
+#include "runtime/program/run/stretch.h"
+
+namespace tremolo {
+
+// A change of a splitting method's split, before the step that began at `time`.
+struct SplitMove {
+  double time = 0;  // s
+  Eigen::Index low_before = 0;
+  Eigen::Index low_after = 0;
+};
+
+// How a run ended and what it measured. Energies in J; not-a-number means "not known".
+struct RunReport {
+  std::string name;
+  std::string integrator;
+  double step = 0;
+  double duration = 0;
+  double scale = 1;        // of the load: as told, or as --deflect found it
+  std::int64_t steps = 0;  // made
+  double reached = 0;      // s of simulated time
+  double iterations_per_step = 0;
+  double microseconds_per_step = 0;  // processor time of step() in blocks, nothing between
+  double energy_initial = 0;
+  double energy_reference = 0;  // when the load had ended; of the last moment if it lasts
+  double energy_final = 0;
+  double energy_drift_max = 0;  // docs/architecture.md
+  double high_band_final = 0;
+  double work = 0;
+  double dissipated = 0;
+  double largest_probe = 0;        // largest displacement of the first probe, m
+  std::optional<Split> split;      // at the end
+  std::vector<SplitMove> moves;    // all changes of it
+  std::int64_t halved_steps = 0;   // steps whose solve failed and that were taken in parts
+  StretchRange stretch;            // of the surface, widest of the moments looked at
+  double squeezed_at = -1;         // s; first of them with a stretch below kSofteningStretch
+  double size = 0;                 // largest extent of the surface at rest, m
+  Excursion farthest;              // of the surface in all moments looked at
+  double farthest_at = 0;          // s
+  std::optional<RigidLoss> rigid;  // of a free body with a load
+  std::vector<std::string> files;  // written, under options.out
+  int exit_code = 0;               // 0, 4 or 5; 128 + n when signal n ended it early
+  int signal = 0;                  // that n; 0: none
+  std::string reason;              // why exit_code is not 0
+};
+
+// With options.deflect the load's factor is found first, by runs that write nothing. Errors: what
+// loading, creating and writing give; kContent if no factor gives the deflection. A run that broke
+// off is a report, not an error. SIGINT, SIGTERM and SIGHUP end it early, with all that it has to
+// write up to then.
+Result<RunReport> simulate(const RunOptions& options);
+
+}  // namespace tremolo

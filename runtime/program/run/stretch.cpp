@@ -1,0 +1,83 @@
+#include "runtime/program/run/stretch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+namespace tremolo {
+namespace {
+
+// Edges (columns) in an orthonormal frame of the triangle's plane, m.
+Eigen::Matrix2d plane_edges(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d x = a.normalized();
+  const Eigen::Vector3d y = (b - b.dot(x) * x).normalized();
+  Eigen::Matrix2d edges;
+  edges << a.norm(), b.dot(x), 0.0, b.dot(y);
+  return edges;
+}
+
+}  // namespace
+
+SurfaceStretch::SurfaceStretch(const Model& model)
+    : model_(model), positions_(3 * model.surface().vertex_ids.size()) {
+  const auto& rest = model.surface().rest;
+  for (const Triangle& triangle : model.triangles()) {
+    const auto corner = [&](int k) {
+      return rest[static_cast<std::size_t>(triangle[static_cast<std::size_t>(k)])];
+    };
+    const Eigen::Matrix2d edges = plane_edges(corner(1) - corner(0), corner(2) - corner(0));
+    if (!(edges.determinant() > 0.0)) continue;  // without area it has no stretch
+    triangles_.push_back(triangle);
+    rest_inverse_.push_back(edges.inverse());
+  }
+}
+
+StretchRange SurfaceStretch::measure(const Body& body) {
+  StretchRange range;
+  if (!body.boundary_positions(positions_)) return range;
+  double smallest = 1.0, largest = 1.0;  // squared
+  const auto position = [&](VertexId vertex) {
+    return Eigen::Vector3d::Map(positions_.data() + 3 * static_cast<std::size_t>(vertex));
+  };
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const Eigen::Vector3d origin = position(triangles_[t][0]);
+    Eigen::Matrix<double, 3, 2> edges;
+    edges << position(triangles_[t][1]) - origin, position(triangles_[t][2]) - origin;
+    const Eigen::Matrix<double, 3, 2> gradient = edges * rest_inverse_[t];
+    // Eigenvalues of the 2 x 2 Cauchy-Green tensor.
+    const Eigen::Matrix2d c = gradient.transpose() * gradient;
+    const double middle = 0.5 * c.trace();
+    const double half = 0.5 * (c(0, 0) - c(1, 1));
+    const double reach = std::sqrt(half * half + c(0, 1) * c(0, 1));
+    smallest = std::min(smallest, middle - reach);
+    largest = std::max(largest, middle + reach);
+  }
+  range.smallest = std::sqrt(std::max(smallest, 0.0));
+  range.largest = std::sqrt(largest);
+  return range;
+}
+
+Excursion SurfaceStretch::farthest() const {
+  Excursion farthest;
+  const VertexBlock& surface = model_.surface();
+  double largest = -1.0;  // squared, m^2
+  for (std::size_t v = 0; v < surface.rest.size(); ++v) {
+    const double distance =
+        (Eigen::Vector3d::Map(positions_.data() + 3 * v) - surface.rest[v]).squaredNorm();
+    if (distance <= largest) continue;
+    largest = distance;
+    farthest = {std::sqrt(distance), surface.vertex_ids[v]};
+  }
+  return farthest;
+}
+
+double SurfaceStretch::size() const {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& point : model_.surface().rest) box.extend(point);
+  return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+}
+
+}  // namespace tremolo

@@ -1,0 +1,52 @@
+// Everything that is watched and written while a body runs.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "runtime/energy.h"
+#include "runtime/program/run/frames.h"
+#include "runtime/program/run/recorder.h"
+#include "runtime/program/run/simulate.h"
+
+namespace tremolo {
+
+class Watch {
+ public:
+  // body: of the run; what is seen is seen on a second one, put where the first one was. steps: of
+  // the whole run. recorder: empty if nothing is written. Options and report must outlive this.
+  // Errors of Body::create and Model::vertex.
+  static Result<Watch> create(const RunOptions& options, const Body& body, const int* first_probe,
+                              std::int64_t steps, Recorder recorder, RunReport& report);
+
+  // The start and every step, in order. False when the orbit has left its bound: why is in the
+  // report.
+  Result<bool> observe(const Moment& moment);
+
+  // Rows that wait are written, so that the CSV's temporary file can be followed.
+  Status flush() { return recorder_.flush(); }
+  // The report's last figures, and the files.
+  Status finish();
+
+ private:
+  Watch(const RunOptions& options, Body seen, std::int64_t steps, Recorder recorder,
+        RunReport& report);
+  void note_energy(const Moment& moment, const Energy& energy);
+  void note_split(const Moment& moment);
+  void note_shape(const Moment& moment);
+
+  const RunOptions* options_;
+  RunReport* report_;
+  Body seen_;
+  Recorder recorder_;
+  Frames frames_;
+  std::unique_ptr<SurfaceStretch> stretch_;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> probe_;
+  DriftMeter drift_;
+  bool was_loaded_ = false;
+  std::int64_t shape_every_;      // steps
+  std::int64_t shape_seen_ = -1;  // steps at the last look at the shape
+  Moment last_;
+};
+
+}  // namespace tremolo

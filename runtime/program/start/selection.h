@@ -1,0 +1,39 @@
+// Selectors (common/mesh/selector.h) on what a basis file keeps of its mesh: the boundary.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "formats/basis/basis_data.h"
+#include "runtime/model.h"
+
+namespace tremolo {
+
+// What is chosen from. render: nullptr if there is none. vertex_count: n of the whole mesh.
+struct Boundary {
+  const VertexBlock& surface;
+  const RenderBlock* render;
+  const DefaultLoad& load;
+  std::uint64_t vertex_count;
+};
+
+// Ids in the source mesh, ascending, of vertices on the boundary, and where they are at rest, m.
+// The sets are `fixed` (vertices that do not move), `loaded` (of the default load) and, for each
+// object and material of the render surface, the anchors of its vertices; they take its colours.
+// Errors as select_vertices.
+struct Selection {
+  std::vector<VertexId> ids;
+  std::vector<Eigen::Vector3d> places;
+  std::vector<std::string> notes;  // for the user: what a `near:` took
+};
+Result<Selection> select_on_boundary(const std::string& text, const Boundary& boundary);
+
+// text: a vertex's id, taken as it is (it may lie inside), or a selector on the model's boundary.
+// Errors: kContent for a negative id, else as select_on_boundary.
+Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& model);
+
+// What each `near:` of the text took, for the user; empty where vertices_of gives an error.
+std::vector<std::string> nearest_of(const std::string& text, const Model& model);
+
+}  // namespace tremolo

@@ -1,0 +1,19 @@
+// A state from the CSV of a run.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/result.h"
+#include "runtime/integrator.h"
+
+namespace tremolo {
+
+// q and p of the row nearest to `time` (s), or of the last one. text: what stands in the file; a
+// last line without an end may be cut off and does not count. path: for errors. modes: as many
+// columns q0 ... and p0 ... there must be. Errors: kContent with the line.
+Result<State> parse_state_row(std::string_view text, const std::string& path,
+                              std::optional<double> time, Eigen::Index modes);
+
+}  // namespace tremolo

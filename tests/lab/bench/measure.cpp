@@ -1,0 +1,195 @@
+#include "tests/lab/bench/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "common/hash.h"
+#include "formats/file/checksum.h"
+#include "runtime/body.h"
+
+namespace tremolo::bench {
+namespace {
+
+using Json = nlohmann::json;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr int kRepeats = 5;      // windows of each method at least
+constexpr int kPatience = 25;    // at most, while
+constexpr double kClose = 1.05;  // a method's two fastest windows differ by more than this
+
+Entry make_entry(const Scene& scene, const Reference& reference, const SampledRun& run,
+                 const std::string& integrator, double step) {
+  Entry entry;
+  entry.integrator = integrator;
+  entry.step = step;
+  entry.error = trajectory_error(run.q, reference.q, reference.horizon);
+  if (!std::isfinite(entry.error)) entry.error = std::numeric_limits<double>::infinity();
+  entry.below_reference = entry.error < kAbove * reference.gap;
+  entry.drift = run.drift;
+  entry.band_ratio = run.high_band / reference.high_band;
+  if (scene.subject->band == scene.subject->sample.model->modes()) entry.band_ratio = kNan;
+  entry.iterations = run.iterations_per_step;
+  entry.reached = run.reached;
+  entry.exit_code = run.exit_code;
+  entry.reason = run.reason;
+  return entry;
+}
+
+Json to_json(const Entry& entry) {
+  return {
+      {"step", entry.step},       {"error", entry.error},         {"below", entry.below_reference},
+      {"drift", entry.drift},     {"band", entry.band_ratio},     {"iterations", entry.iterations},
+      {"reached", entry.reached}, {"exit_code", entry.exit_code}, {"reason", entry.reason}};
+}
+
+Entry entry_from_json(const Json& json, const std::string& integrator) {
+  Entry entry;
+  entry.integrator = integrator;
+  entry.step = to_number(json.at("step"));
+  entry.error = to_number(json.at("error"), std::numeric_limits<double>::infinity());
+  entry.below_reference = json.at("below");
+  entry.drift = to_number(json.at("drift"));
+  entry.band_ratio = to_number(json.at("band"));
+  entry.iterations = to_number(json.at("iterations"));
+  entry.reached = to_number(json.at("reached"));
+  entry.exit_code = json.at("exit_code");
+  entry.reason = json.at("reason");
+  entry.microseconds = kNan;
+  return entry;
+}
+
+// A body where its load has ended, to be set back there again and again.
+struct Runner {
+  Body body;
+  State start;
+  double best = std::numeric_limits<double>::infinity();    // s a window
+  double second = std::numeric_limits<double>::infinity();  // the next to the best
+  bool good = true;
+
+  bool settled() const { return !good || second <= kClose * best; }
+};
+
+// Of this thread on a processor, s: what others take in between is not counted.
+double processor_time() {
+  std::timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+Result<Runner> make_runner(const Scene& scene, const std::string& integrator, double step) {
+  const RunSpec spec = scene.run(integrator, step);
+  Result<Body> body = Body::create(spec.model, integrator, spec.options);
+  if (!body) return body.error();
+  if (Status status = body->add_load(spec.load); !status) return status.error();
+  Runner runner{std::move(*body), {}};
+  const double end = signal_end(spec.load.signal);
+  const auto steps =
+      static_cast<std::int64_t>(std::ceil((std::isfinite(end) ? end : 0.3) / step - 1e-9)) + 1;
+  while (runner.good && runner.body.steps() < steps) runner.good = runner.body.step().converged;
+  runner.start = runner.body.state();
+  return runner;
+}
+
+void time_window(Runner& runner, int steps) {
+  if (!runner.good || !runner.body.set_state(runner.start.q, runner.start.p)) return;
+  const double before = processor_time();
+  for (int k = 0; k < steps && runner.good; ++k) runner.good = runner.body.step().converged;
+  const double spent = processor_time() - before;
+  runner.second = std::min(runner.second, std::max(runner.best, spent));
+  runner.best = std::min(runner.best, spent);
+}
+
+Result<Json> take_turns(const Scene& scene, const std::vector<std::string>& integrators,
+                        double step) {
+  std::vector<Runner> runners;
+  for (const std::string& integrator : integrators) {
+    Result<Runner> runner = make_runner(scene, integrator, step);
+    if (!runner) return runner.error();
+    runners.push_back(std::move(*runner));
+  }
+  const int steps = static_cast<int>(std::clamp(0.6 / step, 100.0, 1000.0));
+  for (int repeat = 0; repeat < kPatience; ++repeat) {
+    if (repeat >= kRepeats && std::ranges::all_of(runners, &Runner::settled)) break;
+    for (Runner& runner : runners)
+      if (repeat < kRepeats || !runner.settled()) time_window(runner, steps);
+  }
+  Json times = Json::array();
+  for (const Runner& runner : runners)
+    times.push_back(runner.good ? Json(1e6 * runner.best / steps) : Json(nullptr));
+  return times;
+}
+
+}  // namespace
+
+std::string build_id() {
+  static const std::string id = [] {
+    const Result<std::string> program = program_checksum();
+    return program ? *program : std::string("?");
+  }();
+  return id;
+}
+
+Result<std::string> fingerprint(const Scene& scene, const std::string& integrator, double step) {
+  const RunSpec spec = scene.run(integrator, step);
+  Result<Body> body = Body::create(spec.model, integrator, spec.options);
+  if (!body) return body.error();
+  if (Status status = body->add_load(spec.load); !status) return status.error();
+  for (int k = 0; k < 100 && body->step().converged; ++k) {
+  }
+  Eigen::MatrixXd state(body->state().q.size(), 2);
+  state << body->state().q, body->state().p;
+  return hash_text(
+      hash_bytes(std::as_bytes(std::span(state.data(), static_cast<std::size_t>(state.size())))));
+}
+
+Result<std::vector<Entry>> measure_errors(const Scene& scene, const Reference& reference,
+                                          const std::string& integrator,
+                                          const std::vector<double>& steps, const Store& store) {
+  Json key = scene.key();
+  key["integrator"] = integrator;
+  key["steps"] = steps;
+  key["horizon"] = reference.horizon;
+  key["gap"] = reference.gap;
+  for (const double step : {steps.front(), steps.back()}) {
+    Result<std::string> print = fingerprint(scene, integrator, step);
+    if (!print) return print.error();
+    key["fingerprint"].push_back(*print);
+  }
+  Result<Json> json =
+      store.get("error-" + scene.name() + "-" + integrator, key, [&]() -> Result<Json> {
+        Json entries = Json::array();
+        for (const double step : steps) {
+          RunSpec spec = scene.run(integrator, step);
+          spec.keep_orbit = true;
+          Result<SampledRun> run = run_sampled(spec);
+          if (!run) return run.error();
+          entries.push_back(to_json(make_entry(scene, reference, *run, integrator, step)));
+        }
+        return entries;
+      });
+  if (!json) return json.error();
+  std::vector<Entry> entries;
+  for (const Json& entry : *json) entries.push_back(entry_from_json(entry, integrator));
+  return entries;
+}
+
+Result<std::vector<double>> measure_times(const Scene& scene,
+                                          const std::vector<std::string>& integrators, double step,
+                                          const Store& store) {
+  Json key = scene.key();
+  key["integrators"] = integrators;
+  key["step"] = step;
+  key["build"] = build_id();
+  Result<Json> json = store.get(fmt::format("time-{}-{:g}", scene.name(), 1e3 * step), key,
+                                [&] { return take_turns(scene, integrators, step); });
+  if (!json) return json.error();
+  std::vector<double> times;
+  for (const Json& time : *json) times.push_back(to_number(time));
+  return times;
+}
+
+}  // namespace tremolo::bench

@@ -1,0 +1,43 @@
+// Where each method survives: load against step.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/lab/bench/options.h"
+#include "tests/lab/bench/scene.h"
+#include "tests/lab/report/page.h"
+
+namespace tremolo::bench {
+
+// Survives: the energy of the free motion stays within kSurvives of what it was when the load had
+// ended. Grows, decays: reaches the end with more or less than that. Dies: the solver gives up or
+// the energy bound is left (exit codes 4 and 5).
+enum class Outcome { kSurvives, kGrows, kDecays, kDies };
+inline constexpr double kSurvives = 0.10;
+
+const char* name_of(Outcome outcome);
+
+// One run of the square load times `scale`. drift: energy_drift_max, seen every 30 ms.
+struct StabilityCell {
+  std::string model;
+  std::string integrator;
+  double scale = 0.0;
+  double step = 0.0;  // s
+  Outcome outcome = Outcome::kDies;
+  double reached = 0.0;  // s
+  double drift = 0.0;
+  std::string reason;
+};
+
+// For each model, each integrator, each scale (ascending), each step (from long to short), in that
+// order. Does not depend on the number of threads. Errors: kSystem, what making integrators gives.
+Result<std::vector<StabilityCell>> measure_stability(const Options& options,
+                                                     const std::vector<Subject>& subjects,
+                                                     const Store& store);
+
+// stability.csv in `directory`, maps and counts on the page. Errors: kSystem.
+Status report_stability(const std::vector<StabilityCell>& cells, const Options& options,
+                        const std::string& directory, Page& page);
+
+}  // namespace tremolo::bench

@@ -1,0 +1,139 @@
+#include "tests/lab/damping/stiff_orbit.h"
+
+#include <array>
+#include <cmath>
+#include <string>
+
+#include <Eigen/LU>
+
+#include "common/number_text.h"
+#include "runtime/integrators/solve/damping.h"
+
+namespace tremolo::damping {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr Index kStages = 3;
+constexpr double kTolerance =
+    1e-12;  // of the stages' accelerations, relative to the largest so far
+constexpr int kMostCorrections = 30;
+
+const double kRoot6 = std::sqrt(6.0);
+
+// The stages' weights a_ij; the last row is that of the step itself.
+Eigen::Matrix3d stage_weights() {
+  const double s = kRoot6;
+  Eigen::Matrix3d a;
+  a << (88 - 7 * s) / 360, (296 - 169 * s) / 1800, (-2 + 3 * s) / 225,  //
+      (296 + 169 * s) / 1800, (88 + 7 * s) / 360, (-2 - 3 * s) / 225,   //
+      (16 - s) / 36, (16 + s) / 36, 1.0 / 9;
+  return a;
+}
+
+// Unknown are the stages' accelerations k_i = f(t_i) - D p_i - R(q_i), with
+// p_i = p0 + h sum a_ij k_j and q_i = q0 + c_i h p0 + h^2 sum (A^2)_ij k_j.
+class Radau {
+ public:
+  explicit Radau(const StiffProblem& problem)
+      : problem_(problem),
+        potential_(problem.model->potential()),
+        rates_(damping_rates(problem.model->lambda(), problem.alpha, problem.beta)),
+        nodes_(a_.rowwise().sum()),
+        workspace_(potential_.make_workspace(kUseTangent)),
+        evaluation_(potential_.make_evaluation()),
+        load_(make_step_load(rates_.size())),
+        q_(VectorXd::Zero(rates_.size())),
+        p_(q_),
+        k_(MatrixXd::Zero(rates_.size(), kStages)),
+        residual_(k_),
+        stage_load_(q_) {}
+
+  bool step(double time) {
+    sample_loads({problem_.load}, time, problem_.step, load_);
+    if (!solve()) return false;
+    q_ = place(kStages - 1);
+    p_ = speed(kStages - 1);
+    return true;
+  }
+  const VectorXd& q() const { return q_; }
+
+ private:
+  VectorXd place(Index i) const {
+    const double h = problem_.step;
+    return q_ + nodes_[i] * h * p_ + (h * h) * (k_ * a2_.row(i).transpose());
+  }
+  VectorXd speed(Index i) const { return p_ + problem_.step * (k_ * a_.row(i).transpose()); }
+
+  void factor() {
+    const double h = problem_.step;
+    const Index r = rates_.size();
+    potential_.evaluate(q_, kWantForce | kWantTangent, workspace_, evaluation_);
+    MatrixXd matrix = MatrixXd::Identity(kStages * r, kStages * r);
+    for (Index i = 0; i < kStages; ++i)
+      for (Index j = 0; j < kStages; ++j) {
+        auto block = matrix.block(i * r, j * r, r, r);
+        block += (h * h * a2_(i, j)) * evaluation_.tangent;
+        block.diagonal() += (h * a_(i, j)) * rates_;
+      }
+    lu_.compute(matrix);
+  }
+
+  bool solve() {
+    factor();
+    for (int correction = 0; correction < kMostCorrections; ++correction) {
+      for (Index i = 0; i < kStages; ++i) {
+        potential_.evaluate(place(i), kWantForce, workspace_, evaluation_);
+        load_at(load_, nodes_[i], stage_load_);
+        residual_.col(i) =
+            k_.col(i) - stage_load_ + rates_.cwiseProduct(speed(i)) + evaluation_.force;
+      }
+      const VectorXd move = lu_.solve(residual_.reshaped());
+      k_.reshaped() -= move;
+      largest_ = std::max(largest_, k_.norm());
+      if (!std::isfinite(largest_)) return false;
+      if (move.norm() <= kTolerance * largest_) return true;
+    }
+    return false;
+  }
+
+  const StiffProblem& problem_;
+  const Potential& potential_;
+  VectorXd rates_;
+  Eigen::Matrix3d a_ = stage_weights();
+  Eigen::Matrix3d a2_ = a_ * a_;
+  Eigen::Vector3d nodes_;
+  PotentialWorkspace workspace_;
+  Evaluation evaluation_;
+  StepLoad load_;
+  VectorXd q_;
+  VectorXd p_;
+  MatrixXd k_;
+  MatrixXd residual_;
+  VectorXd stage_load_;
+  Eigen::PartialPivLU<MatrixXd> lu_;
+  double largest_ = 0.0;
+};
+
+}  // namespace
+
+Result<MatrixXd> stiff_orbit(const StiffProblem& problem) {
+  const auto samples = static_cast<Index>(std::llround(problem.duration / problem.sample));
+  const auto steps = static_cast<Index>(std::llround(problem.sample / problem.step));
+  Radau radau(problem);
+  MatrixXd q(problem.model->modes(), samples);
+  for (Index k = 0; k < samples; ++k) {
+    for (Index i = 0; i < steps; ++i) {
+      const double time = static_cast<double>(k * steps + i) * problem.step;
+      if (!radau.step(time))
+        return Error{ErrorKind::kSolver,
+                     "Radau's stages could not be solved at " + number_text(time) + " s"};
+    }
+    q.col(k) = radau.q();
+  }
+  return q;
+}
+
+}  // namespace tremolo::damping

@@ -1,0 +1,71 @@
+// Experiment 3 of the thesis: one model after one impulse, left alone for millions of steps.
+//
+// The run is cut into segments of a fixed number of steps. At the start of each the body is made
+// anew from (q, p), whether or not the program was stopped there, so that a run that was stopped
+// and goes on gives the same bits as one that was not.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "common/result.h"
+#include "runtime/model.h"
+#include "runtime/program/output/ending.h"
+#include "tests/lab/reproduce/windows.h"
+
+namespace tremolo::reproduce {
+
+// step: s. steps: of the whole run. H and the high band are evaluated every `sample_every` steps;
+// `window` samples are a window. segment: steps, a multiple of sample_every. low: where the high
+// band begins, and the split of methods that split. tolerance: of the solve.
+struct LongRunSpec {
+  Model::Pointer model;
+  std::string integrator;
+  double step = 3e-3;
+  std::int64_t steps = 0;
+  std::int64_t sample_every = 10;
+  std::int64_t window = 1167;
+  std::int64_t segment = 100000;
+  int low = 0;
+  double tolerance = 1e-9;
+};
+
+// done: steps. reference: H when the load had ended, J. drift: max |H - reference| / reference over
+// the samples. total, high_band: J.
+struct LongRun : Ending {
+  std::int64_t done = 0;
+  Eigen::VectorXd q;
+  Eigen::VectorXd p;
+  double reference = 0.0;
+  double drift = 0.0;
+  std::int64_t iterations = 0;
+  Windows total;
+  Windows high_band;
+};
+
+nlohmann::json to_json(const LongRun& run);
+// Errors: kContent if it is not what to_json made.
+Result<LongRun> long_run_from_json(const nlohmann::json& json);
+
+// The steps with the model's default load as an impulse, and one more: the two-stage method hands
+// on half of a step's load with the next step. Errors: as Body::create, add_default_load.
+Result<LongRun> start_long_run(const LongRunSpec& spec);
+
+bool is_over(const LongRunSpec& spec, const LongRun& run);
+
+// One segment more, or what is left of it. A run that breaks off is over, no error.
+Status advance(const LongRunSpec& spec, LongRun& run);
+
+// To the end. `checkpoint` holds the state, with `key`, and is written about every 20 s; a file
+// with another key or a damaged one is not used. It is left in place: whoever has stored the result
+// removes it. report: called after each writing. Errors: those of start_long_run; kSystem for an
+// unwritable checkpoint.
+Result<LongRun> run_to_end(const LongRunSpec& spec, const std::string& checkpoint,
+                           const nlohmann::json& key,
+                           const std::function<void(const LongRun&)>& report);
+
+}  // namespace tremolo::reproduce

@@ -1,0 +1,83 @@
+#include "tests/lab/samples/sample_models.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "formats/file/checksum.h"
+#include "formats/file/output_guard.h"
+#include "formats/file/whole_file.h"
+#include "tests/lab/samples/thesis.h"
+
+namespace tremolo::reproduce {
+namespace {
+
+Status check_names(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (std::ranges::find(thesis::kModels, name) == thesis::kModels.end())
+      return Error{ErrorKind::kUsage, fmt::format("unknown model '{}'; there are {}", name,
+                                                  fmt::join(thesis::kModels, ", "))};
+    if (std::ranges::count(names, name) > 1)
+      return Error{ErrorKind::kUsage, fmt::format("model '{}' is named twice", name)};
+  }
+  return Success{};
+}
+
+std::string path_of(const std::string& directory, std::string_view name) {
+  return (std::filesystem::path(directory) / fmt::format("{}.tremolo", name)).string();
+}
+
+bool is_of_a_report(const std::filesystem::path& file) {
+  constexpr std::array kEndings = {".html", ".csv", ".svg", ".json"};
+  return std::ranges::find(kEndings, file.extension()) != kEndings.end();
+}
+
+Result<SampleModel> load_one(const std::string& directory, std::string_view name) {
+  const std::string path = path_of(directory, name);
+  if (!std::filesystem::exists(path))
+    return system_error(path +
+                        ": there is no such file; ./demo makes the six sample models in "
+                        "build/models (--models-dir names another folder)");
+  Result<std::string> bytes = read_whole_file(path);
+  if (!bytes) return bytes.error();
+  Result<Model::Pointer> model = Model::load(path);
+  if (!model) return model.error();
+  if ((*model)->default_load().vertices.empty())
+    return content_error(path + ": the model has no default load");
+  return SampleModel{std::string(name), checksum(*bytes), std::move(*model)};
+}
+
+}  // namespace
+
+Result<std::vector<SampleModel>> load_sample_models(const std::string& directory,
+                                                    const std::vector<std::string>& names) {
+  if (Status status = check_names(names); !status) return status.error();
+  std::vector<SampleModel> models;
+  for (const std::string_view name : thesis::kModels) {
+    if (!names.empty() && std::ranges::find(names, name) == names.end()) continue;
+    Result<SampleModel> model = load_one(directory, name);
+    if (!model) return model.error();
+    models.push_back(std::move(*model));
+  }
+  return models;
+}
+
+Status keep_models_apart(const std::string& out, const std::string& directory,
+                         const std::vector<std::string>& names) {
+  namespace fs = std::filesystem;
+  std::vector<NamedFile> inputs;
+  for (const std::string_view name : thesis::kModels)
+    if (names.empty() || std::ranges::find(names, name) != names.end())
+      inputs.push_back({path_of(directory, name), "a model"});
+  std::vector<std::string> outputs;
+  std::error_code error;
+  for (fs::recursive_directory_iterator at(out, error), end; !error && at != end;
+       at.increment(error))
+    if (is_of_a_report(at->path())) outputs.push_back(at->path().string());
+  return keep_apart(outputs, inputs);
+}
+
+}  // namespace tremolo::reproduce

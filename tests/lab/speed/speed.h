@@ -1,0 +1,59 @@
+// Speed: what each part costs, beside the textbook way and beside what this machine can do.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "tests/lab/bench/options.h"
+#include "tests/lab/report/criterion.h"
+
+namespace tremolo::bench {
+
+// One measured figure. value, baseline and limit share the unit; what was not measured or does not
+// apply is not-a-number or empty.
+struct SpeedRow {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::string what;           // "force + tangent + energy, r = 30"
+  double value = kNone;       // of one operation
+  std::string unit = "us";    // us, s, bytes
+  double baseline = kNone;    // the textbook way, measured in the same run by turns
+  double bytes = kNone;       // that one operation touches
+  double operations = kNone;  // floating-point operations of it, a multiply-add counts two
+  double limit = kNone;       // the least that memory or arithmetic of this machine allows
+  std::string limited_by;     // "FMA peak", "L2 bandwidth", ...
+  std::string note;
+};
+
+struct SpeedSection {
+  std::string title;
+  std::string text;  // what is measured and how
+  std::vector<SpeedRow> rows;
+  std::vector<Criterion> criteria;
+};
+
+// What one core of this machine does in a loop that does nothing else.
+struct MachineProbe {
+  std::string vectors;            // "AVX-512", "AVX2", "plain": what the kernels use
+  double gflops = 0.0;            // double multiply-adds, two operations each, 1e9/s
+  double gflops_f32 = 0.0;        // the same in float
+  double l2_bandwidth = 0.0;      // read, working set 512 KiB, 1e9 bytes/s
+  double l3_bandwidth = 0.0;      // read, working set 6 MiB
+  double memory_bandwidth = 0.0;  // read, working set 256 MiB
+};
+MachineProbe probe_machine();
+
+// Smallest processor time of one call, s: `calls` calls a window, at least `windows` windows. The
+// functions take turns, so that a noisy moment hits all; first element: first function.
+std::vector<double> time_by_turns(const std::vector<void (*)(void*)>& functions,
+                                  const std::vector<void*>& arguments, int calls, int windows);
+
+// The sections, in the order of the report.
+Result<SpeedSection> measure_kernel_speed(const Options& options, const MachineProbe& probe);
+Result<SpeedSection> measure_step_speed(const Options& options, const MachineProbe& probe);
+Result<SpeedSection> measure_world_speed(const Options& options, const MachineProbe& probe);
+Result<SpeedSection> measure_surface_speed(const Options& options, const MachineProbe& probe);
+Result<SpeedSection> measure_savings_speed(const Options& options, const MachineProbe& probe);
+
+}  // namespace tremolo::bench

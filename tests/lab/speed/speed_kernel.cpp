@@ -1,0 +1,150 @@
+// Energy, force and tangent against the textbook's tables.
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "common/packed_index.h"
+#include "tests/lab/speed/speed.h"
+#include "tests/lab/speed/textbook.h"
+
+namespace tremolo::bench {
+namespace {
+
+using Eigen::VectorXd;
+
+// Random coefficients: what is timed does not depend on their values.
+Result<Potential> random_potential(std::size_t r) {
+  std::mt19937_64 generator(r);
+  std::normal_distribution<double> normal;
+  std::vector<double> cubic(triple_count(r)), quartic(quad_count(r));
+  for (double& value : cubic) value = normal(generator);
+  for (double& value : quartic) value = normal(generator);
+  return Potential::create(VectorXd::LinSpaced(static_cast<Eigen::Index>(r), 1.0, 50.0), cubic,
+                           quartic);
+}
+
+struct Bench {
+  Potential potential;
+  PotentialWorkspace workspace = potential.make_workspace();
+  Evaluation evaluation = potential.make_evaluation();
+  Textbook textbook{potential};
+  VectorXd q0 = 0.1 * VectorXd::Ones(potential.size());
+  VectorXd q1 = 0.2 * VectorXd::Ones(potential.size());
+  VectorXd average = q0;
+  Eigen::MatrixXd jacobian = evaluation.tangent;
+
+  void evaluate(unsigned want) { potential.evaluate(q0, want, workspace, evaluation); }
+};
+
+void textbook_force(void* bench) {
+  static_cast<Bench*>(bench)->textbook.force(static_cast<Bench*>(bench)->q0);
+}
+void textbook_all(void* bench) {
+  static_cast<Bench*>(bench)->textbook.force_and_tangent(static_cast<Bench*>(bench)->q0, true);
+}
+void our_force(void* bench) {
+  static_cast<Bench*>(bench)->evaluate(kWantForce);
+}
+void our_all(void* bench) {
+  static_cast<Bench*>(bench)->evaluate(kWantEnergy | kWantForce | kWantTangent);
+}
+void our_average(void* pointer) {
+  Bench& bench = *static_cast<Bench*>(pointer);
+  bench.potential.averaged_gradient(bench.q0, bench.q1, bench.workspace, bench.average);
+}
+void our_average_and_tangent(void* pointer) {
+  Bench& bench = *static_cast<Bench*>(pointer);
+  bench.potential.averaged_gradient(bench.q0, bench.q1, bench.workspace, bench.average,
+                                    &bench.jacobian);
+}
+
+// The least time that `bytes` and `operations` need: those of a pass over the coefficients alone.
+void set_limit(SpeedRow& row, const MachineProbe& probe) {
+  const double arithmetic = 1e-3 * row.operations / probe.gflops;
+  const bool level2 = row.bytes < 0.9e6;
+  const double memory = 1e-3 * row.bytes / (level2 ? probe.l2_bandwidth : probe.l3_bandwidth);
+  row.limit = std::max(arithmetic, memory);
+  row.limited_by = arithmetic > memory ? "multiply-adds"
+                   : level2            ? "level-2 reads"
+                                       : "level-3 reads";
+}
+
+Criterion ratio_criterion(const SpeedRow& row, double bound, std::string_view bound_text) {
+  const double ratio = row.value / row.baseline;
+  return {row.what + ", over the textbook's time", fmt::format("<= {}", bound_text),
+          fmt::format("{:.3f} = 1/{:.1f}", ratio, 1.0 / ratio), ratio <= bound};
+}
+
+Status add_rows(std::size_t r, const MachineProbe& probe, SpeedSection& section) {
+  Result<Potential> potential = random_potential(r);
+  if (!potential) return potential.error();
+  Bench bench{std::move(*potential)};
+  const std::vector<double> seconds = time_by_turns(
+      {textbook_force, our_force, textbook_all, our_all, our_average, our_average_and_tangent},
+      std::vector<void*>(6, &bench),
+      r > 40   ? 50
+      : r > 20 ? 200
+               : 500,
+      r > 40 ? 20 : 60);
+  const double unique = static_cast<double>(triple_count(r) + quad_count(r));
+  const double pairs = static_cast<double>(pair_count(r));
+  const double matrix = pairs * (pairs + 1.0) / 2.0;
+  const auto add = [&](const char* what, double value, double baseline, double coefficients,
+                       double per_coefficient) {
+    SpeedRow row;
+    row.what = fmt::format("{}, r = {}", what, r);
+    row.value = 1e6 * value;
+    row.baseline = 1e6 * baseline;
+    row.bytes = 8.0 * coefficients;
+    row.operations = 2.0 * per_coefficient * coefficients;
+    set_limit(row, probe);
+    section.rows.push_back(row);
+    return row;
+  };
+  add("textbook: force", seconds[0], SpeedRow::kNone,
+      static_cast<double>(r) *
+          (static_cast<double>(r) + pairs + static_cast<double>(triple_count(r))),
+      1.0);
+  const SpeedRow force = add("force", seconds[1], seconds[0], unique, 2.0);
+  add("textbook: force + tangent + energy", seconds[2], SpeedRow::kNone,
+      static_cast<double>(bench.textbook.doubles()), 1.0);
+  const SpeedRow all = add("force + tangent + energy", seconds[3], seconds[2], unique, 3.0);
+  add("averaged gradient", seconds[4], SpeedRow::kNone, matrix + static_cast<double>(r) * pairs,
+      2.0);
+  add("averaged gradient + tangent", seconds[5], SpeedRow::kNone,
+      matrix + static_cast<double>(r) * pairs, 2.0);
+  if (r <= 20) section.criteria.push_back(ratio_criterion(all, 0.25, "1/4"));
+  if (r == 30)
+    section.criteria.push_back(probe.vectors == "AVX-512" ? ratio_criterion(all, 0.125, "1/8")
+                                                          : ratio_criterion(all, 0.2, "1/5"));
+  if (r == 60)
+    section.criteria.push_back(
+        {all.what + ", over its limit (" + all.limited_by + " of the unique coefficients)", "<= 2",
+         fmt::format("{:.2f}", all.value / all.limit), all.value <= 2.0 * all.limit});
+  return Success{};
+}
+
+}  // namespace
+
+Result<SpeedSection> measure_kernel_speed(const Options&, const MachineProbe& probe) {
+  SpeedSection section;
+  section.title = "The kernel";
+  for (const std::size_t r : {15, 20, 30, 60})
+    if (Status status = add_rows(r, probe, section); !status) return status.error();
+  const Result<Potential> small = random_potential(2);
+  if (!small) return small.error();
+  section.text =
+      "Energy V, force R and tangent K of one body, warm cache, one core. The textbook keeps a "
+      "dense "
+      "table for each degree and multiplies by " +
+      Textbook(*small).blas() +
+      ". The limit counts a pass over the coefficients alone: unique entries, two multiply-adds "
+      "each "
+      "for the force and three with the tangent; the averaged gradient multiplies the matrix over "
+      "index pairs.";
+  return section;
+}
+
+}  // namespace tremolo::bench

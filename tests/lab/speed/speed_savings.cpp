@@ -1,0 +1,234 @@
+// What it saves to leave out what a scene does not need: one row a saving, with and without it.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "common/packed_index.h"
+#include "formats/basis/basis_reader.h"
+#include "formats/basis/basis_writer.h"
+#include "runtime/display/surface.h"
+#include "runtime/model.h"
+#include "tests/lab/speed/speed.h"
+
+namespace tremolo::bench {
+namespace {
+
+constexpr std::size_t kModes = 30;
+
+// value: with the saving; baseline: without.
+SpeedRow saving(std::string what, double value, double baseline, const char* unit,
+                std::string how) {
+  SpeedRow row;
+  row.what = std::move(what);
+  row.value = value;
+  row.baseline = baseline;
+  row.unit = unit;
+  row.note = std::move(how);
+  return row;
+}
+
+// A model whose coefficients are all there and of no meaning: the time does not depend on them.
+BasisData dense_data(std::size_t r) {
+  std::mt19937 engine(6);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  BasisData data;
+  data.vertex_count = 1;
+  data.lambda = Eigen::VectorXd::LinSpaced(static_cast<Eigen::Index>(r), 100.0, 1e6);
+  data.cubic.resize(triple_count(r));
+  data.quartic.resize(quad_count(r));
+  for (double& c : data.cubic) c = uniform(engine);
+  for (double& c : data.quartic) c = uniform(engine);
+  data.surface.vertex_ids = {0};
+  data.surface.rest = {Eigen::Vector3d::Zero()};
+  data.surface.rows = BasisRows::Zero(3, static_cast<Eigen::Index>(r));
+  return data;
+}
+
+struct Evaluator {
+  const Potential* potential = nullptr;
+  unsigned want = 0;
+  Eigen::VectorXd q;
+  PotentialWorkspace workspace;
+  Evaluation out;
+};
+
+Evaluator make_evaluator(const Model& model, unsigned want) {
+  const Potential& potential = model.potential();
+  return {&potential, want, Eigen::VectorXd::Constant(model.modes(), 1e-3),
+          potential.make_workspace(), potential.make_evaluation()};
+}
+
+void evaluate(void* argument) {
+  auto& e = *static_cast<Evaluator*>(argument);
+  e.potential->evaluate(e.q, e.want, e.workspace, e.out);
+}
+
+// Force and tangent of `modes` coordinates read these unique entries.
+double coefficient_bytes(std::size_t modes) {
+  return 8.0 * static_cast<double>(triple_count(modes) + quad_count(modes));
+}
+
+Status add_evaluation_rows(SpeedSection& section) {
+  const BasisData data = dense_data(kModes);
+  const Result<Model::Pointer> full = Model::from_data(data);
+  if (!full) return full.error();
+  const Result<Model::Pointer> half = Model::from_data(data, {.modes = kModes / 2});
+  if (!half) return half.error();
+  const Result<Model::Pointer> linear = Model::from_data(data, {.linear = true});
+  if (!linear) return linear.error();
+  constexpr unsigned kBoth = kWantForce | kWantTangent;
+  Evaluator all[] = {
+      make_evaluator(**full, kBoth | kWantEnergy), make_evaluator(**full, kBoth),
+      make_evaluator(**full, kWantForce),          make_evaluator(**full, kWantForce | kWantEnergy),
+      make_evaluator(**half, kWantForce),          make_evaluator(**linear, kWantForce)};
+  std::vector<void*> arguments;
+  for (Evaluator& one : all) arguments.push_back(&one);
+  std::vector<double> us =
+      time_by_turns(std::vector<void (*)(void*)>(std::size(all), evaluate), arguments, 60, 60);
+  for (double& time : us) time *= 1e6;
+  const double bytes = coefficient_bytes(kModes);
+  section.rows.push_back(saving("force without tangent, r = 30", us[2], us[1], "us",
+                                "automatic: explicit methods ask for the force alone"));
+  section.rows.push_back(saving("force without energy, r = 30", us[2], us[3], "us",
+                                "automatic: energy is evaluated when Body::energy is called"));
+  section.rows.push_back(
+      saving("force + tangent without energy, r = 30", us[1], us[0], "us", "automatic, as above"));
+  section.rows.push_back(saving("force of 15 of 30 coordinates", us[4], us[2], "us",
+                                "--modes 15, ModelOptions::modes"));
+  section.rows.push_back(saving("coefficients kept of 15 of 30 coordinates",
+                                coefficient_bytes(kModes / 2), bytes, "bytes",
+                                "--modes 15: the leading entries are a prefix"));
+  section.rows.push_back(saving("force of a linear scene, r = 30", us[5], us[2], "us",
+                                "run --linear, ModelOptions::linear"));
+  section.rows.push_back(
+      saving("coefficients of the file read by a linear scene, r = 30", 0.0, bytes, "bytes",
+             "run --linear does not read them; precompute --linear does not make "
+             "them, nor the derivatives"));
+  return Success{};
+}
+
+// Bytes of the file that this process has touched: what the kernel says is mapped in. Zero where it
+// says nothing.
+double touched_bytes(const std::string& path) {
+  std::ifstream maps("/proc/self/smaps");
+  const std::string name = std::filesystem::absolute(path).lexically_normal().string();
+  bool ours = false;
+  double bytes = 0.0;
+  for (std::string line; std::getline(maps, line);) {
+    const bool header = line.find('-') < line.find(' ') && line.find(':') > line.find(' ');
+    if (header) ours = line.ends_with(name);
+    double kilobytes = 0.0;
+    if (ours && std::sscanf(line.c_str(), "Rss: %lf kB", &kilobytes) == 1)
+      bytes += 1024.0 * kilobytes;
+  }
+  return bytes;
+}
+
+struct Loading {
+  std::string path;
+  ModelOptions options;
+  VertexId inside = -1;  // a vertex to ask for, or none
+  bool all = false;      // everything in the file
+};
+
+void load(void* argument) {
+  const auto& loading = *static_cast<const Loading*>(argument);
+  if (loading.all) {
+    const Result<BasisData> data = read_basis(loading.path);
+    if (data) static_cast<void>(Model::from_data(*data));
+    return;
+  }
+  const Result<Model::Pointer> model = Model::load(loading.path, loading.options);
+  if (model && loading.inside >= 0) static_cast<void>((*model)->vertex(loading.inside));
+}
+
+double section_bytes(const BasisReader& reader, std::initializer_list<std::string_view> names) {
+  double bytes = 0.0;
+  for (const BasisSection& section : reader.sections())
+    if (std::find(names.begin(), names.end(), section.name) != names.end())
+      bytes += static_cast<double>(section.size);
+  return bytes;
+}
+
+Status add_loading_rows(const std::string& path, SpeedSection& section) {
+  namespace layout = basis_layout;
+  const Result<BasisReader> reader = BasisReader::open(path);
+  if (!reader) return reader.error();
+  const std::string name = std::filesystem::path(path).stem().string();
+  const auto size = static_cast<double>(std::filesystem::file_size(path));
+  const Result<BasisData> data = read_basis(path);
+  if (!data) return data.error();
+  const VertexId inside = data->interior.vertex_ids.empty() ? -1 : data->interior.vertex_ids[0];
+
+  // The reader has touched the head of the file; the model maps it a second time.
+  const double before = touched_bytes(path);
+  const Result<Model::Pointer> model = Model::load(path);
+  if (!model) return model.error();
+  const double touched = touched_bytes(path) - before;
+  section.rows.push_back(saving(
+      name + ": bytes of the sections that loading reads",
+      size - section_bytes(*reader,
+                           {layout::kInteriorIds, layout::kInteriorRest, layout::kInteriorBasis,
+                            layout::kFixedIds, layout::kSingularValues, layout::kProvenance}),
+      size, "bytes",
+      fmt::format("automatic: a section is read on first use; the kernel has mapped in {:.0f} "
+                  "bytes, in runs of pages",
+                  touched)));
+  Loading kinds[] = {{path, {}},
+                     {path, {}, inside},
+                     {path, {}, -1, true},
+                     {path, {.linear = true}},
+                     {path, {.modes = static_cast<int>(data->lambda.size() / 2)}}};
+  std::vector<void*> arguments;
+  for (Loading& kind : kinds) arguments.push_back(&kind);
+  std::vector<double> us =
+      time_by_turns(std::vector<void (*)(void*)>(std::size(kinds), load), arguments, 1, 15);
+  for (double& time : us) time *= 1e6;
+  section.rows.push_back(saving(name + ": loading without the rows inside", us[0], us[1], "us",
+                                "automatic: read when a vertex inside is asked for"));
+  section.rows.push_back(saving(name + ": loading what is shown, not the whole file", us[0], us[2],
+                                "us", "automatic"));
+  section.rows.push_back(
+      saving(name + ": loading a linear scene", us[3], us[0], "us", "run --linear"));
+  section.rows.push_back(
+      saving(name + ": loading half of the coordinates", us[4], us[0], "us", "--modes"));
+  const double row_bytes = 8.0 * static_cast<double>(data->lambda.size());
+  section.rows.push_back(saving(
+      name + ": rows of U in memory, the surface's alone",
+      row_bytes * static_cast<double>(data->surface.rows.rows()),
+      row_bytes * static_cast<double>(data->surface.rows.rows() + data->interior.rows.rows()),
+      "bytes", "automatic, as above"));
+  const double display =
+      static_cast<double>(make_surface_basis(data->surface, data->triangles).bytes());
+  section.rows.push_back(saving(name + ": rows for display of a model that is never shown", 0.0,
+                                display, "bytes", "automatic: made at the first float positions"));
+  const Result<std::vector<std::byte>> compact = encode_basis(*data, BasisEncoding::kCompact);
+  if (!compact) return compact.error();
+  section.rows.push_back(saving(name + ": file", static_cast<double>(compact->size()), size,
+                                "bytes", "tremolo-precompute --encoding compact"));
+  return Success{};
+}
+
+}  // namespace
+
+Result<SpeedSection> measure_savings_speed(const Options& options, const MachineProbe&) {
+  SpeedSection section;
+  section.title = "What a scene does not need";
+  section.text =
+      "One row a saving: value is with it, the textbook column without it. Bodies at rest, "
+      "vertices "
+      "of bodies that did not move and coefficients that vanish by symmetry have their rows in the "
+      "sections on many bodies and on the kernel. Times of loading are of a file in the cache.";
+  if (Status status = add_evaluation_rows(section); !status) return status.error();
+  const std::string model = options.models.empty() ? "horse" : options.models.front();
+  const std::filesystem::path path =
+      std::filesystem::path(options.models_dir) / (model + ".tremolo");
+  if (Status status = add_loading_rows(path.string(), section); !status) return status.error();
+  return section;
+}
+
+}  // namespace tremolo::bench
