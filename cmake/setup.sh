@@ -5,9 +5,10 @@ say() { printf '\n== %s\n' "$*"; }
 give_up() { printf '%s: %s\n' "${0##*/}" "$*" >&2; exit 1; }
 
 packages_build="g++ cmake make ninja-build pkg-config libeigen3-dev libxxhash-dev libcli11-dev
-  libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libpugixml-dev libassimp-dev libcgal-dev
+  libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libpugixml-dev libassimp-dev
   libpetsc-real-dev libslepc-real-dev libopenmpi-dev openmpi-bin libmetis-dev libopenblas-dev
   libsuitesparse-dev"
+packages_mesher="libcgal-dev"  # of tremolo-mesh alone
 packages_show="gnuplot-nox povray"
 # The last three hold surfaces for tests/corpus: 52 MB to load.
 packages_test="libgtest-dev clang libclang-rt-14-dev libcgal-demo assimp-testmodels glmark2-data"

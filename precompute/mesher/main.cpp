@@ -1,5 +1,7 @@
 // tremolo-mesh: surface or recipe in, tetrahedral mesh out.
+#include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -7,18 +9,24 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <sys/prctl.h>
+#include <unistd.h>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "common/mesh/mesh_quality.h"
 #include "common/mesh/surface_mesh.h"
 #include "formats/file/atomic_file.h"
+#include "formats/file/os_error.h"
 #include "formats/file/output_guard.h"
 #include "formats/file/standard_streams.h"
 #include "formats/msh/msh_writer.h"
 #include "formats/surface/surface_reader.h"
 #include "formats/surface/surface_writer.h"
 #include "precompute/mesher/cgal/cgal_mesher.h"
+#include "precompute/mesher/mesher_answer.h"
 #include "precompute/mesher/recipe_list.h"
 #include "precompute/mesher/surface_input.h"
 #include "precompute/mesher/surface_options.h"
@@ -32,6 +40,7 @@ struct Options {
   std::string surface;
   std::string unit;
   SurfaceMeshOptions mesh;  // size and tets hold for recipes too
+  int answer = -1;          // descriptor that tremolo-precompute waits at (mesher_answer.h)
 };
 
 // --tets is met to this share, in at most so many tries.
@@ -93,7 +102,31 @@ void print_quality(const TetMesh& mesh) {
               box.low[2], box.high[0], box.high[1], box.high[2]);
 }
 
+// For the program that started this one, with which it ends.
+Status answer(const Options& options) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const auto make = [&]() -> Result<MesherAnswer> {
+    Result<SurfaceInput> input = load_surface(options.input, options.unit, options.mesh);
+    if (!input) return input.error();
+    return MesherAnswer{std::move(input->mesh), std::move(input->format), std::move(input->notes)};
+  };
+  Result<MesherAnswer> made = system_error("out of memory");
+  try {
+    made = make();
+  } catch (const std::bad_alloc&) {
+  }
+  const std::vector<std::byte> bytes = encode_answer(made);
+  for (std::size_t at = 0; at < bytes.size();) {
+    const ssize_t count = ::write(options.answer, bytes.data() + at, bytes.size() - at);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return os_error("the answer cannot be written");
+    at += static_cast<std::size_t>(count);
+  }
+  return Success{};
+}
+
 Status run(const Options& options) {
+  if (options.answer >= 0) return answer(options);
   // A recipe's name stands before a file of that name.
   const NamedFile input{find_recipe(options.input) ? "" : options.input, "the surface", true};
   if (Status status = keep_apart({options.output, options.surface}, {input}); !status)
@@ -122,13 +155,15 @@ std::optional<int> parse(int count, char** words, Options& options) {
          "input", options.input,
          "a surface file (obj ply stl off gltf glb fbx dae 3ds ...), or one of: " + recipe_names())
       ->required();
-  app.add_option("-o,--output", options.output, "the mesh to write, MSH 2.2 binary (.msh)")
-      ->required();
+  CLI::Option* output =
+      app.add_option("-o,--output", options.output, "the mesh to write, MSH 2.2 binary (.msh)");
   add_surface_options(app, options.mesh, options.unit);
   app.add_option("--surface", options.surface,
                  "also write the boundary, as .obj, .ply or .inc (POV-Ray)");
+  app.add_option("--answer", options.answer)->group("")->excludes(output);
   try {
     app.parse(count, words);
+    if (options.answer < 0 && options.output.empty()) throw CLI::RequiredError("--output");
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error, std::cout, std::cerr);
     return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});

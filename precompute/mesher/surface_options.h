@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/length_unit.h"
-#include "precompute/mesher/surface_mesher.h"
+#include "precompute/mesher/surface_mesh_options.h"
 #include "precompute/system/option_checks.h"
 
 namespace tremolo {

@@ -10,7 +10,7 @@
 #include "common/packed_index.h"
 #include "formats/basis/selector_reader.h"
 #include "formats/surface/surface_reader.h"
-#include "precompute/mesher/surface_input.h"
+#include "precompute/problem/cut_surface.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/problem/mechanisms.h"
 #include "precompute/problem/rigid_motion.h"
@@ -198,11 +198,11 @@ void read_solid(const PrecomputeOptions& options, Problem& problem,
     if (!options.mesh_unit.empty())
       throw Failure({ErrorKind::kUsage, "--mesh-unit is of a tetrahedral mesh's coordinates: " +
                                             options.mesh_path + " is a surface, see --unit"});
-    SurfaceInput input = unwrap(load_surface(options.mesh_path, options.unit, options.meshing));
-    problem.mesh = std::move(input.mesh);
-    meshed = std::move(input.render);
-    problem.mesh_format = std::move(input.format);
-    problem.notes = std::move(input.notes);
+    CutSurface surface = cut_surface(options);
+    problem.mesh = std::move(surface.cut.mesh);
+    problem.mesh_format = std::move(surface.cut.format);
+    problem.notes = std::move(surface.cut.notes);
+    meshed = std::move(surface.render);
     return;
   }
   MeshFile file = load_tetrahedra(options);

@@ -11,7 +11,7 @@
 #include "formats/basis/basis_writer.h"
 #include "precompute/embedding/embedding.h"
 #include "precompute/fem/assembly.h"
-#include "precompute/mesher/surface_mesher.h"
+#include "precompute/mesher/surface_mesh_options.h"
 #include "precompute/problem/point_mass.h"
 #include "precompute/solver/solver_choice.h"
 
