@@ -89,6 +89,15 @@ TEST_F(NamedFiles, AClosedStandardOutputIsAnErrorAndNoFileTakesItsPlace) {
   EXPECT_TRUE(slurp(folder_ + "/o/run.csv").starts_with("t,kinetic,"));
 }
 
+// The table is open while the run goes on: without a stream there, it would get that number.
+TEST_F(NamedFiles, AClosedStandardErrorIsHeldWhileARunGoesOn) {
+  run_program(folder_, "(" + kTremolo +
+                           "run bar.tremolo --duration 1e6 --out o 2>&- & for i in $(seq 200); do "
+                           "ls o/run.csv.partial-* && break; sleep 0.05; done; "
+                           "readlink /proc/$!/fd/2 >where.txt; kill -KILL $!; wait)");
+  EXPECT_EQ(slurp(folder_ + "/where.txt"), "/dev/null\n");
+}
+
 TEST_F(NamedFiles, PipesDevicesAndFoldersAreRefusedAtOnce) {
   ASSERT_EQ(std::system(("mkfifo '" + folder_ + "/pipe' && ln -s pipe '" + folder_ +
                          "/pipe.obj' && ln -s /dev/zero '" + folder_ + "/zero.toml'")
@@ -175,7 +184,25 @@ TEST_F(NamedFiles, NoOutputOfARunTakesThePlaceOfAnInput) {
   std::ofstream(folder_ + "/o/energy.toml") << "[b]\nmodel = '../bar.tremolo'\n";
   fs::create_symlink("energy.toml", folder_ + "/o/energy.svg");
   expect_kept(run_it + "o/energy.toml --duration 0.1 --out o --plot", "o/energy.toml");
-  expect_kept(kTremolo + "export bar.tremolo --vtu bar.tremolo", "bar.tremolo");
+  for (const char* format : {"--vtu", "--cub", "--U"})
+    expect_kept(kTremolo + "export bar.tremolo " + format + " bar.tremolo", "bar.tremolo");
+}
+
+TEST_F(NamedFiles, WhatARunReadsBesideItsModelIsKeptToo) {
+  fs::create_directory(folder_ + "/o");
+  const std::string run_it = kTremolo + "run bar.tremolo --duration 0.1 --out o ";
+  std::ofstream(folder_ + "/o/frames.csv") << "0,1\n1,1\n";
+  expect_kept(run_it + "--signal o/frames.csv", "o/frames.csv");
+  fs::copy(folder_ + "/ids.txt", folder_ + "/o/surface.mtl");
+  expect_kept(run_it + "--probe file:o/surface.mtl", "o/surface.mtl");
+  expect_kept(run_it + "--start file:o/surface.mtl=0,0,0.01", "o/surface.mtl");
+  const std::string record = "--coordinate all --velocities";
+  ASSERT_EQ(run(run_it + record).code, 0);
+  expect_kept(run_it + record + " --start o/run.csv", "o/run.csv");
+  expect_kept(run_it + record + " --start o/run.csv@0.05", "o/run.csv");
+  // A picture may be named as a run is.
+  fs::copy(folder_ + "/o/run.csv", folder_ + "/run.svg");
+  expect_kept(kTremolo + "plot run.svg -o ./run.svg", "run.svg");
 }
 
 }  // namespace

@@ -136,6 +136,15 @@ TEST_F(PrecomputeProgram, NearTellsWhichVertexItTookAndHowFarAway) {
                   "near:0.4,0.16,0.2 --force 0,0,1");
   EXPECT_EQ(moved.code, 0) << moved.err;
   EXPECT_NE(moved.err.find("--at near:0.4,0.16,0.2: vertex 44 at"), std::string::npos) << moved.err;
+  const ProgramResult probed =
+      run_program(folder_, TREMOLO_BIN_DIR
+                  "/tremolo run out.tremolo --duration 0.01 --load none --probe near:0.4,0.16,0.2");
+  EXPECT_NE(probed.err.find("--probe near:0.4,0.16,0.2: vertex 44 at"), std::string::npos)
+      << probed.err;
+  const ProgramResult inspected = run_program(
+      folder_, TREMOLO_BIN_DIR "/tremolo inspect out.tremolo --select near:0.4,0.16,0.2");
+  EXPECT_NE(inspected.err.find("near:0.4,0.16,0.2: vertex 44 at"), std::string::npos)
+      << inspected.err;
 }
 
 TEST_F(PrecomputeProgram, UpYTurnsTheModelAndItsSelectors) {
