@@ -44,9 +44,10 @@ class NamedFiles : public ::testing::Test {
       fs::copy(source_ + "/" + name, folder_);
   }
 
-  // A program that waits for what never comes is ended; its exit code is then 124.
+  // A program that waits for what never comes is ended. The precompute heeds no other signal before
+  // its work begins.
   ProgramResult run(const std::string& command) {
-    return run_program(folder_, "timeout 30 " + command);
+    return run_program(folder_, "timeout -s KILL 30 " + command);
   }
 
   // The command is refused as wrong usage with `words`, and `file` is as it was.
@@ -167,9 +168,9 @@ TEST_F(NamedFiles, NoOutputOfThePrecomputeTakesThePlaceOfAnInput) {
   std::ofstream(folder_ + "/a.U") << "U";
   std::ofstream(folder_ + "/a.cub") << "cub";
   for (const char* file : {"a.U", "a.cub"})
-    expect_kept(kPrecompute + "bar.veg --fix 'x<0.001' --import-basis a.U --import-cubic a.cub -o " +
-                    file,
-                file);
+    expect_kept(
+        kPrecompute + "bar.veg --fix 'x<0.001' --import-basis a.U --import-cubic a.cub -o " + file,
+        file);
   const ProgramResult twice = run(make + "-o a.tremolo --modes-vtu sub/../a.tremolo");
   EXPECT_EQ(twice.code, 2);
   EXPECT_NE(twice.err.find("two outputs"), std::string::npos) << twice.err;
@@ -180,7 +181,8 @@ TEST_F(NamedFiles, NoOutputOfTheReferenceOrTheMesherTakesThePlaceOfAnInput) {
   fs::copy(folder_ + "/bar.toml", folder_ + "/o/run.csv");
   expect_kept(kPrecompute + "reference bar.veg --config o/run.csv --fix 'x<0.001' --out o",
               "o/run.csv");
-  const std::string move = kPrecompute + "reference bar.veg --load-at 'x>0.399' --load-force 0,0,-1 ";
+  const std::string move =
+      kPrecompute + "reference bar.veg --load-at 'x>0.399' --load-force 0,0,-1 ";
   std::ofstream(folder_ + "/o/run.csv") << "0 1 2 3\n";
   expect_kept(move + "--fix 'x<0.001' --fix-x file:o/run.csv --out o", "o/run.csv");
   expect_kept(move + "--fix 'x<0.001' --probe file:o/run.csv --out o", "o/run.csv");

@@ -481,8 +481,8 @@ TEST_F(RunProgram, ARunThatIsInterruptedLeavesAGoodCsvAndSaysSo) {
   // Of a shell in the background SIGINT is ignored: timeout sends it to a child that is not.
   for (const std::string signal : {"INT", "TERM"}) {
     const std::string out = "o" + signal;
-    const ProgramResult result =
-        run_program(folder_, "timeout -k 20 --preserve-status -s " + signal + " 1.5 " + endless + out);
+    const ProgramResult result = run_program(
+        folder_, "timeout -k 20 --preserve-status -s " + signal + " 1.5 " + endless + out);
     const int number = signal == "INT" ? 2 : 15;
     EXPECT_EQ(result.code, 128 + number) << result.err;
     const json report = json::parse(slurp(folder_ + "/" + out + "/report.json"));
@@ -499,12 +499,11 @@ TEST_F(RunProgram, ARunThatIsInterruptedLeavesAGoodCsvAndSaysSo) {
 
 // As a shell sees it, which then ends its script as well; and no further body is begun.
 TEST_F(RunProgram, AnInterruptedSceneEndsByItsSignal) {
-  std::ofstream(folder_ + "/two.toml") << "[first]\nmodel = \"" << model()
-                                       << "\"\n[second]\nmodel = \"" << model() << "\"\n";
+  std::ofstream(folder_ + "/two.toml")
+      << "[first]\nmodel = \"" << model() << "\"\n[second]\nmodel = \"" << model() << "\"\n";
   const int status = std::system(
-      ("cd '" + folder_ +
-       "' && ulimit -t 60 && { (sleep 1; kill -INT $$) & } && exec " +
-       kProgram + "run two.toml --duration 1e6 --every 1000 --out o >out.txt 2>err.txt")
+      ("cd '" + folder_ + "' && ulimit -t 60 && { (sleep 1; kill -INT $$) & } && exec " + kProgram +
+       "run two.toml --duration 1e6 --every 1000 --out o >out.txt 2>err.txt")
           .c_str());
   ASSERT_TRUE(WIFSIGNALED(status)) << slurp(folder_ + "/err.txt");
   EXPECT_EQ(WTERMSIG(status), SIGINT) << slurp(folder_ + "/err.txt");
@@ -520,8 +519,8 @@ TEST_F(RunProgram, ALongRunTellsATerminalHowFarItIs) {
   const std::string end = ::ptsname(terminal);
   const int held = ::open(end.c_str(), O_RDWR | O_NOCTTY);  // else what was said is lost
   ASSERT_GE(held, 0);
-  run_program(folder_, "(timeout -s KILL 3 " + kProgram + "run " + model() +
-                           " --duration 1e6 2>" + end + ")");
+  run_program(folder_, "(timeout -s KILL 3 " + kProgram + "run " + model() + " --duration 1e6 2>" +
+                           end + ")");
   char buffer[4000];
   const ::ssize_t length = ::read(terminal, buffer, sizeof(buffer));
   const std::string said(buffer, static_cast<std::size_t>(std::max<::ssize_t>(length, 0)));
