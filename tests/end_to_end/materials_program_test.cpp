@@ -120,6 +120,20 @@ TEST_F(Materials, OfAVegFileAreTakenWhenAskedFor) {
   EXPECT_NEAR(lighter["total_mass_kg"], kHalf * (100 + 600), 1e-9);
 }
 
+TEST_F(Materials, OfAVegFileTurnWithTheMesh) {
+  const std::string modes = " --linear-modes 4 --modes 8 --threads 1 --json --material file";
+  const auto frequencies = [&](const std::string& arguments) {
+    const ProgramResult result =
+        run_program(folder_, kPrecompute + "block.veg -o turned.tremolo " + arguments + modes);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return Json::parse(result.out)["frequencies_hz"];
+  };
+  const Json plain = frequencies("--fix 'y<0.001'");
+  const Json turned = frequencies("--up y --fix 'z<0.001'");
+  for (std::size_t i = 0; i < 8; ++i)
+    EXPECT_NEAR(turned[i], plain[i].get<double>(), 1e-6 * plain[i].get<double>());
+}
+
 TEST_F(Materials, ComeFromAConfigFileAsAList) {
   std::ofstream(folder_ + "/config.toml")
       << "density = 500\nmaterial = [\"grip: young=2e7, poisson=0.4, density=1100\", \"blade: "

@@ -44,9 +44,10 @@ class NamedFiles : public ::testing::Test {
       fs::copy(source_ + "/" + name, folder_);
   }
 
-  // A program that waits for what never comes is ended; its exit code is then 124.
+  // A program that waits for what never comes is ended. The precompute heeds no other signal before
+  // its work begins.
   ProgramResult run(const std::string& command) {
-    return run_program(folder_, "timeout 30 " + command);
+    return run_program(folder_, "timeout -s KILL 30 " + command);
   }
 
   // The command is refused as wrong usage with `words`, and `file` is as it was.
@@ -87,6 +88,20 @@ TEST_F(NamedFiles, AClosedStandardOutputIsAnErrorAndNoFileTakesItsPlace) {
       run_program(folder_, "(" + kTremolo + "run bar.tremolo --duration 0.1 --out o --json >&-)");
   EXPECT_EQ(result.code, 1) << result.err;
   EXPECT_TRUE(slurp(folder_ + "/o/run.csv").starts_with("t,kinetic,"));
+}
+
+// Else the first file that is opened would get its number, and the words meant for it.
+TEST_F(NamedFiles, AClosedStandardErrorIsHeldByEveryProgram) {
+  for (const std::string& command :
+       {kTremolo + "run bar.tremolo --duration 1e6 --out o",
+        kPrecompute + "bar.veg -o a.tremolo --fix 'x<0.001' --linear-modes 20 --modes 60",
+        kMesh + "horse -o horse.msh"}) {
+    run_program(folder_, "(" + command +
+                             " 2>&- & for i in $(seq 2000); do held=$(readlink /proc/$!/fd/2); "
+                             "test \"$held\" = /dev/null && break; done; echo $held >held.txt; "
+                             "kill -KILL $!; wait)");
+    EXPECT_EQ(slurp(folder_ + "/held.txt"), "/dev/null\n") << command;
+  }
 }
 
 TEST_F(NamedFiles, PipesDevicesAndFoldersAreRefusedAtOnce) {
@@ -144,6 +159,18 @@ TEST_F(NamedFiles, NoOutputOfThePrecomputeTakesThePlaceOfAnInput) {
   const std::string mesh = slurp(folder_ + "/bar.veg");
   std::ofstream(folder_ + "/bar.veg") << mesh << "*INCLUDE part.txt\n";
   expect_kept(make + "-o part.txt", "part.txt");
+  fs::copy(folder_ + "/ids.txt", folder_ + "/ids.ply");
+  expect_kept(kPrecompute + "bar.veg --fix file:ids.ply -o a.tremolo --preview ids.ply", "ids.ply");
+  std::ofstream(folder_ + "/skin.obj") << "mtllib skin.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  std::ofstream(folder_ + "/skin.mtl") << "newmtl red\nKd 1 0 0\n";
+  expect_kept(make + "--render skin.obj -o a.tremolo --modes-vtu skin.obj", "skin.obj");
+  expect_kept(make + "--render skin.obj -o skin.mtl", "skin.mtl");
+  std::ofstream(folder_ + "/a.U") << "U";
+  std::ofstream(folder_ + "/a.cub") << "cub";
+  for (const char* file : {"a.U", "a.cub"})
+    expect_kept(
+        kPrecompute + "bar.veg --fix 'x<0.001' --import-basis a.U --import-cubic a.cub -o " + file,
+        file);
   const ProgramResult twice = run(make + "-o a.tremolo --modes-vtu sub/../a.tremolo");
   EXPECT_EQ(twice.code, 2);
   EXPECT_NE(twice.err.find("two outputs"), std::string::npos) << twice.err;
@@ -154,6 +181,13 @@ TEST_F(NamedFiles, NoOutputOfTheReferenceOrTheMesherTakesThePlaceOfAnInput) {
   fs::copy(folder_ + "/bar.toml", folder_ + "/o/run.csv");
   expect_kept(kPrecompute + "reference bar.veg --config o/run.csv --fix 'x<0.001' --out o",
               "o/run.csv");
+  const std::string move =
+      kPrecompute + "reference bar.veg --load-at 'x>0.399' --load-force 0,0,-1 ";
+  std::ofstream(folder_ + "/o/run.csv") << "0 1 2 3\n";
+  expect_kept(move + "--fix 'x<0.001' --fix-x file:o/run.csv --out o", "o/run.csv");
+  expect_kept(move + "--fix 'x<0.001' --probe file:o/run.csv --out o", "o/run.csv");
+  fs::copy(folder_ + "/bar.tremolo", folder_ + "/o/run.csv", fs::copy_options::overwrite_existing);
+  expect_kept(move + "--fix 'x<0.001' --compare o/run.csv --out o", "o/run.csv");
   std::ofstream(folder_ + "/a.mtl") << "newmtl red\nKd 1 0 0\n";
   std::ofstream(folder_ + "/a.obj") << "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
                                        "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
@@ -175,7 +209,25 @@ TEST_F(NamedFiles, NoOutputOfARunTakesThePlaceOfAnInput) {
   std::ofstream(folder_ + "/o/energy.toml") << "[b]\nmodel = '../bar.tremolo'\n";
   fs::create_symlink("energy.toml", folder_ + "/o/energy.svg");
   expect_kept(run_it + "o/energy.toml --duration 0.1 --out o --plot", "o/energy.toml");
-  expect_kept(kTremolo + "export bar.tremolo --vtu bar.tremolo", "bar.tremolo");
+  for (const char* format : {"--vtu", "--cub", "--U"})
+    expect_kept(kTremolo + "export bar.tremolo " + format + " bar.tremolo", "bar.tremolo");
+}
+
+TEST_F(NamedFiles, WhatARunReadsBesideItsModelIsKeptToo) {
+  fs::create_directory(folder_ + "/o");
+  const std::string run_it = kTremolo + "run bar.tremolo --duration 0.1 --out o ";
+  std::ofstream(folder_ + "/o/frames.csv") << "0,1\n1,1\n";
+  expect_kept(run_it + "--signal o/frames.csv", "o/frames.csv");
+  fs::copy(folder_ + "/ids.txt", folder_ + "/o/surface.mtl");
+  expect_kept(run_it + "--probe file:o/surface.mtl", "o/surface.mtl");
+  expect_kept(run_it + "--start file:o/surface.mtl=0,0,0.01", "o/surface.mtl");
+  const std::string record = "--coordinate all --velocities";
+  ASSERT_EQ(run(run_it + record).code, 0);
+  expect_kept(run_it + record + " --start o/run.csv", "o/run.csv");
+  expect_kept(run_it + record + " --start o/run.csv@0.05", "o/run.csv");
+  // A picture may be named as a run is.
+  fs::copy(folder_ + "/o/run.csv", folder_ + "/run.svg");
+  expect_kept(kTremolo + "plot run.svg -o ./run.svg", "run.svg");
 }
 
 }  // namespace

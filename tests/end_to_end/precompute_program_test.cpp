@@ -1,6 +1,8 @@
 // tremolo-precompute as a user meets it: exit codes, messages, and outputs that appear whole or not
 // at all.
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <map>
 
@@ -128,6 +130,20 @@ TEST_F(PrecomputeProgram, NearTellsWhichVertexItTookAndHowFarAway) {
   EXPECT_NE(one.err.find("--load-at near:0.4,0.16,0.2: vertex 44 at (0.4, 0.15, 0.2) m, 0.01 m"),
             std::string::npos)
       << one.err;
+  const ProgramResult held =
+      run("block.veg -o held.tremolo --fix 'x<0.001' --fix near:0,0.01,0 --point-mass "
+          "near:0.4,0.16,0.2=1 --linear-modes 4 --modes 8");
+  ASSERT_EQ(held.code, 0) << held.err;
+  EXPECT_NE(held.err.find("--fix near:0,0.01,0: vertex 0 at (0, 0, 0) m, 0.01 m"),
+            std::string::npos)
+      << held.err;
+  EXPECT_NE(held.err.find("--point-mass near:0.4,0.16,0.2: vertex 44 at"), std::string::npos)
+      << held.err;
+  const ProgramResult along =
+      run("reference block.veg --static --fix 'x<0.001' --fix-y near:0.4,0.16,0.2 --load-at "
+          "'x>0.399' --load-force 0,0,-1");
+  EXPECT_NE(along.err.find("--fix-y near:0.4,0.16,0.2: vertex 44 at"), std::string::npos)
+      << along.err;
   const ProgramResult select = run("block.veg --select near:0.4,0.15,0.2,2");
   EXPECT_NE(select.err.find("2 vertices, the nearest vertex 44"), std::string::npos) << select.err;
   const ProgramResult moved =
@@ -136,6 +152,15 @@ TEST_F(PrecomputeProgram, NearTellsWhichVertexItTookAndHowFarAway) {
                   "near:0.4,0.16,0.2 --force 0,0,1");
   EXPECT_EQ(moved.code, 0) << moved.err;
   EXPECT_NE(moved.err.find("--at near:0.4,0.16,0.2: vertex 44 at"), std::string::npos) << moved.err;
+  const ProgramResult probed =
+      run_program(folder_, TREMOLO_BIN_DIR
+                  "/tremolo run out.tremolo --duration 0.01 --load none --probe near:0.4,0.16,0.2");
+  EXPECT_NE(probed.err.find("--probe near:0.4,0.16,0.2: vertex 44 at"), std::string::npos)
+      << probed.err;
+  const ProgramResult inspected = run_program(
+      folder_, TREMOLO_BIN_DIR "/tremolo inspect out.tremolo --select near:0.4,0.16,0.2");
+  EXPECT_NE(inspected.err.find("near:0.4,0.16,0.2: vertex 44 at"), std::string::npos)
+      << inspected.err;
 }
 
 TEST_F(PrecomputeProgram, UpYTurnsTheModelAndItsSelectors) {
@@ -163,6 +188,44 @@ TEST_F(PrecomputeProgram, UpYTurnsTheModelAndItsSelectors) {
   expect_failure(run(kBlock + " --up x"), 2, "--up");
 }
 
+// What is drawn lies where the solid is.
+TEST_F(PrecomputeProgram, UpYTurnsWhatIsDrawnToo) {
+  std::ofstream obj(folder_ + "/box.obj");
+  for (const double x : {0.0, 0.4})
+    for (const double y : {0.0, 0.15})
+      for (const double z : {0.0, 0.2}) obj << "v " << x << ' ' << y << ' ' << z << '\n';
+  obj << "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
+  obj.close();
+  for (const std::string solid : {"box.obj --size 0.1", "block.veg --render box.obj"}) {
+    const ProgramResult made = run(solid +
+                                   " -o up.tremolo --up y --fix 'z<0.001' --linear-modes 4 "
+                                   "--modes 8");
+    ASSERT_EQ(made.code, 0) << made.err;
+    const auto basis = read_basis(folder_ + "/up.tremolo");
+    ASSERT_TRUE(basis);
+    ASSERT_TRUE(basis->render);
+    const BoundingBox drawn = bounding_box(basis->render->surface.vertices);
+    EXPECT_LE((drawn.low - Eigen::Vector3d(0, -0.2, 0)).norm(), 1e-6) << solid;
+    EXPECT_LE((drawn.high - Eigen::Vector3d(0.4, 0, 0.15)).norm(), 1e-6) << solid;
+  }
+}
+
+// It stands on its square end along y and comes to a ridge above.
+TEST_F(PrecomputeProgram, WhoHoldsTheSideOfWhatStandsOnYIsTold) {
+  TetMesh standing = box_mesh({4, 4, 4}, {1, 1, 1});
+  for (Eigen::Vector3d& x : standing.vertices)
+    for (const int other : {0, 2}) x[other] = 0.5 + (1 - 0.9 * x[1]) * (x[other] - 0.5);
+  const std::string hint = "z<30% takes the body's side, if y points up";
+  const std::string modes = " --linear-modes 4 --modes 8 -o side.tremolo";
+  const ProgramResult side = run_on(standing, "--fix 'z<30%'" + modes);
+  EXPECT_EQ(side.code, 0) << side.err;
+  EXPECT_NE(side.err.find(hint), std::string::npos) << side.err;
+  EXPECT_NE(run_on(standing, "--select 'z<30%'").err.find(hint), std::string::npos);
+  const ProgramResult turned = run_on(standing, "--up y --fix 'z<30%'" + modes);
+  EXPECT_EQ(turned.code, 0) << turned.err;
+  EXPECT_EQ(turned.err.find("takes the body's side"), std::string::npos) << turned.err;
+}
+
 TEST_F(PrecomputeProgram, PreviewPaintsWhatIsHeldAndLoadedAndComputesNothing) {
   const ProgramResult alone =
       run("block.veg --fix 'x<0.001' --load-at 'x>0.399' --load-force 0,0,-5 --preview look.ply");
@@ -180,6 +243,16 @@ TEST_F(PrecomputeProgram, PreviewPaintsWhatIsHeldAndLoadedAndComputesNothing) {
   EXPECT_EQ(count[std::string("\x28\x5a\xdc")], 9) << "blue";
   EXPECT_EQ(count[std::string("\xdc\x28\x1e")], 9 + 50) << "red, with the arrow";
   EXPECT_EQ(count[std::string("\xc8\xc8\xc8")], 24) << "grey";
+  // The arrow's tail and tip come last: it points down, at or from the middle of what is loaded.
+  float tail[3], tip[3];
+  std::memcpy(tail, ply.data() + data + 15 * 90, sizeof(tail));
+  std::memcpy(tip, ply.data() + data + 15 * 91, sizeof(tip));
+  for (const float* end : {tail, tip}) {
+    EXPECT_NEAR(end[0], 0.4, 1e-6);
+    EXPECT_NEAR(end[1], 0.075, 1e-6);
+  }
+  EXPECT_NEAR(tail[2] - tip[2], 0.25 * std::hypot(0.4, 0.15, 0.2), 1e-6);
+  EXPECT_NEAR(std::min(std::abs(tail[2] - 0.1), std::abs(tip[2] - 0.1)), 0, 1e-6);
 
   ASSERT_EQ(run("block.veg --select 'y<0.001' --preview chosen.ply").code, 0);
   EXPECT_NE(slurp(folder_ + "/chosen.ply").find(std::string("\x28\xaa\x3c")), std::string::npos);

@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <fcntl.h>
 #include <filesystem>
 #include <map>
 #include <set>
 #include <sstream>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -246,6 +250,25 @@ TEST_F(RunProgram, ASceneGivesTheDefaultsAndFlagsWin) {
   EXPECT_TRUE(std::filesystem::exists(folder_ + "/both/second/run.csv"));
 }
 
+// A scene that says one thing in one way and a flag that says it in the other: the flag's is taken.
+TEST_F(RunProgram, OfTwoWaysToSayOneThingTheFlagsWins) {
+  std::ofstream(folder_ + "/course.csv") << "0,1\n0.3,1\n";
+  const auto report = [&](const std::string& key, const std::string& flags) {
+    std::ofstream(folder_ + "/scene.toml") << "[b]\nmodel = \"" << model() << "\"\n" << key << "\n";
+    const ProgramResult result = run("run scene.toml --duration 0.3 --json " + flags);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return result.code == 0 ? json::parse(result.out) : json();
+  };
+  const json course = report("signal = \"course.csv\"", "--load impulse");
+  EXPECT_EQ(course["load"], "impulse");
+  EXPECT_EQ(course["energy_final"], report("", "--load impulse")["energy_final"]);
+  const json scaled = report("deflect = \"5%\"", "--scale 2");
+  EXPECT_EQ(scaled["scale"], 2.0);
+  EXPECT_TRUE(scaled["deflect"].is_null());
+  const json deflected = report("scale = 3.0", "--deflect 5%");
+  EXPECT_NEAR(deflected["largest_displacement_share"], 0.05, 0.0005);
+}
+
 TEST_F(RunProgram, AWrongSceneNamesItsLine) {
   const auto expect = [&](const std::string& text, const std::string& words) {
     std::ofstream(folder_ + "/scene.toml") << text;
@@ -303,6 +326,19 @@ TEST_F(RunProgram, TellsHowFarTheBodyMoved) {
   EXPECT_NE(result.err.find("% of its size"), std::string::npos) << result.err;
 }
 
+TEST_F(RunProgram, TheFirstAndTheLastMomentAreLookedAtToo) {
+  // Five steps: fewer than lie between two looks.
+  const ProgramResult few = run("run " + model() + " --load constant --duration 0.015 --json");
+  ASSERT_EQ(few.code, 0) << few.err;
+  EXPECT_NEAR(json::parse(few.out)["largest_displacement_at"], 0.015, 1e-12);
+  // What is let go and damped is nowhere as far as at its start.
+  const ProgramResult let_go =
+      run("run " + model() + " --load none --start 80=0,0,-0.03 --alpha 20 --duration 0.3 --json");
+  ASSERT_EQ(let_go.code, 0) << let_go.err;
+  EXPECT_EQ(json::parse(let_go.out)["largest_displacement_at"], 0.0);
+  EXPECT_GE(json::parse(let_go.out)["largest_displacement"], 0.0299);
+}
+
 TEST_F(RunProgram, DeflectScalesTheLoadUntilTheMotionIsSoLarge) {
   const ProgramResult result = run("run " + model() + " --duration 0.6 --deflect 5% --json");
   ASSERT_EQ(result.code, 0) << result.err;
@@ -347,6 +383,12 @@ TEST_F(RunProgram, AStartFromACsvGoesOnFromItsRow) {
   ASSERT_EQ(run("run " + model() + " --load none --start a/run.csv --out c" + record + "0.1").code,
             0);
   EXPECT_NEAR(read_csv(folder_ + "/c/run.csv").at(0, "p0"), a.at(200, "p0"), 1e-9);
+  // A row without its end may be cut off in the middle of a number.
+  std::ofstream(folder_ + "/cut.csv") << slurp(folder_ + "/a/run.csv") << "0.603,1,2";
+  const ProgramResult cut =
+      run("run " + model() + " --load none --start cut.csv --out e" + record + "0.1");
+  ASSERT_EQ(cut.code, 0) << cut.err;
+  EXPECT_NEAR(read_csv(folder_ + "/e/run.csv").at(0, "p0"), a.at(200, "p0"), 1e-9);
   ASSERT_EQ(run("run " + model() + " --out d --duration 0.1 --coordinate all").code, 0);
   expect_failure(run("run " + model() + " --start d/run.csv"), 3, "--velocities");
   expect_failure(run("run " + model() + " --start a/run.csv --modes 6"), 3, "more coordinates");
@@ -365,6 +407,19 @@ TEST_F(RunProgram, AStartFromADisplacementHasTheVertexThere) {
   EXPECT_NEAR(csv.at(0, "u80z"), -0.03, 1e-9);
   EXPECT_EQ(csv.at(0, "kinetic"), 0);
   EXPECT_GT(csv.at(10, "kinetic"), 0);
+  // Of several vertices it is the mean that is there.
+  ASSERT_EQ(run("run " + model() +
+                " --load none --start 'x>0.399=0,0.004,-0.02' --probe 'x>0.399' --out m "
+                "--duration 0.1")
+                .code,
+            0);
+  const Csv several = read_csv(folder_ + "/m/run.csv");
+  std::map<char, double> sum;
+  for (const auto& [name, column] : several.columns)
+    if (name.front() == 'u') sum[name.back()] += several.at(0, name);
+  EXPECT_NEAR(sum['x'] / 9, 0, 1e-9);
+  EXPECT_NEAR(sum['y'] / 9, 0.004, 1e-9);
+  EXPECT_NEAR(sum['z'] / 9, -0.02, 1e-9);
   expect_failure(run("run " + model() + " --start 0=0,0,0.01"), 3, "cannot displace it");
   expect_failure(run("run " + model() + " --start 8000=0,0,0.01"), 3, "8000");
 }
@@ -383,6 +438,7 @@ TEST_F(RunProgram, ProbesTakeSelectorsAndCoordinatesRanges) {
   EXPECT_EQ(header("--coordinate all --modes 3 --velocities"), ",q0,q1,q2,p0,p1,p2");
   EXPECT_EQ(header("--probe 'x>0.399 and y>0.049 and z>0.059' --velocities"),
             ",u80x,u80y,u80z,v80x,v80y,v80z");
+  EXPECT_EQ(header("--probe 80 --probe 'x>0.399 and y>0.049 and z>0.059'"), ",u80x,u80y,u80z");
   expect_failure(run("run " + model() + " --coordinate 5-2"), 2, "5-2");
   expect_failure(run("run " + model() + " --coordinate 10-12"), 3, "12");
   expect_failure(run("run " + model() + " --probe 'x>7'"), 3, "x>7");
@@ -425,8 +481,8 @@ TEST_F(RunProgram, ARunThatIsInterruptedLeavesAGoodCsvAndSaysSo) {
   // Of a shell in the background SIGINT is ignored: timeout sends it to a child that is not.
   for (const std::string signal : {"INT", "TERM"}) {
     const std::string out = "o" + signal;
-    const ProgramResult result =
-        run_program(folder_, "timeout --preserve-status -s " + signal + " 1.5 " + endless + out);
+    const ProgramResult result = run_program(
+        folder_, "timeout -k 20 --preserve-status -s " + signal + " 1.5 " + endless + out);
     const int number = signal == "INT" ? 2 : 15;
     EXPECT_EQ(result.code, 128 + number) << result.err;
     const json report = json::parse(slurp(folder_ + "/" + out + "/report.json"));
@@ -441,10 +497,44 @@ TEST_F(RunProgram, ARunThatIsInterruptedLeavesAGoodCsvAndSaysSo) {
   }
 }
 
+// As a shell sees it, which then ends its script as well; and no further body is begun.
+TEST_F(RunProgram, AnInterruptedSceneEndsByItsSignal) {
+  std::ofstream(folder_ + "/two.toml")
+      << "[first]\nmodel = \"" << model() << "\"\n[second]\nmodel = \"" << model() << "\"\n";
+  const int status = std::system(
+      ("cd '" + folder_ + "' && ulimit -t 60 && { (sleep 1; kill -INT $$) & } && exec " + kProgram +
+       "run two.toml --duration 1e6 --every 1000 --out o >out.txt 2>err.txt")
+          .c_str());
+  ASSERT_TRUE(WIFSIGNALED(status)) << slurp(folder_ + "/err.txt");
+  EXPECT_EQ(WTERMSIG(status), SIGINT) << slurp(folder_ + "/err.txt");
+  EXPECT_TRUE(std::filesystem::exists(folder_ + "/o/first/run.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "/o/second"));
+}
+
+TEST_F(RunProgram, ALongRunTellsATerminalHowFarItIs) {
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+  ASSERT_GE(terminal, 0);
+  ASSERT_EQ(::grantpt(terminal), 0);
+  ASSERT_EQ(::unlockpt(terminal), 0);
+  const std::string end = ::ptsname(terminal);
+  const int held = ::open(end.c_str(), O_RDWR | O_NOCTTY);  // else what was said is lost
+  ASSERT_GE(held, 0);
+  run_program(folder_, "(timeout -s KILL 3 " + kProgram + "run " + model() + " --duration 1e6 2>" +
+                           end + ")");
+  char buffer[4000];
+  const ::ssize_t length = ::read(terminal, buffer, sizeof(buffer));
+  const std::string said(buffer, static_cast<std::size_t>(std::max<::ssize_t>(length, 0)));
+  EXPECT_NE(said.find("bar: 0 %"), std::string::npos) << said;
+  EXPECT_NE(said.find(" left"), std::string::npos) << said;
+  ::close(held);
+  ::close(terminal);
+}
+
+// So few of them that no full buffer is the reason.
 TEST_F(RunProgram, TheRowsOfARunCanBeReadWhileItRuns) {
   const ProgramResult result = run_program(
       folder_, "(timeout -s KILL 4 " + kProgram + "run " + model() +
-                   " --duration 1e6 --every 100 --out o & sleep 3; cat o/run.csv.partial-* "
+                   " --duration 1e6 --every 20000 --out o & sleep 3; cat o/run.csv.partial-* "
                    "> seen.csv; wait)");
   const std::string seen = slurp(folder_ + "/seen.csv");
   EXPECT_TRUE(seen.starts_with("t,kinetic,")) << result.err;
@@ -482,6 +572,9 @@ TEST_F(RunProgram, AFreeBodySaysWhatItsLoadLoses) {
   EXPECT_GT(share, 0.2);
   EXPECT_LT(share, 1.0);
   EXPECT_NE(result.err.find("free body"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("% of what this load sets in motion (net force 1 N, torque"),
+            std::string::npos)
+      << result.err;
   EXPECT_EQ(json::parse(run("run " + model() + " --duration 0.1 --json").out)["rigid_modes"], 0);
 }
 

@@ -52,6 +52,9 @@ TEST_F(OutputGuard, FilesThatAnInputNamesAreInputsToo) {
   EXPECT_FALSE(keep_apart({at("b")}, inputs));
   EXPECT_TRUE(keep_apart({at("a")}, inputs));
   EXPECT_TRUE(keep_apart({at("b")}, {{at("mesh.obj"), "the mesh"}}));
+  // A file of that name in another folder is another file.
+  std::ofstream(at("sub/mesh.obj")) << "mtllib b\n";
+  EXPECT_TRUE(keep_apart({at("b")}, {{at("sub/mesh.obj"), "the mesh", true}}));
   std::ofstream(at("part.node")) << "0 3 0 0\n";
   std::ofstream(at("part.ele")) << "0 4 0\n";
   EXPECT_FALSE(keep_apart({at("part.ele")}, {{at("part.node"), "the mesh", true}}));

@@ -56,6 +56,21 @@ TEST(RenderWriter, AnObjWithoutThemIsStillAnObj) {
   EXPECT_EQ(lines_with(written(surface, "s.obj"), "f")[0], "f 1/1 2/2 3/3");
 }
 
+TEST(RenderWriter, ALibraryHasTheMeanColourOfEachMaterial) {
+  RenderSurface surface = tiny_render().surface;
+  surface.materials = {"lid", "not used"};
+  surface.material_of = {0, 0};
+  for (std::size_t v = 0; v < 6; ++v)
+    surface.colours[v] = v < 3 ? Colour{255, 0, 0, 255} : Colour{0, 0, 255, 255};
+  const std::string library = material_library(surface);
+  EXPECT_EQ(lines_with(library, "newmtl"),
+            (std::vector<std::string>{"newmtl lid", "newmtl not used"}));
+  EXPECT_EQ(lines_with(library, "Kd"),
+            (std::vector<std::string>{"Kd 0.5 0 0.5", "Kd 0.8 0.8 0.8"}));
+  surface.colours.clear();
+  EXPECT_EQ(lines_with(material_library(surface), "Kd")[0], "Kd 0.8 0.8 0.8");
+}
+
 TEST(RenderWriter, ANameCannotBreakItsLine) {
   RenderSurface surface = tiny_render().surface;
   surface.objects = {"a\nf 1 2 3", ""};

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <numbers>
+#include <random>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -94,6 +96,29 @@ TEST_F(SurfaceReader, AnOffIsTheSameSurfaceAsTheObj) {
   EXPECT_TRUE(off.notes.empty());
 }
 
+// assimp rounds long numbers in its own way, and not always to the nearest float.
+TEST_F(SurfaceReader, LongNumbersOfAnOffAreRoundedAsAnObjs) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform(-10, 10);
+  std::string obj, off = "OFF\n999 333 0\n", obj_faces, off_faces;
+  char line[100];
+  for (int v = 0; v < 999; ++v) {
+    std::snprintf(line, sizeof(line), "%.17g %.17g %.17g\n", uniform(random), uniform(random),
+                  uniform(random));
+    obj += std::string("v ") + line;
+    off += line;
+    if (v % 3 != 2) continue;
+    std::snprintf(line, sizeof(line), "%d %d %d\n", v - 1, v, v + 1);
+    obj_faces += std::string("f ") + line;
+    std::snprintf(line, sizeof(line), "3 %d %d %d\n", v - 2, v - 1, v);
+    off_faces += line;
+  }
+  const SurfaceFile first = read("long.obj", obj + obj_faces);
+  const SurfaceFile second = read("long.off", off + off_faces);
+  EXPECT_EQ(first.surface.triangles.size(), 333U);
+  EXPECT_EQ(corners_of(second.surface), corners_of(first.surface));
+}
+
 TEST_F(SurfaceReader, AnOffsColoursAreSelectable) {
   const std::string head = "OFF\n4 4 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
   const SurfaceFile painted = read(
@@ -105,6 +130,12 @@ TEST_F(SurfaceReader, AnOffsColoursAreSelectable) {
     for (const VertexId v : surface.triangles[t])
       EXPECT_EQ(surface.colours[static_cast<std::size_t>(v)],
                 (t < 2 ? Colour{255, 0, 0, 255} : Colour{0, 0, 255, 255}));
+}
+
+TEST_F(SurfaceReader, WhatOfAnOffIsNotReadIsTold) {
+  EXPECT_TRUE(says(read("more.off", box_off() + "3 0 1 2\n"), "behind the last of"));
+  const std::string points = "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n";
+  EXPECT_NE(refusal("points.off", points).message.find("holds no faces"), std::string::npos);
 }
 
 TEST_F(SurfaceReader, AnOffThatIsWrongNamesItsLineAndTheFileOnce) {

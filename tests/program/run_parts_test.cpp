@@ -57,6 +57,14 @@ TEST(March, ItsMomentsAreThoseOfTheSameBodyStepByStep) {
   }
 }
 
+TEST(March, ABlockIsAsLongAsAskedForAndOnlyTheLastOneIsShorter) {
+  Result<Body> body = Body::create(make_model(), "verlet", {});
+  ASSERT_TRUE(body);
+  March march(*body, 7);
+  for (const std::size_t length : {7u, 7u, 6u, 0u}) EXPECT_EQ(march.advance(20).size(), length);
+  EXPECT_EQ(body->steps(), 20);
+}
+
 TEST(March, StopsAtAStepThatDoesNotConvergeWithTheMomentsBeforeIt) {
   const Model::Pointer model = make_model();
   IntegratorOptions options;
