@@ -164,11 +164,8 @@ void write_vtu(const PrecomputeOptions& options, const TetMesh& mesh, const Basi
   log.end(options.modes_vtu);
 }
 
-// Outputs that cannot be written, or would take the place of an input or of each other, are told
-// before the work, not after it.
+// Outputs that cannot be written are told before the work, not after it.
 void require_outputs(const PrecomputeOptions& options) {
-  unwrap(
-      keep_apart({options.output_path, options.modes_vtu, options.preview}, input_files(options)));
   unwrap(AtomicFile::create(options.output_path));
   if (!options.modes_vtu.empty()) unwrap(AtomicFile::create(options.modes_vtu));
   if (!options.preview.empty()) unwrap(AtomicFile::create(options.preview));
@@ -235,7 +232,18 @@ void run(const CommandLine& line) {
       throw Failure({ErrorKind::kUsage,
                      "--fix-x, --fix-y and --fix-z are for `tremolo-precompute reference`: a basis "
                      "holds vertices with --fix only"});
+  // No output takes the place of an input or of another one.
+  on_all_ranks([&] {
+    const PrecomputeOptions& options = line.options;
+    if (speak)
+      unwrap(keep_apart({options.output_path, options.modes_vtu, options.preview},
+                        input_files(options)));
+    return true;
+  });
   if (!line.options.select.empty()) {
+    if (speak && !line.options.output_path.empty())
+      std::fprintf(stderr, "  --select computes nothing: %s is not written\n",
+                   line.options.output_path.c_str());
     if (speak) print_selection(line.options);
     return;
   }

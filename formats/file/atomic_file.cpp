@@ -147,8 +147,12 @@ Status write_file(const std::string& path, std::string_view text) {
 void remove_partial_files_on_signals() {
   struct sigaction action = {};
   action.sa_handler = tremolo_on_fatal_signal;
-  for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU})
-    ::sigaction(signal, &action, nullptr);
+  for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU}) {
+    struct sigaction before = {};
+    ::sigaction(signal, nullptr, &before);
+    // What is ignored, as under nohup, stays ignored.
+    if (before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
+  }
   // A file above the limit (ulimit -f) is then an error of write(), with a message and a path.
   ::signal(SIGXFSZ, SIG_IGN);
 }

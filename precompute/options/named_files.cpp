@@ -22,6 +22,7 @@ std::vector<NamedFile> input_files(const PrecomputeOptions& options) {
     for (const std::string& selector : selectors)
       add_files_of_selector(selector, "--fix-x, --fix-y or --fix-z", files);
   add_files_of_selector(options.load_at, "--load-at", files);
+  add_files_of_selector(options.select, "--select", files);
   for (const std::string& mass : options.point_masses)
     add_files_of_selector(mass.substr(0, mass.rfind('=')), "--point-mass", files);
   for (const std::string& text : options.materials)

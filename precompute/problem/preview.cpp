@@ -58,7 +58,10 @@ void add_arrow(const Problem& problem, const BoundingBox& box, Preview& preview)
   }
   middle /= static_cast<double>(problem.load.vertices.size());
   const Eigen::Vector3d reach = kArrowLength * box.diagonal() * force.stableNormalized();
-  const bool pulls = force.dot(middle - 0.5 * (box.low + box.high)) > 0;
+  // A load across the body pulls, whichever way its share along the body is rounded.
+  const double outwards =
+      force.stableNormalized().dot(middle - 0.5 * (box.low + box.high)) / box.diagonal();
+  const bool pulls = outwards > -1e-6;
   const SurfaceMesh shown = pulls ? arrow(middle, middle + reach) : arrow(middle - reach, middle);
   const auto first = static_cast<VertexId>(preview.surface.vertices.size());
   preview.surface.vertices.insert(preview.surface.vertices.end(), shown.vertices.begin(),

@@ -79,13 +79,12 @@ void note_near(const PrecomputeOptions& options, Problem& problem) {
   for (const PointMass& mass : problem.point_masses) note("--point-mass", mass.selector);
 }
 
-// Who has turned the body knows what is up.
-void note_side(const PrecomputeOptions& options, Problem& problem) {
-  if (options.y_up) return;
+// Who has turned the body knows what is up. Empty: there is nothing to say.
+std::string hint_of_side(const PrecomputeOptions& options, const Problem& problem) {
+  if (options.y_up) return {};
   std::vector<std::string> selectors = options.fix;
   selectors.push_back(options.select);
-  std::string hint = side_hint(selectors, problem.mesh, has_y_up(options.mesh_path));
-  if (!hint.empty()) problem.notes.push_back(std::move(hint));
+  return side_hint(selectors, problem.mesh, has_y_up(options.mesh_path));
 }
 
 // A part that can still move rigidly would make K singular. Where single axes are held, joints of
@@ -269,13 +268,21 @@ Problem load_problem(const PrecomputeOptions& options) {
     attach_render(problem, std::move(*meshed), options.threads);
   // Behind the render surface: its objects and colours may choose a material.
   problem.materials = make_materials(options, rules, of_file, problem);
-  note_side(options, problem);
+  const std::string hint = hint_of_side(options, problem);
+  if (!hint.empty()) problem.notes.push_back(hint);
   if (!options.select.empty()) {
     for (std::string& note : near_notes(options.select, problem.mesh))
       problem.notes.push_back(std::move(note));
     return problem;
   }
-  hold(options, problem);
+  try {
+    hold(options, problem);
+  } catch (const Failure& failure) {
+    if (hint.empty()) throw;
+    Error error = failure.error();
+    error.message += ". A hint: " + hint;
+    throw Failure(std::move(error));
+  }
   problem.load = make_load(options, problem);
   problem.point_masses = make_point_masses(options, problem);
   note_near(options, problem);

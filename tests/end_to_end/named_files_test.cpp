@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/mesh/surface_mesh.h"
+#include "formats/surface/surface_writer.h"
 #include "tests/support/box_mesh.h"
 #include "tests/support/mesh_file.h"
 #include "tests/support/run_program.h"
@@ -174,6 +176,31 @@ TEST_F(NamedFiles, NoOutputOfThePrecomputeTakesThePlaceOfAnInput) {
   const ProgramResult twice = run(make + "-o a.tremolo --modes-vtu sub/../a.tremolo");
   EXPECT_EQ(twice.code, 2);
   EXPECT_NE(twice.err.find("two outputs"), std::string::npos) << twice.err;
+}
+
+TEST_F(NamedFiles, NoPreviewTakesThePlaceOfAnInputWhereNothingIsComputed) {
+  ASSERT_TRUE(write_surface(folder_ + "/box.ply", boundary_mesh(box_mesh({1, 1, 1}, {1, 1, 1}))));
+  fs::copy(folder_ + "/ids.txt", folder_ + "/ids.ply");
+  expect_kept(kPrecompute + "box.ply --fix none --preview box.ply", "box.ply");
+  expect_kept(kPrecompute + "box.ply --select 'x<0.1' --preview box.ply", "box.ply");
+  expect_kept(kPrecompute + "bar.veg --fix file:ids.ply --preview ids.ply", "ids.ply");
+  expect_kept(kPrecompute + "bar.veg --select file:ids.ply --preview ids.ply", "ids.ply");
+  const ProgramResult both = run(kPrecompute + "bar.veg --select 'x<0.1' -o made.tremolo");
+  EXPECT_EQ(both.code, 0) << both.err;
+  EXPECT_NE(both.err.find("made.tremolo is not written"), std::string::npos) << both.err;
+  EXPECT_FALSE(fs::exists(folder_ + "/made.tremolo"));
+}
+
+// As nohup starts a program.
+TEST_F(NamedFiles, ASignalThatIsIgnoredEndsNothing) {
+  testing::write_veg(folder_ + "/larger.veg", box_mesh({14, 8, 8}, {0.4, 0.2, 0.2}));
+  for (const std::string& command :
+       {kTremolo + "run bar.tremolo --duration 6000 --every 1000",
+        kPrecompute + "larger.veg --linear-modes 40 --modes 30 --fix 'x<0.001' -o made.tremolo"}) {
+    const ProgramResult result = run_program(
+        folder_, "{ trap '' HUP; " + command + " & sleep 0.4; kill -HUP $! && wait $!; }");
+    EXPECT_EQ(result.code, 0) << command << "\n" << result.err;
+  }
 }
 
 TEST_F(NamedFiles, NoOutputOfTheReferenceOrTheMesherTakesThePlaceOfAnInput) {

@@ -221,6 +221,11 @@ TEST_F(PrecomputeProgram, WhoHoldsTheSideOfWhatStandsOnYIsTold) {
   EXPECT_EQ(side.code, 0) << side.err;
   EXPECT_NE(side.err.find(hint), std::string::npos) << side.err;
   EXPECT_NE(run_on(standing, "--select 'z<30%'").err.find(hint), std::string::npos);
+  // Where the side does not hold the body, too: here it is an edge, about which it can turn.
+  const ProgramResult edge = run_on(standing, "--fix 'z<1%'" + modes);
+  EXPECT_EQ(edge.code, 3) << edge.err;
+  EXPECT_NE(edge.err.find("z<1% takes the body's side, if y points up"), std::string::npos)
+      << edge.err;
   const ProgramResult turned = run_on(standing, "--up y --fix 'z<30%'" + modes);
   EXPECT_EQ(turned.code, 0) << turned.err;
   EXPECT_EQ(turned.err.find("takes the body's side"), std::string::npos) << turned.err;

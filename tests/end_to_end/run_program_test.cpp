@@ -43,7 +43,11 @@ class RunProgram : public ::testing::Test {
     ASSERT_EQ(made.code, 0) << made.err;
   }
 
-  void SetUp() override { folder_ = fresh_folder(); }
+  void SetUp() override {
+    // Who starts the tests in the background of a shell ignores it, and so would the programs.
+    std::signal(SIGINT, SIG_DFL);
+    folder_ = fresh_folder();
+  }
 
   ProgramResult run(const std::string& arguments) {
     return run_program(folder_, kProgram + arguments);

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "precompute/mesher/cgal_mesher.h"
-#include "precompute/mesher/polyhedral_mesher.h"
-#include "precompute/mesher/triangle_tree.h"
+#include "precompute/mesher/cgal/cgal_mesher.h"
+#include "precompute/mesher/cgal/polyhedral_mesher.h"
+#include "precompute/mesher/surface/triangle_tree.h"
 #include "tests/support/surfaces.h"
 
 namespace tremolo {
