@@ -26,28 +26,4 @@ double kinetic_energy(const Eigen::VectorXd& p);
 double band_energy(const Eigen::VectorXd& lambda, const Eigen::VectorXd& force,
                    const Eigen::VectorXd& p, Eigen::Index low);
 
-// Watches H over a run and says how far it left what it should be (docs/architecture.md,
-// `energy_drift_max`). observe() takes, once before the first step and once after each: H, the work
-// of the loads and the dissipated energy, both since the start, and whether a load still acts on a
-// coming step.
-class DriftMeter {
- public:
-  void observe(double energy, double work, double dissipated, bool load_to_come);
-
-  // After the loads have ended: max |H - H_ref + dissipated since| / H_ref, H_ref = H at that
-  // moment (without damping: |H - H_ref| / H_ref). While a load lasts:
-  // max |H - H_start - work + dissipated| / max H. Zero while there is no energy at all.
-  double worst() const;
-
- private:
-  bool started_ = false;
-  bool free_ = false;
-  double start_energy_ = 0.0;
-  double highest_ = 0.0;
-  double loaded_error_ = 0.0;
-  double reference_ = 0.0;  // H + dissipated when the loads ended
-  double reference_energy_ = 0.0;
-  double free_error_ = 0.0;
-};
-
 }  // namespace tremolo

@@ -5,29 +5,29 @@
 namespace tremolo {
 
 Vector BodyLoads::mean(double time, double step) const {
-  return mean_load(shape, time, step) * point + gravity;
+  return sample_signal(signal, time, step).average * point + gravity;
 }
 
 bool BodyLoads::to_come(double time, double step) const {
-  return !gravity.isZero(0.0) || time < load_end(shape) - 1e-9 * step;
+  return !gravity.isZero(0.0) || time < signal_end(signal) - 1e-9 * step;
 }
 
 BodyLoads make_body_loads(const ReferenceOptions& options, const Problem& problem,
                           const FullOrder& body) {
   BodyLoads loads;
-  loads.shape = unwrap(parse_load_shape(options.load.value_or("impulse")));
+  loads.signal = unwrap(parse_signal(options.load.value_or("impulse")));
   const Vector point = options.scale * point_load(body, problem.load);
   loads.point = deforming_load(body, point);
   loads.gravity = deforming_load(body, gravity_load(body, options.gravity));
   if (problem.load.vertices.empty()) {
-    if (options.load && loads.shape != LoadShape::kNone)
+    if (options.load && loads.signal.kind != SignalKind::kNone)
       throw Failure({ErrorKind::kUsage,
                      "--load needs to know where: name it with --load-at and --load-force"});
-    loads.shape = LoadShape::kNone;
+    loads.signal = {};
   } else if (options.scale != 0 && point.isZero(0.0)) {
     throw Failure(content_error("--load-at: the force acts along held components only"));
   }
-  const bool pushed = loads.shape != LoadShape::kNone && !point.isZero(0.0);
+  const bool pushed = loads.signal.kind != SignalKind::kNone && !point.isZero(0.0);
   if (!pushed) loads.point.setZero();
   if (!loads.point.isZero(0.0) || !loads.gravity.isZero(0.0)) return loads;
   if (problem.free_body && (pushed || !options.gravity.isZero(0.0)))

@@ -1,6 +1,7 @@
 // What loads the body in a reference run.
 #pragma once
 
+#include "common/load_signal.h"
 #include "precompute/reference/full_order.h"
 #include "precompute/reference/reference_options.h"
 
@@ -10,7 +11,7 @@ namespace tremolo {
 // without the share that would set a free body in motion.
 struct BodyLoads {
   Vector point, gravity;
-  LoadShape shape = LoadShape::kNone;
+  Signal signal;
 
   Vector all() const { return point + gravity; }  // of statics
   Vector mean(double time, double step) const;    // over a step

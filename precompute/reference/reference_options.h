@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "common/load_signal.h"
 #include "precompute/problem/problem.h"
-#include "precompute/reference/load_signal.h"
 #include "precompute/reference/time_integration.h"
 
 namespace tremolo {

@@ -49,7 +49,7 @@ void say_progress(const Motion& motion, std::int64_t steps, double seconds) {
                static_cast<double>(motion.linear_iterations) / made, seconds);
 }
 
-void report_motion(const Motion& motion, const EnergyDrift& drift, double seconds, Json& json) {
+void report_motion(const Motion& motion, const DriftMeter& drift, double seconds, Json& json) {
   const double steps = static_cast<double>(std::max<std::int64_t>(1, motion.steps));
   json["steps"] = motion.steps;
   json["reached"] = motion.time;

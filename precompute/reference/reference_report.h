@@ -3,9 +3,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/energy_drift.h"
 #include "precompute/reference/comparison.h"
-#include "precompute/reference/energy_drift.h"
 #include "precompute/reference/statics.h"
+#include "precompute/reference/time_integration.h"
 
 namespace tremolo {
 
@@ -17,7 +18,7 @@ Json largest_json(const Vector& field);
 
 // Each adds its keys to the object and says the most important.
 void report_statics(const StaticSolution& solution, double seconds, Json& json);
-void report_motion(const Motion& motion, const EnergyDrift& drift, double seconds, Json& json);
+void report_motion(const Motion& motion, const DriftMeter& drift, double seconds, Json& json);
 
 // unseen: unseen_load(); seconds: that the reduced model took.
 Json comparison_json(const std::string& file, const ReducedBody& reduced,

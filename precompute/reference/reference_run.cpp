@@ -225,7 +225,7 @@ void require_bounded(const Motion& motion, double& most_input) {
 struct Course {
   Motion motion;
   std::vector<Follower> followers;
-  EnergyDrift drift;
+  DriftMeter drift;
   ReferenceTable table;
   double seconds = 0;  // of the full body's steps
 };
@@ -239,7 +239,8 @@ void move(Work& work, const SecondOrderSystem& system, std::int64_t steps, Cours
   for (const Follower& follower : course.followers) reduced.push_back(&follower.motion);
   double said = 0, most_input = 0;  // seconds; J
   for (;;) {
-    course.drift.observe(motion, work.loads.to_come(motion.time, options.time.step));
+    course.drift.observe(motion.total(), motion.work, motion.dissipated,
+                         work.loads.to_come(motion.time, options.time.step));
     if (motion.steps % options.every == 0 || motion.steps == steps)
       record(work, motion, reduced, course.table);
     if (motion.steps == steps) break;

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "common/load_signal.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/reduction/polynomial_check.h"
-#include "precompute/reference/load_signal.h"
 #include "precompute/reference/reduced_model.h"
 #include "precompute/reference/time_integration.h"
 #include "tests/support/reference_body.h"
@@ -161,18 +161,19 @@ TEST(ReferenceReducedModel, TheFirstCoordinatesAreTheModelWithTheOthersAtZero) {
 }
 
 TEST(ReferenceLoad, EveryStepHandsOnTheSameImpulse) {
-  const auto impulse = [](LoadShape shape, double step, double until) {
+  const auto impulse = [](SignalKind kind, double step, double until) {
     double sum = 0;
     const int steps = static_cast<int>(std::lround(until / step));
-    for (int k = 0; k < steps; ++k) sum += step * mean_load(shape, k * step, step);
+    for (int k = 0; k < steps; ++k)
+      sum += step * sample_signal({.kind = kind}, k * step, step).average;
     return sum;
   };
   for (const double step : {1e-2, 3e-3, 7e-4}) {
-    EXPECT_NEAR(impulse(LoadShape::kImpulse, step, 0.42), 3e-3, 1e-15);
-    EXPECT_NEAR(impulse(LoadShape::kSquare, step, 0.42), 0.3, 1e-13);
-    EXPECT_NEAR(impulse(LoadShape::kSine, step, 0.42),
+    EXPECT_NEAR(impulse(SignalKind::kImpulse, step, 0.42), 3e-3, 1e-15);
+    EXPECT_NEAR(impulse(SignalKind::kSquare, step, 0.42), 0.3, 1e-13);
+    EXPECT_NEAR(impulse(SignalKind::kSine, step, 0.42),
                 (1 - std::cos(2 * std::numbers::pi * 0.42)) / (2 * std::numbers::pi), 1e-13);
-    EXPECT_EQ(impulse(LoadShape::kNone, step, 0.42), 0.0);
+    EXPECT_EQ(impulse(SignalKind::kNone, step, 0.42), 0.0);
   }
 }
 

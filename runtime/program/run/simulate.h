@@ -32,7 +32,7 @@ struct RunReport {
   double energy_initial = 0;
   double energy_reference = 0;  // when the load had ended; of the last moment if it lasts
   double energy_final = 0;
-  double energy_drift_max = 0;  // docs/architecture.md
+  double energy_drift_max = 0;  // docs/reference.md
   double high_band_final = 0;
   double work = 0;
   double dissipated = 0;

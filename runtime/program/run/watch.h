@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "common/energy_drift.h"
 #include "runtime/energy.h"
 #include "runtime/program/run/frames.h"
 #include "runtime/program/run/recorder.h"

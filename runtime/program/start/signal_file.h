@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/load_signal.h"
 #include "common/result.h"
-#include "runtime/load.h"
 
 namespace tremolo {
 

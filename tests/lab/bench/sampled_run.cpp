@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/energy_drift.h"
 #include "runtime/body.h"
 #include "runtime/energy.h"
 

@@ -31,7 +31,7 @@ struct RunSpec {
 
 // q: r x samples, column k at (k + 1) sample; empty unless asked for. high_band: mean over the
 // samples of the second half of the run, J, not-a-number if that was not reached. drift:
-// energy_drift_max of docs/architecture.md, of the samples. energy_reference: when the load had
+// energy_drift_max of docs/reference.md, of the samples. energy_reference: when the load had
 // ended; energy_end: of the last sample. largest: of the watched vertex, over all steps, m.
 struct SampledRun : Ending {
   Eigen::MatrixXd q;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "common/energy_drift.h"
 #include "runtime/body.h"
 #include "tests/lab/report/chart.h"
 #include "tests/lab/report/store.h"

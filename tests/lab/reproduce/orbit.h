@@ -37,7 +37,7 @@ struct Series {
 };
 
 // reached: s. cut_steps: steps that were taken in parts. energy_drift: as energy_drift_max in
-// docs/architecture.md. mean_energy, mean_high_band: of all steps after the load has ended, of all
+// docs/reference.md. mean_energy, mean_high_band: of all steps after the load has ended, of all
 // if it lasts, J. total: H, J.
 struct Orbit : Ending {
   std::int64_t steps = 0;

@@ -239,7 +239,7 @@ Status add_energies(Page& page, const Workshop& shop, const Orbits& orbits,
   return add_table(
       page, energies_table(shop, orbits),
       "Mean energy after the load has ended, of the whole run if it lasts, and the largest "
-      "error of the energy balance (energy_drift_max in docs/architecture.md); * broke off.",
+      "error of the energy balance (energy_drift_max in docs/reference.md); * broke off.",
       directory, "energies", 2);
 }
 
