@@ -1,11 +1,13 @@
 #include "precompute/pipeline.h"
 
+#include <limits>
+
 #include "common/format_text.h"
 #include "precompute/body_measures.h"
 #include "precompute/pipeline_stages.h"
 #include "precompute/problem/model_geometry.h"
 #include "precompute/problem/preview.h"
-#include "precompute/problem/rigid_motion.h"
+#include "precompute/ranks/halo.h"
 #include "precompute/ranks/rank_agreement.h"
 #include "precompute/soundness.h"
 #include "precompute/system/blas_threads.h"
@@ -25,51 +27,57 @@ void require_factor(const SolverChoice& choice, const std::optional<LinearSolver
                   : "it does not fit (" + choice.reason + "). Give --modes, or a coarser mesh")});
 }
 
-std::vector<double> point_mass_of_part(const Problem& problem, const LocalDofs& local) {
-  const std::vector<double> all =
-      mass_of_vertices(problem.point_masses, problem.mesh.vertices.size());
-  std::vector<double> ours;
-  if (!all.empty())
-    for (const VertexId v : local.vertices) ours.push_back(all[static_cast<std::size_t>(v)]);
-  return ours;
-}
-
-void load_mesh(const PrecomputeOptions& options, StageLog& log, PrecomputeResult& result) {
-  log.begin("mesh");
-  result.problem = load_problem_together(options);
+PrecomputeResult load_mesh(const ModelRequest& request) {
+  PrecomputeResult result;
+  result.problem = load_problem_together(request);
   const Problem& problem = result.problem;
   result.map = make_dof_map(problem.mesh, problem.fixed, mpi_ranks());
   result.local = local_dofs(problem.mesh, result.map, mpi_rank());
-  log.end(text("%zu vertices, %zu tetrahedra, %zu fixed vertices", problem.mesh.vertices.size(),
-               problem.mesh.tetrahedra.size(), problem.fixed.size()));
-  for (const std::string& note : problem.notes) log.note(note);
-  if (mpi_rank() != 0) return;
+  if (mpi_rank() != 0) return result;
   result.findings.locking = find_locking(problem);
-  for (const std::string& note : describe(result.findings.locking)) log.note(note);
-  write_preview(options, problem);
+  write_preview(request, problem);
+  return result;
 }
 
-MachineLimits measure_limits(const PrecomputeOptions& options, StageLog& log) {
-  if (!options.limits || mpi_ranks() > 1) return {};
-  log.begin("machine");
-  const MachineLimits machine = measure_machine(options.threads);
-  log.end(text("%.4g GFLOP/s, %.4g GB/s read on %u threads", 1e-9 * machine.flops,
-               1e-9 * machine.bytes, options.threads));
-  return machine;
+Stage<PrecomputeResult> mesh_stage(const ModelRequest& request) {
+  const auto outcome = [](const PrecomputeResult& result) {
+    const TetMesh& mesh = result.problem.mesh;
+    return text("%zu vertices, %zu tetrahedra, %zu fixed vertices", mesh.vertices.size(),
+                mesh.tetrahedra.size(), result.problem.fixed.size());
+  };
+  const auto notes = [](const PrecomputeResult& result) {
+    std::vector<std::string> lines = result.problem.notes;
+    for (const std::string& note : describe(result.findings.locking)) lines.push_back(note);
+    return lines;
+  };
+  return {.name = "mesh",
+          .make = [&request] { return load_mesh(request); },
+          .outcome = outcome,
+          .notes = notes};
 }
 
-SolverChoice choose(const PrecomputeOptions& options, const PrecomputeResult& result,
+Stage<MachineLimits> machine_stage(unsigned threads) {
+  return {.name = "machine",
+          .make = [threads] { return measure_machine(threads); },
+          .outcome =
+              [threads](const MachineLimits& machine) {
+                return text("%.4g GFLOP/s, %.4g GB/s read on %u threads", 1e-9 * machine.flops,
+                            1e-9 * machine.bytes, threads);
+              }};
+}
+
+SolverChoice choose(const ModelRequest& request, const PrecomputeResult& result,
                     const ModeCounts& counts, int rigid_count) {
-  SolverRequest request;
+  SolverRequest asked;
   // Memory that is free now may be more or less than it was when the stages were made.
-  request.solver = options.solver ? options.solver : kept_solver(options);
-  request.memory = options.memory;
-  request.linear_modes = counts.linear;
-  request.modes = counts.modes;
-  request.derivatives = !options.linear;
-  request.rigid_modes = rigid_count;
-  request.threads = options.threads;
-  return choose_solver(result.map, result.local, request);
+  asked.solver = request.solver ? request.solver : kept_solver(request.checkpoint);
+  asked.memory = request.memory;
+  asked.linear_modes = counts.linear;
+  asked.modes = counts.modes;
+  asked.derivatives = !request.linear;
+  asked.rigid_modes = rigid_count;
+  asked.threads = request.threads;
+  return choose_solver(result.map, result.local, asked);
 }
 
 // Where stiff and soft parts meet, the rounding of large forces that balance in the stiff ones
@@ -78,74 +86,124 @@ double residual_to_judge(const Solid& solid, const Modes& modes) {
   return solid.uniform() ? modes.residuals.maxCoeff() : modes.scaled_residual;
 }
 
+// Counts for as many linear modes as there are.
+void take_modes(const Modes& modes, Run& run, PrecomputeResult& result) {
+  PrecomputeFindings& findings = result.findings;
+  findings.factorisation = modes.factorisation;
+  findings.mode_solver = modes.solver;
+  findings.mode_residuals.assign(modes.residuals.begin(), modes.residuals.end());
+  if (const auto count = static_cast<int>(modes.vectors.cols()); count != run.counts.linear) {
+    ModelRequest extended = run.request;
+    extended.linear_modes = count;
+    run.counts = choose_mode_counts(extended, 3 * result.map.nodes() - run.rigid_count);
+  }
+  result.data.linear_mode_count = static_cast<std::uint64_t>(run.counts.linear);
+  result.data.rigid_mode_count = static_cast<std::uint64_t>(run.rigid_count);
+}
+
+// Tells when coordinates were added or left out.
+void take_basis(FinishedBasis finished, Run& run, PrecomputeResult& result) {
+  const Basis& basis = finished.basis;
+  const std::string note = note_on_cut(basis.cut, run.counts.modes, basis.lambda.size());
+  if (!note.empty()) run.log.note(note);
+  run.counts.modes = static_cast<int>(basis.lambda.size());
+  result.rows = std::move(finished.rows);
+  result.findings.derivative_residual = finished.derivative_residual;
+  result.findings.orthonormality_error = basis.orthonormality_error;
+  result.findings.diagonality_error = basis.diagonality_error;
+  result.data.lambda = basis.lambda;
+  result.data.singular_values = basis.singular_values;
+  if (!run.request.linear || run.counts.modes >= run.counts.linear) return;
+  result.problem.notes.push_back(
+      text("of the %d linear modes the basis keeps %d; --modes %d, the default, keeps all",
+           run.counts.linear, run.counts.modes, run.counts.linear));
+  run.log.note(result.problem.notes.back());
+}
+
+void take_coefficients(FinishedCoefficients coefficients, PrecomputeResult& result) {
+  result.data.cubic = std::move(coefficients.cubic);
+  result.data.quartic = std::move(coefficients.quartic);
+  result.findings.polynomial_error = coefficients.polynomial_error;
+}
+
+void take_certificate(const InertiaCertificate& certificate, PrecomputeFindings& findings) {
+  findings.certified = certificate.complete();
+  findings.inertia_count = certificate.counted;
+}
+
+// Without one, when it is there already or there are no derivatives to make.
+BasisSource find_source(const Run& run, const Modes& modes, Eigen::Index rows) {
+  BasisSource source;
+  source.finished = find_basis(run.checkpoint, rows, Eigen::Index{run.counts.modes});
+  if (!source.finished && run.request.linear)
+    source.derivatives = {modes.vectors, modes.vectors.cols(), 0.0};
+  return source;
+}
+
+// The stages from the matrices on, in their order. False when the target finds no r.
+bool run_stages(Run& run, const MachineLimits& machine, StageLog& log, TargetSearch* target,
+                PrecomputeResult& result) {
+  const auto stage = [&](const auto& each) { return run_stage(each, machine, log); };
+  const ModelRequest& request = run.request;
+  const System system = stage(matrices_stage(run));
+  const Pencil pencil = make_pencil(run, system);
+  const std::unique_ptr<ShiftedSolver> solver = make_shifted_solver(pencil);
+  const Solved on{system, pencil, *solver};
+
+  const Modes modes = stage(modes_stage(run, on)).modes;
+  take_modes(modes, run, result);
+  const BasisRows psi = expand_to_vertices(result.map, result.local, modes.vectors);
+  BasisSource source = find_source(run, modes, psi.rows());
+  if (!source.finished && !request.linear)
+    source.derivatives = stage(derivatives_stage(run, on, modes, psi));
+  if (request.certify && !solver->solves_unshifted())
+    take_certificate(stage(certificate_stage(run, on, modes)), result.findings);
+  else if (request.certify)
+    log.note("not certified: counting modes by inertia needs a factor; --solver cholmod or mumps");
+  solver->release();
+  if (target != nullptr) {
+    TargetChoice choice = stage(target_stage(run, system, modes, psi, source, *target));
+    result.findings.target = choice.findings;
+    if (!choice.findings.kept()) return false;
+    run.counts.modes = choice.findings.chosen.modes;
+    source.directions = std::move(choice.directions);
+  }
+  take_basis(stage(basis_stage(run, system, modes, psi, source)), run, result);
+  if (!request.linear) take_coefficients(stage(coefficients_stage(run, system)), result);
+
+  result.findings.resumed = run.checkpoint.found();
+  require_accurate(result.findings, system.solid, residual_to_judge(system.solid, modes),
+                   modes.cancellation);
+  return true;
+}
+
 }  // namespace
 
-PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log,
-                                TargetSearch* target) {
-  PrecomputeResult result;
-  load_mesh(options, log, result);
+PrecomputeResult run_precompute(const ModelRequest& request, StageLog& log, TargetSearch* target) {
+  choose_mode_counts(request, std::numeric_limits<int>::max());  // what no mesh could make right
+  PrecomputeResult result = run_stage(mesh_stage(request), {}, log);
   const Problem& problem = result.problem;
   const int dofs = 3 * result.map.nodes();
-  const auto parts = static_cast<int>(problem.report.parts);
-  const int rigid_count = problem.free_body ? 6 * parts : 0;
-  const ModeCounts counts = choose_mode_counts(options, dofs - rigid_count);
+  const int rigid_count = problem.free_body ? 6 * static_cast<int>(problem.report.parts) : 0;
+  const ModeCounts counts = choose_mode_counts(request, dofs - rigid_count);
 
   // The fronts of a small factor are too small to share: more threads only wait for each other.
   constexpr int kSmall = 100'000;  // dofs
-  const int blas_threads = dofs < kSmall ? 1 : static_cast<int>(options.threads);
+  const int blas_threads = dofs < kSmall ? 1 : static_cast<int>(request.threads);
   const BlasThreads blas(blas_threads);
-  const MachineLimits machine = measure_limits(options, log);
+  MachineLimits machine;
+  if (request.limits && mpi_ranks() == 1)
+    machine = run_stage(machine_stage(request.threads), {}, log);
 
-  const SolverChoice choice = choose(options, result, counts, rigid_count);
+  const SolverChoice choice = choose(request, result, counts, rigid_count);
   log.note(choice.reason);
-  if (target != nullptr) require_factor(choice, options.solver);
-  Checkpoint checkpoint(
-      options, checkpoint_identity(options, problem, counts, choice.solver, blas_threads), log);
-
-  log.begin("matrices");
-  const TetMesh part = mpi_ranks() > 1 ? part_mesh(problem.mesh, result.local) : TetMesh();
-  Solid solid =
-      make_solid(mpi_ranks() > 1 ? part : problem.mesh, result.local.tetrahedra, problem.materials);
-  solid.point_mass = point_mass_of_part(problem, result.local);
-  const Matrices matrices = assemble(solid, result.map, result.local, options.mass);
+  if (target != nullptr) require_factor(choice, request.solver);
+  Checkpoint checkpoint(request.checkpoint,
+                        checkpoint_identity(request, problem, counts, choice.solver, blas_threads),
+                        log);
   result.data.total_mass = total_mass(problem);
-  log.end(text("%d dofs, %.6g kg", dofs, result.data.total_mass));
-  for (const std::string& note : material_notes(problem, solid)) log.note(note);
-
-  log.begin("modes");
-  const std::vector<int>& part_of_vertex = problem.report.part_of_vertex;
-  Run run{.options = options,
-          .log = log,
-          .result = result,
-          .machine = machine,
-          .choice = choice,
-          .solid = solid,
-          .matrices = matrices,
-          .checkpoint = checkpoint,
-          .counts = counts,
-          .rigid_count = rigid_count,
-          .rigid = problem.free_body ? rigid_modes(problem.mesh, part_of_vertex, parts,
-                                                   result.local, matrices.mass.get())
-                                     : Columns(result.local.dofs(), 0),
-          .marker = make_marker(problem.mesh, part_of_vertex, result.local)};
-  BasisRows psi;
-  WholeModes whole = make_modes(run, psi);
-  Modes& modes = whole.modes;
-
-  // A basis that is there makes the derivatives needless.
-  FinishedBasis finished;
-  const bool found = find_basis(checkpoint, psi.rows(), Eigen::Index{run.counts.modes}, finished);
-  ModalDerivatives derivatives;
-  if (!found) derivatives = make_derivatives(run, modes, psi);
-  certify_modes(run, modes);
-  release_solver(modes);
-  if (!make_basis_rows(run, modes, psi, std::move(derivatives), target, found, std::move(finished)))
-    return result;
-  make_coefficients(run);
-
-  result.findings.resumed = checkpoint.found();
-  require_accurate(result.findings, solid, residual_to_judge(solid, modes), modes.cancellation);
-  add_geometry(problem, result.data);
+  Run run{request, result, choice, checkpoint, log, counts, rigid_count};
+  if (run_stages(run, machine, log, target, result)) add_geometry(problem, result.data);
   return result;
 }
 

@@ -5,6 +5,7 @@
 
 #include "common/stage_log.h"
 #include "formats/basis/basis_data.h"
+#include "precompute/problem/model_request.h"
 #include "precompute/problem/problem.h"
 #include "precompute/problem/wall_layers.h"
 #include "precompute/ranks/row_gather.h"
@@ -44,10 +45,7 @@ struct PrecomputeResult {
 // Runs everything; needs a PetscSession. Throws Failure. target: chooses r (target_error.h); when
 // it finds none the result is unfinished.
 struct TargetSearch;
-PrecomputeResult run_precompute(const PrecomputeOptions& options, StageLog& log,
+PrecomputeResult run_precompute(const ModelRequest& request, StageLog& log,
                                 TargetSearch* target = nullptr);
-
-// The JSON object kept in the file. No times: the same input gives the same file.
-std::string provenance_json(const PrecomputeOptions& options, const PrecomputeResult& result);
 
 }  // namespace tremolo

@@ -1,9 +1,11 @@
-// Stages "modes", "derivatives" and "certificate", which share a factor of the stiffness.
+// Stages "matrices", "modes", "derivatives" and "certificate".
 #include "common/format_text.h"
 #include "common/hertz.h"
 #include "precompute/body_measures.h"
+#include "precompute/dense/lanes.h"
 #include "precompute/modes/block_lanczos.h"
 #include "precompute/pipeline_stages.h"
+#include "precompute/problem/rigid_motion.h"
 #include "precompute/ranks/halo.h"
 #include "precompute/reduction/derivatives.h"
 #include "precompute/soundness.h"
@@ -11,6 +13,36 @@
 
 namespace tremolo {
 namespace {
+
+std::vector<double> point_mass_of_part(const Problem& problem, const LocalDofs& local) {
+  const std::vector<double> all =
+      mass_of_vertices(problem.point_masses, problem.mesh.vertices.size());
+  std::vector<double> ours;
+  if (!all.empty())
+    for (const VertexId v : local.vertices) ours.push_back(all[static_cast<std::size_t>(v)]);
+  return ours;
+}
+
+// Motions that the modes must leave out.
+Columns motions_of_free_body(const Problem& problem, const LocalDofs& local, Mat mass) {
+  if (!problem.free_body) return Columns(local.dofs(), 0);
+  return rigid_modes(problem.mesh, problem.report.part_of_vertex,
+                     static_cast<int>(problem.report.parts), local, mass);
+}
+
+System assemble_system(const Run& run) {
+  const Problem& problem = run.result.problem;
+  const LocalDofs& local = run.result.local;
+  std::unique_ptr<const TetMesh> part;
+  if (mpi_ranks() > 1) part = std::make_unique<const TetMesh>(part_mesh(problem.mesh, local));
+  Solid solid = make_solid(part ? *part : problem.mesh, local.tetrahedra, problem.materials);
+  solid.point_mass = point_mass_of_part(problem, local);
+  Matrices matrices = assemble(solid, run.result.map, local, run.request.mass);
+  Columns rigid = motions_of_free_body(problem, local, matrices.mass.get());
+  Marker marker = make_marker(problem.mesh, problem.report.part_of_vertex, local);
+  return {std::move(part), std::move(solid), std::move(matrices), std::move(rigid),
+          std::move(marker)};
+}
 
 std::vector<Eigen::Vector3d> node_positions(const PrecomputeResult& result) {
   std::vector<Eigen::Vector3d> positions;
@@ -22,156 +54,166 @@ std::vector<Eigen::Vector3d> node_positions(const PrecomputeResult& result) {
   return positions;
 }
 
-WholeModes lowest_modes(const Run& run, double shift) {
-  const auto solve = [&](int count) {
-    return run.choice.solver == LinearSolver::kIterative
-               ? compute_modes_iteratively(run.matrices, count, run.rigid, shift,
-                                           node_positions(run.result))
-               : compute_modes(run.matrices, count, run.rigid, shift, run.options.threads,
-                               run.choice.solver);
-  };
-  return compute_whole_modes(solve, run.matrices, run.counts.linear, !run.options.linear_modes,
-                             run.marker, run.rigid);
-}
-
-void refuse_mechanism(const Run& run, const Modes& modes) {
+void require_elastic(const Run& run, const Solved& on, const Modes& modes) {
   const PrecomputeResult& result = run.result;
-  require_no_mechanism(result.problem, run.solid, result.local, modes,
+  require_no_mechanism(result.problem, on.system.solid, result.local, modes,
                        expand_to_vertices(result.map, result.local, modes.vectors));
 }
 
-WholeModes held_modes(const Run& run) {
+Modes lowest_modes(const Run& run, const Solved& on, double shift) {
+  return compute_modes_and_equals(on.pencil, on.solver, shift, run.counts.linear);
+}
+
+Modes held_modes(const Run& run, const Solved& on) {
   try {
-    return lowest_modes(run, 0.0);
+    return lowest_modes(run, on, 0.0);
   } catch (const Failure& failure) {
     // A stiffness that cannot be factorised is a mechanism's, as a rule: with a shift its motion
     // can be found, and the place told.
     if (failure.error().kind != ErrorKind::kSolver || mpi_ranks() > 1) throw;
-    refuse_mechanism(run, lowest_modes(run, small_shift(run.result.problem, run.solid)).modes);
+    const double shift = small_shift(run.result.problem, on.system.solid);
+    require_elastic(run, on, lowest_modes(run, on, shift));
     throw;
   }
 }
 
-WholeModes free_modes(const Run& run) {
-  WholeModes whole = lowest_modes(run, small_shift(run.result.problem, run.solid));
+Modes free_modes(const Run& run, const Solved& on) {
+  Modes modes = lowest_modes(run, on, small_shift(run.result.problem, on.system.solid));
   // A thin body is far softer than a compact one: its derivatives want a smaller shift. One with a
   // small soft part is far stiffer than that part: so near to zero, K loses its digits.
-  const double lowest = whole.modes.squared_frequencies[0], shift = whole.modes.shift;
+  const double lowest = modes.squared_frequencies[0], shift = modes.shift;
   const bool good = -shift <= 0.1 * lowest && -shift >= 1e-7 * lowest;
-  if (good || !(lowest > 0) || whole.modes.iterative != nullptr) return whole;
-  refuse_mechanism(run, whole.modes);  // its frequency, rounding, would be no measure
-  whole = WholeModes();                // its factor goes before there is another
-  return lowest_modes(run, -0.02 * lowest);
+  if (good || !(lowest > 0) || on.solver.solves_unshifted()) return modes;
+  require_elastic(run, on, modes);  // its frequency, rounding, would be no measure
+  modes = Modes();
+  return lowest_modes(run, on, -0.02 * lowest);
+}
+
+// The runs of equals are made canonical and the signs fixed: nothing is left to the solver.
+WholeModes elastic_modes(const Run& run, const Solved& on) {
+  const PrecomputeResult& result = run.result;
+  Modes modes = result.problem.free_body ? free_modes(run, on) : held_modes(run, on);
+  WholeModes whole =
+      make_whole(on.pencil.mass(), on.system.marker, run.counts.linear, available_modes(on.pencil),
+                 !run.request.linear_modes, std::move(modes));
+  Columns& vectors = whole.modes.vectors;
+  BasisRows psi = expand_to_vertices(result.map, result.local, vectors);
+  require_no_mechanism(result.problem, on.system.solid, result.local, whole.modes, psi);
+  fix_signs(result.local, vectors, psi);
+  return whole;
 }
 
 // Columns solved for on the factor, `width` in one pass over it forwards and one backwards.
-StageWork solves_on(const SparseCholesky& factor, int columns, int width) {
+StageWork solves_on(const ShiftedSolver& solver, int columns, int width) {
   StageWork work;
-  work.flops = 4.0 * static_cast<double>(factor.entries()) * columns;
-  work.factor_bytes = 8.0 * static_cast<double>(factor.entries());
+  work.flops = 4.0 * solver.entries() * columns;
+  work.factor_bytes = 8.0 * solver.entries();
   const int blocks = (columns + width - 1) / width;
   work.passes = 2.0 * blocks;
   return work;
 }
 
-void report_modes(const Run& run, const WholeModes& whole, bool found) {
-  const Modes& modes = whole.modes;
-  PrecomputeFindings& findings = run.result.findings;
-  findings.factorisation = modes.factorisation;
-  findings.mode_solver = modes.solver;
-  findings.mode_residuals.assign(modes.residuals.begin(), modes.residuals.end());
-  run.result.data.linear_mode_count = static_cast<std::uint64_t>(run.counts.linear);
-  run.result.data.rigid_mode_count = static_cast<std::uint64_t>(run.rigid_count);
-  if (modes.cholesky != nullptr) {
-    StageWork work = solves_on(*modes.cholesky, modes.solves, kLanczosBlock);
-    work.added_flops = modes.cholesky->flops();
-    set_limit(run.machine, work, run.log);
-  }
-  run.log.end(text("%d modes, %.4g to %.4g Hz, residual %.1e, %s (%s)%s", run.counts.linear,
-                   hertz(modes.squared_frequencies[0]),
-                   hertz(modes.squared_frequencies[run.counts.linear - 1]),
-                   modes.residuals.maxCoeff(), modes.factorisation.c_str(), modes.solver.c_str(),
-                   origin(found)));
-  if (!whole.note.empty()) run.log.note(whole.note);
-  if (run.rigid_count > 0)
-    run.log.note(
-        text("a free body: its %d rigid motions are left out of the basis", run.rigid_count));
-}
-
 }  // namespace
 
-WholeModes make_modes(Run& run, BasisRows& psi) {
-  const PrecomputeResult& result = run.result;
-  WholeModes whole;
-  const bool found = find_modes(run.checkpoint, result.local.dofs(), run.counts.linear, whole);
-  if (!found) whole = result.problem.free_body ? free_modes(run) : held_modes(run);
-  Modes& modes = whole.modes;
-  if (const auto count = static_cast<int>(modes.vectors.cols()); count != run.counts.linear) {
-    PrecomputeOptions extended = run.options;
-    extended.linear_modes = count;
-    run.counts = choose_mode_counts(extended, 3 * result.map.nodes() - run.rigid_count);
-  }
-  psi = expand_to_vertices(result.map, result.local, modes.vectors);
-  if (!found) {
-    require_no_mechanism(result.problem, run.solid, result.local, modes, psi);
-    fix_signs(result.local, modes.vectors, psi);
-    keep_modes(run.checkpoint, whole);
-  }
-  report_modes(run, whole, found);
-  return whole;
+Stage<System> matrices_stage(const Run& run) {
+  return {.name = "matrices",
+          .make = [&run] { return assemble_system(run); },
+          .outcome =
+              [&run](const System&) {
+                return text("%d dofs, %.6g kg", 3 * run.result.map.nodes(),
+                            total_mass(run.result.problem));
+              },
+          .notes =
+              [&run](const System& system) {
+                return material_notes(run.result.problem, system.solid);
+              }};
 }
 
-ModalDerivatives make_derivatives(Run& run, Modes& modes, const BasisRows& psi) {
-  if (run.options.linear) return {modes.vectors, modes.vectors.cols(), 0.0};
-  run.log.begin("derivatives");
-  ModalDerivatives derivatives;
-  const bool found = find_derivatives(run.checkpoint, modes.vectors, derivatives);
-  if (!found) {
-    restore_solver(run.matrices, run.rigid, run.choice.solver, node_positions(run.result), modes);
-    derivatives = modal_derivatives(run.solid, run.result.local, run.matrices, modes, psi,
-                                    run.rigid, run.options.threads);
-    keep_derivatives(run.checkpoint, derivatives);
-  }
-  const int count = static_cast<int>(derivatives.vectors().cols());
-  if (!found && modes.cholesky != nullptr)
-    set_limit(run.machine, solves_on(*modes.cholesky, count, 2 * static_cast<int>(kLanes)),
-              run.log);
-  run.log.end(text("%d solves %s, residual %.1e%s", count,
-                   run.choice.solver == LinearSolver::kIterative ? "by conjugate gradients"
-                                                                 : "on the factor of the modes",
-                   derivatives.residual, origin(found)));
-  return derivatives;
+Pencil make_pencil(const Run& run, const System& system) {
+  return {system.matrices, system.rigid, run.choice.solver, run.request.threads,
+          node_positions(run.result)};
 }
 
-void certify_modes(Run& run, Modes& modes) {
-  if (!run.options.certify) return;
-  if (run.choice.solver == LinearSolver::kIterative) {
-    run.log.note(
-        "not certified: counting modes by inertia needs a factor; --solver cholmod or mumps");
-    return;
-  }
-  run.log.begin("certificate");
-  InertiaCertificate certificate;
-  const bool found = find_certificate(run.checkpoint, certificate);
-  double flops = 0;
-  if (!found) {
-    // MUMPS makes another one for it, SLEPc's is of no use.
-    if (modes.solves > 0 && run.choice.solver == LinearSolver::kCholmod)
-      restore_solver(run.matrices, run.rigid, run.choice.solver, {}, modes);
-    if (modes.cholesky != nullptr) flops = modes.cholesky->flops();
-    certificate = certify(run.matrices, modes, run.rigid_count, run.options.threads);
-  }
-  PrecomputeFindings& findings = run.result.findings;
-  findings.certified = certificate.complete();
-  findings.inertia_count = certificate.counted;
-  if (!certificate.complete())
-    throw Failure({ErrorKind::kSolver,
-                   text("modes were missed: inertia counts %d below %.6g Hz, %d were found",
-                        certificate.counted, hertz(certificate.bound), certificate.expected)});
-  if (!found) keep_certificate(run.checkpoint, certificate);
-  set_limit(run.machine, {.flops = flops}, run.log);
-  run.log.end(text("inertia counts the same %d modes below %.4g Hz, %s%s", certificate.counted,
-                   hertz(certificate.bound), certificate.solver.c_str(), origin(found)));
+Stage<WholeModes> modes_stage(const Run& run, const Solved& on) {
+  const auto outcome = [](const WholeModes& whole) {
+    const Modes& modes = whole.modes;
+    const Eigen::Index k = modes.squared_frequencies.size();
+    return text("%d modes, %.4g to %.4g Hz, residual %.1e, %s (%s)", static_cast<int>(k),
+                hertz(modes.squared_frequencies[0]), hertz(modes.squared_frequencies[k - 1]),
+                modes.residuals.maxCoeff(), modes.factorisation.c_str(), modes.solver.c_str());
+  };
+  const auto notes = [&run](const WholeModes& whole) {
+    std::vector<std::string> lines;
+    if (!whole.note.empty()) lines.push_back(whole.note);
+    if (run.rigid_count > 0)
+      lines.push_back(
+          text("a free body: its %d rigid motions are left out of the basis", run.rigid_count));
+    return lines;
+  };
+  const auto work = [on](const WholeModes& whole) {
+    if (whole.modes.solves == 0) return StageWork();
+    StageWork done = solves_on(on.solver, whole.modes.solves, kLanczosBlock);
+    done.added_flops = on.solver.flops();
+    return done;
+  };
+  return {
+      .name = "modes",
+      .make = [&run, on] { return elastic_modes(run, on); },
+      .outcome = outcome,
+      .notes = notes,
+      .work = work,
+      .find =
+          [&run] { return find_modes(run.checkpoint, run.result.local.dofs(), run.counts.linear); },
+      .keep = [&run](const WholeModes& whole) { keep_modes(run.checkpoint, whole); }};
+}
+
+Stage<ModalDerivatives> derivatives_stage(const Run& run, const Solved& on, const Modes& modes,
+                                          const BasisRows& psi) {
+  const auto count = [](const ModalDerivatives& derivatives) {
+    return static_cast<int>(derivatives.vectors().cols());
+  };
+  return {.name = "derivatives",
+          .make =
+              [&run, &modes, &psi, on] {
+                on.solver.prepare(modes.shift);
+                return modal_derivatives(on.system.solid, run.result.local, on.pencil, on.solver,
+                                         modes.vectors, psi);
+              },
+          .outcome =
+              [count, on](const ModalDerivatives& derivatives) {
+                return text("%d solves %s, residual %.1e", count(derivatives),
+                            on.solver.solves_unshifted() ? "by conjugate gradients"
+                                                         : "on the factor of the modes",
+                            derivatives.residual);
+              },
+          .work =
+              [count, on](const ModalDerivatives& derivatives) {
+                return solves_on(on.solver, count(derivatives), 2 * static_cast<int>(kLanes));
+              },
+          .find = [&run, &modes] { return find_derivatives(run.checkpoint, modes.vectors); },
+          .keep = [&run](const ModalDerivatives& made) { keep_derivatives(run.checkpoint, made); }};
+}
+
+Stage<InertiaCertificate> certificate_stage(const Run& run, const Solved& on, const Modes& modes) {
+  const auto make = [&run, &modes, on] {
+    const InertiaCertificate certificate = certify(on.solver, modes, run.rigid_count);
+    if (!certificate.complete())
+      throw Failure({ErrorKind::kSolver,
+                     text("modes were missed: inertia counts %d below %.6g Hz, %d were found",
+                          certificate.counted, hertz(certificate.bound), certificate.expected)});
+    return certificate;
+  };
+  return {
+      .name = "certificate",
+      .make = make,
+      .outcome =
+          [](const InertiaCertificate& certificate) {
+            return text("inertia counts the same %d modes below %.4g Hz, %s", certificate.counted,
+                        hertz(certificate.bound), certificate.solver.c_str());
+          },
+      .work = [on](const InertiaCertificate&) { return StageWork{.flops = on.solver.flops()}; },
+      .find = [&run] { return find_certificate(run.checkpoint); },
+      .keep = [&run](const InertiaCertificate& made) { keep_certificate(run.checkpoint, made); }};
 }
 
 }  // namespace tremolo

@@ -1,45 +1,75 @@
-// The stages of a precompute from the modes on. Each finds its result in the checkpoint or makes
-// and keeps it, takes what the report and the file want of it into the run's result, and says so.
+// The stages of a precompute from the matrices on: what each computes, what is kept of it, and what
+// is said.
 #pragma once
 
+#include <memory>
+#include <optional>
+
 #include "precompute/checkpoint/checkpoint_stages.h"
-#include "precompute/dense/limits.h"
 #include "precompute/pipeline.h"
+#include "precompute/stage.h"
 
 namespace tremolo {
 
-// What the stages share; all but the counts and the result is made when it is put together.
+// What the stages share. Borrows all but the counts.
 struct Run {
-  const PrecomputeOptions& options;
-  StageLog& log;
-  PrecomputeResult& result;
-  const MachineLimits& machine;
+  const ModelRequest& request;
+  const PrecomputeResult& result;  // mesh and dofs; later the rows of the basis
   const SolverChoice& choice;
-  const Solid& solid;  // of this rank's part
-  const Matrices& matrices;
   Checkpoint& checkpoint;
+  const StageLog& log;  // for what is told while a stage is under way
   ModeCounts counts;    // a default may become more, so as not to cut between equals
   int rigid_count = 0;  // of a free body's motions
-  Columns rigid;        // these, local rows; no columns if the body is held
-  Marker marker;
 };
 
-// psi: the modes at the vertices of this rank's part. Throws Failure (kContent) for a mechanism.
-WholeModes make_modes(Run& run, BasisRows& psi);
+// This rank's part of K x = lambda M x, and of where it came from.
+struct System {
+  std::unique_ptr<const TetMesh> part;  // of several ranks
+  Solid solid;                          // on that part, or on the whole mesh
+  Matrices matrices;
+  Columns rigid;  // motions of a free body, local rows; no columns if the body is held
+  Marker marker;
+};
+Stage<System> matrices_stage(const Run& run);
+Pencil make_pencil(const Run& run, const System& system);
 
-// Just the modes when the run is linear.
-ModalDerivatives make_derivatives(Run& run, Modes& modes, const BasisRows& psi);
+// What the modes solve with, and them.
+struct Solved {
+  const System& system;
+  const Pencil& pencil;
+  ShiftedSolver& solver;
+};
 
-// Takes the memory of the modes' factor. Throws Failure (kSolver) when modes were missed.
-void certify_modes(Run& run, Modes& modes);
+// Fails with kContent for a mechanism.
+Stage<WholeModes> modes_stage(const Run& run, const Solved& on);
 
-// Into the result's rows. finished: out of the checkpoint if it is `found` there. target: chooses
-// r; false when it finds none, and there is no basis.
-bool make_basis_rows(Run& run, const Modes& modes, const BasisRows& psi,
-                     ModalDerivatives derivatives, TargetSearch* target, bool found,
-                     FinishedBasis finished);
+// psi: the modes at the vertices of this rank's part.
+Stage<ModalDerivatives> derivatives_stage(const Run& run, const Solved& on, const Modes& modes,
+                                          const BasisRows& psi);
 
-// Of the result's rows; nothing when the run is linear.
-void make_coefficients(Run& run);
+// Takes the solver's memory. Fails with kSolver when modes were missed.
+Stage<InertiaCertificate> certificate_stage(const Run& run, const Solved& on, const Modes& modes);
+
+// What the basis is made of: a basis that is there, directions in the order of their singular
+// values, or the columns that these are made of. The stages use it up.
+struct BasisSource {
+  std::optional<FinishedBasis> finished;
+  std::optional<PrincipalColumns> directions;
+  ModalDerivatives derivatives;
+};
+
+// --target-error chooses r.
+struct TargetChoice {
+  PrincipalColumns directions;
+  TargetFindings findings;
+};
+Stage<TargetChoice> target_stage(const Run& run, const System& system, const Modes& modes,
+                                 const BasisRows& psi, BasisSource& source, TargetSearch& target);
+
+Stage<FinishedBasis> basis_stage(const Run& run, const System& system, const Modes& modes,
+                                 const BasisRows& psi, BasisSource& source);
+
+// Of the result's rows.
+Stage<FinishedCoefficients> coefficients_stage(const Run& run, const System& system);
 
 }  // namespace tremolo

@@ -1,10 +1,10 @@
-// Where a basis file comes from, as JSON. Nothing that changes from run to run.
+#include "precompute/provenance.h"
+
 #include <filesystem>
 
 #include <metis.h>
 #include <nlohmann/json.hpp>
 
-#include "precompute/pipeline.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/system/petsc.h"
 #include "precompute/target_error.h"

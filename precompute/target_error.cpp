@@ -15,14 +15,14 @@ namespace {
 constexpr int kMostLinearModes = 24;
 constexpr int kMostGrowths = 2;
 
-void check(const PrecomputeOptions& options) {
-  const double target = *options.target_error;
+void check(const ModelRequest& request) {
+  const double target = *request.target_error;
   if (!(target > 0 && target < 1))
     throw Failure(content_error(text("--target-error %g: must be between 0 and 1", target)));
-  if (options.load_at.empty() || options.load_force.isZero(0.0))
+  if (request.load_at.empty() || request.load_force.isZero(0.0))
     throw Failure(content_error(
         "--target-error is measured under the default load: give --load-at and --load-force"));
-  if (options.linear_modes.value_or(0) > kMostTargetModes - kLoadVectors)
+  if (request.linear_modes.value_or(0) > kMostTargetModes - kLoadVectors)
     throw Failure(
         content_error(text("--target-error keeps at most %d coordinates: --linear-modes "
                            "must be at most %d",
@@ -102,11 +102,11 @@ nlohmann::ordered_json target_json(const std::optional<TargetFindings>& findings
           {"measured", measured}};
 }
 
-PrecomputeResult precompute_to_target(const PrecomputeOptions& options, StageLog& log) {
-  check(options);
+PrecomputeResult precompute_to_target(const ModelRequest& request, StageLog& log) {
+  check(request);
   TargetSearch search;
-  search.asked = *options.target_error;
-  PrecomputeOptions attempt = options;
+  search.asked = *request.target_error;
+  ModelRequest attempt = request;
   for (int growths = 0;; ++growths) {
     PrecomputeResult result = run_precompute(attempt, log, &search);
     const TargetFindings& findings = *result.findings.target;

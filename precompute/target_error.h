@@ -35,15 +35,15 @@ struct TargetSearch {
 // the second order of the static answer) is added when more than the target of the load's linear
 // compliance is left out without it, or when no r is enough without it. One process. Throws Failure
 // (kSolver) when the whole mesh has no equilibrium.
-TargetFindings find_coordinates(const PrecomputeOptions& options, const PrecomputeResult& result,
+TargetFindings find_coordinates(const ModelRequest& request, const PrecomputeResult& result,
                                 const Solid& solid, const Matrices& matrices,
                                 PrincipalColumns& principal, TargetSearch& search);
 
-// run_precompute() with as many linear modes and coordinates as options.target_error asks for: k
+// run_precompute() with as many linear modes and coordinates as request.target_error asks for: k
 // grows twice when no r is enough. Throws Failure: kUsage on several ranks, kContent without a
 // default load, for a target outside (0, 1) and too many linear modes, kCriterion when it is not
 // reached.
-PrecomputeResult precompute_to_target(const PrecomputeOptions& options, StageLog& log);
+PrecomputeResult precompute_to_target(const ModelRequest& request, StageLog& log);
 
 std::string describe(const TargetFindings& findings);  // one line
 std::string table_text(const TargetFindings& findings);

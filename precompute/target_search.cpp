@@ -123,11 +123,18 @@ TargetRow choose(const std::vector<TargetRow>& rows, double target, bool all_mea
   return all_measured && good > 0 ? rows[rows.size() - good] : TargetRow();
 }
 
+// What candidates are measured on.
+struct Bench {
+  const FullOrder& body;
+  const PrecomputeResult& result;
+  const Solid& solid;
+  unsigned threads;
+};
+
 // Measures until one is chosen.
-void search_prefixes(const FullOrder& body, const PrecomputeOptions& options,
-                     const PrecomputeResult& result, const Solid& solid,
-                     const PrincipalColumns& principal, const Candidates& candidates,
-                     const TargetSearch& search, TargetFindings& findings) {
+void search_prefixes(const Bench& bench, const PrincipalColumns& principal,
+                     const Candidates& candidates, const TargetSearch& search,
+                     TargetFindings& findings) {
   const auto kept = static_cast<int>(principal.kept.cols());
   const auto most = static_cast<int>(candidates.vectors.cols());
   findings.rows.clear();
@@ -136,12 +143,13 @@ void search_prefixes(const FullOrder& body, const PrecomputeOptions& options,
   for (int first = least; first <= most; first += kBatch) {
     const int last = std::min(most, first + kBatch - 1);
     const ReducedModel model =
-        model_of(result, solid, candidates.vectors.leftCols(last), options.threads);
+        model_of(bench.result, bench.solid, candidates.vectors.leftCols(last), bench.threads);
     for (int r = first; r <= last; ++r) {
       // A cut between equals would leave to chance which of them stays.
       if (cluster_at_cut(principal.singular_values.head(principal.rank), r - kept, {}).count > 0)
         continue;
-      findings.rows.push_back(measure(body, result.problem, candidates, model, r, search));
+      findings.rows.push_back(
+          measure(bench.body, bench.result.problem, candidates, model, r, search));
       findings.chosen = choose(findings.rows, findings.asked, false);
       if (findings.kept()) return;
     }
@@ -152,20 +160,20 @@ void search_prefixes(const FullOrder& body, const PrecomputeOptions& options,
 
 }  // namespace
 
-TargetFindings find_coordinates(const PrecomputeOptions& options, const PrecomputeResult& result,
+TargetFindings find_coordinates(const ModelRequest& request, const PrecomputeResult& result,
                                 const Solid& solid, const Matrices& matrices,
                                 PrincipalColumns& principal, TargetSearch& search) {
-  const FullOrder body = make_full_order(result.problem, options.mass, options.threads);
+  const FullOrder body = make_full_order(result.problem, request.mass, request.threads);
   FullOrderSolver solver;
   solver.body = &body;
   if (search.exact.size() == 0) solve_exactly(result.problem, solver, search);
   TargetFindings findings;
   findings.asked = search.asked;
   findings.linear_modes = static_cast<int>(principal.linear_modes);
-  findings.load = options.load_at + text(", %g,%g,%g N", options.load_force.x(),
-                                         options.load_force.y(), options.load_force.z());
+  findings.load = request.load_at + text(", %g,%g,%g N", request.load_force.x(),
+                                         request.load_force.y(), request.load_force.z());
   const auto look = [&] {
-    search_prefixes(body, options, result, solid, principal,
+    search_prefixes({body, result, solid, request.threads}, principal,
                     make_candidates(body, principal, search), search, findings);
   };
   const bool sees_load = make_candidates(body, principal, search).unseen.back() <= search.asked;
@@ -173,7 +181,7 @@ TargetFindings find_coordinates(const PrecomputeOptions& options, const Precompu
   if (findings.kept() && findings.chosen.unseen <= search.asked) return findings;
   TargetFindings without = findings;
   const PrincipalColumns untouched = findings.kept() ? principal : PrincipalColumns();
-  keep_always(matrices, load_vectors(result, solid, solver, search), options.threads, principal);
+  keep_always(matrices, load_vectors(result, solid, solver, search), request.threads, principal);
   findings.load_vectors = static_cast<int>(principal.kept.cols());
   look();
   if (findings.kept() || !without.kept()) return findings;

@@ -115,18 +115,18 @@ std::string differences(const std::string& there, const CheckpointIdentity& here
 
 }  // namespace
 
-std::string checkpoint_folder(const PrecomputeOptions& options) {
-  return options.output_path + ".checkpoint";
+std::string checkpoint_folder(const std::string& output_path) {
+  return output_path + ".checkpoint";
 }
 
-std::optional<LinearSolver> kept_solver(const PrecomputeOptions& options) {
-  if (!options.resume) return std::nullopt;
+std::optional<LinearSolver> kept_solver(const CheckpointRequest& request) {
+  if (!request.resume) return std::nullopt;
   constexpr LinearSolver kSolvers[] = {LinearSolver::kCholmod, LinearSolver::kMumps,
                                        LinearSolver::kIterative};
   int found = -1;
-  for (const std::string& name : names_in(checkpoint_folder(options))) {
+  for (const std::string& name : names_in(request.folder)) {
     if (mpi_rank() != 0 || !is_stage_file(name)) continue;
-    const auto file = CheckpointFile::open((fs::path(checkpoint_folder(options)) / name).string());
+    const auto file = CheckpointFile::open((fs::path(request.folder) / name).string());
     const Result<std::string> identity = file ? file->text(kIdentity) : file.error();
     if (!identity) continue;
     for (int i = 0; i < 3; ++i)
@@ -138,11 +138,11 @@ std::optional<LinearSolver> kept_solver(const PrecomputeOptions& options) {
   return found < 0 ? std::nullopt : std::optional(kSolvers[found]);
 }
 
-Checkpoint::Checkpoint(const PrecomputeOptions& options, const CheckpointIdentity& identity,
+Checkpoint::Checkpoint(const CheckpointRequest& request, const CheckpointIdentity& identity,
                        StageLog& log)
-    : folder_(checkpoint_folder(options)), identity_(as_text(identity)), log_(log) {
-  if (!options.checkpoint) return;
-  reading_ = options.resume;
+    : folder_(request.folder), identity_(as_text(identity)), log_(log) {
+  if (!request.keep) return;
+  reading_ = request.resume;
   writing_ = true;
   if (reading_) {
     require_same_identity(identity);
@@ -255,9 +255,9 @@ void Checkpoint::drop(const std::string& stage) {
   if (writing_) fs::remove(path(stage), ignored);
 }
 
-void remove_checkpoint(const PrecomputeOptions& options, const StageLog& log) {
-  if (!options.checkpoint) return;
-  const std::string folder = checkpoint_folder(options);
+void remove_checkpoint(const CheckpointRequest& request, const StageLog& log) {
+  if (!request.keep) return;
+  const std::string folder = request.folder;
   remove_stages(folder);
   std::error_code error;
   // Not what stands in the folder's place: a file, or a link to where there is room.

@@ -15,6 +15,7 @@
 
 #include "common/stage_log.h"
 #include "formats/file/checkpoint_file.h"
+#include "precompute/problem/model_request.h"
 #include "precompute/problem/problem.h"
 
 namespace tremolo {
@@ -24,24 +25,25 @@ using CheckpointIdentity = std::vector<std::pair<std::string, std::string>>;
 
 // counts: as chosen, not as asked for. What only shapes the file at the end (the render surface,
 // the load, the encoding) or stands beside the model (the certificate) is not part of it.
-CheckpointIdentity checkpoint_identity(const PrecomputeOptions& options, const Problem& problem,
+CheckpointIdentity checkpoint_identity(const ModelRequest& request, const Problem& problem,
                                        const ModeCounts& counts, LinearSolver solver,
                                        int blas_threads);
 inline constexpr const char* kSolverFact = "solver";
 
-std::string checkpoint_folder(const PrecomputeOptions& options);
+// Of a run that writes this basis file.
+std::string checkpoint_folder(const std::string& output_path);
 
-// With options.resume, who solved for the stages that are there; the same on all ranks. None: there
-// are none that tell.
-std::optional<LinearSolver> kept_solver(const PrecomputeOptions& options);
+// When stages are to be resumed, who solved for those that are there; the same on all ranks. None:
+// there are none that tell.
+std::optional<LinearSolver> kept_solver(const CheckpointRequest& request);
 
 // The stages that checkpoint_stages.h reads and writes. All ranks call everything together.
 class Checkpoint {
  public:
-  // Without options.checkpoint nothing is read or written. With options.resume the stages that are
-  // there are of use; SharedFailure (kContent) if they are of another identity. Else they are
+  // Unless stages are to be kept nothing is read or written. When they are to be resumed those that
+  // are there are of use; SharedFailure (kContent) if they are of another identity. Else they are
   // removed.
-  Checkpoint(const PrecomputeOptions& options, const CheckpointIdentity& identity, StageLog& log);
+  Checkpoint(const CheckpointRequest& request, const CheckpointIdentity& identity, StageLog& log);
 
   // Calls `take` with the stage's file, which may throw Failure. False when there is no such file
   // or, with a note, when some rank's cannot be used: the stage is to be made again.
@@ -72,6 +74,6 @@ class Checkpoint {
 
 // To be called when the run's outputs are written: removes the stages, of all ranks, and the folder
 // if nothing else is in it. A failure is a note.
-void remove_checkpoint(const PrecomputeOptions& options, const StageLog& log);
+void remove_checkpoint(const CheckpointRequest& request, const StageLog& log);
 
 }  // namespace tremolo

@@ -157,12 +157,15 @@ void keep(Checkpoint& checkpoint, const char* stage, const Describe& describe) {
   checkpoint.keep(stage, writer.arrays());
 }
 
-template <class Describe>
-bool find(Checkpoint& checkpoint, const char* stage, const Describe& describe) {
-  return checkpoint.find(stage, [&](const CheckpointFile& file) {
+template <class Value, class Describe>
+std::optional<Value> find(Checkpoint& checkpoint, const char* stage, const Describe& describe) {
+  Value value;
+  const bool found = checkpoint.find(stage, [&](const CheckpointFile& file) {
     StageReader reader(file);
-    describe(reader);
+    describe(reader, value);
   });
+  if (!found) return std::nullopt;
+  return value;
 }
 
 }  // namespace
@@ -172,9 +175,11 @@ void keep_modes(Checkpoint& checkpoint, const WholeModes& whole) {
        [&](auto& archive) { describe_modes(archive, whole, kAnyRows, kAnyRows); });
 }
 
-bool find_modes(Checkpoint& checkpoint, Eigen::Index dofs, Eigen::Index count, WholeModes& whole) {
-  return find(checkpoint, "modes",
-              [&](auto& archive) { describe_modes(archive, whole, dofs, count); });
+std::optional<WholeModes> find_modes(Checkpoint& checkpoint, Eigen::Index dofs,
+                                     Eigen::Index count) {
+  return find<WholeModes>(checkpoint, "modes", [&](auto& archive, WholeModes& whole) {
+    describe_modes(archive, whole, dofs, count);
+  });
 }
 
 void keep_derivatives(Checkpoint& checkpoint, const ModalDerivatives& derivatives) {
@@ -185,16 +190,17 @@ void keep_derivatives(Checkpoint& checkpoint, const ModalDerivatives& derivative
   });
 }
 
-bool find_derivatives(Checkpoint& checkpoint, const Columns& modes, ModalDerivatives& derivatives) {
-  return find(checkpoint, "derivatives", [&](auto& archive) {
-    const Eigen::Index count = modes.cols() * (modes.cols() + 1) / 2;
-    Columns vectors;
-    archive("vectors", vectors, modes.rows(), count);
-    archive("residual", derivatives.residual);
-    derivatives.modes = modes.cols();
-    derivatives.columns.resize(modes.rows(), modes.cols() + count);
-    derivatives.columns << modes, vectors;
-  });
+std::optional<ModalDerivatives> find_derivatives(Checkpoint& checkpoint, const Columns& modes) {
+  return find<ModalDerivatives>(checkpoint, "derivatives",
+                                [&](auto& archive, ModalDerivatives& derivatives) {
+                                  const Eigen::Index count = modes.cols() * (modes.cols() + 1) / 2;
+                                  Columns vectors;
+                                  archive("vectors", vectors, modes.rows(), count);
+                                  archive("residual", derivatives.residual);
+                                  derivatives.modes = modes.cols();
+                                  derivatives.columns.resize(modes.rows(), modes.cols() + count);
+                                  derivatives.columns << modes, vectors;
+                                });
 }
 
 void keep_certificate(Checkpoint& checkpoint, const InertiaCertificate& certificate) {
@@ -202,9 +208,11 @@ void keep_certificate(Checkpoint& checkpoint, const InertiaCertificate& certific
        [&](auto& archive) { describe_certificate(archive, certificate); });
 }
 
-bool find_certificate(Checkpoint& checkpoint, InertiaCertificate& certificate) {
-  return find(checkpoint, "certificate",
-              [&](auto& archive) { describe_certificate(archive, certificate); });
+std::optional<InertiaCertificate> find_certificate(Checkpoint& checkpoint) {
+  return find<InertiaCertificate>(checkpoint, "certificate",
+                                  [](auto& archive, InertiaCertificate& certificate) {
+                                    describe_certificate(archive, certificate);
+                                  });
 }
 
 void keep_basis(Checkpoint& checkpoint, const FinishedBasis& finished) {
@@ -213,10 +221,10 @@ void keep_basis(Checkpoint& checkpoint, const FinishedBasis& finished) {
   checkpoint.drop("derivatives");
 }
 
-bool find_basis(Checkpoint& checkpoint, Eigen::Index rows, Eigen::Index r,
-                FinishedBasis& finished) {
-  return find(checkpoint, "basis",
-              [&](auto& archive) { describe_basis(archive, finished, rows, r); });
+std::optional<FinishedBasis> find_basis(Checkpoint& checkpoint, Eigen::Index rows, Eigen::Index r) {
+  return find<FinishedBasis>(checkpoint, "basis", [&](auto& archive, FinishedBasis& finished) {
+    describe_basis(archive, finished, rows, r);
+  });
 }
 
 void keep_coefficients(Checkpoint& checkpoint, const FinishedCoefficients& finished) {
@@ -224,9 +232,11 @@ void keep_coefficients(Checkpoint& checkpoint, const FinishedCoefficients& finis
        [&](auto& archive) { describe_coefficients(archive, finished, 0); });
 }
 
-bool find_coefficients(Checkpoint& checkpoint, Eigen::Index r, FinishedCoefficients& finished) {
-  return find(checkpoint, "coefficients",
-              [&](auto& archive) { describe_coefficients(archive, finished, r); });
+std::optional<FinishedCoefficients> find_coefficients(Checkpoint& checkpoint, Eigen::Index r) {
+  return find<FinishedCoefficients>(checkpoint, "coefficients",
+                                    [&](auto& archive, FinishedCoefficients& finished) {
+                                      describe_coefficients(archive, finished, r);
+                                    });
 }
 
 }  // namespace tremolo

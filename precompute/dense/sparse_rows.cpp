@@ -48,4 +48,15 @@ void multiply(const SparseRows& a, const ColumnsRef& x, ColumnsOut y) {
     multiply_columns<1>(a, x.data() + c * x_stride, x_stride, y.data() + c * y_stride, y_stride);
 }
 
+SparseProduct::SparseProduct(Mat matrix) : matrix_(matrix) {
+  if (mpi_ranks() == 1) rows_ = sparse_rows(matrix);
+}
+
+Columns SparseProduct::operator()(const Columns& x) const {
+  if (rows_.start == nullptr) return multiply(matrix_, x);
+  Columns product(x.rows(), x.cols());
+  multiply(rows_, x, product);
+  return product;
+}
+
 }  // namespace tremolo

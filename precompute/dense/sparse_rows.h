@@ -19,4 +19,16 @@ SparseRows sparse_rows(Mat matrix);
 // Y = A X in the calling thread, without a PETSc call.
 void multiply(const SparseRows& a, const ColumnsRef& x, ColumnsOut y);
 
+// A X over this rank's rows. In one process threads may call it side by side; on several ranks all
+// call it together.
+class SparseProduct {
+ public:
+  explicit SparseProduct(Mat matrix);
+  Columns operator()(const Columns& x) const;
+
+ private:
+  Mat matrix_;
+  SparseRows rows_;  // in one process
+};
+
 }  // namespace tremolo

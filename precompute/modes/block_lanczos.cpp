@@ -4,6 +4,7 @@
 
 #include "precompute/dense/dense_decompositions.h"
 #include "precompute/dense/parallel_columns.h"
+#include "precompute/dense/sparse_rows.h"
 #include "precompute/system/blas_threads.h"
 
 namespace tremolo {
@@ -18,6 +19,17 @@ Eigen::MatrixXd products_of(const ColumnsRef& x, const ColumnsRef& y) {
   return products;
 }
 
+// In one process on the pencil's threads, else on all ranks.
+Columns mass_times(const Pencil& pencil, const ColumnsRef& x) {
+  if (mpi_ranks() > 1) return multiply(pencil.mass(), Columns(x));
+  const SparseRows mass = sparse_rows(pencil.mass());
+  Columns product(x.rows(), x.cols());
+  parallel_columns(x.cols(), 4, pencil.threads, [&](Eigen::Index first, Eigen::Index count) {
+    multiply(mass, x.middleCols(first, count), product.middleCols(first, count));
+  });
+  return product;
+}
+
 Columns start_block(Eigen::Index rows, Eigen::Index columns) {
   // Its raw numbers are the same everywhere.
   std::mt19937 engine(20110101u + static_cast<unsigned>(mpi_rank()));
@@ -29,7 +41,7 @@ Columns start_block(Eigen::Index rows, Eigen::Index columns) {
 // Takes the part along the columns of v (M-orthonormal) out of w; returns what it was, v^T M w.
 Eigen::MatrixXd project_out(const Pencil& pencil, const ColumnsRef& v, const ColumnsOut& w) {
   if (v.cols() == 0) return Eigen::MatrixXd(0, w.cols());
-  Eigen::MatrixXd along = products_of(v, pencil.mass(w));
+  Eigen::MatrixXd along = products_of(v, mass_times(pencil, w));
   add_product(-1.0, v, along, 1.0, w);
   return along;
 }
@@ -42,7 +54,7 @@ struct Orthonormalised {
   Eigen::MatrixXd b;
 };
 Orthonormalised orthonormalise(const Pencil& pencil, ColumnsOut w, double scale) {
-  const Eigen::MatrixXd gram = products_of(w, pencil.mass(w));
+  const Eigen::MatrixXd gram = products_of(w, mass_times(pencil, w));
   const EigenPairs eigen = eigenpairs(0.5 * (gram + gram.transpose()));
   constexpr double kRounding = 1e-14;
   const double largest = eigen.values.maxCoeff();
@@ -61,77 +73,41 @@ Orthonormalised orthonormalise(const Pencil& pencil, ColumnsOut w, double scale)
 
 }  // namespace
 
-Pencil thread_pencil(Mat mass, const SparseCholesky& factor, const Columns& deflated,
-                     unsigned threads) {
-  const SparseRows rows = sparse_rows(mass);
-  Pencil pencil;
-  pencil.mass = [rows, threads](const ColumnsRef& x) {
-    Columns product(x.rows(), x.cols());
-    parallel_columns(x.cols(), 4, threads, [&](Eigen::Index first, Eigen::Index count) {
-      multiply(rows, x.middleCols(first, count), product.middleCols(first, count));
-    });
-    return product;
-  };
-  pencil.inverse = [rows, &factor, threads](ColumnsOut x) {
+void apply_inverse(const Pencil& pencil, const ShiftedSolver& solver, ColumnsOut x) {
+  Columns load = mass_times(pencil, x);
+  if (solver.threads_may_share()) {
     const BlasThreads single(1);
-    parallel_columns(x.cols(), kBlock, threads, [&](Eigen::Index first, Eigen::Index count) {
-      SparseCholesky::Workspace workspace;
-      Columns load(x.rows(), count);
-      multiply(rows, x.middleCols(first, count), load);
-      factor.solve(load, x.middleCols(first, count), workspace);
+    parallel_columns(x.cols(), kBlock, pencil.threads, [&](Eigen::Index first, Eigen::Index count) {
+      solver.solve(load.middleCols(first, count), x.middleCols(first, count));
     });
-  };
-  pencil.deflated = &deflated;
-  pencil.rows = pencil.all_rows = rows.rows;
-  return pencil;
+  } else {
+    solver.solve(load, x);
+  }
+  project_out(pencil, pencil.rigid, x);
 }
 
-Pencil petsc_pencil(Mat mass, Mat factor, const Columns& deflated) {
-  constexpr const char* kDoing = "solve for the modes";
-  Pencil pencil;
-  pencil.mass = [mass](const ColumnsRef& x) { return multiply(mass, Columns(x)); };
-  pencil.inverse = [mass, factor](ColumnsOut x) {
-    const Columns load = multiply(mass, Columns(x));
-    Columns solution(load.rows(), load.cols());
-    const PetscMatrix from = as_dense(load), to = as_dense(solution);
-    check_petsc(MatMatSolve(factor, from.get(), to.get()), kDoing);
-    x = solution;
-  };
-  pencil.deflated = &deflated;
-  PetscInt rows = 0, all_rows = 0;
-  check_petsc(MatGetLocalSize(mass, &rows, nullptr), kDoing);
-  check_petsc(MatGetSize(mass, &all_rows, nullptr), kDoing);
-  pencil.rows = rows;
-  pencil.all_rows = all_rows;
-  return pencil;
-}
-
-void apply_inverse(const Pencil& pencil, const ColumnsOut& x) {
-  pencil.inverse(x);
-  project_out(pencil, *pencil.deflated, x);
-}
-
-LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance) {
-  const Eigen::Index rows = pencil.rows;
+LanczosPairs block_lanczos(const Pencil& pencil, const ShiftedSolver& solver, int wanted,
+                           double tolerance) {
+  const Eigen::Index rows = pencil.rows();
   // Many parts of much the same shape have as many frequencies next to each other, which only a
   // large basis tells apart.
   constexpr Eigen::Index kMostMore = 1500;
   const Eigen::Index several =
-      pencil.deflated->cols() > 6 ? std::min(kMostMore, 2 * pencil.deflated->cols()) : 0;
+      pencil.rigid.cols() > 6 ? std::min(kMostMore, 2 * pencil.rigid.cols()) : 0;
   const Eigen::Index usual = 8 * Eigen::Index{wanted} + 20 * kBlock;
-  const Eigen::Index most = std::min<Eigen::Index>(pencil.all_rows, usual + several);
+  const Eigen::Index most = std::min<Eigen::Index>(pencil.all_rows(), usual + several);
   LanczosPairs pairs;
   Columns v(rows, most);
   Eigen::MatrixXd t = Eigen::MatrixXd::Zero(most, most);  // V^T M A V
   Eigen::Index size = std::min(kBlock, most), first = 0;
   double largest = 0;
   v.leftCols(size) = start_block(rows, size);
-  project_out(pencil, *pencil.deflated, v.leftCols(size));
+  project_out(pencil, pencil.rigid, v.leftCols(size));
   for (int pass = 0; pass < 2; ++pass) size = orthonormalise(pencil, v.leftCols(size), 0.0).rank;
   while (size > first) {
     const Eigen::Index width = size - first;
     Columns w = v.middleCols(first, width);
-    apply_inverse(pencil, w);
+    apply_inverse(pencil, solver, w);
     pairs.solves += static_cast<int>(width);
     const Eigen::MatrixXd along = project_out(pencil, v.leftCols(size), w);
     t.block(0, first, size, width) = along;
@@ -160,7 +136,7 @@ LanczosPairs block_lanczos(const Pencil& pencil, int wanted, double tolerance) {
     }
     if (size + next > most) return pairs;
     // A second time: what rounding left along the basis grew when directions were scaled up.
-    project_out(pencil, *pencil.deflated, w.leftCols(next));
+    project_out(pencil, pencil.rigid, w.leftCols(next));
     project_out(pencil, v.leftCols(size), w.leftCols(next));
     const Eigen::Index kept = orthonormalise(pencil, w.leftCols(next), 0.0).rank;
     v.middleCols(size, kept) = w.leftCols(kept);

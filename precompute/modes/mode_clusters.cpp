@@ -151,37 +151,29 @@ std::string note_on_cut(const Cluster& cluster, bool whole, Eigen::Index count, 
 
 }  // namespace
 
-WholeModes compute_whole_modes(const std::function<Modes(int count)>& solve,
-                               const Matrices& matrices, int count, bool extend,
-                               const Marker& marker, const Columns& rigid) {
-  PetscInt size = 0;
-  check_petsc(MatGetSize(matrices.stiffness.get(), &size, nullptr), "compute the modes");
-  const auto available = static_cast<int>(size - rigid.cols());
-  // One more shows where a pair ends; only what is larger is computed again.
-  constexpr int kMore[] = {1, 8, 32};
-  WholeModes result;
-  Modes& modes = result.modes;
-  Eigen::VectorXd values;
-  Cluster cut;
-  Nearness near;
-  bool whole = false;
-  for (int more : kMore) {
-    modes = Modes();  // its factor goes before there is another
-    modes = solve(std::max(count, std::min(count + more, available)));
-    values = all_values(modes);
-    near = nearness(values[0], modes.cancellation);
-    cut = cluster_at_cut(values, count, near);
-    whole = cut.first + cut.count < values.size() || values.size() >= available;
-    if (whole) break;
-  }
+ModeCut cut_of(const Modes& modes, int count, int available) {
+  ModeCut cut;
+  cut.values = all_values(modes);
+  cut.near = nearness(cut.values[0], modes.cancellation);
+  cut.cluster = cluster_at_cut(cut.values, count, cut.near);
+  cut.whole =
+      cut.cluster.first + cut.cluster.count < cut.values.size() || cut.values.size() >= available;
+  return cut;
+}
+
+WholeModes make_whole(Mat mass, const Marker& marker, int count, int available, bool extend,
+                      Modes modes) {
+  const auto [values, near, cluster, whole] = cut_of(modes, count, available);
   const std::vector<Cluster> clusters = find_clusters(modes.squared_frequencies, near);
   share_residuals(clusters, modes.residuals);
-  make_canonical(matrices.mass.get(), marker, clusters, modes.vectors);
+  make_canonical(mass, marker, clusters, modes.vectors);
   Eigen::Index kept = count;
-  const Eigen::Index end = cut.first + cut.count;
+  const Eigen::Index end = cluster.first + cluster.count;
   if (extend && whole && end > count && end - count <= kMostAdded) kept = end;
-  if (cut.count > 0) result.note = note_on_cut(cut, whole, count, kept, hertz(values[cut.first]));
   keep_first(kept, values, modes);
+  WholeModes result{std::move(modes), ""};
+  if (cluster.count > 0)
+    result.note = note_on_cut(cluster, whole, count, kept, hertz(values[cluster.first]));
   return result;
 }
 

@@ -6,8 +6,6 @@
 // and has no symmetry itself.
 #pragma once
 
-#include <functional>
-
 #include "precompute/modes/modes.h"
 
 namespace tremolo {
@@ -61,16 +59,27 @@ void make_canonical(Mat mass, const Marker& marker, const std::vector<Cluster>& 
 // At most so many columns are added to a default so that it does not cut between equals.
 inline constexpr Eigen::Index kMostAdded = 4;
 
-// Modes with clusters that are whole and canonical. solve: as many of the lowest as it is asked
-// for. When the last of `count` modes has
-// equals beyond it, they are computed too. `extend`: up to kMostAdded of them are kept, so that
-// there are more than `count` modes; else the first ones in the canonical order stay.
+// What the cut after `count` modes goes through, among values that are known: the modes' own and
+// the first one left out. whole: the run of equals ends within them. available: eigenpairs there
+// are.
+struct ModeCut {
+  Eigen::VectorXd values;
+  Nearness near;
+  Cluster cluster;
+  bool whole = false;
+};
+ModeCut cut_of(const Modes& modes, int count, int available);
+
+// Modes whose runs of equals are canonical. note: for the user, what was cut or added; empty:
+// nothing.
 struct WholeModes {
   Modes modes;
-  std::string note;  // for the user: what was cut or added; empty: nothing
+  std::string note;
 };
-WholeModes compute_whole_modes(const std::function<Modes(int count)>& solve,
-                               const Matrices& matrices, int count, bool extend,
-                               const Marker& marker, const Columns& rigid);
+
+// Turns runs of equals to their canonical vectors and cuts after `count` modes; with `extend` up to
+// kMostAdded equals beyond the cut stay, else the first ones in the canonical order.
+WholeModes make_whole(Mat mass, const Marker& marker, int count, int available, bool extend,
+                      Modes modes);
 
 }  // namespace tremolo

@@ -1,16 +1,9 @@
 // Stage "modes": the lowest eigenpairs of K psi = omega^2 M psi (thesis (4.2.2), which prints the
-// pencil upside down), by shift-invert: block Lanczos on CHOLMOD's factor in one process, on
-// MUMPS's on several ranks; with PETSc options or on a tiny mesh SLEPc's Krylov-Schur; or without a
-// factor by SLEPc's LOBPCG.
+// pencil upside down), by shift-invert: block Lanczos on a factor of K - sigma M; with PETSc
+// options or on a tiny mesh SLEPc's Krylov-Schur; or without a factor by SLEPc's LOBPCG.
 #pragma once
 
-#include <limits>
-#include <memory>
-
-#include "precompute/fem/matrices.h"
-#include "precompute/solver/iterative_solver.h"
-#include "precompute/solver/solver_choice.h"
-#include "precompute/solver/sparse_cholesky.h"
+#include "precompute/solver/shifted_solver.h"
 
 namespace tremolo {
 
@@ -26,53 +19,19 @@ struct Modes {
   int solves = 0;                       // on the factor, columns; 0: SLEPc's
   std::string solver;                   // who found them
   std::string factorisation;            // the package that factorised
-  // The factor of K - shift * M: CHOLMOD's own, or else PETSc's, which the eigensolver owns.
-  std::unique_ptr<SparseCholesky> cholesky;
-  PetscEigenSolver keeper;
-  PetscMatrix mumps;  // that factor when no eigensolver owns it
-  Mat factor = nullptr;
-  std::unique_ptr<IterativeSolver> iterative;  // in their place
 };
 
-// rigid: motions to leave out (may have no columns); then shift must be negative, because K is
-// singular. Throws Failure: kContent when k exceeds what the mesh has, kSolver when SLEPc finds
-// too few or the stiffness is singular.
-Modes compute_modes(const Matrices& matrices, int count, const Columns& rigid, double shift,
-                    unsigned threads = 1, LinearSolver solver = LinearSolver::kCholmod);
+// The `count` lowest. The solver is prepared at `shift`, which must be negative where the pencil
+// has rigid motions to leave out, and stays so. Throws Failure: kContent when count exceeds what
+// the mesh has, kSolver when too few are found or the stiffness is singular.
+Modes compute_modes(const Pencil& pencil, ShiftedSolver& solver, double shift, int count);
 
-// The same without a factor. positions: of this rank's nodes, m.
-Modes compute_modes_iteratively(const Matrices& matrices, int count, const Columns& rigid,
-                                double shift, const std::vector<Eigen::Vector3d>& positions);
+// The same and as many more as it takes, 32 at most, for no run of equal frequencies
+// (mode_clusters.h) to begin within the `count` and go on beyond what was computed.
+Modes compute_modes_and_equals(const Pencil& pencil, ShiftedSolver& solver, double shift,
+                               int count);
 
-// Makes again what solved for the modes, bit for bit, if they come without: from the same matrices,
-// rigid motions, solver, positions (of the iterative one) and number of BLAS's threads. Throws
-// Failure like compute_modes.
-void restore_solver(const Matrices& matrices, const Columns& rigid, LinearSolver solver,
-                    const std::vector<Eigen::Vector3d>& positions, Modes& modes);
-
-// Frees what solved for the modes, whose memory others need.
-void release_solver(Modes& modes);
-
-// Number of eigenvalues of (K, M) below `bound`, counted from the inertia of an LDL^T of
-// K - bound*M (Sylvester) by MUMPS: no mode can hide from it.
-int count_modes_below(const Matrices& matrices, double bound);
-
-// The same in the memory of the modes' own factor, which is given up. -1: the factorisation, which
-// does not pivot, was not stable, or its entries grew by more than most_growth.
-int count_modes_below(const Matrices& matrices, double bound, SparseCholesky& factor,
-                      unsigned threads,
-                      double most_growth = std::numeric_limits<double>::infinity());
-
-// What compute_modes found against that count, with the bound in the last gap, usually halfway to
-// the first mode left out. Modes' own factor is used up and freed: there are never two.
-struct InertiaCertificate {
-  double bound = 0;  // (rad/s)^2
-  int expected = 0;  // modes found below the bound, rigid ones included
-  int counted = 0;   // by inertia
-  std::string solver;
-  bool complete() const { return expected == counted; }
-};
-InertiaCertificate certify(const Matrices& matrices, Modes& modes, int rigid_count,
-                           unsigned threads = 1);
+// How many eigenpairs there are, rigid motions left out.
+int available_modes(const Pencil& pencil);
 
 }  // namespace tremolo

@@ -11,22 +11,20 @@ void add_files_of_selector(const std::string& text, const std::string& option,
     files.push_back({file, "the ids of " + option});
 }
 
-std::vector<NamedFile> input_files(const PrecomputeOptions& options) {
-  std::vector<NamedFile> files{{options.mesh_path, "the mesh", true},
-                               {options.config_path, "--config"},
-                               {options.render_path, "--render", true},
-                               {options.import_basis, "--import-basis"},
-                               {options.import_cubic, "--import-cubic"}};
-  for (const std::string& selector : options.fix) add_files_of_selector(selector, "--fix", files);
-  for (const auto& selectors : options.fix_axis)
+std::vector<NamedFile> input_files(const ProblemRequest& request, const std::string& config_path) {
+  std::vector<NamedFile> files{{request.mesh_path, "the mesh", true},
+                               {config_path, "--config"},
+                               {request.render_path, "--render", true}};
+  for (const std::string& selector : request.fix) add_files_of_selector(selector, "--fix", files);
+  for (const auto& selectors : request.fix_axis)
     for (const std::string& selector : selectors)
       add_files_of_selector(selector, "--fix-x, --fix-y or --fix-z", files);
-  add_files_of_selector(options.load_at, "--load-at", files);
-  add_files_of_selector(options.select, "--select", files);
-  for (const std::string& mass : options.point_masses)
+  add_files_of_selector(request.load_at, "--load-at", files);
+  add_files_of_selector(request.select, "--select", files);
+  for (const std::string& mass : request.point_masses)
     add_files_of_selector(mass.substr(0, mass.rfind('=')), "--point-mass", files);
-  for (const std::string& text : options.materials)
-    if (const Result<MaterialRule> rule = parse_material_rule(text, options.material); rule)
+  for (const std::string& text : request.materials)
+    if (const Result<MaterialRule> rule = parse_material_rule(text, request.material); rule)
       add_files_of_selector(rule->where, "--material", files);
   return files;
 }

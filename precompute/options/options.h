@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "precompute/problem/problem.h"
+#include "precompute/options/precompute_options.h"
 
 namespace tremolo {
 

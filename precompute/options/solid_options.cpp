@@ -45,31 +45,31 @@ bool vectors_are_words(const std::vector<std::string>& words, const std::string&
   return true;
 }
 
-void add_solid_options(CLI::App& app, PrecomputeOptions& options, SolidTexts& texts) {
+void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts) {
   app.add_option(
-         "mesh", options.mesh_path,
+         "mesh", request.mesh_path,
          "tetrahedral mesh (.msh .vtk .vtu .veg .vegb .node .ele), or a surface (.obj .ply\n"
          ".stl .gltf .glb .fbx .dae ...), which is meshed first")
       ->required();
-  app.add_option("--young", options.material.young, "Young's modulus, Pa")->capture_default_str();
-  app.add_option("--poisson", options.material.poisson, "Poisson's ratio")->capture_default_str();
-  app.add_option("--density", options.material.density, "density, kg/m^3")->capture_default_str();
+  app.add_option("--young", request.material.young, "Young's modulus, Pa")->capture_default_str();
+  app.add_option("--poisson", request.material.poisson, "Poisson's ratio")->capture_default_str();
+  app.add_option("--density", request.material.density, "density, kg/m^3")->capture_default_str();
   app.add_option(
-      "--material", options.materials,
+      "--material", request.materials,
       std::string("a material of a region of the mesh, later ones decide; may be repeated: ") +
           kMaterialGrammar);
-  app.add_option("--point-mass", options.point_masses,
+  app.add_option("--point-mass", request.point_masses,
                  "SELECTOR=KG: a mass shared by the selected vertices; may be repeated");
-  app.add_option("--fix", options.fix,
+  app.add_option("--fix", request.fix,
                  "vertices that do not move: x<0.01, y>=90%, box:x0,y0,z0,x1,y1,z1, "
                  "sphere:x,y,z,r, plane:x,y,z,nx,ny,nz, near:x,y,z,k, vertex:ID, file:ids.txt, "
                  "colour:red, a set of the mesh, or none for a free body; may be repeated");
   constexpr const char* kAxes[] = {"x", "y", "z"};
   for (std::size_t axis = 0; axis < 3; ++axis)
-    app.add_option(std::string("--fix-") + kAxes[axis], options.fix_axis[axis],
+    app.add_option(std::string("--fix-") + kAxes[axis], request.fix_axis[axis],
                    std::string("vertices that do not move along ") + kAxes[axis] +
                        " (selector); may be repeated");
-  app.add_option("--load-at", options.load_at, "vertices that the default load acts on (selector)");
+  app.add_option("--load-at", request.load_at, "vertices that the default load acts on (selector)");
   app.add_option("--load-force", texts.force, "the default load, X,Y,Z in N, shared among them")
       ->needs("--load-at");
   app.add_option("--mass", texts.mass,
@@ -82,21 +82,21 @@ void add_solid_options(CLI::App& app, PrecomputeOptions& options, SolidTexts& te
                  "in turned coordinates")
       ->check(CLI::IsMember({"y", "z"}))
       ->capture_default_str();
-  add_surface_options(app, options.meshing, options.unit);
+  add_surface_options(app, request.meshing, request.unit);
   app.get_option("--unit")->description(
       std::string("of the surface's coordinates, or of a tetrahedral mesh's where no surface is "
                   "read: ") +
       kLengthUnits);
-  app.add_option("--mesh-unit", options.mesh_unit,
+  app.add_option("--mesh-unit", request.mesh_unit,
                  "of a tetrahedral mesh's coordinates, where --unit is of the --render surface");
-  options.threads = std::max(1u, std::thread::hardware_concurrency());
-  app.add_option("--threads", options.threads, "threads of a rank")->check(at_least_one());
+  request.threads = std::max(1u, std::thread::hardware_concurrency());
+  app.add_option("--threads", request.threads, "threads of a rank")->check(at_least_one());
 }
 
-bool finish_solid_options(const SolidTexts& texts, PrecomputeOptions& options) {
-  options.mass = texts.mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;
-  options.y_up = texts.up == "y";
-  if (texts.force.empty() || parse_vector(texts.force, options.load_force)) return true;
+bool finish_solid_options(const SolidTexts& texts, ProblemRequest& request) {
+  request.mass = texts.mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;
+  request.y_up = texts.up == "y";
+  if (texts.force.empty() || parse_vector(texts.force, request.load_force)) return true;
   std::cerr << "tremolo-precompute: --load-force " << texts.force
             << ": expected three numbers, X,Y,Z in N\n";
   return false;

@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "precompute/problem/problem.h"
+#include "precompute/problem/problem_request.h"
 
 namespace tremolo {
 
@@ -22,9 +22,9 @@ bool parse_vector(const std::string& text, Eigen::Vector3d& vector);
 bool vectors_are_words(const std::vector<std::string>& words, const std::string& flag);
 
 // Mesh, materials, what is held and what is loaded. Both are borrowed until the line is parsed.
-void add_solid_options(CLI::App& app, PrecomputeOptions& options, SolidTexts& texts);
+void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts);
 
 // Texts to values; false when one is wrong (the text has been printed).
-bool finish_solid_options(const SolidTexts& texts, PrecomputeOptions& options);
+bool finish_solid_options(const SolidTexts& texts, ProblemRequest& request);
 
 }  // namespace tremolo

@@ -60,9 +60,9 @@ std::string number(double value) {
 }
 
 // The command line of the child; what was not asked for is left out.
-std::vector<std::string> words_for(const PrecomputeOptions& options) {
-  const SurfaceMeshOptions& meshing = options.meshing;
-  std::vector<std::string> words = {"tremolo-mesh", options.mesh_path, "--answer",
+std::vector<std::string> words_for(const ProblemRequest& request) {
+  const SurfaceMeshOptions& meshing = request.meshing;
+  std::vector<std::string> words = {"tremolo-mesh", request.mesh_path, "--answer",
                                     std::to_string(kAnswer)};
   const auto add = [&words](const char* flag, const std::string& value) {
     words.emplace_back(flag);
@@ -72,7 +72,7 @@ std::vector<std::string> words_for(const PrecomputeOptions& options) {
   if (meshing.tets > 0) add("--tets", std::to_string(meshing.tets));
   if (meshing.error > 0) add("--error", number(meshing.error));
   if (meshing.thicken > 0) add("--thicken", number(meshing.thicken));
-  if (!options.unit.empty()) add("--unit", options.unit);
+  if (!request.unit.empty()) add("--unit", request.unit);
   if (meshing.fill_holes) words.emplace_back("--fill-holes");
   if (meshing.keep_crumbs) words.emplace_back("--keep-crumbs");
   return words;
@@ -90,9 +90,9 @@ std::string mesher_program(const std::string& path) {
 }
 
 // The child's exit status.
-int run_mesher(const PrecomputeOptions& options, const MemoryFile& answer) {
-  const std::string program = mesher_program(options.mesh_path);
-  std::vector<std::string> words = words_for(options);
+int run_mesher(const ProblemRequest& request, const MemoryFile& answer) {
+  const std::string program = mesher_program(request.mesh_path);
+  std::vector<std::string> words = words_for(request);
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
@@ -114,26 +114,26 @@ int run_mesher(const PrecomputeOptions& options, const MemoryFile& answer) {
   return status;
 }
 
-RenderSurface read_render_surface(const PrecomputeOptions& options) {
+RenderSurface read_render_surface(const ProblemRequest& request) {
   SurfaceReadOptions reading;
-  if (!options.unit.empty()) reading.metres_per_unit = unwrap(metres_per_unit(options.unit));
-  return std::move(unwrap(read_surface(options.mesh_path, reading)).surface);
+  if (!request.unit.empty()) reading.metres_per_unit = unwrap(metres_per_unit(request.unit));
+  return std::move(unwrap(read_surface(request.mesh_path, reading)).surface);
 }
 
 }  // namespace
 
-CutSurface cut_surface(const PrecomputeOptions& options) {
+CutSurface cut_surface(const ProblemRequest& request) {
   CutSurface result;
-  result.render = read_render_surface(options);
+  result.render = read_render_surface(request);
   const MemoryFile answer;
-  const int status = run_mesher(options, answer);
+  const int status = run_mesher(request, answer);
   const std::vector<std::byte> bytes = answer.contents();
   if (WIFSIGNALED(status))
-    throw Failure(system_error(options.mesh_path + ": tremolo-mesh was ended by signal " +
+    throw Failure(system_error(request.mesh_path + ": tremolo-mesh was ended by signal " +
                                std::to_string(WTERMSIG(status)) + " (" +
                                ::strsignal(WTERMSIG(status)) + ")"));
   if (bytes.empty())
-    throw Failure(system_error(options.mesh_path + ": tremolo-mesh ended without an answer, exit " +
+    throw Failure(system_error(request.mesh_path + ": tremolo-mesh ended without an answer, exit " +
                                "code " + std::to_string(WEXITSTATUS(status))));
   result.cut = unwrap(decode_answer(bytes));
   return result;

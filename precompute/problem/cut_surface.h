@@ -13,10 +13,10 @@ struct CutSurface {
   MesherAnswer cut;
 };
 
-// Of options.mesh_path. The program tremolo-mesh, which stands beside this one, is a child that
+// Of request.mesh_path. The program tremolo-mesh, which stands beside this one, is a child that
 // ends with this process; what it tells of its progress goes to stderr. Throws Failure: what
 // read_surface(), metres_per_unit() and mesh_surface() give, with the path; kSystem if the child
 // cannot be started, or ends without an answer.
-CutSurface cut_surface(const PrecomputeOptions& options);
+CutSurface cut_surface(const ProblemRequest& request);
 
 }  // namespace tremolo

@@ -73,13 +73,13 @@ void add_arrow(const Problem& problem, const BoundingBox& box, Preview& preview)
 
 }  // namespace
 
-Preview make_preview(const PrecomputeOptions& options, const Problem& problem) {
+Preview make_preview(const ProblemRequest& request, const Problem& problem) {
   std::vector<Colour> of_mesh(problem.mesh.vertices.size(), kFreeColour);
   for (const auto& held : problem.held) paint(held, kPartlyHeldColour, of_mesh);
   paint(problem.load.vertices, kLoadedColour, of_mesh);
   paint(problem.fixed, kHeldColour, of_mesh);
-  if (!options.select.empty())
-    paint(unwrap(resolve_selector(options.select, problem.mesh)), kSelectedColour, of_mesh);
+  if (!request.select.empty())
+    paint(unwrap(resolve_selector(request.select, problem.mesh)), kSelectedColour, of_mesh);
 
   Preview preview;
   const BoundarySurface boundary = boundary_surface(problem.mesh);
@@ -93,10 +93,10 @@ Preview make_preview(const PrecomputeOptions& options, const Problem& problem) {
   return preview;
 }
 
-void write_preview(const PrecomputeOptions& options, const Problem& problem) {
-  if (options.preview.empty()) return;
-  const Preview preview = make_preview(options, problem);
-  unwrap(write_painted_surface(options.preview, preview.surface, preview.colours));
+void write_preview(const ProblemRequest& request, const Problem& problem) {
+  if (request.preview.empty()) return;
+  const Preview preview = make_preview(request, problem);
+  unwrap(write_painted_surface(request.preview, preview.surface, preview.colours));
 }
 
 }  // namespace tremolo

@@ -23,9 +23,9 @@ struct Preview {
   SurfaceMesh surface;
   std::vector<Colour> colours;  // a vertex
 };
-Preview make_preview(const PrecomputeOptions& options, const Problem& problem);
+Preview make_preview(const ProblemRequest& request, const Problem& problem);
 
-// Writes options.preview, if it is asked for. Throws Failure.
-void write_preview(const PrecomputeOptions& options, const Problem& problem);
+// Writes request.preview, if it is asked for. Throws Failure.
+void write_preview(const ProblemRequest& request, const Problem& problem);
 
 }  // namespace tremolo

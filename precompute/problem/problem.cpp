@@ -39,9 +39,9 @@ std::vector<VertexId> select_all(const std::vector<std::string>& selectors, cons
   return fixed;
 }
 
-void require_force(const PrecomputeOptions& options) {
-  if (!options.load_at.empty() &&
-      (!options.load_force.allFinite() || options.load_force.norm() == 0.0))
+void require_force(const ProblemRequest& request) {
+  if (!request.load_at.empty() &&
+      (!request.load_force.allFinite() || request.load_force.norm() == 0.0))
     throw Failure(
         content_error("--load-at needs --load-force with a finite force other than zero"));
 }
@@ -50,41 +50,39 @@ void require_selector(const std::string& text) {
   if (!text.empty()) unwrap(parse_selector(text));
 }
 
-// What no mesh could make right is told before one is made. Counts that only the mesh's dofs refuse
-// come later.
-void require_well_formed(const PrecomputeOptions& options) {
-  for (const std::string& text : options.fix) require_selector(text);
-  for (const auto& selectors : options.fix_axis)
+// What no mesh could make right is told before one is made.
+void require_well_formed(const ProblemRequest& request) {
+  for (const std::string& text : request.fix) require_selector(text);
+  for (const auto& selectors : request.fix_axis)
     for (const std::string& text : selectors) require_selector(text);
-  require_selector(options.load_at);
-  require_selector(options.select);
-  for (const std::string& text : options.point_masses) unwrap(parse_point_mass(text));
-  if (!options.unit.empty()) unwrap(metres_per_unit(options.unit));
-  if (!options.select.empty()) return;
-  require_force(options);
-  if (options.import_basis.empty()) choose_mode_counts(options, std::numeric_limits<int>::max());
+  require_selector(request.load_at);
+  require_selector(request.select);
+  for (const std::string& text : request.point_masses) unwrap(parse_point_mass(text));
+  if (!request.unit.empty()) unwrap(metres_per_unit(request.unit));
+  if (!request.select.empty()) return;
+  require_force(request);
 }
 
 // Which vertices a `near:` took.
-void note_near(const PrecomputeOptions& options, Problem& problem) {
+void note_near(const ProblemRequest& request, Problem& problem) {
   const auto note = [&](const char* flag, const std::string& text) {
     for (const std::string& each : near_notes(text, problem.mesh))
       problem.notes.push_back(std::string(flag) + " " + each);
   };
-  for (const std::string& text : options.fix) note("--fix", text);
+  for (const std::string& text : request.fix) note("--fix", text);
   constexpr const char* kFlags[] = {"--fix-x", "--fix-y", "--fix-z"};
   for (std::size_t axis = 0; axis < 3; ++axis)
-    for (const std::string& text : options.fix_axis[axis]) note(kFlags[axis], text);
-  note("--load-at", options.load_at);
+    for (const std::string& text : request.fix_axis[axis]) note(kFlags[axis], text);
+  note("--load-at", request.load_at);
   for (const PointMass& mass : problem.point_masses) note("--point-mass", mass.selector);
 }
 
 // Who has turned the body knows what is up. Empty: there is nothing to say.
-std::string hint_of_side(const PrecomputeOptions& options, const Problem& problem) {
-  if (options.y_up) return {};
-  std::vector<std::string> selectors = options.fix;
-  selectors.push_back(options.select);
-  return side_hint(selectors, problem.mesh, has_y_up(options.mesh_path));
+std::string hint_of_side(const ProblemRequest& request, const Problem& problem) {
+  if (request.y_up) return {};
+  std::vector<std::string> selectors = request.fix;
+  selectors.push_back(request.select);
+  return side_hint(selectors, problem.mesh, has_y_up(request.mesh_path));
 }
 
 // A part that can still move rigidly would make K singular. Where single axes are held, joints of
@@ -109,10 +107,9 @@ void require_held(const Problem& problem) {
   }
 }
 
-MaterialTable make_materials(const PrecomputeOptions& options,
-                             const std::vector<MaterialRule>& rules,
+MaterialTable make_materials(const ProblemRequest& request, const std::vector<MaterialRule>& rules,
                              const std::vector<FileMaterial>& of_file, Problem& problem) {
-  MaterialTable table = unwrap(assign_materials(rules, options.material, problem.mesh, of_file));
+  MaterialTable table = unwrap(assign_materials(rules, request.material, problem.mesh, of_file));
   const bool several = problem.mesh.region_names.size() > 1;
   if (rules.empty() && (several || !of_file.empty()))
     problem.notes.push_back(list_regions(problem.mesh) +
@@ -123,9 +120,9 @@ MaterialTable make_materials(const PrecomputeOptions& options,
   return table;
 }
 
-std::vector<PointMass> make_point_masses(const PrecomputeOptions& options, Problem& problem) {
+std::vector<PointMass> make_point_masses(const ProblemRequest& request, Problem& problem) {
   std::vector<PointMass> masses;
-  for (const std::string& text : options.point_masses) {
+  for (const std::string& text : request.point_masses) {
     masses.push_back(unwrap(read_point_mass(text, problem.mesh, problem.fixed)));
     const PointMass& mass = masses.back();
     if (mass.fixed > 0)
@@ -138,31 +135,31 @@ std::vector<PointMass> make_point_masses(const PrecomputeOptions& options, Probl
 
 }  // namespace
 
-DefaultLoad make_load(const PrecomputeOptions& options, const Problem& problem) {
+DefaultLoad make_load(const ProblemRequest& request, const Problem& problem) {
   DefaultLoad load;
-  if (options.load_at.empty()) return load;
-  require_force(options);
-  for (VertexId v : unwrap(resolve_selector(options.load_at, problem.mesh)))
+  if (request.load_at.empty()) return load;
+  require_force(request);
+  for (VertexId v : unwrap(resolve_selector(request.load_at, problem.mesh)))
     if (!std::binary_search(problem.fixed.begin(), problem.fixed.end(), v))
       load.vertices.push_back(v);
   if (load.vertices.empty())
-    throw Failure(content_error("--load-at " + options.load_at + ": every such vertex is fixed"));
+    throw Failure(content_error("--load-at " + request.load_at + ": every such vertex is fixed"));
   load.forces.assign(load.vertices.size(),
-                     options.load_force / static_cast<double>(load.vertices.size()));
+                     request.load_force / static_cast<double>(load.vertices.size()));
   return load;
 }
 
 namespace {
 
-void read_render(const PrecomputeOptions& options, Problem& problem) {
+void read_render(const ProblemRequest& request, Problem& problem) {
   SurfaceReadOptions reading;
-  if (!options.unit.empty()) reading.metres_per_unit = unwrap(metres_per_unit(options.unit));
-  SurfaceFile file = unwrap(read_surface(options.render_path, reading));
-  problem.notes.push_back("render surface: " + options.render_path + ", " + file.format +
+  if (!request.unit.empty()) reading.metres_per_unit = unwrap(metres_per_unit(request.unit));
+  SurfaceFile file = unwrap(read_surface(request.render_path, reading));
+  problem.notes.push_back("render surface: " + request.render_path + ", " + file.format +
                           ", unit: " + file.unit);
   problem.notes.insert(problem.notes.end(), file.notes.begin(), file.notes.end());
-  if (options.y_up) turn_y_to_z(file.surface);
-  attach_render(problem, std::move(file.surface), options.threads);
+  if (request.y_up) turn_y_to_z(file.surface);
+  attach_render(problem, std::move(file.surface), request.threads);
 }
 
 }  // namespace
@@ -179,32 +176,32 @@ void attach_render(Problem& problem, RenderSurface surface, unsigned threads) {
 
 namespace {
 
-// Contradictions among the options that no file need be read for.
-void require_consistent(const PrecomputeOptions& options) {
+// Contradictions among the request that no file need be read for.
+void require_consistent(const ProblemRequest& request) {
   const auto refuse = [](const std::string& text) { throw Failure({ErrorKind::kUsage, text}); };
-  if (options.fix.size() > 1 &&
-      std::find(options.fix.begin(), options.fix.end(), "none") != options.fix.end())
+  if (request.fix.size() > 1 &&
+      std::find(request.fix.begin(), request.fix.end(), "none") != request.fix.end())
     refuse("--fix none and another --fix contradict each other");
-  for (const auto& selectors : options.fix_axis)
-    if (!selectors.empty() && options.fix.size() == 1 && options.fix.front() == "none")
+  for (const auto& selectors : request.fix_axis)
+    if (!selectors.empty() && request.fix.size() == 1 && request.fix.front() == "none")
       refuse("--fix none and --fix-x, --fix-y or --fix-z contradict each other");
 }
 
 // Of either kind. meshed: the surface that was cut; of_file: the mesh file's own materials.
-void read_solid(const PrecomputeOptions& options, Problem& problem,
+void read_solid(const ProblemRequest& request, Problem& problem,
                 std::optional<RenderSurface>& meshed, std::vector<FileMaterial>& of_file) {
-  if (is_surface_file(options.mesh_path)) {
-    if (!options.mesh_unit.empty())
+  if (is_surface_file(request.mesh_path)) {
+    if (!request.mesh_unit.empty())
       throw Failure({ErrorKind::kUsage, "--mesh-unit is of a tetrahedral mesh's coordinates: " +
-                                            options.mesh_path + " is a surface, see --unit"});
-    CutSurface surface = cut_surface(options);
+                                            request.mesh_path + " is a surface, see --unit"});
+    CutSurface surface = cut_surface(request);
     problem.mesh = std::move(surface.cut.mesh);
     problem.mesh_format = std::move(surface.cut.format);
     problem.notes = std::move(surface.cut.notes);
     meshed = std::move(surface.render);
     return;
   }
-  MeshFile file = load_tetrahedra(options);
+  MeshFile file = load_tetrahedra(request);
   problem.mesh = std::move(file.mesh);
   problem.mesh_format = std::move(file.format);
   problem.notes = std::move(file.notes);
@@ -212,18 +209,18 @@ void read_solid(const PrecomputeOptions& options, Problem& problem,
 }
 
 // What is held, and whether that is enough.
-void hold(const PrecomputeOptions& options, Problem& problem) {
-  problem.free_body = options.fix.size() == 1 && options.fix.front() == "none";
+void hold(const ProblemRequest& request, Problem& problem) {
+  problem.free_body = request.fix.size() == 1 && request.fix.front() == "none";
   if (!problem.free_body) {
-    problem.fixed = select_all(options.fix, problem.mesh);
+    problem.fixed = select_all(request.fix, problem.mesh);
     for (std::size_t axis = 0; axis < 3; ++axis)
-      problem.held[axis] = select_all(options.fix_axis[axis], problem.mesh);
+      problem.held[axis] = select_all(request.fix_axis[axis], problem.mesh);
   }
   const bool along_axes = std::any_of(problem.held.begin(), problem.held.end(),
                                       [](const auto& held) { return !held.empty(); });
   // An imported basis says itself what it holds.
-  if (options.import_basis.empty() && along_axes) require_held(problem);
-  if (options.import_basis.empty() && !along_axes)
+  if (!request.imported && along_axes) require_held(problem);
+  if (!request.imported && !along_axes)
     require_no_loose_piece(problem.mesh, problem.report, problem.fixed, problem.free_body);
   if (problem.free_body && problem.report.parts > kMostFreeParts)
     throw Failure(
@@ -238,18 +235,18 @@ void hold(const PrecomputeOptions& options, Problem& problem) {
 
 }  // namespace
 
-Problem load_problem(const PrecomputeOptions& options) {
-  unwrap(check_material(options.material));
+Problem load_problem(const ProblemRequest& request) {
+  unwrap(check_material(request.material));
   std::vector<MaterialRule> rules;
-  for (const std::string& text : options.materials)
-    rules.push_back(unwrap(parse_material_rule(text, options.material)));
-  require_consistent(options);
-  require_well_formed(options);
+  for (const std::string& text : request.materials)
+    rules.push_back(unwrap(parse_material_rule(text, request.material)));
+  require_consistent(request);
+  require_well_formed(request);
   Problem problem;
   std::optional<RenderSurface> meshed;
   std::vector<FileMaterial> of_file;
-  read_solid(options, problem, meshed, of_file);
-  if (options.y_up) {
+  read_solid(request, problem, meshed, of_file);
+  if (request.y_up) {
     turn_y_to_z(problem.mesh);
     turn_y_to_z(of_file);
     if (meshed) turn_y_to_z(*meshed);
@@ -257,56 +254,36 @@ Problem load_problem(const PrecomputeOptions& options) {
   }
   Result<MeshReport> report = check_mesh(problem.mesh);
   if (!report)
-    throw Failure({report.error().kind, options.mesh_path + ": " + report.error().message});
+    throw Failure({report.error().kind, request.mesh_path + ": " + report.error().message});
   problem.report = std::move(*report);
   problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
                        problem.report.notes.end());
   problem.mesh_hash = hash_mesh(problem.mesh);
-  if (!options.render_path.empty())
-    read_render(options, problem);
+  if (!request.render_path.empty())
+    read_render(request, problem);
   else if (meshed)
-    attach_render(problem, std::move(*meshed), options.threads);
+    attach_render(problem, std::move(*meshed), request.threads);
   // Behind the render surface: its objects and colours may choose a material.
-  problem.materials = make_materials(options, rules, of_file, problem);
-  const std::string hint = hint_of_side(options, problem);
+  problem.materials = make_materials(request, rules, of_file, problem);
+  const std::string hint = hint_of_side(request, problem);
   if (!hint.empty()) problem.notes.push_back(hint);
-  if (!options.select.empty()) {
-    for (std::string& note : near_notes(options.select, problem.mesh))
+  if (!request.select.empty()) {
+    for (std::string& note : near_notes(request.select, problem.mesh))
       problem.notes.push_back(std::move(note));
     return problem;
   }
   try {
-    hold(options, problem);
+    hold(request, problem);
   } catch (const Failure& failure) {
     if (hint.empty()) throw;
     Error error = failure.error();
     error.message += ". A hint: " + hint;
     throw Failure(std::move(error));
   }
-  problem.load = make_load(options, problem);
-  problem.point_masses = make_point_masses(options, problem);
-  note_near(options, problem);
+  problem.load = make_load(request, problem);
+  problem.point_masses = make_point_masses(request, problem);
+  note_near(request, problem);
   return problem;
-}
-
-ModeCounts choose_mode_counts(const PrecomputeOptions& options, int free_dofs) {
-  ModeCounts counts;
-  counts.linear = options.linear_modes.value_or(std::min(20, free_dofs));
-  const auto refuse = [](const std::string& text) { throw Failure(content_error(text)); };
-  if (counts.linear < 1)
-    refuse("--linear-modes " + std::to_string(counts.linear) + ": at least one is needed");
-  if (counts.linear > free_dofs)
-    refuse("--linear-modes " + std::to_string(counts.linear) + ": the mesh has " +
-           std::to_string(free_dofs) + " dofs to move");
-  const auto k = static_cast<std::size_t>(counts.linear);
-  const int most = static_cast<int>(std::min<std::size_t>(k + (options.linear ? 0 : pair_count(k)),
-                                                          static_cast<std::size_t>(free_dofs)));
-  counts.modes = options.modes.value_or(options.linear ? most : std::min(30, most));
-  if (counts.modes < 1 || counts.modes > most)
-    refuse("--modes " + std::to_string(counts.modes) + ": " + std::to_string(counts.linear) +
-           " linear modes" + (options.linear ? "" : " and their derivatives") + " give at most " +
-           std::to_string(most));
-  return counts;
 }
 
 }  // namespace tremolo

@@ -14,8 +14,8 @@ constexpr double kLarge = 100;
 constexpr double kSmall = 1e-3;
 
 // What would be passed over in silence.
-void refuse_surface_options(const PrecomputeOptions& options) {
-  const SurfaceMeshOptions& meshing = options.meshing;
+void refuse_surface_options(const ProblemRequest& request) {
+  const SurfaceMeshOptions& meshing = request.meshing;
   const std::pair<bool, const char*> given[] = {
       {meshing.tets > 0, "--tets"},         {meshing.size > 0, "--size"},
       {meshing.error > 0, "--error"},       {meshing.thicken > 0, "--thicken"},
@@ -23,16 +23,16 @@ void refuse_surface_options(const PrecomputeOptions& options) {
   for (const auto& [is_given, name] : given)
     if (is_given)
       throw Failure({ErrorKind::kUsage, std::string(name) +
-                                            " is of meshing a surface: " + options.mesh_path +
+                                            " is of meshing a surface: " + request.mesh_path +
                                             " is tetrahedra already, which are taken as they are"});
 }
 
-void to_metres(const PrecomputeOptions& options, const std::string& unit, TetMesh& mesh) {
+void to_metres(const ProblemRequest& request, const std::string& unit, TetMesh& mesh) {
   const double metres = unwrap(metres_per_unit(unit));
   for (Eigen::Vector3d& x : mesh.vertices) {
     x *= metres;
     if (!x.allFinite())
-      throw Failure(content_error(options.mesh_path + ": in units of " + number_text(metres) +
+      throw Failure(content_error(request.mesh_path + ": in units of " + number_text(metres) +
                                   " m its coordinates are too large for a number"));
   }
 }
@@ -49,23 +49,23 @@ double extent(const TetMesh& mesh) {
 
 }  // namespace
 
-MeshFile load_tetrahedra(const PrecomputeOptions& options) {
-  refuse_surface_options(options);
-  const bool surface_has_it = !options.render_path.empty();
+MeshFile load_tetrahedra(const ProblemRequest& request) {
+  refuse_surface_options(request);
+  const bool surface_has_it = !request.render_path.empty();
   const std::string& unit =
-      !options.mesh_unit.empty() || surface_has_it ? options.mesh_unit : options.unit;
-  if (!unit.empty() && !options.import_basis.empty())
+      !request.mesh_unit.empty() || surface_has_it ? request.mesh_unit : request.unit;
+  if (!unit.empty() && request.imported)
     throw Failure({ErrorKind::kUsage,
                    "an imported basis and its forces are in the units of their mesh: --unit and "
                    "--mesh-unit would change the mesh alone"});
-  MeshFile file = unwrap(read_tet_mesh(options.mesh_path));
+  MeshFile file = unwrap(read_tet_mesh(request.mesh_path));
   if (!unit.empty()) {
-    to_metres(options, unit, file.mesh);
+    to_metres(request, unit, file.mesh);
     file.notes.push_back("the mesh's unit: " + unit + ", given");
   }
   const std::string flag = surface_has_it ? "--mesh-unit" : "--unit";
-  if (unit.empty() && !options.unit.empty())
-    file.notes.push_back("--unit " + options.unit +
+  if (unit.empty() && !request.unit.empty())
+    file.notes.push_back("--unit " + request.unit +
                          " is of the render surface; the mesh's coordinates are taken as metres "
                          "(else: --mesh-unit)");
   const double size = extent(file.mesh);

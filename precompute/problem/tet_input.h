@@ -6,11 +6,11 @@
 
 namespace tremolo {
 
-// Of options.mesh_path, whose coordinates are multiplied by the unit that was given: --mesh-unit,
+// Of request.mesh_path, whose coordinates are multiplied by the unit that was given: --mesh-unit,
 // or --unit where no other surface is read that it would be of. notes: also the unit, and an extent
 // that makes one doubt it. Throws Failure: as read_tet_mesh(), kUsage for options that are of
 // meshing a surface only, for what is no unit, and for a unit of an imported model, whose basis and
 // forces are in the units of its mesh.
-MeshFile load_tetrahedra(const PrecomputeOptions& options);
+MeshFile load_tetrahedra(const ProblemRequest& request);
 
 }  // namespace tremolo

@@ -184,8 +184,8 @@ Fact render_fact(const Problem& problem) {
               Digest().add(problem.render->vertices).add(problem.embedding.tetrahedra).text()};
 }
 
-Problem load_problem_together(const PrecomputeOptions& options) {
-  Problem problem = on_all_ranks([&] { return load_problem(options); });
+Problem load_problem_together(const ProblemRequest& request) {
+  Problem problem = on_all_ranks([&] { return load_problem(request); });
   std::vector<Fact> facts = facts_of(problem);
   facts.push_back(render_fact(problem));
   require_agreement(facts);

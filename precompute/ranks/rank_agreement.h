@@ -73,6 +73,6 @@ Fact render_fact(const Problem& problem);
 
 // load_problem on all ranks, which then agree. Throws SharedFailure (kContent) also when there are
 // more ranks than tetrahedra.
-Problem load_problem_together(const PrecomputeOptions& options);
+Problem load_problem_together(const ProblemRequest& request);
 
 }  // namespace tremolo

@@ -155,14 +155,15 @@ void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
 }
 
 Basis make_basis(const Matrices& matrices, Columns columns, const Eigen::VectorXd& w2,
-                 double amplitude, int r, unsigned threads, const Marker* marker, bool extend) {
+                 double amplitude, const BasisCut& cut) {
   PrincipalColumns principal =
-      principal_columns(matrices, std::move(columns), w2, amplitude, threads);
-  return make_basis(matrices, std::move(principal), r, threads, marker, extend);
+      principal_columns(matrices, std::move(columns), w2, amplitude, cut.threads);
+  return make_basis(matrices, std::move(principal), cut);
 }
 
-Basis make_basis(const Matrices& matrices, PrincipalColumns principal, int r, unsigned threads,
-                 const Marker* marker, bool extend) {
+Basis make_basis(const Matrices& matrices, PrincipalColumns principal, const BasisCut& cut) {
+  const auto [asked, threads, marker, extend] = cut;
+  int r = asked;
   const Mat mass = matrices.mass.get();
   const Eigen::VectorXd& sigma = principal.singular_values;
   const Eigen::Index kept = principal.kept.cols();

@@ -43,6 +43,17 @@ PrincipalColumns principal_columns(const Matrices& matrices, Columns columns,
 void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
                  PrincipalColumns& principal);
 
+// What is kept of the directions. marker: coordinates of equal Lambda, and those to keep of several
+// with equal singular values, are canonical (mode_clusters.h); without it they are what rounding
+// makes them. extend: up to kMostAdded coordinates more than r, when r would cut between equal
+// singular values.
+struct BasisCut {
+  int r = 0;
+  unsigned threads = 1;
+  const Marker* marker = nullptr;
+  bool extend = false;
+};
+
 // columns: local x (k + k(k+1)/2), the modes with squared frequencies w2 (k) and their derivatives
 // (none: a linear scene); taken, its memory is worked in. amplitude: a, kg^1/2 m, how far the first
 // mode is expected to swing. Columns are weighted Psi_i * w2_1/w2_i and Phi_ij * (a/2) w2_1^2/(w2_i
@@ -50,16 +61,11 @@ void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
 // Without a, as in the literature, the weights of Psi and Phi have different units: the basis would
 // depend on the size and the mass of the body, and a heavy one would lose its lowest modes to
 // derivatives. Throws Failure (kContent) if r exceeds the rank of the columns.
-// marker: coordinates of equal Lambda, and those to keep of several with equal singular values, are
-// canonical (mode_clusters.h); without it they are what rounding makes them. extend: up to
-// kMostAdded coordinates more than r, when r would cut between equal singular values.
 Basis make_basis(const Matrices& matrices, Columns columns, const Eigen::VectorXd& w2,
-                 double amplitude, int r, unsigned threads, const Marker* marker = nullptr,
-                 bool extend = false);
+                 double amplitude, const BasisCut& cut);
 
 // The same of columns already weighted; r counts the kept ones.
-Basis make_basis(const Matrices& matrices, PrincipalColumns principal, int r, unsigned threads,
-                 const Marker* marker = nullptr, bool extend = false);
+Basis make_basis(const Matrices& matrices, PrincipalColumns principal, const BasisCut& cut);
 
 // What the user should know when `asked` coordinates cut between equals and `kept` were kept; empty
 // when they did not.

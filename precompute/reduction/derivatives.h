@@ -4,7 +4,7 @@
 
 #include "formats/basis/basis_data.h"
 #include "precompute/fem/stvk.h"
-#include "precompute/modes/modes.h"
+#include "precompute/solver/shifted_solver.h"
 
 namespace tremolo {
 
@@ -19,14 +19,14 @@ struct ModalDerivatives {
   auto vectors() const { return columns.rightCols(columns.cols() - modes); }
 };
 
-// psi: the modes expanded to all vertices, 3n x k. Blocks of columns are loaded, solved and checked
-// one after the other, on CHOLMOD's factor `threads` blocks at a time: only those blocks exist
-// twice.
-// A body with rigid modes has a singular K: the load is made self-balancing, the factor of
-// K + sM is used in an iteration that converges to the solution on the complement of `rigid`
-// (M-orthonormal), and nothing of `rigid` is left in Phi.
-ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local,
-                                   const Matrices& matrices, const Modes& modes,
-                                   const BasisRows& psi, const Columns& rigid, unsigned threads);
+// modes: local dofs x k, M-orthonormal; psi: the same at all vertices, 3n x k. solver: prepared.
+// Blocks of columns are loaded, solved and checked one after the other, on CHOLMOD's factor as many
+// at a time as there are threads: only those blocks exist twice.
+// A body with rigid motions has a singular K: the load is made self-balancing, the factor of
+// K + sM is used in an iteration that converges to the solution on the complement of the motions,
+// and nothing of them is left in Phi. Throws Failure (kSolver) when that does not converge.
+ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local, const Pencil& pencil,
+                                   const ShiftedSolver& solver, const Columns& modes,
+                                   const BasisRows& psi);
 
 }  // namespace tremolo

@@ -84,7 +84,7 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
     std::cerr << "tremolo-precompute: " << failure.what() << "\n";
     return exit_code(failure.error());
   }
-  options.solid.config_path = config_path(app);
+  options.config_path = config_path(app);
   if (!finish_solid_options(texts, options.solid)) return usage;
   if (!gravity.empty() && !parse_vector(gravity, options.gravity)) {
     std::cerr << "tremolo-precompute: --gravity " << gravity

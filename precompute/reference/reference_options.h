@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "common/load_signal.h"
-#include "precompute/problem/problem.h"
+#include "precompute/problem/problem_request.h"
 #include "precompute/reference/time_integration.h"
 
 namespace tremolo {
 
 struct ReferenceOptions {
-  PrecomputeOptions solid;  // the mesh and what is on it
+  ProblemRequest solid;     // the mesh and what is on it
+  std::string config_path;  // of --config; empty: none
   bool statics = false;     // --static: equilibrium under the whole load
   TimeSettings time;
   double duration = 1.0;                              // s

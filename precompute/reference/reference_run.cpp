@@ -297,7 +297,7 @@ void make_folder(const std::string& path) {
 // What cannot be written is told before hours of work.
 void require_place(const ReferenceOptions& options) {
   if (options.out.empty()) return;
-  std::vector<NamedFile> inputs = input_files(options.solid);
+  std::vector<NamedFile> inputs = input_files(options.solid, options.config_path);
   for (const std::string& file : options.compare) inputs.push_back({file, "--compare"});
   for (const std::string& probe : options.probes) add_files_of_selector(probe, "--probe", inputs);
   unwrap(keep_apart({table_path(options)}, inputs));

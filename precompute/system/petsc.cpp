@@ -187,6 +187,22 @@ std::vector<PetscVector> as_vectors(const Columns& columns) {
   return vectors;
 }
 
+std::vector<PetscVector> copied_vectors(const Columns& columns) {
+  const std::vector<PetscVector> vectors = as_vectors(columns);
+  std::vector<PetscVector> copies(vectors.size());
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    require(VecDuplicate(vectors[i].get(), copies[i].out()), "copy a vector");
+    require(VecCopy(vectors[i].get(), copies[i].get()), "copy a vector");
+  }
+  return copies;
+}
+
+std::vector<Vec> handles_of(const std::vector<PetscVector>& vectors) {
+  std::vector<Vec> handles;
+  for (const PetscVector& vector : vectors) handles.push_back(vector.get());
+  return handles;
+}
+
 Columns multiply(Mat a, const Columns& x) {
   const PetscMatrix dense = as_dense(x);
   PetscMatrix product;

@@ -86,6 +86,11 @@ PetscMatrix as_dense(const Columns& columns);
 // The same memory as one distributed vector a column.
 std::vector<PetscVector> as_vectors(const Columns& columns);
 
+// The same with memory of their own.
+std::vector<PetscVector> copied_vectors(const Columns& columns);
+
+std::vector<Vec> handles_of(const std::vector<PetscVector>& vectors);
+
 // A X for a sparse A.
 Columns multiply(Mat a, const Columns& x);
 

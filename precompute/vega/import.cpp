@@ -41,14 +41,14 @@ std::string hash_file(const std::string& bytes) {
 }
 
 // Rows of all vertices from those of the file.
-BasisRows place_rows(const PrecomputeOptions& options, const Problem& problem,
+BasisRows place_rows(const ImportRequest& request, const Problem& problem,
                      const Eigen::MatrixXd& basis) {
   const std::size_t n = problem.mesh.vertices.size();
   const std::size_t fixed = problem.fixed.size();
   const auto rows = static_cast<std::size_t>(basis.rows());
   if (rows == 3 * n) return basis;
-  const std::string counts = options.import_basis + " has " + std::to_string(rows) + " rows, " +
-                             options.mesh_path + " has " + std::to_string(n) +
+  const std::string counts = request.basis_path + " has " + std::to_string(rows) + " rows, " +
+                             request.mesh_path + " has " + std::to_string(n) +
                              " vertices: expected " + std::to_string(3 * n) +
                              " rows, three a vertex";
   if (fixed == 0)
@@ -79,7 +79,7 @@ double largest_share(const BasisRows& basis, const Eigen::RowVectorXd& largest, 
 
 // Vertices of tetrahedra that the basis does not move are the fixed ones, and the other way round;
 // what rounding has left in their rows becomes zero.
-void settle_fixed(const PrecomputeOptions& options, BasisRows& basis, Problem& problem) {
+void settle_fixed(const ImportRequest& request, BasisRows& basis, Problem& problem) {
   const Eigen::RowVectorXd largest = basis.cwiseAbs().colwise().maxCoeff();
   double left = 0;
   const auto hold = [&](VertexId v, double share) {
@@ -89,7 +89,7 @@ void settle_fixed(const PrecomputeOptions& options, BasisRows& basis, Problem& p
   for (VertexId v : problem.fixed) {
     const double share = largest_share(basis, largest, v);
     if (share > kRounding)
-      refuse(options.import_basis + ": the rows of vertex " + std::to_string(v) +
+      refuse(request.basis_path + ": the rows of vertex " + std::to_string(v) +
              text(" are not zero (up to %.1e of the largest entries of their columns; rounding is "
                   "below %.0e), but --fix holds it",
                   share, kRounding));
@@ -104,7 +104,7 @@ void settle_fixed(const PrecomputeOptions& options, BasisRows& basis, Problem& p
       hold(v, share);
     }
     problem.free_body = problem.fixed.empty();
-    problem.load = make_load(options, problem);
+    problem.load = make_load(request, problem);
   }
   if (left > 0)
     problem.notes.push_back(
@@ -122,7 +122,7 @@ std::vector<double> element_densities(const Problem& problem) {
 }
 
 // G where it is needed: nothing when the basis is orthonormal as it is.
-std::optional<Eigen::MatrixXd> settle_mass(const PrecomputeOptions& options, const TetMesh& mesh,
+std::optional<Eigen::MatrixXd> settle_mass(const ImportRequest& request, const TetMesh& mesh,
                                            const std::vector<double>& density,
                                            const BasisRows& basis, ImportFindings& findings,
                                            std::vector<std::string>& notes) {
@@ -133,7 +133,7 @@ std::optional<Eigen::MatrixXd> settle_mass(const PrecomputeOptions& options, con
   // On a fine mesh the two masses hardly differ: the better one.
   const bool consistent_fits = findings.consistent_error <= kOrthonormal &&
                                findings.consistent_error < findings.lumped_error;
-  findings.mass = options.mass_given ? options.mass
+  findings.mass = request.mass_given ? request.mass
                   : consistent_fits  ? MassKind::kConsistent
                                      : MassKind::kLumped;
   const bool is_lumped = findings.mass == MassKind::kLumped;
@@ -147,11 +147,11 @@ std::optional<Eigen::MatrixXd> settle_mass(const PrecomputeOptions& options, con
              name, error));
     return std::nullopt;
   }
-  if (!options.mass_given) {
+  if (!request.mass_given) {
     // The same basis in another density: U^T M U is a multiple of the identity.
     const double factor = lumped.trace() / static_cast<double>(lumped.rows());
     const bool scaled = factor > 0 && distance_from_identity(lumped / factor) <= kOrthonormal;
-    refuse(options.import_basis +
+    refuse(request.basis_path +
            text(": U^T M U is off the identity by %.2g in the lumped mass "
                 "(VegaFEM's) and by %.2g in the consistent one. ",
                 findings.lumped_error, findings.consistent_error) +
@@ -248,37 +248,37 @@ struct Source {
   ReducedForces forces;
 };
 
-Source read_source(const PrecomputeOptions& options, BasisData& data, ImportFindings& findings) {
-  data.vega.basis = unwrap(read_whole_file(options.import_basis));
-  data.vega.cubic = unwrap(read_whole_file(options.import_cubic));
+Source read_source(const ImportRequest& request, BasisData& data, ImportFindings& findings) {
+  data.vega.basis = unwrap(read_whole_file(request.basis_path));
+  data.vega.cubic = unwrap(read_whole_file(request.cubic_path));
   findings.basis_hash = hash_file(data.vega.basis);
   findings.cubic_hash = hash_file(data.vega.cubic);
-  Source source{unwrap(read_basis_matrix(data.vega.basis, options.import_basis)),
-                unwrap(read_cub(data.vega.cubic, options.import_cubic))};
+  Source source{unwrap(read_basis_matrix(data.vega.basis, request.basis_path)),
+                unwrap(read_cub(data.vega.cubic, request.cubic_path))};
   if (static_cast<std::size_t>(source.basis.cols()) != source.forces.size)
-    refuse(options.import_basis + " has " + std::to_string(source.basis.cols()) + " columns, " +
-           options.import_cubic + " is of " + std::to_string(source.forces.size) + " coordinates");
+    refuse(request.basis_path + " has " + std::to_string(source.basis.cols()) + " columns, " +
+           request.cubic_path + " is of " + std::to_string(source.forces.size) + " coordinates");
   return source;
 }
 
 // Lambda, C and Q of `data`; `basis`, which comes in as U, becomes U R.
-void compute_model(const PrecomputeOptions& options, const ReducedForces& forces, BasisRows& basis,
+void compute_model(const ImportRequest& request, const ReducedForces& forces, BasisRows& basis,
                    ImportResult& result) {
   BasisData& data = result.data;
   const TetMesh& mesh = result.problem.mesh;
   ImportFindings& findings = result.findings;
   const std::vector<double> density = element_densities(result.problem);
   const std::optional<Eigen::MatrixXd> mass =
-      settle_mass(options, mesh, density, basis, findings, result.problem.notes);
+      settle_mass(request, mesh, density, basis, findings, result.problem.notes);
   const SymmetrisedForces symmetric = symmetrise(forces);
   findings.asymmetry = symmetric.asymmetry;
   if (!(findings.asymmetry <= kAsymmetry))
-    refuse(options.import_cubic +
+    refuse(request.cubic_path +
            text(": the forces have no potential: equal terms of two components differ by %.2g of "
                 "the largest, expected rounding, below %.0e",
                 findings.asymmetry, kAsymmetry));
   const Coordinates coordinates = diagonalise(symmetric.tensors.quadratic, mass);
-  require_stiff(coordinates.lambda, options.import_cubic);
+  require_stiff(coordinates.lambda, request.cubic_path);
   ReducedTensors tensors = change_coordinates(symmetric.tensors, coordinates.change);
   tensors.quadratic = coordinates.lambda.asDiagonal();
   basis = basis * coordinates.change;
@@ -307,12 +307,12 @@ void add_rows(const Problem& problem, const BasisRows& basis, BasisData& data) {
 
 }  // namespace
 
-ImportResult import_reduced(const PrecomputeOptions& options, StageLog& log) {
-  if (is_surface_file(options.mesh_path))
-    throw Failure({ErrorKind::kUsage, options.mesh_path +
+ImportResult import_reduced(const ImportRequest& request, StageLog& log) {
+  if (is_surface_file(request.mesh_path))
+    throw Failure({ErrorKind::kUsage, request.mesh_path +
                                           ": an imported basis needs the tetrahedral mesh that it "
                                           "was made for, not a surface"});
-  if (!options.point_masses.empty())
+  if (!request.point_masses.empty())
     throw Failure({ErrorKind::kUsage,
                    "--point-mass has no place in an imported model: its basis belongs to the mass "
                    "that it was made with"});
@@ -321,19 +321,19 @@ ImportResult import_reduced(const PrecomputeOptions& options, StageLog& log) {
   BasisData& data = result.data;
 
   log.begin("mesh");
-  problem = load_problem(options);
-  write_preview(options, problem);
+  problem = load_problem(request);
+  write_preview(request, problem);
   log.end(text("%zu vertices, %zu tetrahedra", problem.mesh.vertices.size(),
                problem.mesh.tetrahedra.size()));
 
   log.begin("import");
-  const Source source = read_source(options, data, result.findings);
-  BasisRows basis = place_rows(options, problem, source.basis);
-  settle_fixed(options, basis, problem);
+  const Source source = read_source(request, data, result.findings);
+  BasisRows basis = place_rows(request, problem, source.basis);
+  settle_fixed(request, basis, problem);
   log.end(text("%zu coordinates, %zu fixed vertices", source.forces.size, problem.fixed.size()));
 
   log.begin("coordinates");
-  compute_model(options, source.forces, basis, result);
+  compute_model(request, source.forces, basis, result);
   log.end(text("forces equal to those of the .cub within %.1e", result.findings.force_error));
 
   data.rigid_mode_count = problem.free_body ? 6 * problem.report.parts : 0;

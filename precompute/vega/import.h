@@ -20,6 +20,13 @@ namespace tremolo {
 Eigen::MatrixXd reduced_mass(const TetMesh& mesh, const std::vector<double>& density,
                              const BasisRows& basis, MassKind kind);
 
+// request.imported is true.
+struct ImportRequest : ProblemRequest {
+  std::string basis_path;   // .U, over the vertices of the mesh
+  std::string cubic_path;   // .cub
+  bool mass_given = false;  // by the user: the basis is made orthonormal in `mass`
+};
+
 struct ImportFindings {
   std::string basis_hash;  // XXH3-64 of the files
   std::string cubic_hash;
@@ -39,15 +46,16 @@ struct ImportResult {
   ImportFindings findings;
 };
 
-// Reads options.mesh_path, import_basis and import_cubic. A basis of 3n rows brings zero rows for
+// Reads request.mesh_path and the two files. A basis of 3n rows brings zero rows for
 // the vertices that do not move (1e-12 of a column's largest entry counts as zero); one of 3(n -
-// fixed) rows needs options.fix. Throws Failure: kContent when the files do not fit each other
+// fixed) rows needs request.fix. Throws Failure: kContent when the files do not fit each other
 // (both are named), the forces have no potential, the stiffness is not positive, or the basis is
 // orthonormal in neither mass and none was asked for.
-ImportResult import_reduced(const PrecomputeOptions& options, StageLog& log);
+ImportResult import_reduced(const ImportRequest& request, StageLog& log);
 
 // The JSON object kept in the file, and the one printed by --json.
-std::string import_provenance(const PrecomputeOptions& options, const ImportResult& result);
+std::string import_provenance(const ImportRequest& request, const std::string& command_line,
+                              const ImportResult& result);
 std::string import_report(const ImportResult& result);
 
 }  // namespace tremolo

@@ -36,7 +36,8 @@ Json encoding_json(const ImportFindings& findings) {
 
 }  // namespace
 
-std::string import_provenance(const PrecomputeOptions& options, const ImportResult& result) {
+std::string import_provenance(const ImportRequest& request, const std::string& command_line,
+                              const ImportResult& result) {
   const ImportFindings& findings = result.findings;
   const auto name = [](const std::string& path) {
     return std::filesystem::path(path).filename().string();
@@ -44,8 +45,8 @@ std::string import_provenance(const PrecomputeOptions& options, const ImportResu
   Json json;
   json["generator"] = std::string("tremolo-precompute ") + TREMOLO_VERSION;
   json["units"] = "SI";
-  json["command_line"] = options.command_line;
-  json["mesh"] = {{"file", name(options.mesh_path)},
+  json["command_line"] = command_line;
+  json["mesh"] = {{"file", name(request.mesh_path)},
                   {"format", result.problem.mesh_format},
                   {"xxh3_64", result.problem.mesh_hash}};
   // Of the materials the densities alone are used: the stiffness is the .cub's.
@@ -54,12 +55,10 @@ std::string import_provenance(const PrecomputeOptions& options, const ImportResu
     densities.push_back({{"name", named.name}, {"density_kg_m3", named.material.density}});
   json["materials"] = densities;
   json["mass"] = findings.mass == MassKind::kLumped ? "lumped" : "consistent";
-  json["fix"] = options.fix;
+  json["fix"] = request.fix;
   json["import"] = import_json(findings);
-  json["import"]["basis"] = {{"file", name(options.import_basis)},
-                             {"xxh3_64", findings.basis_hash}};
-  json["import"]["cubic"] = {{"file", name(options.import_cubic)},
-                             {"xxh3_64", findings.cubic_hash}};
+  json["import"]["basis"] = {{"file", name(request.basis_path)}, {"xxh3_64", findings.basis_hash}};
+  json["import"]["cubic"] = {{"file", name(request.cubic_path)}, {"xxh3_64", findings.cubic_hash}};
   json["mass_orthonormality_error"] = findings.orthonormality_error;
   if (findings.encoding_error) json["encoding"] = encoding_json(findings);
   return dump(json);

@@ -13,6 +13,7 @@
 #include "precompute/system/failure.h"
 #include "tests/support/box_mesh.h"
 #include "tests/support/run_program.h"
+#include "tests/support/solved_pencil.h"
 
 namespace tremolo {
 namespace {
@@ -36,20 +37,18 @@ bool same_bits(const A& a, const B& b) {
 class StagesKept : public ::testing::Test {
  protected:
   StagesKept() {
-    options_.output_path = testing::fresh_folder() + "/out";
-    options_.checkpoint = true;
+    request_.folder = checkpoint_folder(testing::fresh_folder() + "/out");
+    request_.keep = true;
   }
-  Checkpoint start() { return {options_, identity_, log_}; }
+  Checkpoint start() { return {request_, identity_, log_}; }
   Checkpoint resume() {
-    PrecomputeOptions options = options_;
-    options.resume = true;
-    return {options, identity_, log_};
+    CheckpointRequest request = request_;
+    request.resume = true;
+    return {request, identity_, log_};
   }
-  std::string file(const std::string& stage) const {
-    return checkpoint_folder(options_) + "/" + stage + ".0";
-  }
+  std::string file(const std::string& stage) const { return request_.folder + "/" + stage + ".0"; }
 
-  PrecomputeOptions options_;
+  CheckpointRequest request_;
   CheckpointIdentity identity_ = {{"mesh", "1234"}, {"linear modes", "3"}};
   StageLog log_{true};
 };
@@ -78,10 +77,10 @@ TEST_F(StagesKept, ModesComeBackBitForBit) {
   Checkpoint first = start();
   keep_modes(first, whole);
   Checkpoint second = resume();
-  WholeModes again;
-  ASSERT_TRUE(find_modes(second, 12, 3, again));
-  EXPECT_EQ(again.note, whole.note);
-  const Modes &modes = whole.modes, &found = again.modes;
+  const std::optional<WholeModes> again = find_modes(second, 12, 3);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->note, whole.note);
+  const Modes &modes = whole.modes, &found = again->modes;
   EXPECT_EQ(found.left_out, modes.left_out);
   EXPECT_TRUE(same_bits(found.squared_frequencies, modes.squared_frequencies));
   EXPECT_TRUE(same_bits(found.vectors, modes.vectors));
@@ -100,11 +99,11 @@ TEST_F(StagesKept, DerivativesComeBackBehindTheModes) {
   Checkpoint first = start();
   keep_derivatives(first, derivatives);
   Checkpoint second = resume();
-  ModalDerivatives found;
-  ASSERT_TRUE(find_derivatives(second, derivatives.columns.leftCols(3), found));
-  EXPECT_TRUE(same_bits(found.columns, derivatives.columns));
-  EXPECT_EQ(found.modes, 3);
-  EXPECT_EQ(found.residual, 0.25);
+  const auto found = find_derivatives(second, derivatives.columns.leftCols(3));
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(same_bits(found->columns, derivatives.columns));
+  EXPECT_EQ(found->modes, 3);
+  EXPECT_EQ(found->residual, 0.25);
 }
 
 TEST_F(StagesKept, CertificateBasisAndCoefficientsComeBack) {
@@ -127,27 +126,25 @@ TEST_F(StagesKept, CertificateBasisAndCoefficientsComeBack) {
   keep_coefficients(first, coefficients);
 
   Checkpoint second = resume();
-  InertiaCertificate found_certificate;
-  FinishedBasis found_basis;
-  FinishedCoefficients found_coefficients;
-  ASSERT_TRUE(find_certificate(second, found_certificate));
-  ASSERT_TRUE(find_basis(second, 15, 4, found_basis));
-  ASSERT_TRUE(find_coefficients(second, 4, found_coefficients));
-  EXPECT_EQ(found_certificate.bound, 2.5);
-  EXPECT_TRUE(found_certificate.complete());
-  EXPECT_EQ(found_certificate.counted, 3);
-  EXPECT_EQ(found_certificate.solver, "own");
-  EXPECT_TRUE(same_bits(found_basis.rows, basis.rows));
-  EXPECT_TRUE(same_bits(found_basis.basis.lambda, basis.basis.lambda));
-  EXPECT_EQ(found_basis.basis.singular_values, basis.basis.singular_values);
-  EXPECT_EQ(found_basis.basis.orthonormality_error, 1e-15);
-  EXPECT_EQ(found_basis.basis.diagonality_error, 2e-15);
-  EXPECT_EQ(found_basis.basis.cut.first, 3);
-  EXPECT_EQ(found_basis.basis.cut.count, 2);
-  EXPECT_EQ(found_basis.derivative_residual, 3e-15);
-  EXPECT_EQ(found_coefficients.cubic, coefficients.cubic);
-  EXPECT_EQ(found_coefficients.quartic, coefficients.quartic);
-  EXPECT_EQ(found_coefficients.polynomial_error, 4e-15);
+  const auto found_certificate = find_certificate(second);
+  const auto found_basis = find_basis(second, 15, 4);
+  const auto found_coefficients = find_coefficients(second, 4);
+  ASSERT_TRUE(found_certificate && found_basis && found_coefficients);
+  EXPECT_EQ(found_certificate->bound, 2.5);
+  EXPECT_TRUE(found_certificate->complete());
+  EXPECT_EQ(found_certificate->counted, 3);
+  EXPECT_EQ(found_certificate->solver, "own");
+  EXPECT_TRUE(same_bits(found_basis->rows, basis.rows));
+  EXPECT_TRUE(same_bits(found_basis->basis.lambda, basis.basis.lambda));
+  EXPECT_EQ(found_basis->basis.singular_values, basis.basis.singular_values);
+  EXPECT_EQ(found_basis->basis.orthonormality_error, 1e-15);
+  EXPECT_EQ(found_basis->basis.diagonality_error, 2e-15);
+  EXPECT_EQ(found_basis->basis.cut.first, 3);
+  EXPECT_EQ(found_basis->basis.cut.count, 2);
+  EXPECT_EQ(found_basis->derivative_residual, 3e-15);
+  EXPECT_EQ(found_coefficients->cubic, coefficients.cubic);
+  EXPECT_EQ(found_coefficients->quartic, coefficients.quartic);
+  EXPECT_EQ(found_coefficients->polynomial_error, 4e-15);
 }
 
 TEST_F(StagesKept, WhatHasAnotherShapeIsNotFound) {
@@ -155,15 +152,12 @@ TEST_F(StagesKept, WhatHasAnotherShapeIsNotFound) {
   keep_modes(first, some_modes());
   keep_derivatives(first, {random_matrix(12, 9), 3, 0.25});
   Checkpoint second = resume();
-  WholeModes modes;
-  EXPECT_FALSE(find_modes(second, 15, 3, modes));
-  EXPECT_FALSE(find_modes(second, 12, 4, modes));
-  EXPECT_TRUE(find_modes(second, 12, 2, modes)) << "one more than asked for";
-  ModalDerivatives derivatives;
-  EXPECT_FALSE(find_derivatives(second, random_matrix(12, 2), derivatives));
-  EXPECT_FALSE(find_derivatives(second, random_matrix(9, 3), derivatives));
-  FinishedBasis basis;
-  EXPECT_FALSE(find_basis(second, 12, 3, basis)) << "nobody kept one";
+  EXPECT_FALSE(find_modes(second, 15, 3));
+  EXPECT_FALSE(find_modes(second, 12, 4));
+  EXPECT_TRUE(find_modes(second, 12, 2)) << "one more than asked for";
+  EXPECT_FALSE(find_derivatives(second, random_matrix(12, 2)));
+  EXPECT_FALSE(find_derivatives(second, random_matrix(9, 3)));
+  EXPECT_FALSE(find_basis(second, 12, 3)) << "nobody kept one";
 }
 
 TEST_F(StagesKept, AnotherIdentityIsAFailureThatNamesWhatDiffers) {
@@ -184,8 +178,7 @@ TEST_F(StagesKept, AnotherIdentityIsAFailureThatNamesWhatDiffers) {
 TEST_F(StagesKept, ARunThatDoesNotResumeFindsNothing) {
   Checkpoint first = start();
   keep_modes(first, some_modes());
-  WholeModes modes;
-  EXPECT_FALSE(find_modes(first, 12, 3, modes));
+  EXPECT_FALSE(find_modes(first, 12, 3));
   Checkpoint second = start();
   EXPECT_FALSE(std::filesystem::exists(file("modes")));
 }
@@ -197,8 +190,7 @@ TEST_F(StagesKept, AFileCutAnywhereIsNotFound) {
   for (std::size_t length = 0; length < bytes.size(); length += 13) {
     std::ofstream(file("modes"), std::ios::binary | std::ios::trunc) << bytes.substr(0, length);
     Checkpoint second = resume();
-    WholeModes modes;
-    EXPECT_FALSE(find_modes(second, 12, 3, modes)) << length;
+    EXPECT_FALSE(find_modes(second, 12, 3)) << length;
   }
 }
 
@@ -214,16 +206,16 @@ TEST(RestoredFactor, SolvesBitForBitAsTheFirst) {
     const Columns rigid = clamped ? Columns(local.dofs(), 0)
                                   : rigid_modes(mesh, std::vector<int>(mesh.vertices.size(), 0), 1,
                                                 local, matrices.mass.get());
-    Modes modes = compute_modes(matrices, 5, rigid, clamped ? 0.0 : -2e3);
-    ASSERT_NE(modes.cholesky, nullptr);
+    testing::SolvedPencil solved(matrices, rigid, clamped ? 0.0 : -2e3);
+    ShiftedSolver& solver = *solved.solver;
     const Columns loads = random_matrix(local.dofs(), 9);
     Columns first(loads.rows(), loads.cols()), second = first;
-    SparseCholesky::Workspace workspace;
-    modes.cholesky->solve(loads, first, workspace);
-    modes.cholesky.reset();
-    restore_solver(matrices, rigid, LinearSolver::kCholmod, {}, modes);
-    ASSERT_NE(modes.cholesky, nullptr);
-    modes.cholesky->solve(loads, second, workspace);
+    solver.prepare(solved.shift);
+    solver.solve(loads, first);
+    solver.release();
+    EXPECT_FALSE(solver.ready());
+    solver.prepare(solved.shift);
+    solver.solve(loads, second);
     EXPECT_TRUE(same_bits(first, second)) << clamped;
   }
 }

@@ -68,9 +68,9 @@ class Import : public ::testing::Test {
     write("good.cub", cub_file(forces_));
     write("good.U", basis_file(basis_));
     options_.mesh_path = folder_ + "/block.veg";
-    options_.output_path = folder_ + "/out.tremolo";
-    options_.import_basis = folder_ + "/good.U";
-    options_.import_cubic = folder_ + "/good.cub";
+    options_.imported = true;
+    options_.basis_path = folder_ + "/good.U";
+    options_.cubic_path = folder_ + "/good.cub";
     options_.material.density = kDensity;
   }
 
@@ -130,7 +130,7 @@ class Import : public ::testing::Test {
   Eigen::MatrixXd turn_ = random_turn(kSize, 3);
   ForceRows forces_ = turned_forces(model_, turn_);
   Eigen::MatrixXd basis_ = orthonormal_basis(mesh_, lumped_matrix(mesh_));
-  PrecomputeOptions options_;
+  ImportRequest options_;
   std::string folder_;
 };
 

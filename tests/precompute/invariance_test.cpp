@@ -46,19 +46,19 @@ Model random_model(Random& random) {
 
 BasisData precompute(const Model& model, bool linear = false) {
   const testing::TemporaryFolder folder;
-  PrecomputeOptions options;
+  ModelRequest request;
   const auto files = testing::as_veg(model.mesh);
-  options.mesh_path = folder.write(files.front().first, files.front().second);
-  options.material = model.material;
+  request.mesh_path = folder.write(files.front().first, files.front().second);
+  request.material = model.material;
   std::string selector = "vertex:";
   for (VertexId id : model.fixed)
     selector += (selector.back() == ':' ? "" : ",") + std::to_string(id);
-  options.fix = {selector};
-  options.linear_modes = 6;
-  options.modes = linear ? 6 : 10;
-  options.linear = linear;
+  request.fix = {selector};
+  request.linear_modes = 6;
+  request.modes = linear ? 6 : 10;
+  request.linear = linear;
   StageLog log(true);
-  return run_precompute(options, log).data;
+  return run_precompute(request, log).data;
 }
 
 // The eigensolver works to a residual of 1e-10 and better; eigenvalues err by its square over the

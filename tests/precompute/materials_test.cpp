@@ -12,7 +12,6 @@
 #include "common/mesh/mesh_check.h"
 #include "precompute/dense/dense_decompositions.h"
 #include "precompute/fem/element_group.h"
-#include "precompute/modes/modes.h"
 #include "precompute/problem/point_mass.h"
 #include "precompute/ranks/halo.h"
 #include "precompute/reduction/basis.h"
@@ -20,6 +19,7 @@
 #include "precompute/reduction/derivatives.h"
 #include "precompute/reduction/polynomial_check.h"
 #include "tests/support/box_mesh.h"
+#include "tests/support/solved_pencil.h"
 
 namespace tremolo {
 namespace {
@@ -335,13 +335,14 @@ TEST(Materials, TurningMeshAndAxesTogetherChangesNothing) {
 TEST(Materials, ThePolynomialIsTheProjectedForceOfTheMixedMesh) {
   const TetMesh mesh = sample_mesh();
   const Body body(mesh, mixed(mesh), vertices_on_plane(mesh, 0, 0.0));
-  const Modes modes = compute_modes(body.matrices, 4, Columns(body.local.dofs(), 0), 0.0);
+  testing::SolvedPencil solved(body.matrices);
+  const Modes modes = solved.modes(4);
   const Eigen::MatrixXd psi = expand_to_vertices(body.map, body.local, modes.vectors);
-  ModalDerivatives derivatives = modal_derivatives(body.solid, body.local, body.matrices, modes,
-                                                   psi, Columns(body.local.dofs(), 0), 1);
+  ModalDerivatives derivatives =
+      modal_derivatives(body.solid, body.local, solved.pencil, *solved.solver, modes.vectors, psi);
   EXPECT_LE(derivatives.residual, 1e-9);  // condition of K times rounding
   const Basis basis = make_basis(body.matrices, std::move(derivatives.columns),
-                                 modes.squared_frequencies, 0.05, 9, 1);
+                                 modes.squared_frequencies, 0.05, {9, 1});
   const BasisRows rows = expand_to_vertices(body.map, body.local, basis.vectors);
   const Coefficients c =
       coefficients_from_gram(strain_gram(body.solid, rows, 0, body.solid.samples.size(), 2), 9);
@@ -435,7 +436,7 @@ TEST(PointMass, EntersBothMassMatricesAndTheTotal) {
     }
     EXPECT_LE(difference.cwiseAbs().maxCoeff(), 1e-14);
     // The basis is orthonormal in this matrix.
-    const Modes modes = compute_modes(laden.matrices, 3, Columns(laden.local.dofs(), 0), 0.0);
+    const Modes modes = testing::SolvedPencil(laden.matrices).modes(3);
     EXPECT_LE((modes.vectors.transpose() * laden.dense(laden.matrices.mass) * modes.vectors -
                Eigen::MatrixXd::Identity(3, 3))
                   .cwiseAbs()
@@ -459,7 +460,7 @@ TEST(PointMass, OnTheTipOfAMasslessCantileverIsAnOscillator) {
   const Eigen::Matrix3d compliance = k.ldlt().solve(unit).middleRows<3>(row);
   const Eigen::Vector3d springs =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(compliance).eigenvalues().cwiseInverse();
-  const Modes modes = compute_modes(body.matrices, 3, Columns(body.local.dofs(), 0), 0.0);
+  const Modes modes = testing::SolvedPencil(body.matrices).modes(3);
   // The body weighs 8e-9 kg, 3e-8 of the mass.
   for (int i = 0; i < 3; ++i)
     EXPECT_NEAR(modes.squared_frequencies[i], springs[2 - i] / 0.25, 1e-6 * springs[2 - i] / 0.25);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "precompute/pipeline.h"
+#include "precompute/provenance.h"
 #include "precompute/reference/comparison.h"
 #include "precompute/reference/statics.h"
 #include "precompute/reference/time_integration.h"
@@ -20,21 +21,21 @@ const Material kMaterial{2e5, 0.3, 1000.0};
 
 // A block of 24 free dofs, or free altogether, and the basis of its mesh.
 struct Block {
-  PrecomputeOptions options;
+  PrecomputeOptions request;
   PrecomputeResult result;
 
   Block(bool free_body, int modes) {
     const testing::TemporaryFolder folder;
     const auto files = testing::as_veg(testing::box_mesh({2, 1, 1}, {0.3, 0.1, 0.12}));
-    options.mesh_path = folder.write(files.front().first, files.front().second);
-    options.material = kMaterial;
-    options.fix = {free_body ? "none" : "x<0.01"};
-    options.linear_modes = modes;
-    options.modes = modes;
+    request.mesh_path = folder.write(files.front().first, files.front().second);
+    request.material = kMaterial;
+    request.fix = {free_body ? "none" : "x<0.01"};
+    request.linear_modes = modes;
+    request.modes = modes;
     StageLog log(true);
-    result = run_precompute(options, log);
+    result = run_precompute(request, log);
     collect_rows(result.basis(), result.data);
-    result.data.provenance = provenance_json(options, result);
+    result.data.provenance = provenance_json(request, result);
   }
   Problem problem() const {
     Problem same;

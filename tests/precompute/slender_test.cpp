@@ -21,15 +21,15 @@ struct Slender {
 
 Slender cantilever(const TetMesh& mesh, const std::string& fix, int modes) {
   const testing::TemporaryFolder folder;
-  PrecomputeOptions options;
+  ModelRequest request;
   const auto files = testing::as_veg(mesh);
-  options.mesh_path = folder.write(files.front().first, files.front().second);
-  options.material = {2e11, 0.0, 7800.0};
-  options.fix = {fix};
-  options.linear = true;
-  options.linear_modes = options.modes = modes;
+  request.mesh_path = folder.write(files.front().first, files.front().second);
+  request.material = {2e11, 0.0, 7800.0};
+  request.fix = {fix};
+  request.linear = true;
+  request.linear_modes = request.modes = modes;
   StageLog log(true);
-  const PrecomputeResult result = run_precompute(options, log);
+  const PrecomputeResult result = run_precompute(request, log);
   return {std::sqrt(result.data.lambda[0]), result.findings.mode_residuals.front(),
           result.findings.certified};
 }

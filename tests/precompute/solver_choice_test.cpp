@@ -2,12 +2,13 @@
 #include <gtest/gtest.h>
 
 #include "common/mesh/mesh_check.h"
-#include "precompute/modes/modes.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/ranks/halo.h"
 #include "precompute/reduction/derivatives.h"
+#include "precompute/solver/sparse_cholesky.h"
 #include "precompute/system/failure.h"
 #include "tests/support/box_mesh.h"
+#include "tests/support/solved_pencil.h"
 
 namespace tremolo {
 namespace {
@@ -88,9 +89,11 @@ TEST(Iterative, ModesAndDerivativesAreThoseOfAFactor) {
   for (const bool clamped : {true, false}) {
     const System system({10, 3, 4}, clamped);
     const double shift = clamped ? 0.0 : -200.0;
-    const Modes direct = compute_modes(system.matrices, 6, system.rigid, shift);
-    const Modes iterated =
-        compute_modes_iteratively(system.matrices, 6, system.rigid, shift, system.positions());
+    testing::SolvedPencil factor(system.matrices, system.rigid, shift);
+    testing::SolvedPencil multigrid(system.matrices, system.rigid, shift, 1,
+                                    LinearSolver::kIterative, system.positions());
+    const Modes direct = factor.modes(6);
+    const Modes iterated = multigrid.modes(6);
     const Columns mass_direct = multiply(system.matrices.mass.get(), direct.vectors);
     for (int i = 0; i < 6; ++i)
       EXPECT_NEAR(iterated.squared_frequencies[i], direct.squared_frequencies[i],
@@ -107,15 +110,11 @@ TEST(Iterative, ModesAndDerivativesAreThoseOfAFactor) {
       EXPECT_LE(inner_products(mass_rigid, iterated.vectors).cwiseAbs().maxCoeff(), 1e-9);
     }
     // The same modes, so that the derivatives are those of the same loads.
-    Modes same = compute_modes(system.matrices, 6, system.rigid, shift);
-    same.cholesky.reset();
-    same.iterative = std::make_unique<IterativeSolver>(
-        make_iterative_solver(system.matrices, system.positions(), system.rigid, shift));
     const BasisRows psi = expand_to_vertices(system.map, system.local, direct.vectors);
-    const ModalDerivatives expected = modal_derivatives(system.solid, system.local, system.matrices,
-                                                        direct, psi, system.rigid, 1);
-    const ModalDerivatives found =
-        modal_derivatives(system.solid, system.local, system.matrices, same, psi, system.rigid, 1);
+    const ModalDerivatives expected = modal_derivatives(system.solid, system.local, factor.pencil,
+                                                        *factor.solver, direct.vectors, psi);
+    const ModalDerivatives found = modal_derivatives(system.solid, system.local, multigrid.pencil,
+                                                     *multigrid.solver, direct.vectors, psi);
     EXPECT_LE((found.vectors() - expected.vectors()).norm(), 1e-9 * expected.vectors().norm());
     EXPECT_LE(found.residual, 1e-8);
   }

@@ -9,15 +9,19 @@
 #include "precompute/fem/element_group.h"
 #include "precompute/fem/matrices.h"
 #include "precompute/modes/block_lanczos.h"
+#include "precompute/modes/certificate.h"
 #include "precompute/modes/modes.h"
 #include "precompute/problem/rigid_motion.h"
+#include "precompute/solver/sparse_cholesky.h"
 #include "precompute/system/failure.h"
 #include "tests/support/box_mesh.h"
+#include "tests/support/solved_pencil.h"
 
 namespace tremolo {
 namespace {
 
 using testing::box_mesh;
+using testing::SolvedPencil;
 using testing::vertices_on_plane;
 
 struct System {
@@ -115,19 +119,17 @@ void expect_lowest_modes(const System& system, const LanczosPairs& pairs, int le
 
 TEST(BlockLanczos, FindsTheLowestModesOfAClampedBlock) {
   const System system({8, 4, 4}, {0.6, 0.2, 0.2}, true);  // a square section: double modes
-  const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
-  const Columns none(system.local.dofs(), 0);
-  const Pencil pencil = thread_pencil(system.matrices.mass.get(), factor, none, 2);
-  expect_lowest_modes(system, block_lanczos(pencil, 15, 1e-11), 0, 0.0);
+  SolvedPencil solved(system.matrices, 2);
+  solved.solver->prepare(0.0);
+  expect_lowest_modes(system, block_lanczos(solved.pencil, *solved.solver, 15, 1e-11), 0, 0.0);
 }
 
 TEST(BlockLanczos, DoesNotDependOnTheThreads) {
   const System system({8, 4, 4}, {0.6, 0.2, 0.2}, true);
-  const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
-  const Columns none(system.local.dofs(), 0);
   const auto pairs = [&](unsigned threads) {
-    return block_lanczos(thread_pencil(system.matrices.mass.get(), factor, none, threads), 9,
-                         1e-11);
+    SolvedPencil solved(system.matrices, threads);
+    solved.solver->prepare(0.0);
+    return block_lanczos(solved.pencil, *solved.solver, 9, 1e-11);
   };
   const LanczosPairs one = pairs(1), three = pairs(3);
   EXPECT_EQ(one.values, three.values);
@@ -140,20 +142,16 @@ TEST(BlockLanczos, StaysAwayFromRigidMotion) {
   const Columns rigid =
       rigid_modes(system.mesh, report.part_of_vertex, 1, system.local, system.matrices.mass.get());
   constexpr double kShift = -200.0;
-  PetscMatrix shifted;
-  ASSERT_EQ(MatDuplicate(system.matrices.stiffness.get(), MAT_COPY_VALUES, shifted.out()), 0);
-  ASSERT_EQ(MatAXPY(shifted.get(), -kShift, system.matrices.mass.get(), SUBSET_NONZERO_PATTERN), 0);
-  const SparseCholesky factor(sparse_rows(shifted.get()));
-  const Pencil pencil = thread_pencil(system.matrices.mass.get(), factor, rigid, 2);
-  expect_lowest_modes(system, block_lanczos(pencil, 10, 1e-11), 6, kShift);
+  SolvedPencil solved(system.matrices, rigid, kShift, 2);
+  solved.solver->prepare(kShift);
+  expect_lowest_modes(system, block_lanczos(solved.pencil, *solved.solver, 10, 1e-11), 6, kShift);
 }
 
 TEST(BlockLanczos, EndsWhenTheSpaceDoes) {
   const System system({1, 1, 1}, {0.6, 0.2, 0.25}, true);  // twelve dofs, blocks of eight
-  const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
-  const Columns none(system.local.dofs(), 0);
-  const Pencil pencil = thread_pencil(system.matrices.mass.get(), factor, none, 2);
-  const LanczosPairs pairs = block_lanczos(pencil, 5, 1e-11);
+  SolvedPencil solved(system.matrices, 2);
+  solved.solver->prepare(0.0);
+  const LanczosPairs pairs = block_lanczos(solved.pencil, *solved.solver, 5, 1e-11);
   ASSERT_TRUE(pairs.converged);
   expect_lowest_modes(system, pairs, 0, 0.0);
 }
@@ -161,11 +159,10 @@ TEST(BlockLanczos, EndsWhenTheSpaceDoes) {
 TEST(Modes, OfAFactorByMumpsAreThoseOfCholmod) {
   const System system({12, 5, 5}, {0.6, 0.2, 0.2}, true);  // double modes
   const Columns none(system.local.dofs(), 0);
-  const Modes cholmod = compute_modes(system.matrices, 9, none, 0.0, 2);
-  const Modes mumps = compute_modes(system.matrices, 9, none, 0.0, 2, LinearSolver::kMumps);
+  const Modes cholmod = SolvedPencil(system.matrices, 2).modes(9);
+  const Modes mumps = SolvedPencil(system.matrices, none, 0.0, 2, LinearSolver::kMumps).modes(9);
   EXPECT_EQ(mumps.factorisation, "mumps");
   EXPECT_EQ(mumps.solver, cholmod.solver);
-  EXPECT_EQ(mumps.cholesky, nullptr);
   for (int i = 0; i < 9; ++i)
     EXPECT_NEAR(mumps.squared_frequencies[i], cholmod.squared_frequencies[i],
                 1e-11 * cholmod.squared_frequencies[i]);
@@ -174,13 +171,13 @@ TEST(Modes, OfAFactorByMumpsAreThoseOfCholmod) {
 
 TEST(Modes, OfALargerMeshAreTheSameByBlocksAndBySlepc) {
   const System system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
-  const Columns none(system.local.dofs(), 0);
-  const Modes blocks = compute_modes(system.matrices, 10, none, 0.0, 2);
-  ASSERT_NE(blocks.cholesky, nullptr);
+  SolvedPencil solved(system.matrices, 2);
+  const Modes blocks = solved.modes(10);
+  ASSERT_GT(blocks.solves, 0);
   ASSERT_EQ(PetscOptionsSetValue(nullptr, "-eps_purify", "1"), 0);
-  const Modes slepc = compute_modes(system.matrices, 10, none, 0.0, 2);
+  const Modes slepc = solved.modes(10);
   ASSERT_EQ(PetscOptionsClearValue(nullptr, "-eps_purify"), 0);
-  ASSERT_EQ(slepc.cholesky, nullptr);
+  ASSERT_EQ(slepc.solves, 0);
   for (int i = 0; i < 10; ++i)
     EXPECT_NEAR(blocks.squared_frequencies[i], slepc.squared_frequencies[i],
                 1e-10 * slepc.squared_frequencies[i]);
@@ -192,20 +189,25 @@ TEST(Modes, OfALargerMeshAreTheSameByBlocksAndBySlepc) {
 TEST(SupernodalLdl, CountsTheNegativeEigenvaluesAsMumpsDoes) {
   // Large enough that subtrees run side by side.
   const System system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
-  const Columns none(system.local.dofs(), 0);
-  const Modes modes = compute_modes(system.matrices, 10, none, 0.0, 2);
-  ASSERT_NE(modes.cholesky, nullptr);
+  const Modes modes = SolvedPencil(system.matrices, 2).modes(10);
   const auto& w2 = modes.squared_frequencies;
+  // -1: the factorisation, which does not pivot, was not stable.
+  SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
+  const auto count = [&](double bound, unsigned threads) {
+    const PetscMatrix shifted = shifted_stiffness(system.matrices, bound);
+    const LdlReport report = factor.count_negative(sparse_rows(shifted.get()), threads);
+    return report.growth <= 1e5 ? static_cast<int>(report.negative) : -1;
+  };
   for (int i = 0; i < 9; i += 2)
     for (unsigned threads : {1u, 3u}) {
       const double between = 0.5 * (w2[i] + w2[i + 1]);
-      EXPECT_EQ(count_modes_below(system.matrices, between, *modes.cholesky, threads), i + 1);
+      EXPECT_EQ(count(between, threads), i + 1);
     }
   // Far up, where most panels have pivots of both signs.
   const double high = 1e3 * w2[9];
-  const int expected = count_modes_below(system.matrices, high);
+  const int expected = count_negative_by_mumps(system.matrices, high).negative;
   EXPECT_GT(expected, 500);
-  const int counted = count_modes_below(system.matrices, high, *modes.cholesky, 2);
+  const int counted = count(high, 2);
   // Without pivoting it may give up there, but not be wrong.
   if (counted >= 0) {
     EXPECT_EQ(counted, expected);
@@ -223,16 +225,16 @@ TEST(SupernodalLdl, GrowthIsOneForADefiniteMatrix) {
 
 TEST(Modes, AMissedOneIsSeenInTheMemoryOfTheFactorToo) {
   const System system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
-  const Columns none(system.local.dofs(), 0);
-  Modes modes = compute_modes(system.matrices, 7, none, 0.0, 2);
-  ASSERT_NE(modes.cholesky, nullptr);
+  SolvedPencil solved(system.matrices, 2);
+  Modes modes = solved.modes(7);
   Eigen::VectorXd thinned(6);
   thinned << modes.squared_frequencies.head(2), modes.squared_frequencies.tail(4);
   modes.squared_frequencies = thinned;
-  const InertiaCertificate certificate = certify(system.matrices, modes, 0, 2);
+  const InertiaCertificate certificate = certify(*solved.solver, modes, 0);
   EXPECT_FALSE(certificate.complete());
   EXPECT_EQ(certificate.counted, certificate.expected + 1);
-  EXPECT_EQ(modes.cholesky, nullptr);  // its memory was used
+  EXPECT_EQ(certificate.solver, "own");
+  EXPECT_FALSE(solved.solver->ready()) << "its memory was used";
 }
 
 TEST(ElementGroup, SecondDerivativesAreThoseOfOneElementAtATime) {

@@ -6,11 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "precompute/modes/modes.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/ranks/halo.h"
 #include "tests/support/box_mesh.h"
+#include "tests/support/solved_pencil.h"
 
 namespace tremolo {
 namespace {
@@ -32,8 +32,7 @@ double first_frequency(const TetMesh& mesh, double poisson) {
   const LocalDofs local = local_dofs(mesh, map, 0);
   const Solid solid = make_solid(mesh, {1e6, poisson, 1000.0});
   const Matrices matrices = assemble(solid, map, local, MassKind::kConsistent);
-  const Modes modes =
-      compute_modes(matrices, 1, Columns(local.dofs(), 0), 0.0, 1, LinearSolver::kCholmod);
+  const Modes modes = testing::SolvedPencil(matrices).modes(1);
   return std::sqrt(modes.squared_frequencies[0]) / (2.0 * std::numbers::pi);
 }
 

@@ -1,0 +1,207 @@
+#include "precompute/command.h"
+
+#include <cstdio>
+#include <iostream>
+
+#include "formats/basis/basis_writer.h"
+#include "formats/basis/selector_reader.h"
+#include "formats/file/atomic_file.h"
+#include "formats/vtk/vtu_writer.h"
+#include "precompute/checkpoint/checkpoint.h"
+#include "precompute/options/named_files.h"
+#include "precompute/problem/preview.h"
+#include "precompute/provenance.h"
+#include "precompute/ranks/rank_agreement.h"
+#include "precompute/ranks/rank_table.h"
+#include "precompute/ranks/row_gather.h"
+#include "precompute/ranks/session.h"
+#include "precompute/report.h"
+#include "precompute/target_error.h"
+#include "precompute/vega/import.h"
+
+namespace tremolo {
+namespace {
+
+void find_encoding_error(PrecomputeResult& result, StageLog& log) {
+  log.begin("encoding");
+  const EncodingError error = unwrap(compact_error(result.data));
+  result.findings.encoding_error = error;
+  char detail[200];
+  std::snprintf(detail, sizeof(detail),
+                "compact: displacement off by %.1e of the size under the default load, by %.1e at "
+                "most; force by %.1e of the load",
+                error.displacement, error.displacement_bound, error.force);
+  log.end(detail);
+}
+
+// --select: what it chooses, and nothing else.
+void print_selection(const PrecomputeOptions& options) {
+  const Problem problem = load_problem(options);
+  for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  const std::vector<VertexId> ids = unwrap(resolve_selector(options.select, problem.mesh));
+  std::vector<Eigen::Vector3d> places;
+  for (const VertexId id : ids) places.push_back(problem.mesh.vertices[id]);
+  write_preview(options, problem);
+  std::cout << describe_vertices(ids, places) << "\n";
+  require_stdout();
+}
+
+// --preview without an output: the painted surface, and nothing else.
+void preview_alone(const PrecomputeOptions& options) {
+  const Problem problem = load_problem(options);
+  for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  write_preview(options, problem);
+  std::fprintf(stderr, "  %s: %zu vertices held, %zu loaded\n", options.preview.c_str(),
+               problem.fixed.size(), problem.load.vertices.size());
+}
+
+// Where each vertex of the mesh has its rows, all together again.
+BasisRows rows_of_mesh(const BasisData& data) {
+  BasisRows rows(3 * static_cast<Eigen::Index>(data.vertex_count), data.lambda.size());
+  for (const VertexBlock* block : {&data.surface, &data.interior})
+    for (std::size_t i = 0; i < block->vertex_ids.size(); ++i)
+      rows.middleRows(3 * Eigen::Index{block->vertex_ids[i]}, 3) =
+          block->rows.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+  return rows;
+}
+
+void write_vtu(const PrecomputeOptions& options, const TetMesh& mesh, const BasisData& data,
+               StageLog& log) {
+  if (options.modes_vtu.empty()) return;
+  log.begin("vtu");
+  unwrap(write_modes_vtu(options.modes_vtu, mesh.vertices,
+                         std::span<const Tetrahedron>(mesh.tetrahedra), rows_of_mesh(data),
+                         data.lambda));
+  log.end(options.modes_vtu);
+}
+
+// Outputs that cannot be written are told before the work, not after it.
+void require_outputs(const PrecomputeOptions& options) {
+  unwrap(AtomicFile::create(options.output_path));
+  if (!options.modes_vtu.empty()) unwrap(AtomicFile::create(options.modes_vtu));
+  if (!options.preview.empty()) unwrap(AtomicFile::create(options.preview));
+}
+
+// The files, on rank 0, the others handing it their rows meanwhile.
+void write_result(const CommandLine& line, PrecomputeResult& result, bool rows_are_here,
+                  StageLog& log) {
+  const PrecomputeOptions& options = line.options;
+  if (options.encoding == BasisEncoding::kCompact) find_encoding_error(result, log);
+  result.data.provenance = provenance_json(options, result);
+  log.begin("file");
+  Status written = rows_are_here ? write_basis(options.output_path, result.data, options.encoding)
+                                 : write_basis(options.output_path, result.data,
+                                               gathered_rows(result.basis(), result.data));
+  if (!written && options.checkpoint.keep)
+    written.error().message += "; the stages are kept: --resume goes on from there";
+  unwrap(std::move(written));
+  log.end(options.output_path);
+  write_vtu(options, result.problem.mesh, result.data, log);
+}
+
+// No output takes the place of an input or of another one.
+void require_apart(const PrecomputeOptions& options) {
+  std::vector<NamedFile> inputs = input_files(options, options.config_path);
+  inputs.push_back({options.import_basis, "--import-basis"});
+  inputs.push_back({options.import_cubic, "--import-cubic"});
+  unwrap(keep_apart({options.output_path, options.modes_vtu, options.preview}, inputs));
+}
+
+void require_known_flags(const PrecomputeOptions& options) {
+  for (const auto& selectors : options.fix_axis)
+    if (!selectors.empty())
+      throw Failure({ErrorKind::kUsage,
+                     "--fix-x, --fix-y and --fix-z are for `tremolo-precompute reference`: a basis "
+                     "holds vertices with --fix only"});
+}
+
+// `work` on rank 0 alone; when it fails there all ranks throw.
+template <class Work>
+void on_first_rank(const Work& work) {
+  on_all_ranks([&work] {
+    if (mpi_rank() == 0) work();
+    return true;
+  });
+}
+
+// True when nothing is to be computed: a selection or a preview was all that was asked for.
+bool only_looked(const PrecomputeOptions& options) {
+  const bool speak = mpi_rank() == 0;
+  if (!options.select.empty()) {
+    if (speak && !options.output_path.empty())
+      std::fprintf(stderr, "  --select computes nothing: %s is not written\n",
+                   options.output_path.c_str());
+    if (speak) print_selection(options);
+    return true;
+  }
+  if (!options.output_path.empty()) return false;
+  if (speak) preview_alone(options);
+  return true;
+}
+
+void run_import(const CommandLine& line, StageLog& log) {
+  const PrecomputeOptions& options = line.options;
+  const ImportRequest request{options, options.import_basis, options.import_cubic,
+                              options.mass_given};
+  ImportResult result = import_reduced(request, log);
+  if (options.encoding == BasisEncoding::kCompact)
+    result.findings.encoding_error = unwrap(compact_error(result.data));
+  result.data.provenance = import_provenance(request, options.command_line, result);
+  log.begin("file");
+  unwrap(write_basis(options.output_path, result.data, options.encoding));
+  log.end(options.output_path);
+  write_vtu(options, result.problem.mesh, result.data, log);
+  print_spectrum(result.data);
+  if (line.json) std::cout << import_report(result);
+  require_stdout();
+}
+
+// Ranks other than 0 hand over their rows, unless all have been collected.
+void serve_first_rank(const PrecomputeResult& result, bool rows_are_here, StageLog& log) {
+  log.begin("file");
+  if (!rows_are_here) serve_rows(result.basis(), result.data);
+  log.end("");
+  gather_stages(log);
+}
+
+void compute(const CommandLine& line, StageLog& log) {
+  const PrecomputeOptions& options = line.options;
+  PrecomputeResult result =
+      options.target_error ? precompute_to_target(options, log) : run_precompute(options, log);
+  // These look at all rows at once.
+  const bool collect = options.encoding == BasisEncoding::kCompact || !options.modes_vtu.empty();
+  if (collect) collect_rows(result.basis(), result.data);
+  if (mpi_rank() != 0) return serve_first_rank(result, collect, log);
+  try {
+    write_result(line, result, collect, log);
+  } catch (...) {
+    if (mpi_ranks() > 1) stop_all_ranks(current_error());
+    throw;
+  }
+  remove_checkpoint(options.checkpoint, log);
+  const RankTable ranks = gather_stages(log);
+  print_total(log, ranks);
+  print_spectrum(result.data);
+  // Stages that were there have asked for none.
+  if (!result.findings.resumed) warn_of_unused_options();
+  if (line.json) print_json(result, log, ranks);
+  require_stdout();
+}
+
+}  // namespace
+
+void run_command(const CommandLine& line) {
+  const PrecomputeOptions& options = line.options;
+  if (mpi_ranks() > 1)
+    require_agreement(
+        on_all_ranks([&line] { return facts_of_start(line.settings, line.petsc_options); }));
+  require_known_flags(options);
+  on_first_rank([&options] { require_apart(options); });
+  if (only_looked(options)) return;
+  StageLog log(mpi_rank() != 0);
+  on_first_rank([&options] { require_outputs(options); });
+  if (options.import_basis.empty()) return compute(line, log);
+  if (mpi_rank() == 0) run_import(line, log);
+}
+
+}  // namespace tremolo

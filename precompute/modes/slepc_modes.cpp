@@ -1,0 +1,222 @@
+#include "precompute/modes/slepc_modes.h"
+
+#include <cmath>
+
+#include "precompute/solver/multigrid.h"
+#include "precompute/system/failure.h"
+
+namespace tremolo {
+namespace {
+
+void require(PetscErrorCode code) {
+  check_petsc(code, "compute the modes");
+}
+
+bool inner_options_given() {
+  return petsc_options().find("-st_") != std::string::npos;
+}
+
+struct InnerSolver {
+  ST transform = nullptr;
+  KSP linear = nullptr;
+  PC preconditioner = nullptr;
+};
+
+InnerSolver inner_solver(EPS eps) {
+  InnerSolver inner;
+  require(EPSGetST(eps, &inner.transform));
+  require(STGetKSP(inner.transform, &inner.linear));
+  require(KSPGetPC(inner.linear, &inner.preconditioner));
+  return inner;
+}
+
+// X = (K - sigma M)^-1 B as a preconditioner that PETSc calls; no exception crosses PETSc.
+PetscErrorCode apply_shifted_solver(PC shell, Vec b, Vec x) {
+  try {
+    void* context = nullptr;
+    require(PCShellGetContext(shell, &context));
+    PetscInt rows = 0;
+    const double* from = nullptr;
+    double* to = nullptr;
+    require(VecGetLocalSize(b, &rows));
+    require(VecGetArrayRead(b, &from));
+    require(VecGetArrayWrite(x, &to));
+    static_cast<const ShiftedSolver*>(context)->solve(Eigen::Map<const Columns>(from, rows, 1),
+                                                      Eigen::Map<Columns>(to, rows, 1));
+    require(VecRestoreArrayWrite(x, &to));
+    require(VecRestoreArrayRead(b, &from));
+    return 0;
+  } catch (const std::exception&) {
+    return PETSC_ERR_LIB;
+  }
+}
+
+// Shift-invert with the shifted solver, or with a factor of PETSc's that the user's options shape.
+void set_shift_invert(EPS eps, ShiftedSolver& solver) {
+  require(EPSSetType(eps, EPSKRYLOVSCHUR));
+  require(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
+  const InnerSolver first = inner_solver(eps);
+  require(STSetType(first.transform, STSINVERT));
+  // M's pattern lies inside K's.
+  require(STSetMatStructure(first.transform, SUBSET_NONZERO_PATTERN));
+  const InnerSolver inner = inner_solver(eps);
+  require(KSPSetType(inner.linear, KSPPREONLY));
+  if (inner_options_given()) {
+    const bool one = mpi_ranks() == 1;
+    require(PCSetType(inner.preconditioner, PCCHOLESKY));
+    require(
+        PCFactorSetMatSolverType(inner.preconditioner, one ? MATSOLVERCHOLMOD : MATSOLVERMUMPS));
+    if (one) require(PCFactorSetMatOrderingType(inner.preconditioner, MATORDERINGNATURAL));
+  } else {
+    require(PCSetType(inner.preconditioner, PCSHELL));
+    require(PCShellSetContext(inner.preconditioner, &solver));
+    require(PCShellSetApply(inner.preconditioner, apply_shifted_solver));
+  }
+}
+
+// A start vector without chance in it: the same mesh gives the same modes.
+Columns start_vector(Eigen::Index rows, PetscInt first) {
+  return Columns::NullaryExpr(rows, 1, [first](Eigen::Index row, Eigen::Index) {
+    return 1.0 + 0.5 * std::sin(1.0 + 0.7 * static_cast<double>(first + row));
+  });
+}
+
+// sqrt of the mean diagonal entry of M: |M x| of an M-normalised x, about.
+double mass_scale(Mat mass) {
+  PetscVector diagonal;
+  require(MatCreateVecs(mass, diagonal.out(), nullptr));
+  require(MatGetDiagonal(mass, diagonal.get()));
+  PetscScalar sum = 0;
+  PetscInt size = 0;
+  require(VecSum(diagonal.get(), &sum));
+  require(VecGetSize(diagonal.get(), &size));
+  return std::sqrt(sum / static_cast<double>(size));
+}
+
+PetscErrorCode relative_to_inertia(EPS, PetscScalar value, PetscScalar, PetscReal residual,
+                                   PetscReal* error, void* scale) {
+  *error = residual / (std::abs(value) * *static_cast<const double*>(scale));
+  return 0;
+}
+
+// Nodes start from smooth and rough motions alike, without chance.
+Columns start_block(Eigen::Index rows, PetscInt first, Eigen::Index columns) {
+  Columns block(rows, columns);
+  for (Eigen::Index c = 0; c < columns; ++c)
+    for (Eigen::Index row = 0; row < rows; ++row)
+      block(row, c) =
+          std::sin(0.7 * static_cast<double>(first + row) * (1.0 + 0.37 * static_cast<double>(c)) +
+                   static_cast<double>(c));
+  return block;
+}
+
+// SLEPc keeps what it is given.
+void set_spaces(EPS eps, const Columns& start, const Columns& deflated) {
+  const std::vector<PetscVector> starts = copied_vectors(start), away = copied_vectors(deflated);
+  std::vector<Vec> from = handles_of(starts), rigid = handles_of(away);
+  require(EPSSetInitialSpace(eps, static_cast<PetscInt>(from.size()), from.data()));
+  if (!rigid.empty())
+    require(EPSSetDeflationSpace(eps, static_cast<PetscInt>(rigid.size()), rigid.data()));
+}
+
+void set_pencil(EPS eps, const Pencil& pencil, int wanted) {
+  require(EPSSetOperators(eps, pencil.stiffness(), pencil.mass()));
+  require(EPSSetProblemType(eps, EPS_GHEP));
+  require(EPSSetDimensions(eps, wanted, PETSC_DEFAULT, PETSC_DEFAULT));
+}
+
+PetscInt first_row(const Pencil& pencil) {
+  PetscInt first = 0;
+  require(MatGetOwnershipRange(pencil.stiffness(), &first, nullptr));
+  return first;
+}
+
+SlepcModes solve_and_copy(EPS eps, const Pencil& pencil, int wanted) {
+  require(EPSSetFromOptions(eps));
+  require(EPSSolve(eps));
+  PetscInt found = 0, iterations = 0;
+  require(EPSGetConverged(eps, &found));
+  require(EPSGetIterationNumber(eps, &iterations));
+  EPSType type = nullptr;
+  require(EPSGetType(eps, &type));
+  if (found < wanted)
+    throw Failure({ErrorKind::kSolver, "SLEPc (" + std::string(type) + ") found " +
+                                           std::to_string(found) + " of " + std::to_string(wanted) +
+                                           " modes in " + std::to_string(iterations) +
+                                           " iterations"});
+  SlepcModes modes;
+  modes.solver = "SLEPc " + std::string(type) + ", " + std::to_string(iterations) + " iterations";
+  modes.squared_frequencies.resize(wanted);
+  modes.vectors.resize(pencil.rows(), wanted);
+  const std::vector<PetscVector> columns = as_vectors(modes.vectors);
+  for (int i = 0; i < wanted; ++i) {
+    PetscScalar value = 0;
+    Vec column = columns[static_cast<std::size_t>(i)].get();
+    require(EPSGetEigenpair(eps, i, &value, nullptr, column, nullptr));
+    modes.squared_frequencies[i] = value;
+  }
+  return modes;
+}
+
+}  // namespace
+
+bool slepc_options_given() {
+  return inner_options_given() || petsc_options().find("-eps_") != std::string::npos;
+}
+
+SlepcModes krylov_schur_modes(const Pencil& pencil, ShiftedSolver& solver, double sigma,
+                              int wanted) {
+  if (inner_options_given())
+    solver.release();  // there are never two factors
+  else
+    solver.prepare(sigma);
+  SlepcModes modes;
+  {
+    PetscEigenSolver keeper;
+    require(EPSCreate(PETSC_COMM_WORLD, keeper.out()));
+    EPS eps = keeper.get();
+    set_pencil(eps, pencil, wanted);
+    set_shift_invert(eps, solver);
+    require(EPSSetTarget(eps, sigma));
+    // Of the shift-inverted problem; leaves residuals of the pencil near rounding.
+    require(EPSSetTolerances(eps, 1e-13, 500));
+    set_spaces(eps, start_vector(pencil.rows(), first_row(pencil)), pencil.rigid);
+    modes = solve_and_copy(eps, pencil, wanted);
+    modes.solver = "SLEPc Krylov-Schur, shift-invert";
+    if (inner_options_given()) {
+      MatSolverType package = nullptr;
+      require(PCFactorGetMatSolverType(inner_solver(eps).preconditioner, &package));
+      modes.factorisation = package == nullptr ? "petsc" : package;
+    }
+  }
+  solver.prepare(sigma);
+  return modes;
+}
+
+SlepcModes lobpcg_modes(const Pencil& pencil, double sigma, int wanted, double residual) {
+  PetscEigenSolver keeper;
+  require(EPSCreate(PETSC_COMM_WORLD, keeper.out()));
+  EPS eps = keeper.get();
+  set_pencil(eps, pencil, wanted);
+  require(EPSSetType(eps, EPSLOBPCG));
+  require(EPSSetWhichEigenpairs(eps, EPS_SMALLEST_REAL));
+  require(EPSLOBPCGSetBlockSize(eps, wanted));
+  require(EPSSetTolerances(eps, residual, 1000));
+  double scale = mass_scale(pencil.mass());
+  require(EPSSetConvergenceTestFunction(eps, relative_to_inertia, &scale, nullptr));
+  const PetscMatrix shifted =
+      sigma == 0.0 ? PetscMatrix() : shifted_stiffness(pencil.matrices, sigma);
+  Mat definite = sigma == 0.0 ? pencil.stiffness() : shifted.get();
+  ST transform = nullptr;
+  require(EPSGetST(eps, &transform));
+  require(STSetType(transform, STPRECOND));
+  const InnerSolver inner = inner_solver(eps);
+  require(KSPSetType(inner.linear, KSPPREONLY));
+  require(STSetPreconditionerMat(inner.transform, definite));
+  set_multigrid(inner.preconditioner, definite, pencil.positions);
+  const Eigen::Index rows = pencil.rows();
+  set_spaces(eps, start_block(rows, first_row(pencil), wanted), pencil.rigid);
+  return solve_and_copy(eps, pencil, wanted);
+}
+
+}  // namespace tremolo

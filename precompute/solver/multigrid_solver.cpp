@@ -1,0 +1,138 @@
+// K^-1 by conjugate gradients with PETSc's smoothed aggregation multigrid (GAMG, told the rigid
+// motions) as the preconditioner. Memory grows with the mesh and no faster.
+#include <algorithm>
+
+#include <Eigen/Cholesky>
+
+#include "precompute/solver/multigrid.h"
+#include "precompute/solver/shifted_solver.h"
+#include "precompute/system/failure.h"
+
+namespace tremolo {
+namespace {
+
+using PetscLinearSolver = PetscHandle<KSP, KSPDestroy>;
+
+constexpr double kSolveTolerance = 1e-11;  // of |b|, in the preconditioned norm
+constexpr int kMostIterations = 1000;
+
+void require(PetscErrorCode code) {
+  check_petsc(code, "solve by iteration");
+}
+
+// Orthonormal in the plain inner product, the same span.
+Columns plainly_orthonormal(Columns columns) {
+  for (int pass = 0; pass < 2; ++pass) {
+    const Eigen::MatrixXd gram = inner_products(columns, columns);
+    columns = gram.llt().matrixU().solve<Eigen::OnTheRight>(columns).eval();
+  }
+  return columns;
+}
+
+void set_null_space(Mat stiffness, const Columns& rigid) {
+  if (rigid.cols() == 0) return;
+  const std::vector<PetscVector> own = copied_vectors(plainly_orthonormal(rigid));
+  std::vector<Vec> raw = handles_of(own);
+  MatNullSpace space = nullptr;
+  require(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_FALSE, static_cast<PetscInt>(raw.size()),
+                             raw.data(), &space));
+  require(MatSetNullSpace(stiffness, space));
+  require(MatNullSpaceDestroy(&space));
+}
+
+// Coarse grids will represent the six rigid motions.
+void set_near_null_space(Mat matrix, const std::vector<Eigen::Vector3d>& positions) {
+  PetscVector coordinates;
+  require(MatCreateVecs(matrix, coordinates.out(), nullptr));
+  require(VecSetBlockSize(coordinates.get(), 3));
+  double* values = nullptr;
+  require(VecGetArrayWrite(coordinates.get(), &values));
+  for (const Eigen::Vector3d& x : positions) values = std::copy(x.data(), x.data() + 3, values);
+  values -= 3 * positions.size();
+  require(VecRestoreArrayWrite(coordinates.get(), &values));
+  MatNullSpace motions = nullptr;
+  require(MatNullSpaceCreateRigidBody(coordinates.get(), &motions));
+  require(MatSetNearNullSpace(matrix, motions));
+  require(MatNullSpaceDestroy(&motions));
+}
+
+class MultigridSolver final : public ShiftedSolver {
+ public:
+  explicit MultigridSolver(const Pencil& pencil) : pencil_(pencil) {}
+
+  // A free body's K is singular: loads are self-balancing, and the preconditioner is that of
+  // K - sigma M.
+  void solve(const ColumnsRef& b, ColumnsOut x) const override {
+    const Columns loads = b;
+    Columns solution(loads.rows(), loads.cols());
+    const std::vector<PetscVector> from = as_vectors(loads), to = as_vectors(solution);
+    for (std::size_t c = 0; c < from.size(); ++c) {
+      require(KSPSolve(gradients_.get(), from[c].get(), to[c].get()));
+      require_converged();
+    }
+    x = solution;
+  }
+  bool solves_unshifted() const override { return true; }
+
+  InertiaCount count_negative(double /*sigma*/, double /*bound*/, double /*growth*/) override {
+    throw Failure({ErrorKind::kSolver,
+                   "counting modes by inertia needs a factor; --solver cholmod or mumps"});
+  }
+
+  std::string package() const override { return "none: multigrid (gamg)"; }
+
+ private:
+  void factorise(double sigma) override {
+    Mat stiffness = pencil_.stiffness();
+    if (sigma != 0.0) shifted_ = shifted_stiffness(pencil_.matrices, sigma);
+    Mat definite = sigma == 0.0 ? stiffness : shifted_.get();
+    set_null_space(stiffness, pencil_.rigid);
+    require(KSPCreate(PETSC_COMM_WORLD, gradients_.out()));
+    KSP ksp = gradients_.get();
+    require(KSPSetOptionsPrefix(ksp, "cg_"));
+    require(KSPSetOperators(ksp, stiffness, definite));
+    require(KSPSetType(ksp, KSPCG));
+    require(KSPSetTolerances(ksp, kSolveTolerance, 1e-300, PETSC_DEFAULT, kMostIterations));
+    PC preconditioner = nullptr;
+    require(KSPGetPC(ksp, &preconditioner));
+    set_multigrid(preconditioner, definite, pencil_.positions);
+    require(KSPSetFromOptions(ksp));
+    require(KSPSetUp(ksp));
+  }
+  void free_factor() override {
+    gradients_ = PetscLinearSolver();
+    shifted_ = PetscMatrix();
+  }
+
+  void require_converged() const {
+    KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+    PetscInt iterations = 0;
+    require(KSPGetConvergedReason(gradients_.get(), &reason));
+    require(KSPGetIterationNumber(gradients_.get(), &iterations));
+    if (reason >= 0) return;
+    throw Failure({ErrorKind::kSolver,
+                   std::string("conjugate gradients with multigrid did not converge (") +
+                       KSPConvergedReasons[reason] + " after " + std::to_string(iterations) +
+                       " iterations): is the mesh extremely thin or uneven? --solver cholmod or "
+                       "mumps needs more memory and no iteration"});
+  }
+
+  const Pencil& pencil_;
+  PetscMatrix shifted_;  // K - sigma M; empty when sigma = 0
+  PetscLinearSolver gradients_;
+};
+
+}  // namespace
+
+void set_multigrid(PC preconditioner, Mat definite, const std::vector<Eigen::Vector3d>& positions) {
+  set_near_null_space(definite, positions);
+  require(PCSetType(preconditioner, PCGAMG));
+  require(PCGAMGSetType(preconditioner, PCGAMGAGG));
+  require(PCGAMGSetNSmooths(preconditioner, 1));
+}
+
+std::unique_ptr<ShiftedSolver> make_multigrid_solver(const Pencil& pencil) {
+  return std::make_unique<MultigridSolver>(pencil);
+}
+
+}  // namespace tremolo

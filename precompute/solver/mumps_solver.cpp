@@ -1,0 +1,80 @@
+// K - sigma M by MUMPS's factorisation, spread over the ranks.
+#include "precompute/solver/shifted_solver.h"
+#include "precompute/system/failure.h"
+
+namespace tremolo {
+namespace {
+
+void require(PetscErrorCode code) {
+  check_petsc(code, "factorise by MUMPS");
+}
+
+PetscMatrix mumps_factor(Mat matrix) {
+  PetscMatrix factor;
+  require(MatGetFactor(matrix, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, factor.out()));
+  return factor;
+}
+
+void factorise(Mat matrix, Mat factor) {
+  MatFactorInfo info;
+  require(MatFactorInfoInitialize(&info));
+  require(MatCholeskyFactorSymbolic(factor, matrix, nullptr, &info));
+  require(MatCholeskyFactorNumeric(factor, matrix, &info));
+  require_factorised(factor);
+}
+
+class MumpsSolver final : public ShiftedSolver {
+ public:
+  explicit MumpsSolver(const Pencil& pencil) : pencil_(pencil) {}
+
+  void solve(const ColumnsRef& b, ColumnsOut x) const override {
+    const Columns load = b;
+    Columns solution(load.rows(), load.cols());
+    const PetscMatrix from = as_dense(load), to = as_dense(solution);
+    require(MatMatSolve(factor_.get(), from.get(), to.get()));
+    x = solution;
+  }
+
+  InertiaCount count_negative(double /*sigma*/, double bound, double /*most_growth*/) override {
+    release();
+    return count_negative_by_mumps(pencil_.matrices, bound);
+  }
+
+  std::string package() const override { return "mumps"; }
+
+ private:
+  void factorise(double sigma) override {
+    const PetscMatrix shifted = shifted_stiffness(pencil_.matrices, sigma);
+    factor_ = mumps_factor(shifted.get());
+    tremolo::factorise(shifted.get(), factor_.get());
+  }
+  void free_factor() override { factor_ = PetscMatrix(); }
+
+  const Pencil& pencil_;
+  PetscMatrix factor_;
+};
+
+}  // namespace
+
+std::unique_ptr<ShiftedSolver> make_mumps_solver(const Pencil& pencil) {
+  return std::make_unique<MumpsSolver>(pencil);
+}
+
+InertiaCount count_negative_by_mumps(const Matrices& matrices, double bound) {
+  const PetscMatrix shifted = shifted_stiffness(matrices, bound);
+  // Symmetric but indefinite: MUMPS must not take it for positive definite.
+  require(MatSetOption(shifted.get(), MAT_SPD, PETSC_FALSE));
+  require(MatSetOption(shifted.get(), MAT_SYMMETRIC, PETSC_TRUE));
+  const PetscMatrix factor = mumps_factor(shifted.get());
+  require(MatMumpsSetIcntl(factor.get(), 24, 1));  // detect null pivots
+  require(MatMumpsSetIcntl(factor.get(), 13, 1));  // a ScaLAPACK root would hide its inertia
+  factorise(shifted.get(), factor.get());
+  PetscInt negative = 0, zero = 0, positive = 0;
+  require(MatGetInertia(factor.get(), &negative, &zero, &positive));
+  if (zero > 0)
+    throw Failure({ErrorKind::kSolver, "the count of modes by inertia met " + std::to_string(zero) +
+                                           " pivots that are zero"});
+  return {static_cast<int>(negative), "mumps"};
+}
+
+}  // namespace tremolo
