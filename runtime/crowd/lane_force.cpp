@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/packed_index.h"
+#include "runtime/kernels/lanes.h"
 
 namespace tremolo {
 namespace {
@@ -24,7 +25,7 @@ template <class Real, int kBytes>
 struct Pass {
   typedef Real Vector __attribute__((vector_size(kBytes), may_alias));
 
-  static constexpr std::size_t kStride = kLanes<Real>;
+  static constexpr std::size_t kStride = kBodiesPerBlock<Real>;
 
   const Real* coefficient;
   const Real* x;
@@ -120,7 +121,7 @@ template <int kBytes, class Real>
 [[gnu::always_inline]] inline void run(const Real* stream, std::size_t r, const Real* x,
                                        Real* gradient, Real* energy) {
   constexpr std::size_t kAtOnce = static_cast<std::size_t>(kBytes) / sizeof(Real);
-  for (std::size_t lane = 0; lane < kLanes<Real>; lane += kAtOnce) {
+  for (std::size_t lane = 0; lane < kBodiesPerBlock<Real>; lane += kAtOnce) {
     Pass<Real, kBytes> pass{stream, x + lane, gradient + lane};
     if (energy == nullptr) {
       pass.template add_all<false>(r);
@@ -131,44 +132,16 @@ template <int kBytes, class Real>
   }
 }
 
-// Not by runtime/kernels/clones.h: there each clone would cut the same 64-byte vectors into pieces,
-// and the narrower machines have too few registers for that.
-template <class Real>
-using Runner = void (*)(const Real*, std::size_t, const Real*, Real*, Real*);
+}  // namespace
+}  // namespace tremolo
 
-#if defined(TREMOLO_X86_MACHINES)
-[[gnu::target("arch=x86-64-v4")]] void run_v4(const float* c, std::size_t r, const float* x,
-                                              float* g, float* e) {
-  run<64>(c, r, x, g, e);
-}
-[[gnu::target("arch=x86-64-v4")]] void run_v4(const double* c, std::size_t r, const double* x,
-                                              double* g, double* e) {
-  run<64>(c, r, x, g, e);
-}
-[[gnu::target("arch=x86-64-v3")]] void run_v3(const float* c, std::size_t r, const float* x,
-                                              float* g, float* e) {
-  run<32>(c, r, x, g, e);
-}
-[[gnu::target("arch=x86-64-v3")]] void run_v3(const double* c, std::size_t r, const double* x,
-                                              double* g, double* e) {
-  run<32>(c, r, x, g, e);
-}
-#endif
+// Not by TREMOLO_CLONES: there each clone would cut the same 64-byte vectors into pieces, and the
+// narrower machines have too few registers for that.
+#define TREMOLO_KERNEL "runtime/crowd/lane_force.inc"
+#include "runtime/kernels/every_instruction_set.inc"
 
-template <class Real>
-void run_plain(const Real* c, std::size_t r, const Real* x, Real* g, Real* e) {
-  run<16>(c, r, x, g, e);
-}
-
-template <class Real>
-Runner<Real> runner(Machine vectors) {
-#if defined(TREMOLO_X86_MACHINES)
-  if (vectors == Machine::kAvx512) return run_v4;
-  if (vectors == Machine::kAvx2) return run_v3;
-#endif
-  (void)vectors;
-  return run_plain<Real>;
-}
+namespace tremolo {
+namespace {
 
 // The power of two next to a positive number; 1 for what is not positive and finite.
 double power_of_two(double value) {
@@ -225,13 +198,15 @@ template LaneCoefficients<double> make_lane_coefficients(std::size_t, std::span<
                                                          std::span<const double>);
 
 void evaluate_lanes(const LaneCoefficients<float>& coefficients, const float* x, float* gradient,
-                    float* energy, Machine vectors) {
-  runner<float>(vectors)(coefficients.stream.data(), coefficients.modes, x, gradient, energy);
+                    float* energy, InstructionSet vectors) {
+  TREMOLO_CALL_FOR(vectors, run_floats, coefficients.stream.data(), coefficients.modes, x, gradient,
+                   energy);
 }
 
 void evaluate_lanes(const LaneCoefficients<double>& coefficients, const double* x, double* gradient,
-                    double* energy, Machine vectors) {
-  runner<double>(vectors)(coefficients.stream.data(), coefficients.modes, x, gradient, energy);
+                    double* energy, InstructionSet vectors) {
+  TREMOLO_CALL_FOR(vectors, run_doubles, coefficients.stream.data(), coefficients.modes, x,
+                   gradient, energy);
 }
 
 }  // namespace tremolo

@@ -19,13 +19,13 @@
 #include <span>
 #include <vector>
 
-#include "runtime/kernels/machine.h"
+#include "runtime/kernels/instruction_set.h"
 
 namespace tremolo {
 
 // Bodies a block: as many as fit in 64 bytes, 16 floats or 8 doubles.
 template <class Real>
-inline constexpr std::size_t kLanes = 64 / sizeof(Real);
+inline constexpr std::size_t kBodiesPerBlock = 64 / sizeof(Real);
 
 // The unique coefficients of the leading `modes` coordinates in the order in which the pass takes
 // them, of  (C + Q)(coordinate_scale x) / energy_scale  as a polynomial in x.
@@ -43,18 +43,19 @@ template <class Real>
 LaneCoefficients<Real> make_lane_coefficients(std::size_t modes, std::span<const double> cubic,
                                               std::span<const double> quartic);
 
-// x, gradient: [coordinate][lane], r x kLanes, aligned to 64 bytes: x = q / coordinate_scale, and
-// the derivative with respect to x: grad (C + Q) = (energy_scale / coordinate_scale) gradient.
-// energy: kLanes values of (C + Q) / energy_scale, or null. vectors: at most those of this machine;
-// the narrower ones are there to be tested and measured. Nothing is allocated.
+// x, gradient: [coordinate][lane], r x kBodiesPerBlock, aligned to 64 bytes: x = q /
+// coordinate_scale, and the derivative with respect to x: grad (C + Q) = (energy_scale /
+// coordinate_scale) gradient. energy: kBodiesPerBlock values of (C + Q) / energy_scale, or null.
+// vectors: at most those of this machine; the narrower ones are there to be tested and measured.
+// Nothing is allocated.
 //
 // Rounding: a row is a sum of about r^3/36 partial sums of up to 6 terms, each rounded to eps =
 // 2^-24 in float, 2^-53 in double, and the coefficients are rounded once. Measured against grad V
 // in double: tests/runtime/lane_force_test.cpp and `tremolo bench --only speed`.
 void evaluate_lanes(const LaneCoefficients<float>& coefficients, const float* x, float* gradient,
-                    float* energy, Machine vectors = this_machine());
+                    float* energy, InstructionSet vectors = instruction_set());
 void evaluate_lanes(const LaneCoefficients<double>& coefficients, const double* x, double* gradient,
-                    double* energy, Machine vectors = this_machine());
+                    double* energy, InstructionSet vectors = instruction_set());
 
 extern template LaneCoefficients<float> make_lane_coefficients(std::size_t, std::span<const double>,
                                                                std::span<const double>);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/clones.h"
 #include "runtime/integrators/solve/damping.h"
-#include "runtime/kernels/clones.h"
 
 namespace tremolo {
 
@@ -188,10 +188,10 @@ Result<LaneGroup> LaneGroup::create(const Model& model, std::string_view integra
   group.drift_.assign(drift.begin(), drift.end());
   group.change_.assign(change.begin(), change.end());
   if (precision == LanePrecision::kDouble) {
-    group.lanes_ = kLanes<double>;
+    group.lanes_ = kBodiesPerBlock<double>;
     group.coefficients_ = make_lane_coefficients<double>(modes, model.cubic(), model.quartic());
   } else {
-    group.lanes_ = kLanes<float>;
+    group.lanes_ = kBodiesPerBlock<float>;
     group.coefficients_ = make_lane_coefficients<float>(modes, model.cubic(), model.quartic());
   }
   return group;
@@ -282,7 +282,7 @@ void LaneGroup::evaluate(const LaneCoefficients<Real>& coefficients, const LaneB
                          bool want_energy, LaneScratch& scratch) {
   Real* x = reinterpret_cast<Real*>(scratch.x.data());
   Real* gradient = reinterpret_cast<Real*>(scratch.gradient.data());
-  alignas(64) Real energy[kLanes<Real>];
+  alignas(64) Real energy[kBodiesPerBlock<Real>];
   to_lanes(view.q, view.modes * view.width, 1.0 / coefficients.coordinate_scale, x);
   evaluate_lanes(coefficients, x, gradient, want_energy ? energy : nullptr);
   from_lanes(view, coefficients.energy_scale / coefficients.coordinate_scale, gradient);

@@ -6,8 +6,8 @@
 // whatever the precision: it is that of grad (C + Q) alone (runtime/crowd/lane_force.h). So a small
 // motion is exact to double, and rounding in the state does not pile up.
 //
-// Layout: blocks of kLanes bodies; in a block [coordinate][lane], 64 bytes or 128 a row. Slots
-// 0..size-1 are taken without gaps; the lanes behind them are zero.
+// Layout: blocks of kBodiesPerBlock bodies; in a block [coordinate][lane], 64 bytes or 128 a row.
+// Slots 0..size-1 are taken without gaps; the lanes behind them are zero.
 #pragma once
 
 #include <algorithm>

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <utility>
 
+#include "common/clones.h"
 #include "runtime/integrators/solve/damping.h"
 #include "runtime/integrators/solve/linear_response.h"
-#include "runtime/kernels/clones.h"
 
 namespace tremolo {
 namespace {

@@ -5,17 +5,31 @@
 
 #include "runtime/kernels/lanes.h"
 
+namespace tremolo {
+namespace {
+
+// The arrays of a SmallCholesky, each aligned to 64 bytes; columns and rows `stride` apart.
+template <class Number>
+struct LdlArrays {
+  std::size_t stride;
+  Number* columns;
+  Number* rows;
+  Number* inverse;
+};
+
+}  // namespace
+}  // namespace tremolo
+
 #define TREMOLO_KERNEL "runtime/kernels/cholesky.inc"
-#include "runtime/kernels/every_machine.inc"
+#include "runtime/kernels/every_instruction_set.inc"
 
 namespace tremolo {
 
-using lanes::kLanes;
 using std::size_t;
 
 namespace {
 
-// Of the lower triangle; ends at the first entry that says no.
+// Reads the lower triangle up to the first entry that is not zero.
 bool is_diagonal(const Eigen::MatrixXd& a) {
   for (Eigen::Index j = 0; j + 1 < a.cols(); ++j)
     if (!a.col(j).tail(a.rows() - j - 1).isZero(0.0)) return false;
@@ -26,8 +40,7 @@ bool is_diagonal(const Eigen::MatrixXd& a) {
 
 SmallCholesky::SmallCholesky(Eigen::Index size)
     : n_(static_cast<size_t>(size)),
-      stride_(lanes::padded(n_ + 1)),
-      masks_(lane_masks()),
+      stride_(padded(n_ + 1)),
       columns_(n_ * stride_, 0.0),
       rows_(n_ * stride_, 0.0),
       inverse_(stride_, 0.0),
@@ -43,8 +56,7 @@ bool SmallCholesky::compute(const Eigen::MatrixXd& a) {
   }
   for (size_t j = 0; j < n_; ++j)
     std::copy(a.data() + j * n_ + j, a.data() + (j + 1) * n_, columns_.data() + j * stride_ + j);
-  return (*TREMOLO_BEST(factor))(n_, stride_, masks_.data(), columns_.data(), rows_.data(),
-                                 inverse_.data());
+  return TREMOLO_CALL(factor, {stride_, columns_.data(), rows_.data(), inverse_.data()}, n_);
 }
 
 void SmallCholesky::solve(Eigen::VectorXd& x) const {
@@ -54,8 +66,8 @@ void SmallCholesky::solve(Eigen::VectorXd& x) const {
     return;
   }
   std::copy(x.data(), x.data() + n_, scratch_.begin());
-  (*TREMOLO_BEST(solve_both))(n_, stride_, columns_.data(), rows_.data(), inverse_.data(),
-                              scratch_.data());
+  TREMOLO_CALL(solve_both, {stride_, columns_.data(), rows_.data(), inverse_.data()}, n_,
+               scratch_.data());
   std::copy_n(scratch_.data() + stride_, n_, x.data());
 }
 

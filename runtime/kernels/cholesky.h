@@ -26,7 +26,6 @@ class SmallCholesky {
   std::size_t n_;
   std::size_t stride_;
   bool diagonal_ = false;
-  AlignedDoubles masks_;
   AlignedDoubles columns_;  // L column by column, padded, zeros above the diagonal
   AlignedDoubles rows_;     // L D row by row, without the diagonal
   AlignedDoubles inverse_;  // of D

@@ -1,38 +1,29 @@
-// Vectors of eight doubles for the kernels, whatever the machine's own width: one AVX-512 register,
-// two of AVX2, four of SSE2 or NEON. A kernel's functions stand in a file of their own, NAME.inc,
-// that runtime/kernels/every_machine.inc compiles once for each machine; (*TREMOLO_BEST(f))(...)
-// calls the one for this machine.
+// Vectors of eight doubles for the kernels, whatever the registers: one of AVX-512, two of AVX2,
+// four of SSE2 or NEON. lanes.inc has the operations.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
 #include "runtime/kernels/aligned.h"
-#include "runtime/kernels/machine.h"
+#include "runtime/kernels/instruction_set.h"
+
+#define TREMOLO_INLINE [[gnu::always_inline]] inline
 
 namespace tremolo {
 
-namespace lanes {
+inline constexpr std::size_t kVectorLanes = 8;
 
-inline constexpr std::size_t kLanes = 8;
-
+// The next multiple of a vector's length.
 constexpr std::size_t padded(std::size_t count) {
-  return (count + kLanes - 1) / kLanes * kLanes;
+  return (count + kVectorLanes - 1) / kVectorLanes * kVectorLanes;
 }
 
-}  // namespace lanes
-
-// Row m, eight long: all bits set in the first m lanes, m = 0..8. From memory, since the compiler
-// would turn known masks into loads of single lanes.
-inline AlignedDoubles lane_masks() {
-  AlignedDoubles masks((lanes::kLanes + 1) * lanes::kLanes, 0.0);
-  for (std::size_t row = 0; row <= lanes::kLanes; ++row)
-    for (std::size_t lane = 0; lane < row; ++lane)
-      masks[row * lanes::kLanes + lane] = std::bit_cast<double>(~std::uint64_t{0});
-  return masks;
-}
-
-#define TREMOLO_INLINE [[gnu::always_inline]] inline
+// Row m has all bits set in its first m lanes. The table is defined in lanes.cpp, out of the
+// compiler's sight, which turns masks that it knows into loads of single lanes.
+struct alignas(kCacheLine) LaneMasks {
+  double row[kVectorLanes + 1][kVectorLanes];
+};
+extern const LaneMasks kLaneMasks;
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// The potential as matrices over index pairs, for evaluations that are not at one point: with the
+// The potential as a matrix over index pairs, for evaluations that are not at one point: with the
 // pairs a = (i <= j) in the order of pair_index,
 //
 //     A = S X,   S_ab = Q_ijkl,      B_a = sum_k C_ijk q_k
@@ -23,7 +23,7 @@ class PairKernel {
   PairKernel(std::size_t r, std::span<const double> cubic, std::span<const double> quartic);
 
   std::size_t padded_pairs() const { return padded_; }  // length of x, A and B below
-  std::size_t bytes() const { return (columns_.size() + cubic_.size()) * sizeof(double); }
+  std::size_t bytes() const { return (s_.size() + c_.size()) * sizeof(double); }
 
   // X_a of q q^T; with `more`, of q q^T + s^2 more more^T. pairs: padded_pairs().
   void fill_pairs(const double* q, double* pairs) const;
@@ -41,11 +41,11 @@ class PairKernel {
 
  private:
   std::size_t r_ = 0;
-  std::size_t padded_ = 0;
-  // Eight columns b after the other, in each the vectors of the rows a <= b, interleaved; halves on
+  std::size_t padded_ = 0;  // pairs, to whole vectors
+  // S: groups of eight columns b, in each the vectors of the rows a <= b, interleaved; halves on
   // the diagonal, zeros below it.
-  AlignedDoubles columns_;
-  AlignedDoubles cubic_;  // C_ijk: for each vector of pairs, all k
+  AlignedDoubles s_;
+  AlignedDoubles c_;  // C_ijk: for each vector of pairs, all k
 };
 
 }  // namespace tremolo

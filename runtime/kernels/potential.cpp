@@ -9,8 +9,20 @@
 #include "common/packed_index.h"
 #include "runtime/kernels/lanes.h"
 
+namespace tremolo {
+namespace {
+
+// A and B of potential.h, in the order of pair_index.
+struct PairSums {
+  const double* a;
+  const double* b;
+};
+
+}  // namespace
+}  // namespace tremolo
+
 #define TREMOLO_KERNEL "runtime/kernels/potential.inc"
-#include "runtime/kernels/every_machine.inc"
+#include "runtime/kernels/every_instruction_set.inc"
 
 namespace tremolo {
 namespace {
@@ -26,9 +38,10 @@ Status check_finite(std::span<const double> values, const char* name) {
   return Success{};
 }
 
-// Below, the pair kernel's tangent is the faster one: it has no second stage.
+// Below this r the pair kernel's tangent is the faster one: it has no second stage.
 constexpr Index kPairTangent = 20;
-// From here on two forces in one pass over the unique coefficients cost less than the pair matrix.
+// From this r on two forces in one pass over the unique coefficients cost less than the pair
+// matrix.
 constexpr Index kTwoForces = 22;
 
 void copy(const VectorXd& q, AlignedDoubles& point) {
@@ -37,11 +50,10 @@ void copy(const VectorXd& q, AlignedDoubles& point) {
 
 }  // namespace
 
-// Unique tensor entries, and the pair matrices once somebody wants them.
+// Unique tensor entries, and the pair matrices from their first use on.
 struct Potential::Coefficients {
   std::vector<double> cubic;
   std::vector<double> quartic;
-  AlignedDoubles masks = lane_masks();
   mutable std::once_flag once;
   mutable PairKernel pairs;
 };
@@ -98,16 +110,15 @@ PotentialWorkspace Potential::make_workspace(unsigned uses) const {
   workspace.unique = unique_.make_workspace();
   if (!(uses & kUseSegment) && !((uses & kUseTangent) && size() < kPairTangent)) return workspace;
   workspace.pair_kernel = &pair_kernel();
-  const std::size_t padded = lanes::padded(r);
+  const std::size_t length = padded(r);
   if ((uses & kUseSegment) && size() >= kTwoForces)
     workspace.unique_second = unique_.make_workspace();
-  for (AlignedDoubles* vector : {&workspace.point, &workspace.second, &workspace.product})
-    vector->assign(padded + lanes::kLanes, 0.0);
+  for (AlignedDoubles* vector : {&workspace.q, &workspace.second, &workspace.product})
+    vector->assign(length + kVectorLanes, 0.0);
   // Whole groups of eight columns are read.
-  const std::size_t pairs = lanes::padded(pair_count(padded)) + lanes::kLanes;
-  for (AlignedDoubles* vector :
-       {&workspace.pairs, &workspace.quartic, &workspace.cubic, &workspace.held_quartic,
-        &workspace.held_cubic, &workspace.triangle})
+  const std::size_t pairs = padded(pair_count(length)) + kVectorLanes;
+  for (AlignedDoubles* vector : {&workspace.x, &workspace.a, &workspace.b, &workspace.held_a,
+                                 &workspace.held_b, &workspace.triangle})
     vector->assign(pairs, 0.0);
   return workspace;
 }
@@ -121,7 +132,7 @@ void Potential::evaluate(const VectorXd& q, unsigned want, PotentialWorkspace& w
   if (linear()) return evaluate_linear(q, want, out);
   if ((want & kWantTangent) && workspace.pair_kernel != nullptr && size() < kPairTangent)
     return evaluate_pairs(q, want, workspace, out);
-  double* force = want & kWantForce ? out.force.data() : workspace.unique.column.data();
+  double* force = want & kWantForce ? out.force.data() : workspace.unique.y.data();
   double value = 0.0;
   if (want & kWantTangent) {
     value = unique_.hessian(q.data(), workspace.unique, force, out.tangent.data());
@@ -142,46 +153,60 @@ void Potential::evaluate_linear(const VectorXd& q, unsigned want, Evaluation& ou
   }
 }
 
+// A of the pairs in w.x.
+void Potential::set_a(PotentialWorkspace& w) const {
+  std::fill_n(w.a.begin(), w.pair_kernel->padded_pairs(), 0.0);
+  w.pair_kernel->multiply(w.x.data(), 0, w.a.data());
+}
+
+// A of the pairs in w.x and B of w.q.
+void Potential::set_a_and_b(PotentialWorkspace& w) const {
+  set_a(w);
+  std::fill_n(w.b.begin(), w.pair_kernel->padded_pairs(), 0.0);
+  w.pair_kernel->contract_cubic(w.q.data(), 0, static_cast<std::size_t>(size()), 0, w.b.data());
+}
+
+// w.product = (3B + 4A) w.q, A and B taken from the pair `first` on.
+void Potential::multiply_force_matrix(std::size_t first, PotentialWorkspace& w) const {
+  const auto r = static_cast<std::size_t>(size());
+  TREMOLO_CALL(combine, {w.a.data(), w.b.data()}, first, pair_count(r), w.triangle.data());
+  TREMOLO_CALL(multiply_packed, w.triangle.data(), r, w.q.data(), w.product.data());
+}
+
+// The block [held, r) of Lambda + 6B + 12A.
+void Potential::set_tangent(const PotentialWorkspace& w, Index held, Eigen::MatrixXd& out) const {
+  TREMOLO_CALL(set_tangent_block, {w.a.data(), w.b.data()}, lambda_.data(),
+               static_cast<std::size_t>(held), static_cast<std::size_t>(size()), out.data());
+}
+
 void Potential::evaluate_pairs(const VectorXd& q, unsigned want, PotentialWorkspace& w,
                                Evaluation& out) const {
-  const auto r = static_cast<std::size_t>(size());
-  const std::size_t pairs = pair_count(r);
-  const PairKernel& kernel = *w.pair_kernel;
-  copy(q, w.point);
-  kernel.fill_pairs(w.point.data(), w.pairs.data());
-  std::fill_n(w.quartic.begin(), kernel.padded_pairs(), 0.0);
-  std::fill_n(w.cubic.begin(), kernel.padded_pairs(), 0.0);
-  kernel.multiply(w.pairs.data(), 0, w.quartic.data());
-  kernel.contract_cubic(w.point.data(), 0, r, 0, w.cubic.data());
-  if (want & (kWantForce | kWantEnergy)) {
-    (*TREMOLO_BEST(combine))(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs,
-                             w.triangle.data());
-    (*TREMOLO_BEST(multiply_packed))(w.triangle.data(), r, w.point.data(),
-                                     coefficients_->masks.data(), w.product.data());
-  }
+  copy(q, w.q);
+  w.pair_kernel->fill_pairs(w.q.data(), w.x.data());
+  set_a_and_b(w);
+  if (want & (kWantForce | kWantEnergy)) multiply_force_matrix(0, w);
   // V3 = q.(3B q)/3 and V4 = q.(4A q)/4.
   if (want & kWantEnergy) {
-    const Eigen::Map<const VectorXd> x(w.pairs.data(), static_cast<Index>(pairs));
-    const Eigen::Map<const VectorXd> a(w.quartic.data(), x.size()), b(w.cubic.data(), x.size());
+    const auto pairs = static_cast<Index>(pair_count(static_cast<std::size_t>(size())));
+    const Eigen::Map<const VectorXd> x(w.x.data(), pairs), a(w.a.data(), pairs),
+        b(w.b.data(), pairs);
     out.energy = 0.5 * q.dot(lambda_.cwiseProduct(q)) + x.dot(b) + x.dot(a);
   }
   if (want & kWantForce)
     out.force = lambda_.cwiseProduct(q) + Eigen::Map<const VectorXd>(w.product.data(), q.size());
-  (*TREMOLO_BEST(fill_tangent))(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r,
-                                out.tangent.data());
+  set_tangent(w, 0, out.tangent);
 }
 
 void Potential::begin_trailing(const VectorXd& q, Index held, PotentialWorkspace& w) const {
   if (linear()) return;
   const std::size_t first = pair_count(static_cast<std::size_t>(held));
   const PairKernel& kernel = *w.pair_kernel;
-  copy(q, w.point);
-  kernel.fill_pairs(w.point.data(), w.pairs.data());
-  std::fill(w.pairs.begin() + static_cast<std::ptrdiff_t>(first), w.pairs.end(), 0.0);
-  kernel.multiply_leading(w.pairs.data(), first, w.held_quartic.data());
-  std::fill(w.held_cubic.begin(), w.held_cubic.end(), 0.0);
-  kernel.contract_cubic(w.point.data(), 0, static_cast<std::size_t>(held), first,
-                        w.held_cubic.data());
+  copy(q, w.q);
+  kernel.fill_pairs(w.q.data(), w.x.data());
+  std::fill(w.x.begin() + static_cast<std::ptrdiff_t>(first), w.x.end(), 0.0);
+  kernel.multiply_leading(w.x.data(), first, w.held_a.data());
+  std::fill(w.held_b.begin(), w.held_b.end(), 0.0);
+  kernel.contract_cubic(w.q.data(), 0, static_cast<std::size_t>(held), first, w.held_b.data());
 }
 
 void Potential::evaluate_trailing(const VectorXd& q, Index held, unsigned want,
@@ -189,30 +214,23 @@ void Potential::evaluate_trailing(const VectorXd& q, Index held, unsigned want,
   if (linear()) return evaluate_linear(q, want & ~static_cast<unsigned>(kWantEnergy), out);
   const auto r = static_cast<std::size_t>(size());
   const std::size_t first = pair_count(static_cast<std::size_t>(held));
-  const std::size_t from = first / lanes::kLanes * lanes::kLanes;
+  const std::size_t from = first / kVectorLanes * kVectorLanes;
   const PairKernel& kernel = *w.pair_kernel;
-  copy(q, w.point);
-  kernel.fill_pairs(w.point.data(), w.pairs.data());
-  std::fill(w.pairs.begin() + static_cast<std::ptrdiff_t>(from),
-            w.pairs.begin() + static_cast<std::ptrdiff_t>(first), 0.0);
-  std::copy_n(w.held_quartic.begin() + static_cast<std::ptrdiff_t>(from),
-              kernel.padded_pairs() - from, w.quartic.begin() + static_cast<std::ptrdiff_t>(from));
-  std::copy_n(w.held_cubic.begin() + static_cast<std::ptrdiff_t>(from),
-              kernel.padded_pairs() - from, w.cubic.begin() + static_cast<std::ptrdiff_t>(from));
-  kernel.multiply(w.pairs.data(), first, w.quartic.data());
-  kernel.contract_cubic(w.point.data(), static_cast<std::size_t>(held), r, first, w.cubic.data());
+  const std::size_t count = kernel.padded_pairs() - from;
+  copy(q, w.q);
+  kernel.fill_pairs(w.q.data(), w.x.data());
+  std::fill_n(w.x.data() + from, first - from, 0.0);
+  std::copy_n(w.held_a.data() + from, count, w.a.data() + from);
+  std::copy_n(w.held_b.data() + from, count, w.b.data() + from);
+  kernel.multiply(w.x.data(), first, w.a.data());
+  kernel.contract_cubic(w.q.data(), static_cast<std::size_t>(held), r, first, w.b.data());
   if (want & kWantForce) {
     const Index trailing = size() - held;
-    (*TREMOLO_BEST(combine))(3.0, w.cubic.data(), 4.0, w.quartic.data(), first, pair_count(r),
-                             w.triangle.data());
-    (*TREMOLO_BEST(multiply_packed))(w.triangle.data(), r, w.point.data(),
-                                     coefficients_->masks.data(), w.product.data());
+    multiply_force_matrix(first, w);
     out.force.tail(trailing) = lambda_.tail(trailing).cwiseProduct(q.tail(trailing)) +
                                Eigen::Map<const VectorXd>(w.product.data() + held, trailing);
   }
-  if (want & kWantTangent)
-    (*TREMOLO_BEST(fill_tangent))(w.cubic.data(), w.quartic.data(), lambda_.data(),
-                                  static_cast<std::size_t>(held), r, out.tangent.data());
+  if (want & kWantTangent) set_tangent(w, held, out.tangent);
 }
 
 void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1, PotentialWorkspace& w,
@@ -222,38 +240,30 @@ void Potential::averaged_gradient(const VectorXd& q0, const VectorXd& q1, Potent
     if (tangent != nullptr) *tangent = lambda_.asDiagonal();
     return;
   }
-  const auto r = static_cast<std::size_t>(size());
-  const std::size_t pairs = pair_count(r);
-  const PairKernel& kernel = *w.pair_kernel;
-  Eigen::Map<VectorXd> mean(w.point.data(), size()), half(w.second.data(), size());
+  Eigen::Map<VectorXd> m(w.q.data(), size()), d(w.second.data(), size());
   Eigen::Map<VectorXd> product(w.product.data(), size());
-  mean = 0.5 * (q0 + q1);
-  half = 0.5 * (q1 - q0);
+  m = 0.5 * (q0 + q1);
+  d = 0.5 * (q1 - q0);
   if (tangent == nullptr && size() >= kTwoForces) {
     // Gauss's two points integrate a cubic exactly.
     const double node = 1.0 / std::sqrt(3.0);
-    product = mean + node * half;
-    half = mean - node * half;
-    unique_.gradient_pair(product.data(), half.data(), w.unique, w.unique_second, out.data(),
+    product = m + node * d;
+    d = m - node * d;
+    unique_.gradient_pair(product.data(), d.data(), w.unique, w.unique_second, out.data(),
                           w.triangle.data());
-    out = lambda_.cwiseProduct(mean) +
+    out = lambda_.cwiseProduct(m) +
           0.5 * (out + Eigen::Map<const VectorXd>(w.triangle.data(), size()));
     return;
   }
-  // A of m m^T + d d^T, and B of m and of d.
-  kernel.fill_pairs(mean.data(), half.data(), 1.0, w.pairs.data());
-  std::fill_n(w.quartic.begin(), kernel.padded_pairs(), 0.0);
-  kernel.multiply(w.pairs.data(), 0, w.quartic.data());
-  kernel.contract_cubic_twice(mean.data(), half.data(), w.cubic.data(), w.held_cubic.data());
-  (*TREMOLO_BEST(combine))(3.0, w.cubic.data(), 4.0, w.quartic.data(), 0, pairs, w.triangle.data());
-  (*TREMOLO_BEST(multiply_packed))(w.triangle.data(), r, mean.data(), coefficients_->masks.data(),
-                                   product.data());
-  out = lambda_.cwiseProduct(mean) + product;
-  if (tangent != nullptr)
-    (*TREMOLO_BEST(fill_tangent))(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r,
-                                  tangent->data());
-  (*TREMOLO_BEST(multiply_packed))(w.held_cubic.data(), r, half.data(), coefficients_->masks.data(),
-                                   product.data());
+  // A of m m^T + d d^T, B of m in w.b and of d in w.held_b.
+  w.pair_kernel->fill_pairs(m.data(), d.data(), 1.0, w.x.data());
+  set_a(w);
+  w.pair_kernel->contract_cubic_twice(m.data(), d.data(), w.b.data(), w.held_b.data());
+  multiply_force_matrix(0, w);
+  out = lambda_.cwiseProduct(m) + product;
+  if (tangent != nullptr) set_tangent(w, 0, *tangent);
+  TREMOLO_CALL(multiply_packed, w.held_b.data(), static_cast<std::size_t>(size()), d.data(),
+               product.data());
   out += product;
 }
 
@@ -263,19 +273,14 @@ void Potential::averaged_jacobian(const VectorXd& q0, const VectorXd& q1, Potent
     out = (0.5 * lambda_).asDiagonal();
     return;
   }
-  const auto r = static_cast<std::size_t>(size());
-  const PairKernel& kernel = *w.pair_kernel;
-  Eigen::Map<VectorXd> mean(w.point.data(), size()), half(w.second.data(), size());
-  half = 0.5 * (q1 - q0);
-  // Half of fill_tangent's Lambda + 6 C[m + d/3] + 12 Q[X], with
+  Eigen::Map<VectorXd> m(w.q.data(), size()), d(w.second.data(), size());
+  d = 0.5 * (q1 - q0);
+  // Half of Lambda + 6 C[m + d/3] + 12 Q[X], with
   // X = m m^T + d d^T/3 + (m d^T + d m^T)/3 = (m + d/3)(m + d/3)^T + 2/9 d d^T.
-  mean = 0.5 * (q0 + q1) + half / 3.0;
-  kernel.fill_pairs(mean.data(), half.data(), 2.0 / 9.0, w.pairs.data());
-  std::fill_n(w.quartic.begin(), kernel.padded_pairs(), 0.0);
-  std::fill_n(w.cubic.begin(), kernel.padded_pairs(), 0.0);
-  kernel.multiply(w.pairs.data(), 0, w.quartic.data());
-  kernel.contract_cubic(mean.data(), 0, r, 0, w.cubic.data());
-  (*TREMOLO_BEST(fill_tangent))(w.cubic.data(), w.quartic.data(), lambda_.data(), 0, r, out.data());
+  m = 0.5 * (q0 + q1) + d / 3.0;
+  w.pair_kernel->fill_pairs(m.data(), d.data(), 2.0 / 9.0, w.x.data());
+  set_a_and_b(w);
+  set_tangent(w, 0, out);
   out *= 0.5;
 }
 

@@ -46,19 +46,19 @@ enum Use : unsigned {
 };
 
 // Scratch of one caller, made by Potential::make_workspace; may be reused for any q of the same
-// potential, not by two threads at once.
+// potential, not by two threads at once. x, a, b: the X, A and B above, in the order of pair_index.
 struct PotentialWorkspace {
-  const PairKernel* pair_kernel = nullptr;  // if it is needed
+  const PairKernel* pair_kernel = nullptr;  // null where no use needs it
   SymmetricKernel::Workspace unique;
   SymmetricKernel::Workspace unique_second;  // of a second point
-  AlignedDoubles point;                      // a copy of q, zeros behind
-  AlignedDoubles second;                     // of another vector
-  AlignedDoubles pairs;                      // X
-  AlignedDoubles quartic;                    // A
-  AlignedDoubles cubic;                      // B
-  AlignedDoubles held_quartic;  // share of the held leading coordinates in A and B: begin_trailing
-  AlignedDoubles held_cubic;
-  AlignedDoubles triangle;  // what multiplies q in the force
+  AlignedDoubles q;                          // a copy of the point, zeros behind it
+  AlignedDoubles second;                     // another vector
+  AlignedDoubles x;
+  AlignedDoubles a;
+  AlignedDoubles b;
+  AlignedDoubles held_a;  // what the leading coordinates add to A and B: begin_trailing
+  AlignedDoubles held_b;
+  AlignedDoubles triangle;  // 3B + 4A, which multiplies q in the force
   AlignedDoubles product;   // that product
 };
 
@@ -120,6 +120,11 @@ class Potential {
   void evaluate_linear(const Eigen::VectorXd& q, unsigned want, Evaluation& out) const;
   void evaluate_pairs(const Eigen::VectorXd& q, unsigned want, PotentialWorkspace& workspace,
                       Evaluation& out) const;
+  void set_a(PotentialWorkspace& workspace) const;
+  void set_a_and_b(PotentialWorkspace& workspace) const;
+  void multiply_force_matrix(std::size_t first, PotentialWorkspace& workspace) const;
+  void set_tangent(const PotentialWorkspace& workspace, Eigen::Index held,
+                   Eigen::MatrixXd& out) const;
 
   Eigen::VectorXd lambda_;
   SymmetricKernel unique_;

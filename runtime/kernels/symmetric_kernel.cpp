@@ -9,54 +9,73 @@
 namespace tremolo {
 namespace {
 
-// One of two points that are evaluated together: what symmetric_kernel.h calls q, x, E, W and W_.r.
-struct Point {
-  const double* point;
-  const double* pairs;
+// The rows of a SymmetricKernel: c_ijkl.
+struct UniqueRows {
+  const double* c;
+  std::size_t r;
+  std::size_t z_stride;
+};
+
+// The arrays of a Workspace, each aligned to 64 bytes.
+struct PointSums {
+  double* q;
+  double* x;
   double* e;
   double* w;
-  double* last;
+  double* w_r;
+  double* z;
+  double* y;
 };
+
+struct GradientAt {
+  const double* q;
+  PointSums at;
+  double* gradient;
+};
+
+PointSums sums_in(SymmetricKernel::Workspace& w) {
+  return {w.q.data(), w.x.data(), w.e.data(), w.w.data(), w.w_r.data(), w.z.data(), w.y.data()};
+}
 
 }  // namespace
 }  // namespace tremolo
 
 #define TREMOLO_KERNEL "runtime/kernels/symmetric_kernel.inc"
-#include "runtime/kernels/every_machine.inc"
+#include "runtime/kernels/every_instruction_set.inc"
 
 namespace tremolo {
 namespace {
 
-using lanes::kLanes;
-using lanes::padded;
-using plain::for_each_group;
 using plain::padded_pairs;
 using std::size_t;
 
-// ---- storage ----
-
+// Appends the rows that for_each_group visits.
 struct RowWriter {
   size_t r;
   std::span<const double> cubic;
   std::span<const double> quartic;
   AlignedDoubles& rows;
 
-  void one(size_t k, size_t l, size_t count) {
-    const size_t first = rows.size();
-    rows.resize(first + count * padded_pairs(k), 0.0);
-    for (size_t b = 0; b < count; ++b) put(first, count, b, k, l + b);
+  template <size_t Rows, bool Diagonal>
+  void one(size_t k, size_t l) {
+    const size_t first = append(Rows, k);
+    for (size_t b = 0; b < Rows; ++b) put(first, Rows, b, k, l + b);
   }
   void two(size_t k, size_t l) {
-    const size_t first = rows.size();
-    rows.resize(first + 8 * padded_pairs(k), 0.0);
+    const size_t first = append(8, k);
     for (size_t b = 0; b < 8; ++b) put(first, 8, b, b < 4 ? k : k - 1, l + b % 4);
   }
-  // Row (k, l) as the `place`-th of `count` that lie interleaved from `first` on.
+  size_t append(size_t count, size_t k) {
+    const size_t first = rows.size();
+    rows.resize(first + count * padded_pairs(k), 0.0);
+    return first;
+  }
+  // Row (k, l) as the `place`-th of `count` rows that lie interleaved from `first` on.
   void put(size_t first, size_t count, size_t place, size_t k, size_t l) {
     for (size_t j = 0; j <= k; ++j)
       for (size_t i = 0; i <= j; ++i) {
         const size_t at = pair_index(i, j);
-        rows[first + (at / kLanes * count + place) * kLanes + at % kLanes] =
+        rows[first + (at / kVectorLanes * count + place) * kVectorLanes + at % kVectorLanes] =
             l == r ? orderings(i, j, k) * cubic[triple_index(i, j, k)]
                    : orderings(i, j, k, l) * quartic[quad_index(i, j, k, l)];
       }
@@ -67,55 +86,44 @@ struct RowWriter {
 
 SymmetricKernel::SymmetricKernel(size_t r, std::span<const double> cubic,
                                  std::span<const double> quartic)
-    : r_(r), stride_(padded_pairs(padded(r) - 1) + kLanes), masks_(lane_masks()) {
+    : r_(r), z_stride_(padded_pairs(padded(r) - 1) + kVectorLanes) {
   RowWriter writer{r, cubic, quartic, rows_};
-  for_each_group(r, writer);
+  plain::for_each_group(r, writer);
 }
 
 SymmetricKernel::Workspace SymmetricKernel::make_workspace() const {
   Workspace workspace;
   // Columns up to the next whole group are read and masked out.
-  const size_t pairs = padded(pair_count(padded(r_))) + kLanes;
-  workspace.point.assign(padded(r_ + 1) + kLanes, 0.0);
-  workspace.pairs.assign(pairs, 0.0);
-  workspace.folded.assign(pairs, 0.0);
-  workspace.sums.assign(pairs, 0.0);
-  workspace.last.assign(padded(r_), 0.0);
-  workspace.thirds.assign(r_ * stride_ + pairs, 0.0);
-  workspace.column.assign(padded(r_), 0.0);
+  const size_t pairs = padded(pair_count(padded(r_))) + kVectorLanes;
+  workspace.q.assign(padded(r_ + 1) + kVectorLanes, 0.0);
+  for (AlignedDoubles* array : {&workspace.x, &workspace.e, &workspace.w})
+    array->assign(pairs, 0.0);
+  for (AlignedDoubles* array : {&workspace.w_r, &workspace.y}) array->assign(padded(r_), 0.0);
+  workspace.z.assign(r_ * z_stride_ + pairs, 0.0);
   return workspace;
 }
 
-double SymmetricKernel::gradient(const double* q, Workspace& w, double* gradient) const {
-  return (*TREMOLO_BEST(evaluate_gradient))(rows_.data(), r_, q, w.point.data(), w.pairs.data(),
-                                            w.folded.data(), w.sums.data(), w.last.data(),
-                                            masks_.data(), w.column.data(), gradient);
+double SymmetricKernel::gradient(const double* q, Workspace& workspace, double* gradient) const {
+  const UniqueRows rows{rows_.data(), r_, z_stride_};
+  return TREMOLO_CALL(evaluate_gradient, rows, q, sums_in(workspace), gradient);
 }
 
-void SymmetricKernel::gradient_pair(const double* q0, const double* q1, Workspace& w0,
-                                    Workspace& w1, double* gradient0, double* gradient1) const {
-  const auto point = [](Workspace& w) {
-    return Point{w.point.data(), w.pairs.data(), w.folded.data(), w.sums.data(), w.last.data()};
-  };
-  const auto finish = [this](Workspace& w, double* gradient) {
-    (*TREMOLO_BEST(finish_gradient))(r_, w.point.data(), w.pairs.data(), w.folded.data(),
-                                     w.sums.data(), w.last.data(), masks_.data(), w.column.data(),
-                                     gradient);
-  };
-  (*TREMOLO_BEST(prepare_point))(q0, r_, w0.point.data(), w0.pairs.data());
-  (*TREMOLO_BEST(prepare_point))(q1, r_, w1.point.data(), w1.pairs.data());
-  (*TREMOLO_BEST(gradient_sums_twice))(rows_.data(), r_, point(w0), point(w1));
-  finish(w0, gradient0);
-  finish(w1, gradient1);
+void SymmetricKernel::gradient_pair(const double* q0, const double* q1, Workspace& workspace0,
+                                    Workspace& workspace1, double* gradient0,
+                                    double* gradient1) const {
+  const UniqueRows rows{rows_.data(), r_, z_stride_};
+  const GradientAt points[] = {{q0, sums_in(workspace0), gradient0},
+                               {q1, sums_in(workspace1), gradient1}};
+  TREMOLO_CALL(evaluate_two_gradients, rows, points);
 }
 
-double SymmetricKernel::hessian(const double* q, Workspace& w, double* gradient,
+double SymmetricKernel::hessian(const double* q, Workspace& workspace, double* gradient,
                                 double* hessian) const {
-  const double value = (*TREMOLO_BEST(evaluate_hessian))(
-      rows_.data(), r_, stride_, q, w.point.data(), w.pairs.data(), w.folded.data(), w.sums.data(),
-      w.last.data(), w.thirds.data(), masks_.data(), w.column.data(), gradient, hessian);
+  const UniqueRows rows{rows_.data(), r_, z_stride_};
+  const double value =
+      TREMOLO_CALL(evaluate_hessian, rows, q, sums_in(workspace), gradient, hessian);
   // What lies behind each Z^k must stay zero.
-  if (!std::isfinite(value)) std::fill(w.thirds.begin(), w.thirds.end(), 0.0);
+  if (!std::isfinite(value)) std::fill(workspace.z.begin(), workspace.z.end(), 0.0);
   return value;
 }
 

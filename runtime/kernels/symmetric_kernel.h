@@ -37,15 +37,15 @@ class SymmetricKernel {
   std::size_t size() const { return r_; }
   std::size_t bytes() const { return rows_.size() * sizeof(double); }  // read by one evaluation
 
-  // Scratch of one caller.
+  // Scratch of one caller, arrays named as in the equations. Pairs are in the order of pair_index.
   struct Workspace {
-    AlignedDoubles point;   // q, then 1, then zeros
-    AlignedDoubles pairs;   // x
-    AlignedDoubles folded;  // E, then F
-    AlignedDoubles sums;    // W_kl, l < r
-    AlignedDoubles last;    // W_.r
-    AlignedDoubles thirds;  // Z^k, one behind the other
-    AlignedDoubles column;  // y^k
+    AlignedDoubles q;    // q_0 .. q_(r-1), then 1, then zeros
+    AlignedDoubles x;    // pairs
+    AlignedDoubles e;    // E, then F: pairs
+    AlignedDoubles w;    // W_kl, k <= l < r: pairs
+    AlignedDoubles w_r;  // W_.r: r
+    AlignedDoubles z;    // Z^0 .. Z^r, pairs each, z_stride_ apart
+    AlignedDoubles y;    // y^k: r
   };
   Workspace make_workspace() const;
 
@@ -59,9 +59,8 @@ class SymmetricKernel {
 
  private:
   std::size_t r_ = 0;
-  std::size_t stride_ = 0;  // doubles from Z^k to Z^(k+1)
-  AlignedDoubles masks_;    // row m, eight long: all bits set in the first m
-  AlignedDoubles rows_;     // (k, l) for k in [0, r), l in [k, r], each padded_pairs(k) long
+  std::size_t z_stride_ = 0;  // doubles from Z^k to Z^(k+1)
+  AlignedDoubles rows_;       // (k, l) for k in [0, r), l in [k, r], each padded_pairs(k) long
 };
 
 }  // namespace tremolo

@@ -5,51 +5,95 @@
 
 #include "runtime/kernels/lanes.h"
 
+namespace tremolo {
+namespace {
+
+// r columns `stride` apart, aligned to 64 bytes, zeros from row r on.
+template <class Number>
+struct PaddedMatrix {
+  Number* columns;
+  std::size_t r;
+  std::size_t stride;
+};
+
+// What reduce() finds (Tridiagonal has the names), and scratch w.
+struct Reduction {
+  double* diagonal;
+  double* off;
+  double* u;
+  double* f;
+  double* w;
+};
+
+// What PartialFractions::compute() has found (tridiagonal.h has the names), and scratch; r each.
+struct PoleFactors {
+  std::size_t r;
+  const ComplexLanes* inverse;
+  const ComplexLanes* ratio;
+  ComplexLanes* scratch;
+};
+
+}  // namespace
+}  // namespace tremolo
+
 #define TREMOLO_KERNEL "runtime/kernels/tridiagonal.inc"
-#include "runtime/kernels/every_machine.inc"
+#include "runtime/kernels/every_instruction_set.inc"
 
 namespace tremolo {
 
-using lanes::kLanes;
 using std::size_t;
 
 Tridiagonal::Tridiagonal(Eigen::Index size)
     : r_(static_cast<size_t>(size)),
-      stride_(lanes::padded(r_)),
+      stride_(padded(r_)),
       diagonal_(Eigen::VectorXd::Zero(size)),
       off_(Eigen::VectorXd::Zero(std::max<Eigen::Index>(size - 1, 0))),
-      masks_(lane_masks()),
-      work_(stride_ * stride_, 0.0),
-      reflections_(stride_ * stride_, 0.0),
-      factors_(stride_, 0.0),
+      a_(stride_ * stride_, 0.0),
+      u_(stride_ * stride_, 0.0),
+      f_(stride_, 0.0),
       basis_(stride_ * stride_, 0.0),
-      image_(stride_ + kLanes, 0.0),
-      vector_(2 * stride_ + kLanes, 0.0) {}
+      image_(stride_ + kVectorLanes, 0.0),
+      vector_(2 * stride_ + kVectorLanes, 0.0) {}
 
 void Tridiagonal::compute(const Eigen::MatrixXd& a) {
   if (r_ == 0) return;
   for (size_t j = 0; j < r_; ++j)
     for (size_t i = j; i < r_; ++i)
-      work_[i * stride_ + j] = work_[j * stride_ + i] = a.data()[j * r_ + i];
-  (*TREMOLO_BEST(reduce))(work_.data(), r_, stride_, masks_.data(), diagonal_.data(), off_.data(),
-                          reflections_.data(), factors_.data(), image_.data());
+      a_[i * stride_ + j] = a_[j * stride_ + i] = a.data()[j * r_ + i];
+  const Reduction reduction{diagonal_.data(), off_.data(), u_.data(), f_.data(), image_.data()};
+  TREMOLO_CALL(reduce, {a_.data(), r_, stride_}, reduction);
   // What overflowed is in the padding too, which the next matrix needs to be zero.
-  if (!diagonal_.allFinite() || !off_.allFinite()) std::fill(work_.begin(), work_.end(), 0.0);
-  (*TREMOLO_BEST(accumulate))(reflections_.data(), factors_.data(), r_, stride_, basis_.data(),
-                              image_.data());
+  if (!diagonal_.allFinite() || !off_.allFinite()) std::fill(a_.begin(), a_.end(), 0.0);
+  TREMOLO_CALL(accumulate, reduction, {basis_.data(), r_, stride_});
 }
 
 void Tridiagonal::to_basis(Eigen::VectorXd& x) const {
   std::copy(x.data(), x.data() + r_, vector_.begin());
-  (*TREMOLO_BEST(multiply))(basis_.data(), r_, stride_, vector_.data(), vector_.data() + stride_);
-  std::copy_n(vector_.data() + stride_, r_, x.data());
+  double* image = vector_.data() + stride_;
+  TREMOLO_CALL(multiply, {basis_.data(), r_, stride_}, vector_.data(), image);
+  std::copy_n(image, r_, x.data());
 }
 
 void Tridiagonal::from_basis(Eigen::VectorXd& x) const {
   std::copy(x.data(), x.data() + r_, vector_.begin());
-  (*TREMOLO_BEST(multiply_transposed))(basis_.data(), r_, stride_, vector_.data(),
-                                       vector_.data() + stride_);
-  std::copy_n(vector_.data() + stride_, r_, x.data());
+  double* image = vector_.data() + stride_;
+  TREMOLO_CALL(multiply_transposed, {basis_.data(), r_, stride_}, vector_.data(), image);
+  std::copy_n(image, r_, x.data());
+}
+
+PartialFractions::PartialFractions(Eigen::Index size, const ComplexLanes& poles)
+    : poles_(poles), inverse_(static_cast<size_t>(size)), ratio_(inverse_), scratch_(inverse_) {}
+
+void PartialFractions::compute(const Tridiagonal& t) {
+  if (inverse_.empty()) return;
+  TREMOLO_CALL(factor_poles, t.diagonal().data(), t.off().data(), poles_, inverse_.size(),
+               inverse_.data(), ratio_.data());
+}
+
+void PartialFractions::apply(const ComplexLanes& residues, double limit, Eigen::VectorXd& x) {
+  if (inverse_.empty()) return;
+  const PoleFactors factors{inverse_.size(), inverse_.data(), ratio_.data(), scratch_.data()};
+  TREMOLO_CALL(sum_fractions, factors, residues, limit, x.data());
 }
 
 }  // namespace tremolo

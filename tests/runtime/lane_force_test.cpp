@@ -17,7 +17,7 @@ using testing::random_vector;
 
 template <class Real>
 struct alignas(64) Row {
-  Real value[kLanes<Real>];
+  Real value[kBodiesPerBlock<Real>];
 };
 
 // grad (C + Q) and C + Q of a block of states, by the lanes.
@@ -30,7 +30,7 @@ struct LaneResult {
 template <class Real>
 LaneResult<Real> by_lanes(const LaneCoefficients<Real>& lanes,
                           const std::vector<Eigen::VectorXd>& states,
-                          Machine vectors = this_machine()) {
+                          InstructionSet vectors = instruction_set()) {
   std::vector<Row<Real>> x(lanes.modes), gradient(lanes.modes), energy(1);
   for (std::size_t i = 0; i < lanes.modes; ++i)
     for (std::size_t lane = 0; lane < states.size(); ++lane)
@@ -79,7 +79,8 @@ std::vector<double> sizes(std::vector<double> values) {
 // Compares with Potential, row by row, relative to the sum of the sizes of the row's terms (which
 // the potential of absolute coefficients at |q| gives). Returns the largest such error.
 template <class Real>
-double largest_error(const BasisData& data, double amplitude, Machine vectors = this_machine()) {
+double largest_error(const BasisData& data, double amplitude,
+                     InstructionSet vectors = instruction_set()) {
   const Eigen::Index r = data.lambda.size();
   const Potential potential = *Potential::create(data.lambda, data.cubic, data.quartic);
   const Potential absolute =
@@ -87,7 +88,7 @@ double largest_error(const BasisData& data, double amplitude, Machine vectors = 
   const auto lanes =
       make_lane_coefficients<Real>(static_cast<std::size_t>(r), data.cubic, data.quartic);
   std::vector<Eigen::VectorXd> states;
-  for (unsigned lane = 0; lane < kLanes<Real>; ++lane)
+  for (unsigned lane = 0; lane < kBodiesPerBlock<Real>; ++lane)
     states.push_back(random_vector(r, amplitude, 3 + lane));
   const LaneResult<Real> result = by_lanes(lanes, states, vectors);
   double most = 0.0;
@@ -120,8 +121,8 @@ TEST_P(LaneForceSize, FloatLanesEqualThePotentialToFloatRounding) {
 }
 
 TEST(LaneForce, NarrowerVectorsGiveTheSameToRounding) {
-  for (const Machine vectors : {Machine::kPlain, Machine::kAvx2}) {
-    if (vectors > this_machine()) continue;
+  for (const InstructionSet vectors : {InstructionSet::kPlain, InstructionSet::kAvx2}) {
+    if (vectors > instruction_set()) continue;
     EXPECT_LE(largest_error<double>(basis_of(11), 0.5, vectors), 1e-14);
     EXPECT_LE(largest_error<float>(basis_of(11), 0.5, vectors), 5e-7);
   }
@@ -137,12 +138,12 @@ TEST(LaneForce, ABodysResultDependsOnNeitherItsLaneNorItsNeighbours) {
   const BasisData data = basis_of(9);
   const auto lanes = make_lane_coefficients<float>(9, data.cubic, data.quartic);
   const Eigen::VectorXd q = random_vector(9, 0.4, 1);
-  std::vector<Eigen::VectorXd> alone(kLanes<float>, Eigen::VectorXd::Zero(9));
+  std::vector<Eigen::VectorXd> alone(kBodiesPerBlock<float>, Eigen::VectorXd::Zero(9));
   alone[0] = q;
   const LaneResult<float> reference = by_lanes(lanes, alone);
-  for (std::size_t at = 0; at < kLanes<float>; ++at) {
+  for (std::size_t at = 0; at < kBodiesPerBlock<float>; ++at) {
     std::vector<Eigen::VectorXd> states;
-    for (unsigned lane = 0; lane < kLanes<float>; ++lane)
+    for (unsigned lane = 0; lane < kBodiesPerBlock<float>; ++lane)
       states.push_back(lane == at ? q : random_vector(9, 1e3, 50 + lane));
     const LaneResult<float> result = by_lanes(lanes, states);
     EXPECT_EQ(result.gradients[at], reference.gradients[0]);

@@ -1,19 +1,13 @@
 #include "runtime/integrators/solve/rational_filter.h"
 
+#include <algorithm>
 #include <complex>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
 
-#include "runtime/kernels/lanes.h"
-
-#define TREMOLO_KERNEL "runtime/integrators/solve/rational_filter.inc"
-#include "runtime/kernels/every_machine.inc"
-
 namespace tremolo {
 namespace {
-
-using lanes::kLanes;
 
 using Number = std::complex<double>;
 
@@ -39,7 +33,7 @@ Polynomial derivative(const Polynomial& p) {
   return result;
 }
 
-// The roots with imaginary part >= 0, by the companion matrix and two corrections by Newton.
+// The roots with imaginary part >= 0: eigenvalues of the companion matrix and two Newton steps.
 std::vector<Number> upper_roots(const Polynomial& p) {
   const auto degree = static_cast<Eigen::Index>(p.size()) - 1;
   Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(degree, degree);
@@ -66,6 +60,31 @@ Polynomial denominator(const FilterShape& shape) {
   return {1.0, b1, shape.a2 + b1 / 3.0 + 1.0 / 45.0};
 }
 
+FilterFractions make_fractions(const FilterShape& shape) {
+  const Polynomial above = numerator(shape), below = denominator(shape);
+  FilterFractions fractions;
+  fractions.limit = above[2] / below[2];
+  // At most two poles and five: eight lanes suffice. An unused lane has its pole far away.
+  std::fill_n(fractions.poles.re, 8, -1.0);
+  std::fill_n(fractions.poles.im, 8, 1.0);
+  std::size_t lane = 0;
+  const auto add = [&](Number root, Number residue, ComplexLanes& residues) {
+    if (root.imag() > 0.0) residue *= 2.0;
+    fractions.poles.set(lane, root);
+    residues.set(lane++, residue);
+  };
+  for (const Number root : upper_roots(below))
+    add(root, value(above, root) / value(derivative(below), root), fractions.of_filter);
+  // 1/(N^2 + z) = below^2 / (above^2 + z below^2)
+  Polynomial whole = product({0.0, 1.0}, product(below, below));
+  const Polynomial square = product(above, above);
+  for (std::size_t i = 0; i < square.size(); ++i) whole[i] += square[i];
+  for (const Number root : upper_roots(whole))
+    add(root, value(below, root) * value(below, root) / value(derivative(whole), root),
+        fractions.of_inverse);
+  return fractions;
+}
+
 }  // namespace
 
 double filter_value(const FilterShape& shape, double z) {
@@ -80,60 +99,22 @@ double filter_slope(const FilterShape& shape, double z, double y) {
 }
 
 RationalFilter::RationalFilter(Eigen::Index size, const FilterShape& shape)
-    : tridiagonal_(size), poles_(2 * kLanes, 0.0) {
-  const Polynomial above = numerator(shape);
-  const Polynomial below = denominator(shape);
-  limit_ = above[2] / below[2];
-  apply_weights_.assign(2 * kLanes, 0.0);
-  solve_weights_.assign(2 * kLanes, 0.0);
-  for (AlignedDoubles* array :
-       {&inverse_re_, &inverse_im_, &ratio_re_, &ratio_im_, &scratch_re_, &scratch_im_})
-    array->assign(static_cast<std::size_t>(size) * kLanes, 0.0);
-  // At most two poles and five: eight lanes suffice. A lane that is left over has its pole far
-  // away.
-  std::fill_n(poles_.begin(), kLanes, -1.0);
-  std::fill_n(poles_.begin() + kLanes, kLanes, 1.0);
-  std::size_t lane = 0;
-  const auto add = [&](Number root, Number residue, AlignedDoubles& weights) {
-    if (root.imag() > 0.0) residue *= 2.0;
-    poles_[lane] = root.real();
-    poles_[kLanes + lane] = root.imag();
-    weights[lane] = residue.real();
-    weights[kLanes + lane] = residue.imag();
-    ++lane;
-  };
-  for (const Number root : upper_roots(below))
-    add(root, value(above, root) / value(derivative(below), root), apply_weights_);
-  // 1/(N^2 + z) = below^2 / (above^2 + z below^2)
-  Polynomial whole = product({0.0, 1.0}, product(below, below));
-  const Polynomial square = product(above, above);
-  for (std::size_t i = 0; i < square.size(); ++i) whole[i] += square[i];
-  for (const Number root : upper_roots(whole))
-    add(root, value(below, root) * value(below, root) / value(derivative(whole), root),
-        solve_weights_);
-}
+    : RationalFilter(size, make_fractions(shape)) {}
+
+RationalFilter::RationalFilter(Eigen::Index size, const FilterFractions& fractions)
+    : tridiagonal_(size), fractions_(fractions), resolvents_(size, fractions.poles) {}
 
 void RationalFilter::compute(const Eigen::MatrixXd& z) {
   tridiagonal_.compute(z);
-  if (z.rows() > 0)
-    (*TREMOLO_BEST(factor_poles))(tridiagonal_.diagonal().data(), tridiagonal_.off().data(),
-                                  static_cast<std::size_t>(z.rows()), poles_.data(),
-                                  inverse_re_.data(), inverse_im_.data(), ratio_re_.data(),
-                                  ratio_im_.data());
+  resolvents_.compute(tridiagonal_);
 }
 
 void RationalFilter::apply(Eigen::VectorXd& x) {
-  (*TREMOLO_BEST(sum_fractions))(static_cast<std::size_t>(x.size()), apply_weights_.data(), limit_,
-                                 inverse_re_.data(), inverse_im_.data(), ratio_re_.data(),
-                                 ratio_im_.data(), scratch_re_.data(), scratch_im_.data(),
-                                 x.data());
+  resolvents_.apply(fractions_.of_filter, fractions_.limit, x);
 }
 
 void RationalFilter::solve(Eigen::VectorXd& x) {
-  (*TREMOLO_BEST(sum_fractions))(static_cast<std::size_t>(x.size()), solve_weights_.data(), 0.0,
-                                 inverse_re_.data(), inverse_im_.data(), ratio_re_.data(),
-                                 ratio_im_.data(), scratch_re_.data(), scratch_im_.data(),
-                                 x.data());
+  resolvents_.apply(fractions_.of_inverse, 0.0, x);
 }
 
 void RationalFilter::multiply(Eigen::VectorXd& x) const {

@@ -10,16 +10,13 @@
 // where the pole is complex (of a conjugate pair one, its real part twice).
 #pragma once
 
-#include <array>
-
 #include <Eigen/Core>
 
-#include "runtime/kernels/aligned.h"
 #include "runtime/kernels/tridiagonal.h"
 
 namespace tremolo {
 
-// The two free numbers.
+// The two free coefficients.
 struct FilterShape {
   double a1 = 0.0;
   double a2 = 0.0;
@@ -37,13 +34,21 @@ double filter_value(const FilterShape& shape, double z);
 // derivative of N(Z): N(Z)_ij = N(z_i) delta_ij + filter_slope(z_i, z_j) (Z - diag(z))_ij + ...
 double filter_slope(const FilterShape& shape, double z, double y);
 
+// Poles of N and of 1/(N^2 + z), with residues: twice them where the conjugate pole is left out,
+// zero for the poles of the other function.
+struct FilterFractions {
+  double limit = 0.0;  // N at infinity
+  ComplexLanes poles;
+  ComplexLanes of_filter;
+  ComplexLanes of_inverse;
+};
+
 class RationalFilter {
  public:
   RationalFilter(Eigen::Index size, const FilterShape& shape);
 
-  // z: r x r, symmetric; its lower triangle is read. Nothing is allocated, here and below. Without
-  // pivoting a pole should have an imaginary part or lie below the spectrum; a real pole among the
-  // eigenvalues may cost accuracy, and on one the result is not finite.
+  // z: r x r, symmetric; its lower triangle is read. Poles among the eigenvalues: see
+  // PartialFractions. Nothing is allocated, here and below.
   void compute(const Eigen::MatrixXd& z);
 
   void to_basis(Eigen::VectorXd& x) const { tridiagonal_.to_basis(x); }      // x <- W^T x
@@ -55,16 +60,11 @@ class RationalFilter {
   void multiply(Eigen::VectorXd& x) const;
 
  private:
-  // Poles side by side in the lanes of one vector: a solve for all of them takes as long as one.
-  // First N's, then those of 1/(N^2 + z).
+  RationalFilter(Eigen::Index size, const FilterFractions& fractions);
+
   Tridiagonal tridiagonal_;
-  double limit_;                            // N at infinity
-  AlignedDoubles poles_;                    // real parts, imaginary parts
-  AlignedDoubles apply_weights_;            // residues: real, imaginary; twice them where the
-  AlignedDoubles solve_weights_;            // conjugate pole is left out; zero for the other use
-  AlignedDoubles inverse_re_, inverse_im_;  // LDL^T of T - pole without pivoting: of the pivots
-  AlignedDoubles ratio_re_, ratio_im_;      // off-diagonal of L
-  AlignedDoubles scratch_re_, scratch_im_;
+  FilterFractions fractions_;
+  PartialFractions resolvents_;
 };
 
 }  // namespace tremolo

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "runtime/kernels/clones.h"
+#include "common/clones.h"
 #include "tests/lab/speed/speed.h"
 
 namespace tremolo::bench {

@@ -32,7 +32,7 @@ Eigen::VectorXd random_state(const Model& model, std::mt19937& random) {
 
 template <class Real>
 struct alignas(64) Row {
-  Real value[kLanes<Real>];
+  Real value[kBodiesPerBlock<Real>];
 };
 
 // Blocks of lanes that hold the states.
@@ -45,14 +45,14 @@ struct LaneField {
       : coefficients(make_lane_coefficients<Real>(static_cast<std::size_t>(model.modes()),
                                                   model.cubic(), model.quartic())) {
     const std::size_t r = coefficients.modes;
-    x.resize((states.size() + kLanes<Real> - 1) / kLanes<Real> * r);
+    x.resize((states.size() + kBodiesPerBlock<Real> - 1) / kBodiesPerBlock<Real> * r);
     gradient.resize(x.size());
     for (std::size_t b = 0; b < states.size(); ++b)
       for (std::size_t i = 0; i < r; ++i)
-        x[b / kLanes<Real> * r + i].value[b % kLanes<Real>] = static_cast<Real>(
+        x[b / kBodiesPerBlock<Real> * r + i].value[b % kBodiesPerBlock<Real>] = static_cast<Real>(
             states[b][static_cast<Eigen::Index>(i)] / coefficients.coordinate_scale);
   }
-  void evaluate(Machine vectors = this_machine()) {
+  void evaluate(InstructionSet vectors = instruction_set()) {
     for (std::size_t at = 0; at < x.size(); at += coefficients.modes)
       evaluate_lanes(coefficients, x[at].value, gradient[at].value, nullptr, vectors);
   }
@@ -60,11 +60,10 @@ struct LaneField {
   Eigen::VectorXd force(const Model& model, const Eigen::VectorXd& q, std::size_t body) const {
     Eigen::VectorXd force = model.lambda().cwiseProduct(q);
     for (Eigen::Index i = 0; i < force.size(); ++i)
-      force[i] +=
-          coefficients.energy_scale / coefficients.coordinate_scale *
-          static_cast<double>(
-              gradient[body / kLanes<Real> * coefficients.modes + static_cast<std::size_t>(i)]
-                  .value[body % kLanes<Real>]);
+      force[i] += coefficients.energy_scale / coefficients.coordinate_scale *
+                  static_cast<double>(gradient[body / kBodiesPerBlock<Real> * coefficients.modes +
+                                               static_cast<std::size_t>(i)]
+                                          .value[body % kBodiesPerBlock<Real>]);
     return force;
   }
 };
@@ -86,7 +85,7 @@ SpeedRow force_row(const Model& model, double seconds, double baseline, double g
   row.baseline = 1e6 * baseline / kBodies;
   row.operations = operations_of_force(r);
   row.bytes = static_cast<double>((quad_count(r) + triple_count(r)) * sizeof(Real)) /
-                  static_cast<double>(kLanes<Real>) +
+                  static_cast<double>(kBodiesPerBlock<Real>) +
               2.0 * static_cast<double>(r * sizeof(Real));
   row.limit = 1e-3 * row.operations / gflops;
   row.limited_by = "FMA peak";
@@ -140,13 +139,14 @@ void measure_lane_force(const Model& model, const MachineProbe& probe, SpeedSect
 }
 
 void measure_narrower_lanes(const Model& model, SpeedSection& section) {
-  if (this_machine() != Machine::kAvx512) return;
+  if (instruction_set() != InstructionSet::kAvx512) return;
   const std::vector<Eigen::VectorXd> states = random_states(model, kBodies);
   LaneField<float> floats(model, states);
   LaneField<double> doubles(model, states);
   const std::vector<double> seconds =
-      by_turns({[&] { floats.evaluate(Machine::kAvx2); }, [&] { doubles.evaluate(Machine::kAvx2); },
-                [&] { floats.evaluate(); }, [&] { doubles.evaluate(); }},
+      by_turns({[&] { floats.evaluate(InstructionSet::kAvx2); },
+                [&] { doubles.evaluate(InstructionSet::kAvx2); }, [&] { floats.evaluate(); },
+                [&] { doubles.evaluate(); }},
                1, 20);
   const char* names[] = {"f32", "f64"};
   for (std::size_t w = 0; w < 2; ++w) {
