@@ -1,7 +1,7 @@
 // Awake bodies of one model that step together, a body a lane: `verlet` and `imexv-linear`. Both
 // are conditionally stable (their headers say where), and an EnergyBound watches each lane.
 //
-// Both are one formula (runtime/integrators/imexv/imexv_linear.h; verlet is the split with every
+// Both are one formula (runtime/integrators/imexv/imexv_linear.cpp; verlet is the split with every
 // row low) and have no equation to solve. State, linear force, load, damping and sums are in double
 // whatever the precision: it is that of grad (C + Q) alone (runtime/crowd/lane_force.h). So a small
 // motion is exact to double, and rounding in the state does not pile up.

@@ -6,32 +6,15 @@
 #include <utility>
 
 #include "common/number_text.h"
-#include "runtime/integrator.h"
-#include "runtime/integrators/energy_preserving.h"
-#include "runtime/integrators/exact_linear.h"
-#include "runtime/integrators/explicit_euler.h"
-#include "runtime/integrators/imexv/imexv.h"
-#include "runtime/integrators/imexv/imexv_adaptive.h"
-#include "runtime/integrators/imexv/imexv_coupled.h"
-#include "runtime/integrators/imexv/imexv_linear.h"
-#include "runtime/integrators/imexv/imexv_thesis.h"
-#include "runtime/integrators/implicit_euler.h"
-#include "runtime/integrators/midpoint.h"
-#include "runtime/integrators/newmark.h"
-#include "runtime/integrators/rk2.h"
-#include "runtime/integrators/rk4.h"
+#include "runtime/integrators/methods.h"
 #include "runtime/integrators/solve/halving.h"
-#include "runtime/integrators/verlet.h"
-#include "runtime/integrators/verlet4.h"
 
 namespace tremolo {
 namespace {
 
-using Made = Result<std::unique_ptr<Integrator>>;
-
 // Those that cannot fail return a bare pointer.
-template <std::unique_ptr<Integrator> (*kMake)(Model::Pointer, const IntegratorOptions&)>
-Made always(Model::Pointer model, const IntegratorOptions& options) {
+template <IntegratorPointer (*kMake)(Model::Pointer, const IntegratorOptions&)>
+MadeIntegrator always(Model::Pointer model, const IntegratorOptions& options) {
   return kMake(std::move(model), options);
 }
 
@@ -111,7 +94,8 @@ std::span<const std::string_view> integrator_names() {
   return kNames;
 }
 
-Made make_integrator(std::string_view name, Model::Pointer model, const IntegratorOptions& wanted) {
+MadeIntegrator make_integrator(std::string_view name, Model::Pointer model,
+                               const IntegratorOptions& wanted) {
   if (!model) return Error{ErrorKind::kUsage, "an integrator needs a model"};
   for (const Entry& entry : kEntries) {
     if (entry.name != name) continue;

@@ -143,9 +143,12 @@ StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate
   return report;
 }
 
-// size / (tolerance * scale); 0 where nothing moves and nothing pushes.
-inline double relative_size(double size, double tolerance, double scale) {
-  return size == 0.0 ? 0.0 : size / (tolerance * scale);
+// The size of a residual g relative to what the tolerance allows it,
+// tolerance max(h |p|, h^2 |R|, h^2 |f|); 0 where nothing moves and nothing pushes. g, p, R, f:
+// norms.
+inline double relative_residual(double g, double tolerance, double h, double p, double R,
+                                double f) {
+  return g == 0.0 ? 0.0 : g / (tolerance * std::max({h * p, h * h * R, h * h * f}));
 }
 
 }  // namespace tremolo
