@@ -1,4 +1,4 @@
-// Names -> integrators: the one place that knows them all.
+// The table of all methods and their names.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,13 +12,13 @@
 namespace tremolo {
 namespace {
 
-// Those that cannot fail return a bare pointer.
+// The makers that cannot fail return a bare pointer.
 template <IntegratorPointer (*kMake)(Model::Pointer, const IntegratorOptions&)>
 MadeIntegrator always(Model::Pointer model, const IntegratorOptions& options) {
   return kMake(std::move(model), options);
 }
 
-// halves: a step whose solve fails may be taken in parts. drifts: what the solve leaves goes into
+// halves: a step whose solve fails may be taken in parts. drifts: what the solve leaves shows in
 // the energy.
 struct Entry {
   std::string_view name;
@@ -65,7 +65,7 @@ double solve_tolerance(const Model& model, const IntegratorOptions& options) {
 }
 
 Status refuse(const std::string& what, double value, const char* range) {
-  return Error{ErrorKind::kUsage, what + " is " + number_text(value) + ", must be " + range};
+  return usage_error(what + " is " + number_text(value) + ", must be " + range);
 }
 
 Status check_options(const IntegratorOptions& options) {
@@ -96,7 +96,7 @@ std::span<const std::string_view> integrator_names() {
 
 MadeIntegrator make_integrator(std::string_view name, Model::Pointer model,
                                const IntegratorOptions& wanted) {
-  if (!model) return Error{ErrorKind::kUsage, "an integrator needs a model"};
+  if (!model) return usage_error("an integrator needs a model");
   for (const Entry& entry : kEntries) {
     if (entry.name != name) continue;
     if (Status status = check_options(wanted); !status) return status.error();
@@ -111,7 +111,7 @@ MadeIntegrator make_integrator(std::string_view name, Model::Pointer model,
   }
   std::string message = "unknown integrator '" + std::string(name) + "'; known:";
   for (const std::string_view known : kNames) message += " " + std::string(known);
-  return Error{ErrorKind::kUsage, std::move(message)};
+  return usage_error(std::move(message));
 }
 
 }  // namespace tremolo

@@ -8,7 +8,7 @@
 // free motion hardly matter.
 //
 // Implicit rows. The energy-preserving step of one coordinate
-// (runtime/integrators/energy_preserving.cpp, where sigma stands for 1/2 + theta h D)
+// (runtime/integrators/energy_preserving.cpp, where sigma = 1/2 + theta h D is S^-1)
 //
 //     sigma Dp = n d/h - p0,      n Dp/h + omega^2 (q0 + d/2) + D d/h = f
 //
@@ -21,8 +21,8 @@
 //
 // so that both follow from the roots that are wanted: z1 z2 = e^{-c}, and
 //
-//     m = (1 - z1)(1 - z2):   theta = (1 - e^{-c})/(c m) - 1/w^2,   n^2 = w^2/m - sigma (w^2/2 +
-//     c).
+//     theta = (1 - e^{-c})/(c m) - 1/w^2,       n^2 = w^2/m - sigma (w^2/2 + c),
+//     m = (1 - z1)(1 - z2).
 //
 // Wanted are the exact roots where the oscillator is overdamped, else e^{-c/2 +- i psi} with the
 // phase that N gives an undamped oscillator of the damped frequency: psi = 2 atan(x/N(x)),
