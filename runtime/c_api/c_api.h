@@ -90,13 +90,19 @@ inline const char* name_of(const tremolo_world*) {
   return "the world";
 }
 
-// Runs action(what is behind the handle) -> Status; kUsage for NULL.
+// Runs action(what is behind the handle) -> Status; kUsage for NULL, also of a further argument.
 template <class Handle, class Action>
-tremolo_status with(Handle* handle, Action&& action) noexcept {
+tremolo_status with(Handle* handle, std::initializer_list<Argument> further,
+                    Action&& action) noexcept {
   return guarded([&]() -> Status {
     if (Status s = need({{handle, name_of(handle)}}); !s) return s;
+    if (Status s = need(further); !s) return s;
     return action(behind(*handle));
   });
+}
+template <class Handle, class Action>
+tremolo_status with(Handle* handle, Action&& action) noexcept {
+  return with(handle, {}, std::forward<Action>(action));
 }
 
 // What bodies and worlds hand out. p and the parts of the energy may be NULL. length: of q and p.

@@ -41,8 +41,7 @@ constexpr const char* kDefaultName = tremolo::kDefaultIntegrator.data();
 
 template <class Real>
 tremolo_status positions(const tremolo_body* body, Real* out, std::size_t length) noexcept {
-  return with(body, [&](const Body& known) -> Status {
-    if (Status s = need({{out, "the buffer"}}); !s) return s;
+  return with(body, {{out, "the buffer"}}, [&](const Body& known) -> Status {
     return known.surface_positions(std::span<Real>(out, length));
   });
 }
@@ -94,8 +93,7 @@ void tremolo_body_destroy(tremolo_body* body) {
 
 tremolo_status tremolo_body_apply_force(tremolo_body* body, uint32_t vertex, const double force[3],
                                         int32_t steps) {
-  return with(body, [&](Body& known) -> Status {
-    if (Status s = need({{force, "the force"}}); !s) return s;
+  return with(body, {{force, "the force"}}, [&](Body& known) -> Status {
     const Result<tremolo::VertexId> id = tremolo::c_api::to_vertex(vertex);
     if (!id) return id.error();
     return known.apply_force(*id, Eigen::Vector3d(force), steps);
@@ -136,8 +134,7 @@ tremolo_status tremolo_body_state(const tremolo_body* body, double* q, double* p
 
 tremolo_status tremolo_body_set_state(tremolo_body* body, const double* q, const double* p,
                                       size_t length) {
-  return with(body, [&](Body& known) -> Status {
-    if (Status s = need({{p, "the momenta"}}); !s) return s;
+  return with(body, {{p, "the momenta"}}, [&](Body& known) -> Status {
     const Eigen::Index r = known.model().modes();
     if (Status s = tremolo::c_api::need_buffer(q, length, static_cast<size_t>(r)); !s) return s;
     return known.set_state(Eigen::Map<const Eigen::VectorXd>(q, r),
@@ -155,13 +152,10 @@ tremolo_status tremolo_body_positions_double(const tremolo_body* body, double* o
 
 tremolo_status tremolo_body_surface_float(const tremolo_body* body, float* positions,
                                           float* normals, size_t length) {
-  return with(body, [&](const Body& known) -> Status {
-    if (Status s =
-            need({{positions, "the buffer for positions"}, {normals, "the buffer for normals"}});
-        !s)
-      return s;
-    return known.surface(std::span(positions, length), std::span(normals, length));
-  });
+  return with(body, {{positions, "the buffer for positions"}, {normals, "the buffer for normals"}},
+              [&](const Body& known) {
+                return known.surface(std::span(positions, length), std::span(normals, length));
+              });
 }
 
 tremolo_status tremolo_body_energy(const tremolo_body* body, double* kinetic, double* potential,

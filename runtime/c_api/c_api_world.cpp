@@ -90,20 +90,18 @@ void tremolo_world_destroy(tremolo_world* world) {
 tremolo_status tremolo_world_add_group(tremolo_world* world, const tremolo_model* model,
                                        const tremolo_body_options* method,
                                        const tremolo_group_options* options, uint32_t* group) {
-  return with(world, [&](World& known) -> Status {
-    if (Status s = need({{model, "the model"}, {group, "the place for the group"}}); !s) return s;
-    std::string name;
-    const Result<GroupOptions> full = to_group_options(method, options, name);
-    if (!full) return full.error();
-    return keep(known.add_group(model->pointer, *full), group);
-  });
+  return with(world, {{model, "the model"}, {group, "the place for the group"}},
+              [&](World& known) -> Status {
+                std::string name;
+                const Result<GroupOptions> full = to_group_options(method, options, name);
+                if (!full) return full.error();
+                return keep(known.add_group(model->pointer, *full), group);
+              });
 }
 
 tremolo_status tremolo_world_add_body(tremolo_world* world, uint32_t group, uint32_t* body) {
-  return with(world, [&](World& known) -> Status {
-    if (Status s = need({{body, "the place for the body"}}); !s) return s;
-    return keep(known.add_body(group), body);
-  });
+  return with(world, {{body, "the place for the body"}},
+              [&](World& known) -> Status { return keep(known.add_body(group), body); });
 }
 
 tremolo_status tremolo_world_remove_body(tremolo_world* world, uint32_t body) {
@@ -116,8 +114,7 @@ tremolo_status tremolo_world_move_body(tremolo_world* world, uint32_t body, uint
 
 tremolo_status tremolo_world_apply_force(tremolo_world* world, uint32_t body, uint32_t vertex,
                                          const double force[3], int32_t steps) {
-  return with(world, [&](World& known) -> Status {
-    if (Status s = need({{force, "the force"}}); !s) return s;
+  return with(world, {{force, "the force"}}, [&](World& known) -> Status {
     const Result<tremolo::VertexId> id = tremolo::c_api::to_vertex(vertex);
     if (!id) return id.error();
     return known.apply_force(body, *id, Eigen::Vector3d(force), steps);
@@ -177,8 +174,7 @@ tremolo_status tremolo_world_energy(const tremolo_world* world, uint32_t body, d
 
 tremolo_status tremolo_world_set_state(tremolo_world* world, uint32_t body, const double* q,
                                        const double* p, size_t length) {
-  return with(world, [&](World& known) -> Status {
-    if (Status s = need({{q, "the coordinates"}, {p, "the momenta"}}); !s) return s;
+  return with(world, {{q, "the coordinates"}, {p, "the momenta"}}, [&](World& known) -> Status {
     const Result<tremolo::State> now = known.state(body);
     if (!now) return now.error();
     if (Status s = tremolo::c_api::need_buffer(q, length, static_cast<size_t>(now->q.size())); !s)
@@ -202,16 +198,14 @@ tremolo_status tremolo_world_update_surfaces(tremolo_world* world, size_t* updat
 
 tremolo_status tremolo_world_surface(const tremolo_world* world, uint32_t body,
                                      const float** positions, size_t* length, uint64_t* version) {
-  return with(world, [&](const World& known) -> Status {
-    if (Status s = need(
-            {{positions, "the place for the positions"}, {length, "the place for the length"}});
-        !s)
-      return s;
-    const Result<tremolo::SurfaceView> view = known.surface(body);
-    if (!view) return view.error();
-    *positions = view->positions.data();
-    *length = view->positions.size();
-    if (version != nullptr) *version = view->version;
-    return Success{};
-  });
+  return with(world,
+              {{positions, "the place for the positions"}, {length, "the place for the length"}},
+              [&](const World& known) -> Status {
+                const Result<tremolo::SurfaceView> view = known.surface(body);
+                if (!view) return view.error();
+                *positions = view->positions.data();
+                *length = view->positions.size();
+                if (version != nullptr) *version = view->version;
+                return Success{};
+              });
 }

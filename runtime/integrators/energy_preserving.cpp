@@ -197,7 +197,7 @@ class EnergyPreserving final : public Integrator {
 
   // G for the first correction, from the step before: with K at that step's midpoint m' and its
   // mean force G' over d', R(q) = G' + K (q - m'), so G = G' + K (d' + d)/2. N is that step's too.
-  void predict_G() {
+  void predict_gradient() {
     if constexpr (Filter::kFollowsTheState) {
       enter_basis();
       x_ = d_hat_before_ + d_hat_;
@@ -219,7 +219,7 @@ class EnergyPreserving final : public Integrator {
   }
 
   // K: K(m) + O(d^2) where it is wanted, else null.
-  void evaluate_G(MatrixXd* K) {
+  void evaluate_gradient(MatrixXd* K) {
     q1_ = *q0_ + d_;
     model_->potential().averaged_gradient(*q0_, q1_, workspace_, G_, K);
   }
@@ -248,12 +248,12 @@ class EnergyPreserving final : public Integrator {
     d_ = h_ * *p0_;
     predicted_ = N_of_last_step_ && z1_.q == *q0_ && z1_.p == *p0_;
     if (predicted_) {
-      predict_G();
+      predict_gradient();
       return true;
     }
     G_missed_.setZero();
     N_of_last_step_ = false;
-    evaluate_G(&Z_);
+    evaluate_gradient(&Z_);
     return make_filter();
   }
 
@@ -288,7 +288,7 @@ class EnergyPreserving final : public Integrator {
       d_ = d_hat_;
       N_.from_basis(d_);
       if (settled) {
-        evaluate_G(nullptr);
+        evaluate_gradient(nullptr);
         ++updates;
       } else {
         usable = follow(move, predicted_ && report.iterations == 0);
@@ -301,11 +301,11 @@ class EnergyPreserving final : public Integrator {
     return report;
   }
 
-  // G and N at the midpoint after a move. from_prediction: the move was the first from predict_G().
-  // False if the frozen Jacobian cannot be had.
+  // G and N at the midpoint after a move. from_prediction: the move was the first from
+  // predict_gradient(). False if the frozen Jacobian cannot be had.
   bool follow(const VectorXd& move, bool from_prediction) {
     if (from_prediction) move_prediction(move);
-    evaluate_G(&Z_);
+    evaluate_gradient(&Z_);
     if (from_prediction) G_missed_ = G_ - G_predicted_;
     return make_filter();
   }
@@ -321,7 +321,7 @@ class EnergyPreserving final : public Integrator {
   StepReport solve_exactly(const StepReport& before) {
     if (N_of_last_step_) {
       d_ = h_ * *p0_;
-      evaluate_G(&Z_);
+      evaluate_gradient(&Z_);
       make_filter();
     }
     for (Index j = 0; j < N_matrix_.cols(); ++j) {
@@ -343,7 +343,7 @@ class EnergyPreserving final : public Integrator {
     d_ = newton_.unknowns;
     d_hat_ = d_;
     N_.to_basis(d_hat_);
-    evaluate_G(nullptr);
+    evaluate_gradient(nullptr);
     const double ratio = evaluate_residual();
     newton_.residual = g_hat_;
     N_.from_basis(newton_.residual);
@@ -363,7 +363,7 @@ class EnergyPreserving final : public Integrator {
   double h_;
   bool damped_;
   bool N_of_last_step_ = false;  // N_ is that of the last step that was made
-  bool predicted_ = false;       // this solve began with predict_G()
+  bool predicted_ = false;       // this solve began with predict_gradient()
   State z1_;                     // of the last step that was made
   VectorXd D_;                   // 1/s
   VectorXd theta_D_;
