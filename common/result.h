@@ -23,6 +23,9 @@ struct Error {
   std::string message;
 };
 
+inline Error usage_error(std::string message) {
+  return {ErrorKind::kUsage, std::move(message)};
+}
 inline Error content_error(std::string message) {
   return {ErrorKind::kContent, std::move(message)};
 }

@@ -8,11 +8,7 @@
 namespace tremolo {
 namespace {
 
-Error usage_error(std::string message) {
-  return {ErrorKind::kUsage, std::move(message)};
-}
-
-// `what`: "positions" or "normals".
+// what: "positions" or "normals".
 Status check_buffer(std::size_t needed, std::size_t size, const char* what) {
   if (size == needed) return Success{};
   return usage_error(std::string("the buffer for ") + what + " holds " + std::to_string(size) +
@@ -32,6 +28,14 @@ void write_positions(const std::vector<Eigen::Vector3d>& rest, const BasisRows& 
 }
 
 }  // namespace
+
+Status check_state(Eigen::Index modes, const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
+  if (q.size() != modes || p.size() != modes)
+    return usage_error("a state has " + std::to_string(modes) + " coordinates and momenta, got " +
+                       std::to_string(q.size()) + " and " + std::to_string(p.size()));
+  if (!q.allFinite() || !p.allFinite()) return usage_error("the state is not finite");
+  return Success{};
+}
 
 Result<Body> Body::create(Model::Pointer model, std::string_view integrator,
                           const IntegratorOptions& options) {
@@ -57,11 +61,7 @@ Body::Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
       momentum_(state_.p) {}
 
 Status Body::set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
-  const Eigen::Index r = model_->modes();
-  if (q.size() != r || p.size() != r)
-    return usage_error("a state has " + std::to_string(r) + " coordinates and momenta, got " +
-                       std::to_string(q.size()) + " and " + std::to_string(p.size()));
-  if (!q.allFinite() || !p.allFinite()) return usage_error("the state is not finite");
+  if (Status s = check_state(model_->modes(), q, p); !s) return s;
   state_.q = q;
   state_.p = p;
   integrator_->reset();

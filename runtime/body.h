@@ -20,6 +20,9 @@
 
 namespace tremolo {
 
+// kUsage unless q and p have `modes` finite entries each.
+Status check_state(Eigen::Index modes, const Eigen::VectorXd& q, const Eigen::VectorXd& p);
+
 // Energies are looked at every so many steps: a look costs at most a force.
 inline constexpr int kStepsBetweenLooks = 8;
 

@@ -57,7 +57,7 @@ double Body::total_energy() const {
   return kinetic + evaluation_.energy;
 }
 
-// As at kEnergyRounding, of the momentum that total_energy() left.
+// The energy named at kEnergyRounding, with the momentum that total_energy() left.
 double Body::harmonic_energy() const {
   return kinetic_energy(momentum_) +
          0.5 * (model_->lambda().array() * state_.q.array().square()).sum();
@@ -67,12 +67,9 @@ double Body::harmonic_energy() const {
 bool Body::look() {
   steps_since_look_ = 0;
   const double energy = total_energy();
-  const double harmonic = harmonic_energy();
-  if (!bound_.holds(energy, harmonic)) return false;
-  if (!bound_.sound(energy, harmonic)) return true;
-  bound_.take_off_what_is_lost(energy, harmonic);
-  keep_sound_state();
-  return true;
+  const EnergyFound found = bound_.look(energy, harmonic_energy());
+  if (found == EnergyFound::kSound) keep_sound_state();
+  return found != EnergyFound::kExploded;
 }
 
 void Body::keep_sound_state() {
@@ -90,7 +87,7 @@ void Body::put_back() {
   integrator_->reset();
 }
 
-// Of a step that was not made: the state is as before it, which may be one of an explosion.
+// Says why a step was not made. The state is as before it, which may be one of an explosion.
 StepReport Body::explain(StepReport report) {
   const double energy = total_energy();
   if (!bound_.sound(energy, harmonic_energy())) {

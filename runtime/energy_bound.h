@@ -31,6 +31,10 @@ inline constexpr double kEnergyLimit = 100.0;
 // terms of V cancel and lanes have them in float.
 inline constexpr double kEnergyRounding = 1e-5;
 
+// What a look at the energy finds: a state to go back to; one above that, but within the limit; a
+// failed step.
+enum class EnergyFound { kSound, kWithinLimit, kExploded };
+
 // Energies and work in J. Starts as that of a body at rest in the rest shape.
 class EnergyBound {
  public:
@@ -59,7 +63,15 @@ class EnergyBound {
   // True if a part of T + V, none of which is negative, is alone too much.
   bool exceeded_by(double part) const { return most_ > 0.0 && part > kEnergyLimit * most_; }
 
-  // After a look that found a sound state.
+  // A look: judges the energy and, where it is sound, takes off what was lost.
+  EnergyFound look(double energy, double harmonic) {
+    if (!holds(energy, harmonic)) return EnergyFound::kExploded;
+    if (!sound(energy, harmonic)) return EnergyFound::kWithinLimit;
+    take_off_what_is_lost(energy, harmonic);
+    return EnergyFound::kSound;
+  }
+
+  // Lets no more count as put in than ten times the energy that was found.
   void take_off_what_is_lost(double energy, double harmonic) {
     const double enough = kEnergyBound * (std::max(energy, 0.0) + kEnergyRounding * harmonic);
     if (enough < most_) balance_ = most_ = enough;

@@ -105,7 +105,8 @@ std::span<const std::string_view> integrator_names();
 // a tolerance that is not positive, max_iterations < 1, a negative number of
 // halvings.
 // On a linear model (Potential::linear) "ep4" is the solution itself, coordinate by coordinate, for
-// any r and in O(r) a step (runtime/integrators/exact_linear.h); every other method is its own map.
+// any r and in O(r) a step (runtime/integrators/exact_linear.cpp); every other method is its own
+// map.
 Result<std::unique_ptr<Integrator>> make_integrator(std::string_view name, Model::Pointer model,
                                                     const IntegratorOptions& options);
 

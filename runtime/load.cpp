@@ -45,14 +45,14 @@ void restrict_load(const StepLoad& load, double a, double b, StepLoad& out) {
 
 Result<Eigen::VectorXd> reduce_force(const Model& model, VertexId vertex,
                                      const Eigen::Vector3d& force) {
-  if (!force.allFinite()) return Error{ErrorKind::kUsage, "the force is not finite"};
+  if (!force.allFinite()) return usage_error("the force is not finite");
   const Result<VertexRows> rows = model.vertex(vertex);
   if (!rows) return rows.error();
   Eigen::VectorXd reduced = rows->rows.transpose() * force;
   if (!std::isfinite(reduced.squaredNorm()))
-    return Error{ErrorKind::kUsage, "the force of " + number_text(force.lpNorm<Eigen::Infinity>()) +
-                                        " N at vertex " + std::to_string(vertex) +
-                                        " is too large to be reckoned with"};
+    return usage_error("the force of " + number_text(force.lpNorm<Eigen::Infinity>()) +
+                       " N at vertex " + std::to_string(vertex) +
+                       " is too large to be reckoned with");
   return reduced;
 }
 

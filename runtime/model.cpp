@@ -17,8 +17,8 @@ namespace {
 
 Result<Eigen::Index> kept_modes(Eigen::Index available, int asked) {
   if (asked < 0 || asked > available)
-    return Error{ErrorKind::kUsage, "asked for " + std::to_string(asked) +
-                                        " modes; the model has " + std::to_string(available)};
+    return usage_error("asked for " + std::to_string(asked) + " modes; the model has " +
+                       std::to_string(available));
   return asked == 0 ? available : Eigen::Index{asked};
 }
 
@@ -201,8 +201,8 @@ Result<VertexRows> Model::vertex(VertexId id) const {
     at = find_vertex(*block, id);
   }
   if (!at)
-    return Error{ErrorKind::kUsage, "the model has no vertex " + std::to_string(id) + "; it has " +
-                                        std::to_string(vertex_count_) + ", counted from 0"};
+    return usage_error("the model has no vertex " + std::to_string(id) + "; it has " +
+                       std::to_string(vertex_count_) + ", counted from 0");
   return VertexRows{block->rest[*at],
                     block->rows.middleRows(static_cast<Eigen::Index>(3 * *at), 3)};
 }

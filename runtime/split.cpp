@@ -10,10 +10,6 @@
 namespace tremolo {
 namespace {
 
-Error usage_error(std::string message) {
-  return {ErrorKind::kUsage, std::move(message)};
-}
-
 // The largest explicit omega, rad/s, exclusive.
 double explicit_bound(double step, const SplitOptions& options) {
   if (options.rule == SplitRule::kThesis) return 2.0 * std::numbers::pi / step;

@@ -5,7 +5,7 @@
 // method, `ep4`, cannot explode: its bodies step each by itself (runtime/body.h), as those of all
 // methods but two. Bodies of `verlet` and `imexv-linear` step in lanes
 // (runtime/crowd/lane_group.h), in a fortieth of the time and less, but are stable only while the
-// step resolves what deformation stiffens: the limit is in their headers (runtime/integrators/),
+// step resolves what deformation stiffens: the limit is told in their files (runtime/integrators/),
 // take them for motion that you know. What a body does depends on nothing but its own state and
 // forces: not on the other bodies, the number of threads, or when others were added, slept or woke,
 // bit for bit.

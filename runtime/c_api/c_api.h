@@ -2,8 +2,12 @@
 // every entry point passes: whatever happens inside becomes a status and a message.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <exception>
+#include <initializer_list>
 #include <new>
 #include <string>
 #include <utility>
@@ -48,18 +52,83 @@ tremolo_status guarded(Action&& action) noexcept {
   }
 }
 
-inline Error usage_error(std::string message) {
-  return {ErrorKind::kUsage, std::move(message)};
-}
+// A pointer that the caller must give, and what its message calls it.
+struct Argument {
+  const void* pointer;
+  const char* name;
+};
 
-Status need(const void* pointer, const char* name);
+// kUsage for the first that is NULL.
+Status need(std::initializer_list<Argument> arguments);
 
-// The buffer is there and has the length that is needed.
+// kUsage unless the buffer is there and has the length that is needed.
 Status need_buffer(const void* buffer, std::size_t length, std::size_t needed);
 
-// The caller's options over the defaults; fields beyond the caller's size keep theirs. NULL: the
-// defaults.
-Result<tremolo_body_options> complete_options(const tremolo_body_options* given);
+// What is behind a handle, and what a message calls it.
+inline const Model& behind(const tremolo_model& handle) {
+  return *handle.pointer;
+}
+inline Body& behind(tremolo_body& handle) {
+  return handle.body;
+}
+inline const Body& behind(const tremolo_body& handle) {
+  return handle.body;
+}
+inline World& behind(tremolo_world& handle) {
+  return handle.world;
+}
+inline const World& behind(const tremolo_world& handle) {
+  return handle.world;
+}
+inline const char* name_of(const tremolo_model*) {
+  return "the model";
+}
+inline const char* name_of(const tremolo_body*) {
+  return "the body";
+}
+inline const char* name_of(const tremolo_world*) {
+  return "the world";
+}
+
+// Runs action(what is behind the handle) -> Status; kUsage for NULL, also of a further argument.
+template <class Handle, class Action>
+tremolo_status with(Handle* handle, std::initializer_list<Argument> further,
+                    Action&& action) noexcept {
+  return guarded([&]() -> Status {
+    if (Status s = need({{handle, name_of(handle)}}); !s) return s;
+    if (Status s = need(further); !s) return s;
+    return action(behind(*handle));
+  });
+}
+template <class Handle, class Action>
+tremolo_status with(Handle* handle, Action&& action) noexcept {
+  return with(handle, {}, std::forward<Action>(action));
+}
+
+// What bodies and worlds hand out. p and the parts of the energy may be NULL. length: of q and p.
+Status copy_state(const State& state, double* q, double* p, std::size_t length);
+void copy_energy(const Energy& energy, double* kinetic, double* potential, double* high_band);
+
+// kUsage where the number is beyond every vertex id.
+Result<VertexId> to_vertex(std::uint32_t vertex);
+
+// The caller's options over the defaults that init() gives; fields beyond the caller's size keep
+// theirs. given: NULL for the defaults. init_name: init's, for the message.
+template <class Options>
+Result<Options> complete(const Options* given, void (*init)(Options*), const char* init_name) {
+  Options options;
+  init(&options);
+  if (given == nullptr) return options;
+  std::uint32_t size = 0;
+  std::memcpy(&size, given, sizeof(size));
+  if (size < sizeof(size))
+    return usage_error("the options' size is " + std::to_string(size) + "; call " + init_name +
+                       " first");
+  std::memcpy(&options, given, std::min<std::size_t>(size, sizeof(options)));
+  return options;
+}
+
+Result<tremolo_body_options> complete_body_options(const tremolo_body_options* given);
 Result<IntegratorOptions> to_integrator_options(const tremolo_body_options& options);
 
 }  // namespace tremolo::c_api

@@ -6,43 +6,52 @@
 
 namespace {
 
+using tremolo::Model;
 using tremolo::Status;
 using tremolo::Success;
-using tremolo::c_api::guarded;
 using tremolo::c_api::need;
 using tremolo::c_api::need_buffer;
+using tremolo::c_api::with;
 
-Status keep_model(tremolo::Result<tremolo::Model::Pointer> loaded, tremolo_model** out) {
-  if (!loaded) return loaded.error();
-  *out = new tremolo_model{std::move(*loaded)};
-  return Success{};
+// Keeps the model that load() -> Result<Model::Pointer> gives. source: what it is loaded from.
+template <class Load>
+tremolo_status load_model(tremolo::c_api::Argument source, tremolo_model** model, Load&& load) {
+  return tremolo::c_api::guarded([&]() -> Status {
+    if (Status s = need({source, {model, "the place for the model"}}); !s) return s;
+    tremolo::Result<Model::Pointer> loaded = load();
+    if (!loaded) return loaded.error();
+    *model = new tremolo_model{std::move(*loaded)};
+    return Success{};
+  });
+}
+
+// Fills a buffer of `needed` numbers: write(model) puts them there.
+template <class Write>
+tremolo_status fill(const tremolo_model* model, const void* out, std::size_t length,
+                    std::size_t needed, Write&& write) {
+  return with(model, [&](const Model& known) -> Status {
+    if (Status s = need_buffer(out, length, needed); !s) return s;
+    write(known);
+    return Success{};
+  });
 }
 
 }  // namespace
 
 tremolo_status tremolo_model_load(const char* path, int32_t modes, tremolo_model** model) {
-  return guarded([&]() -> Status {
-    if (Status s = need(path, "the path"); !s) return s;
-    if (Status s = need(model, "the place for the model"); !s) return s;
-    return keep_model(tremolo::Model::load(path, {.modes = modes}), model);
-  });
+  return load_model({path, "the path"}, model, [&] { return Model::load(path, {.modes = modes}); });
 }
 
 tremolo_status tremolo_model_load_hull(const char* path, int32_t modes, tremolo_model** model) {
-  return guarded([&]() -> Status {
-    if (Status s = need(path, "the path"); !s) return s;
-    if (Status s = need(model, "the place for the model"); !s) return s;
-    return keep_model(tremolo::Model::load(path, {.modes = modes, .hull = true}), model);
-  });
+  return load_model({path, "the path"}, model,
+                    [&] { return Model::load(path, {.modes = modes, .hull = true}); });
 }
 
 tremolo_status tremolo_model_load_memory(const void* bytes, size_t size, int32_t modes,
                                          tremolo_model** model) {
-  return guarded([&]() -> Status {
-    if (Status s = need(bytes, "the memory"); !s) return s;
-    if (Status s = need(model, "the place for the model"); !s) return s;
+  return load_model({bytes, "the memory"}, model, [&] {
     const std::span<const std::byte> span(static_cast<const std::byte*>(bytes), size);
-    return keep_model(tremolo::Model::load_from_memory(span, {.modes = modes}), model);
+    return Model::load_from_memory(span, {.modes = modes});
   });
 }
 
@@ -63,32 +72,23 @@ size_t tremolo_model_triangles(const tremolo_model* model) {
 }
 
 tremolo_status tremolo_model_frequencies(const tremolo_model* model, double* out, size_t length) {
-  return guarded([&]() -> Status {
-    if (Status s = need(model, "the model"); !s) return s;
-    if (Status s = need_buffer(out, length, tremolo_model_modes(model)); !s) return s;
-    const Eigen::VectorXd frequencies = model->pointer->frequencies_hz();
+  return fill(model, out, length, tremolo_model_modes(model), [&](const Model& known) {
+    const Eigen::VectorXd frequencies = known.frequencies_hz();
     std::copy(frequencies.begin(), frequencies.end(), out);
-    return Success{};
   });
 }
 
 tremolo_status tremolo_model_triangle_corners(const tremolo_model* model, uint32_t* out,
                                               size_t length) {
-  return guarded([&]() -> Status {
-    if (Status s = need(model, "the model"); !s) return s;
-    if (Status s = need_buffer(out, length, 3 * tremolo_model_triangles(model)); !s) return s;
-    for (const tremolo::Triangle& triangle : model->pointer->drawn().triangles)
+  return fill(model, out, length, 3 * tremolo_model_triangles(model), [&](const Model& known) {
+    for (const tremolo::Triangle& triangle : known.drawn().triangles)
       for (const tremolo::VertexId corner : triangle) *out++ = static_cast<uint32_t>(corner);
-    return Success{};
   });
 }
 
 tremolo_status tremolo_model_surface_ids(const tremolo_model* model, uint32_t* out, size_t length) {
-  return guarded([&]() -> Status {
-    if (Status s = need(model, "the model"); !s) return s;
-    if (Status s = need_buffer(out, length, tremolo_model_surface_vertices(model)); !s) return s;
-    for (const tremolo::VertexId id : model->pointer->drawn().mesh_vertices)
+  return fill(model, out, length, tremolo_model_surface_vertices(model), [&](const Model& known) {
+    for (const tremolo::VertexId id : known.drawn().mesh_vertices)
       *out++ = static_cast<uint32_t>(id);
-    return Success{};
   });
 }

@@ -10,10 +10,8 @@ namespace {
 using tremolo::RenderSurface;
 using tremolo::Status;
 using tremolo::Success;
-using tremolo::c_api::guarded;
-using tremolo::c_api::need;
 using tremolo::c_api::need_buffer;
-using tremolo::c_api::usage_error;
+using tremolo::c_api::with;
 
 const RenderSurface* surface_of(const tremolo_model* model) {
   if (model == nullptr || model->pointer->render() == nullptr) return nullptr;
@@ -28,11 +26,10 @@ const char* name_at(const std::vector<std::string>& names, size_t index) {
 template <class Entry, class Number>
 tremolo_status copy_out(const tremolo_model* model, std::vector<Entry> RenderSurface::*member,
                         size_t width, const char* what, Number* out, size_t length) {
-  return guarded([&]() -> Status {
-    if (Status s = need(model, "the model"); !s) return s;
+  return with(model, [&](const tremolo::Model&) -> Status {
     const RenderSurface* surface = surface_of(model);
     if (surface == nullptr || ((surface->*member).empty() && !surface->triangles.empty()))
-      return usage_error(std::string("the drawn surface has no ") + what);
+      return tremolo::usage_error(std::string("the drawn surface has no ") + what);
     const std::vector<Entry>& entries = surface->*member;
     if (Status s = need_buffer(out, length, width * entries.size()); !s) return s;
     static_assert(sizeof(Entry) % sizeof(Number) == 0);

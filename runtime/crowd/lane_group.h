@@ -1,7 +1,7 @@
 // Awake bodies of one model that step together, a body a lane: `verlet` and `imexv-linear`. Both
 // are conditionally stable (their headers say where), and an EnergyBound watches each lane.
 //
-// Both are one formula (runtime/integrators/imexv/imexv_linear.h; verlet is the split with every
+// Both are one formula (runtime/integrators/imexv/imexv_linear.cpp; verlet is the split with every
 // row low) and have no equation to solve. State, linear force, load, damping and sums are in double
 // whatever the precision: it is that of grad (C + Q) alone (runtime/crowd/lane_force.h). So a small
 // motion is exact to double, and rounding in the state does not pile up.
@@ -20,6 +20,7 @@
 
 #include "common/result.h"
 #include "runtime/crowd/lane_force.h"
+#include "runtime/crowd/lane_step.h"
 #include "runtime/energy_bound.h"
 #include "runtime/integrator.h"
 #include "runtime/model.h"
@@ -42,8 +43,6 @@ struct LaneScratch {
   LaneRow work[2], kick[2];          // J, of the step's load
 };
 
-struct LaneBlock;
-
 class LaneGroup {
  public:
   // modes: leading coordinates that move, 1 .. model.modes(). integrator: one of the two. options
@@ -60,22 +59,22 @@ class LaneGroup {
   void reserve(std::size_t bodies);  // room for so many; up to there insert() does not allocate
   void make_scratch(LaneScratch& scratch) const;  // grows it to what step_block needs
 
-  // A body in a lane is known by its slot. kept: 4 x modes, its q and p and those of the last sound
-  // look (runtime/energy_bound.h). remove() moves the last body into the freed slot.
-  std::size_t insert(const double* kept, const EnergyBound& bound);
-  void save(std::size_t slot, double* kept, EnergyBound& bound) const;
+  // A body in a lane is known by its slot. saved: 4 x modes, its q and p and those of the last
+  // sound look (runtime/energy_bound.h). remove() moves the last body into the freed slot.
+  std::size_t insert(const double* saved, const EnergyBound& bound);
+  void save(std::size_t slot, double* saved, EnergyBound& bound) const;
   void remove(std::size_t slot);
   // q, p: `modes` long. A state that is written is sound, whatever its energy.
   void read(std::size_t slot, double* q, double* p) const;
   void write(std::size_t slot, const double* q, const double* p);
 
-  // A reduced force on the next step only, `modes` long; several add up.
+  // Adds a reduced force that acts on the next step only, `modes` long.
   void add_force(std::size_t slot, const double* force);
 
-  // Bits of lanes of a block after a step. A failed lane got a number that is not finite, or a look
-  // found its energy out of all proportion: it is put back to its last sound look. exploded: those
-  // of the failed whose energy was out of proportion; loaded: the others that had a load. quiet:
-  // T + V has been at or below `threshold` for `time`.
+  // What became of the lanes of a block in a step, a bit each. A failed lane got a number that is
+  // not finite, or a look found its energy out of all proportion: it is put back to its last sound
+  // look. exploded: the failed lanes whose energy was out of proportion; loaded: the other failed
+  // lanes that had a load. quiet: T + V has been at or below `threshold` for `time`.
   struct Outcome {
     std::uint32_t failed = 0;
     std::uint32_t exploded = 0;
@@ -89,8 +88,8 @@ class LaneGroup {
     int since_last = 0;
   };
 
-  // One step of all bodies of a block. Different blocks may be stepped by different threads. Not
-  // any lane's result depends on the other lanes. Nothing is allocated.
+  // Steps all bodies of a block. Different blocks may be stepped by different threads. No lane's
+  // result depends on the other lanes. Nothing is allocated.
   Outcome step_block(std::size_t block, const QuietRule& rule, LaneScratch& scratch);
 
  private:
@@ -98,20 +97,22 @@ class LaneGroup {
   static double* flat(LaneRow* rows) { return reinterpret_cast<double*>(rows); }
   static const double* flat(const LaneRow* rows) { return reinterpret_cast<const double*>(rows); }
   std::size_t block_rows() const { return modes_ * lanes_ / 8; }  // LaneRows of a block
-  // Where coordinate 0 of a slot is; the others follow `lanes` apart.
-  std::size_t place(std::size_t slot) const {
+  // The index of a slot's coordinate 0 among the doubles of q_; the others follow `lanes` apart.
+  std::size_t offset(std::size_t slot) const {
     return slot / lanes_ * modes_ * lanes_ + slot % lanes_;
   }
   template <class Real>
-  void evaluate(const LaneCoefficients<Real>& coefficients, const LaneBlock& block,
+  void evaluate(const LaneCoefficients<Real>& coefficients, const BlockArrays& block,
                 bool want_energy, LaneScratch& scratch);
   void start_bounds(std::size_t block, const LaneScratch& scratch);
   void put_in(std::size_t block, Outcome& outcome, const LaneScratch& scratch);
-  void tell_exploded(std::size_t block, Outcome& outcome, const LaneScratch& scratch) const;
+  void find_exploded(std::size_t block, Outcome& outcome, const LaneScratch& scratch) const;
   void look(std::size_t block, Outcome& outcome, const LaneScratch& scratch);
   void copy_lanes(std::size_t block, std::uint32_t lanes, const std::vector<LaneRow>& from,
                   std::vector<LaneRow>& to) const;
-  std::size_t taken(std::size_t block) const { return std::min(lanes_, size_ - block * lanes_); }
+  std::size_t bodies_in(std::size_t block) const {
+    return std::min(lanes_, size_ - block * lanes_);
+  }
   std::uint32_t quiet_lanes(std::size_t block, const QuietRule& rule, const LaneScratch& scratch);
 
   std::size_t modes_ = 0;
@@ -121,20 +122,17 @@ class LaneGroup {
   double step_ = 0.0;
   bool damped_ = false;
   std::vector<double> lambda_;
-  std::vector<double> decay_;  // DampedKick's on low rows, 1 on high rows
-  std::vector<double> reach_;  // likewise; h/2 on high rows
-  // Of high rows, with g = 1 + 2 theta h D (runtime/integrators/solve/damping.h):
-  std::vector<double> stiff_;   // g h^2/2 lambda
-  std::vector<double> drift_;   // 1 / (1 + g (h^2/4 lambda + h/2 D))
-  std::vector<double> change_;  // 2/g: Dp = change (d/h - p0)
+  std::vector<double> decay_;    // DampedKick's on low rows, 1 on high rows
+  std::vector<double> reach_;    // likewise; h/2 on high rows
+  std::vector<LinearRow> rows_;  // read on high rows
   std::variant<LaneCoefficients<double>, LaneCoefficients<float>> coefficients_;
 
-  // The force is that of the kicks: without lambda q on the high rows.
+  // force_: R_s of BlockArrays.
   std::vector<LaneRow> q_, p_, force_, load_;
   std::vector<LaneRow> sound_q_, sound_p_;  // at the last sound look
   std::vector<EnergyBound> bounds_;         // a slot
   std::vector<LaneRow> quiet_time_;         // s, one row of lanes a block
-  std::vector<std::uint8_t> stale_;         // of a block: kStale, kFresh
+  std::vector<std::uint8_t> dirty_;         // a block: kForceDirty, kBoundNew
   std::vector<std::uint8_t> loaded_;
 };
 

@@ -7,16 +7,16 @@
 namespace tremolo {
 
 void LaneGroup::start_bounds(std::size_t block, const LaneScratch& scratch) {
-  const std::size_t lanes = taken(block);
+  const std::size_t lanes = bodies_in(block);
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     EnergyBound& bound = bounds_[block * lanes_ + lane];
     if (!bound.started()) bound.start(flat(scratch.energy)[lane]);
   }
 }
 
-// Work of lanes that have not failed; those whose load alone is too large do.
+// Counts the work of the lanes that have not failed. A lane whose load alone is too large fails.
 void LaneGroup::put_in(std::size_t block, Outcome& outcome, const LaneScratch& scratch) {
-  const std::size_t lanes = taken(block);
+  const std::size_t lanes = bodies_in(block);
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     const double kick = flat(scratch.kick)[lane];
     if (kick == 0.0) continue;
@@ -29,10 +29,11 @@ void LaneGroup::put_in(std::size_t block, Outcome& outcome, const LaneScratch& s
   }
 }
 
-// A lane that left the numbers had exploded if its kinetic energy before the step says so already.
-void LaneGroup::tell_exploded(std::size_t block, Outcome& outcome,
+// A lane whose numbers overflowed had exploded if its kinetic energy before the step was already
+// too much.
+void LaneGroup::find_exploded(std::size_t block, Outcome& outcome,
                               const LaneScratch& scratch) const {
-  const std::size_t lanes = taken(block);
+  const std::size_t lanes = bodies_in(block);
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     if ((outcome.failed >> lane & 1u) == 0) continue;
     double kinetic = 0.0;
@@ -46,19 +47,15 @@ void LaneGroup::tell_exploded(std::size_t block, Outcome& outcome,
 }
 
 void LaneGroup::look(std::size_t block, Outcome& outcome, const LaneScratch& scratch) {
-  const std::size_t lanes = taken(block);
+  const std::size_t lanes = bodies_in(block);
   std::uint32_t sound = 0;
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     if ((outcome.failed >> lane & 1u) != 0) continue;
     const double energy = flat(scratch.energy)[lane];
     const double harmonic = flat(scratch.harmonic)[lane];
-    EnergyBound& bound = bounds_[block * lanes_ + lane];
-    if (!bound.holds(energy, harmonic)) {
-      outcome.exploded |= 1u << lane;
-    } else if (bound.sound(energy, harmonic)) {
-      bound.take_off_what_is_lost(energy, harmonic);
-      sound |= 1u << lane;
-    }
+    const EnergyFound found = bounds_[block * lanes_ + lane].look(energy, harmonic);
+    if (found == EnergyFound::kExploded) outcome.exploded |= 1u << lane;
+    if (found == EnergyFound::kSound) sound |= 1u << lane;
   }
   outcome.failed |= outcome.exploded;
   copy_lanes(block, sound, q_, sound_q_);
@@ -68,7 +65,7 @@ void LaneGroup::look(std::size_t block, Outcome& outcome, const LaneScratch& scr
 void LaneGroup::copy_lanes(std::size_t block, std::uint32_t lanes, const std::vector<LaneRow>& from,
                            std::vector<LaneRow>& to) const {
   const std::size_t first = block * block_rows();
-  if (lanes == (1u << taken(block)) - 1u) {  // the lanes behind are zero in both
+  if (lanes == (1u << bodies_in(block)) - 1u) {  // the lanes behind are zero in both
     std::copy_n(&from[first], block_rows(), &to[first]);
     return;
   }
@@ -83,7 +80,7 @@ std::uint32_t LaneGroup::quiet_lanes(std::size_t block, const QuietRule& rule,
   std::uint32_t bits = 0;
   double* quiet = flat(quiet_time_.data()) + block * lanes_;
   const double* energy = flat(scratch.energy);
-  const std::size_t lanes = taken(block);
+  const std::size_t lanes = bodies_in(block);
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     const bool below = energy[lane] <= rule.threshold;
     quiet[lane] = below ? quiet[lane] + rule.since_last * step_ : 0.0;

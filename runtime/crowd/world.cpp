@@ -13,10 +13,6 @@
 namespace tremolo {
 namespace {
 
-Error usage_error(std::string message) {
-  return {ErrorKind::kUsage, std::move(message)};
-}
-
 // SleepOptions: J.
 double quiet_energy(const Model& model, const SleepOptions& sleep) {
   if (sleep.energy > 0.0) return sleep.energy;
@@ -108,12 +104,12 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
 
 Result<BodyId> World::add_body(GroupId group) {
   if (Status s = contents_->check_group(group); !s) return s.error();
-  if (Status s = contents_->make_place(group); !s) return s.error();
+  if (Status s = contents_->reserve_index(group); !s) return s.error();
   const auto id = static_cast<BodyId>(contents_->bodies.size());
   contents_->bodies.emplace_back();
   contents_->failed.reserve(contents_->bodies.capacity());
-  contents_->why.reserve(contents_->bodies.capacity());
-  contents_->place(id, group);
+  contents_->failures.reserve(contents_->bodies.capacity());
+  contents_->join(id, group);
   return id;
 }
 
@@ -125,13 +121,13 @@ Status World::move_body(BodyId id, GroupId to) {
   if (from.model != all.groups[to].model)
     return usage_error("a body cannot go to a group of another model");
   if (all.bodies[id].group == to) return Success{};
-  if (Status s = all.make_place(to); !s) return s;
+  if (Status s = all.reserve_index(to); !s) return s;
   const std::size_t most = std::max(from.modes, all.groups[to].modes);
   std::vector<double> q(most, 0.0), p(most, 0.0);
   all.read_state(all.bodies[id], q.data(), p.data());
   const bool shown = all.bodies[id].shown, awake = all.bodies[id].slot != kAsleep;
   all.leave(id);
-  all.place(id, to);
+  all.join(id, to);
   all.write_state(id, q.data(), p.data());
   all.show(id, shown);
   if (awake) all.wake(id);
@@ -156,7 +152,7 @@ Status World::apply_force(BodyId id, VertexId vertex, const Eigen::Vector3d& for
     if (!reduced) return reduced.error();
     group.forces.push_back({id, steps, reduced->head(static_cast<Eigen::Index>(group.modes))});
     ++body.forces;
-  } else if (Status s = group.bodies[body.place]->apply_force(vertex, force, steps); !s) {
+  } else if (Status s = group.bodies[body.index]->apply_force(vertex, force, steps); !s) {
     return s;
   }
   contents_->wake(id);
@@ -173,10 +169,7 @@ Status World::set_state(BodyId id, const Eigen::VectorXd& q, const Eigen::Vector
   if (Status s = contents_->check_body(id); !s) return s;
   const auto modes =
       static_cast<Eigen::Index>(contents_->groups[contents_->bodies[id].group].modes);
-  if (q.size() != modes || p.size() != modes)
-    return usage_error("a state has " + std::to_string(modes) + " coordinates and momenta, got " +
-                       std::to_string(q.size()) + " and " + std::to_string(p.size()));
-  if (!q.allFinite() || !p.allFinite()) return usage_error("the state is not finite");
+  if (Status s = check_state(modes, q, p); !s) return s;
   contents_->write_state(id, q.data(), p.data());
   contents_->wake(id);
   return Success{};
@@ -230,7 +223,7 @@ Result<Energy> World::energy(BodyId id) const {
   if (!state) return state.error();
   const WorldBody& body = contents_->bodies[id];
   const WorldGroup& group = contents_->groups[body.group];
-  if (!group.lanes) return group.bodies[body.place]->energy();
+  if (!group.lanes) return group.bodies[body.index]->energy();
   const Potential& potential = group.model->potential();
   const auto modes = static_cast<Eigen::Index>(group.modes);
   Eigen::VectorXd q = Eigen::VectorXd::Zero(potential.size());

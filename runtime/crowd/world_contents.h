@@ -1,4 +1,4 @@
-// What a World is made of; internal to runtime/world*.cpp.
+// What a World is made of; internal to runtime/crowd/.
 #pragma once
 
 #include <optional>
@@ -21,21 +21,22 @@ struct WorldForce {
   Eigen::VectorXd force;  // reduced
 };
 
-// place: of its home or its Body in the group. slot: in the list of those awake, or kAsleep.
+// index: of its saved state or its Body in the group. slot: in the group's list of awake bodies, or
+// kAsleep.
 struct WorldBody {
   GroupId group = 0;
-  std::size_t place = 0;
+  std::size_t index = 0;
   std::size_t slot = kAsleep;
   int forces = 0;  // WorldForces that still act
   bool alive = true;
   bool shown = false;
-  bool touched = false;       // moved since its surface was built, other than by being awake
+  bool dirty = false;         // it moved since its surface was built, other than by being awake
   std::int64_t built_at = 0;  // the group's steps then
   std::uint64_t version = 0;  // of the surface
   AlignedFloats surface;      // whole blocks
 };
 
-// Either `lanes` and `homes`, or `bodies`.
+// Either `lanes` and `saved_states`, or `bodies`.
 struct WorldGroup {
   Model::Pointer model;
   std::string integrator;
@@ -47,29 +48,31 @@ struct WorldGroup {
   std::int64_t steps = 0;
 
   std::optional<LaneGroup> lanes;
-  std::vector<double> homes;  // what lanes keep of each body while it sleeps, 4 x modes a place
-  std::vector<EnergyBound> home_bounds;      // a place
+  std::vector<double> saved_states;  // of LaneGroup::save while a body sleeps, 4 x modes an index
+  std::vector<EnergyBound> saved_bounds;     // an index
   std::vector<LaneGroup::Outcome> outcomes;  // a block, of the last step
   std::vector<WorldForce> forces;
 
   std::vector<std::unique_ptr<Body>> bodies;
-  std::vector<double> quiet;        // s, a place
+  std::vector<double> quiet;        // s, an index
   std::vector<StepFailure> failed;  // a slot, of the last step
 
-  std::size_t places = 0;
-  std::vector<std::size_t> free_places;
+  std::size_t indices = 0;  // taken and free
+  std::vector<std::size_t> free_indices;
   std::vector<BodyId> awake;  // by slot
 
   std::size_t shown = 0;
-  std::vector<BodyId> touched;  // shown, see WorldBody
+  std::vector<BodyId> dirty;  // of the shown bodies, see WorldBody
 
-  double* home(const WorldBody& body) { return homes.data() + 4 * modes * body.place; }
+  double* saved_state(const WorldBody& body) {
+    return saved_states.data() + 4 * modes * body.index;
+  }
   std::size_t tasks() const { return lanes ? lanes->blocks() : awake.size(); }
   // Steps since energies were looked at if the coming step is one after which they are, else 0.
   int look() const { return (steps + 1) % kStepsBetweenLooks == 0 ? kStepsBetweenLooks : 0; }
 };
 
-// Shown bodies of one group that are rebuilt together: stale[first, first + count).
+// Shown bodies of one group that are rebuilt together: dirty_bodies[first, first + count).
 struct SurfaceBatch {
   GroupId group = 0;
   std::size_t first = 0;
@@ -89,10 +92,10 @@ struct World::Contents {
   std::vector<WorldGroup> groups;
   std::vector<WorldBody> bodies;
   std::vector<BodyId> failed;
-  std::vector<StepFailure> why;  // of those
+  std::vector<StepFailure> failures;  // of those
   WorldReport report;
   std::vector<std::size_t> task_ends;  // a group
-  std::vector<BodyId> stale;
+  std::vector<BodyId> dirty_bodies;
   std::vector<SurfaceBatch> batches;
 
   Status check_body(BodyId body) const;
@@ -101,21 +104,21 @@ struct World::Contents {
   void write_state(BodyId id, const double* q, const double* p);  // q, p: of the group's modes
   void wake(BodyId id);
   void sleep(BodyId id);
-  void touch(BodyId id);  // its surface is to be built again
+  void mark_dirty(BodyId id);  // its surface must be built again
   void show(BodyId id, bool shown);
-  void place(BodyId id, GroupId group);  // at rest, asleep; the group has a place for it
-  Status make_place(GroupId group);
-  void leave(BodyId id);  // its group; asleep and hidden
+  Status reserve_index(GroupId group);  // before join()
+  void join(BodyId id, GroupId group);  // at rest, asleep
+  void leave(BodyId id);                // its group; asleep and hidden
 
   // Steps the groups [first, end).
   void step(GroupId first, GroupId end);
-  void place_forces(WorldGroup& group);
+  void add_forces(WorldGroup& group);
   void run_task(WorldGroup& group, std::size_t task, WorldScratch& scratch);
   void finish(WorldGroup& group);
   void finish_body(WorldGroup& group, std::size_t slot, StepFailure failure, bool quiet);
   void clear_forces(BodyId id);
 
-  void list_stale();
+  void list_dirty();
   void build(const SurfaceBatch& batch, WorldScratch& scratch);
 };
 

@@ -18,10 +18,10 @@ StepFailure failure_of(const LaneGroup::Outcome& outcome, std::size_t lane) {
 void World::Contents::step(GroupId first, GroupId end) {
   report = {};
   failed.clear();
-  why.clear();
+  failures.clear();
   std::size_t tasks = 0;
   for (GroupId g = first; g < end; ++g) {
-    place_forces(groups[g]);
+    add_forces(groups[g]);
     report.stepped += groups[g].awake.size();
     tasks += groups[g].tasks();
     task_ends[g] = tasks;
@@ -33,10 +33,10 @@ void World::Contents::step(GroupId first, GroupId end) {
   });
   for (GroupId g = first; g < end; ++g) finish(groups[g]);
   report.failed = failed;
-  report.why = why;
+  report.why = failures;
 }
 
-void World::Contents::place_forces(WorldGroup& group) {
+void World::Contents::add_forces(WorldGroup& group) {
   for (const WorldForce& force : group.forces)
     group.lanes->add_force(bodies[force.body].slot, force.force.data());
 }
@@ -48,13 +48,13 @@ void World::Contents::run_task(WorldGroup& group, std::size_t task, WorldScratch
         group.lanes->step_block(task, {group.threshold, group.quiet_time, look}, mine.lanes);
     return;
   }
-  const std::size_t place = bodies[group.awake[task]].place;
-  Body& body = *group.bodies[place];
+  const std::size_t index = bodies[group.awake[task]].index;
+  Body& body = *group.bodies[index];
   const StepReport made = body.step();
   group.failed[task] = made.converged ? StepFailure::kNone : made.failure;
   if (look == 0 || !std::isfinite(group.quiet_time)) return;
   const bool below = body.energy().total() <= group.threshold && !body.load_to_come();
-  group.quiet[place] = below ? group.quiet[place] + look * group.options.step : 0.0;
+  group.quiet[index] = below ? group.quiet[index] + look * group.options.step : 0.0;
 }
 
 // From the last slot down: a body that leaves is replaced by the last, which has had its turn.
@@ -76,9 +76,9 @@ void World::Contents::finish(WorldGroup& group) {
     return;
   }
   for (std::size_t slot = group.awake.size(); slot-- > 0;) {
-    const std::size_t place = bodies[group.awake[slot]].place;
+    const std::size_t index = bodies[group.awake[slot]].index;
     finish_body(group, slot, group.failed[slot],
-                looked && group.quiet[place] >= group.quiet_time && group.quiet[place] > 0.0);
+                looked && group.quiet[index] >= group.quiet_time && group.quiet[index] > 0.0);
   }
 }
 
@@ -90,7 +90,7 @@ void World::Contents::finish_body(WorldGroup& group, std::size_t slot, StepFailu
   if (!has_failed && bodies[id].forces > 0) return;
   if (has_failed) {
     failed.push_back(id);
-    why.push_back(failure);
+    failures.push_back(failure);
   } else {
     ++report.fell_asleep;
   }

@@ -1,15 +1,15 @@
-// World: where the surfaces of the bodies that are shown are.
+// World: the surfaces of the bodies that are shown.
 #include <algorithm>
 
 #include "runtime/crowd/world_contents.h"
 
 namespace tremolo {
 
-void World::Contents::touch(BodyId id) {
+void World::Contents::mark_dirty(BodyId id) {
   WorldBody& body = bodies[id];
-  if (!body.shown || body.touched) return;
-  body.touched = true;
-  groups[body.group].touched.push_back(id);
+  if (!body.shown || body.dirty) return;
+  body.dirty = true;
+  groups[body.group].dirty.push_back(id);
 }
 
 void World::Contents::show(BodyId id, bool shown) {
@@ -17,8 +17,8 @@ void World::Contents::show(BodyId id, bool shown) {
   if (body.shown == shown) return;
   WorldGroup& group = groups[body.group];
   if (!shown) {
-    std::erase(group.touched, id);
-    body.touched = body.shown = false;
+    std::erase(group.dirty, id);
+    body.dirty = body.shown = false;
     body.surface = {};
     --group.shown;
     return;
@@ -29,28 +29,28 @@ void World::Contents::show(BodyId id, bool shown) {
   // Room for what update_surfaces() lists, so that it allocates nothing.
   std::size_t all = 0;
   for (const WorldGroup& each : groups) all += each.shown;
-  stale.reserve(all);
+  dirty_bodies.reserve(all);
   batches.reserve(all / kSurfaceBodies + groups.size());
-  group.touched.reserve(group.shown);
-  touch(id);
+  group.dirty.reserve(group.shown);
+  mark_dirty(id);
 }
 
-// The bodies to rebuild, by groups, cut into batches.
-void World::Contents::list_stale() {
-  stale.clear();
+// Lists the bodies whose surfaces must be built again, by groups, cut into batches.
+void World::Contents::list_dirty() {
+  dirty_bodies.clear();
   batches.clear();
   for (GroupId g = 0; g < groups.size(); ++g) {
     WorldGroup& group = groups[g];
     if (group.shown == 0) continue;
-    const std::size_t begin = stale.size();
-    stale.insert(stale.end(), group.touched.begin(), group.touched.end());
-    group.touched.clear();
+    const std::size_t begin = dirty_bodies.size();
+    dirty_bodies.insert(dirty_bodies.end(), group.dirty.begin(), group.dirty.end());
+    group.dirty.clear();
     for (const BodyId id : group.awake) {
       const WorldBody& body = bodies[id];
-      if (body.shown && !body.touched && body.built_at < group.steps) stale.push_back(id);
+      if (body.shown && !body.dirty && body.built_at < group.steps) dirty_bodies.push_back(id);
     }
-    for (std::size_t at = begin; at < stale.size(); at += kSurfaceBodies)
-      batches.push_back({g, at, std::min(kSurfaceBodies, stale.size() - at)});
+    for (std::size_t at = begin; at < dirty_bodies.size(); at += kSurfaceBodies)
+      batches.push_back({g, at, std::min(kSurfaceBodies, dirty_bodies.size() - at)});
   }
 }
 
@@ -60,13 +60,13 @@ void World::Contents::build(const SurfaceBatch& batch, WorldScratch& mine) {
   const SurfaceBasis& rows = group.model->surface_basis();
   float* out[kSurfaceBodies] = {};
   for (std::size_t b = 0; b < batch.count; ++b) {
-    WorldBody& body = bodies[stale[batch.first + b]];
+    WorldBody& body = bodies[dirty_bodies[batch.first + b]];
     read_state(body, mine.q.data(), mine.p.data());
     float* mine_q = mine.q_float.data() + b * group.modes;
     scale_coordinates(rows, std::span(mine.q).first(group.modes), {mine_q, group.modes});
     q[b] = mine_q;
     out[b] = body.surface.data();
-    body.touched = false;
+    body.dirty = false;
     body.built_at = group.steps;
     ++body.version;
   }
@@ -74,11 +74,11 @@ void World::Contents::build(const SurfaceBatch& batch, WorldScratch& mine) {
 }
 
 std::size_t World::update_surfaces() {
-  contents_->list_stale();
+  contents_->list_dirty();
   contents_->pool->run(contents_->batches.size(), [&](std::size_t batch, unsigned thread) {
     contents_->build(contents_->batches[batch], contents_->scratch[thread]);
   });
-  return contents_->stale.size();
+  return contents_->dirty_bodies.size();
 }
 
 }  // namespace tremolo

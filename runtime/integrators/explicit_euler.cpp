@@ -1,49 +1,36 @@
-#include "runtime/integrators/explicit_euler.h"
-
-#include <utility>
-
-#include "runtime/integrators/solve/damping.h"
+// Explicit Euler: every rate is taken at the start of the step.
+//
+//     q1 = q0 + h p0
+//     p1 = p0 + h (fm - R(q0) - D p0)          fm: average of f over the step
+//
+// One force a step. First order. Neither symplectic nor reversible: on q'' + omega^2 q = 0 a step
+// multiplies the amplitude by sqrt(1 + (h omega)^2), whatever h is, so undamped motion always
+// grows. It is here as a contrast. The average hands on the exact impulse of any load. `dissipated`
+// is h p0.D p0: first order.
+#include "runtime/integrators/one_step.h"
 
 namespace tremolo {
 namespace {
 
-class ExplicitEuler final : public Integrator {
+class ExplicitEuler final : public OneStep {
  public:
   ExplicitEuler(Model::Pointer model, const IntegratorOptions& options)
-      : model_(std::move(model)),
-        step_(options.step),
-        rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
-        workspace_(model_->potential().make_workspace(kUsePoint)),
-        evaluation_(model_->potential().make_evaluation()),
-        start_{rates_, rates_} {}
+      : OneStep("explicit-euler", std::move(model), options), k_(z0_) {}
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
-    StepReport report;
-    start_ = state;
-    model_->potential().evaluate(start_.q, kWantForce, workspace_, evaluation_);
-    state.q += step_ * start_.p;
-    state.p += step_ * (load.average - evaluation_.force - rates_.cwiseProduct(start_.p));
-    report.dissipated = step_ * (start_.p.array().square() * rates_.array()).sum();
-    report.converged = state.q.allFinite() && state.p.allFinite();
-    if (!report.converged) state = start_;
-    return report;
+    z0_ = state;
+    rates(z0_, load.average, k_);
+    advance(z0_, h_, k_, state);
+    return finish({.dissipated = h_ * dissipation(z0_.p)}, state);
   }
 
-  std::string_view name() const override { return "explicit-euler"; }
-
  private:
-  Model::Pointer model_;
-  double step_;
-  Eigen::VectorXd rates_;
-  PotentialWorkspace workspace_;
-  Evaluation evaluation_;
-  State start_;
+  State k_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_explicit_euler(Model::Pointer model,
-                                                const IntegratorOptions& options) {
+IntegratorPointer make_explicit_euler(Model::Pointer model, const IntegratorOptions& options) {
   return std::make_unique<ExplicitEuler>(std::move(model), options);
 }
 

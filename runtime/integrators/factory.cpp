@@ -1,4 +1,4 @@
-// Names -> integrators: the one place that knows them all.
+// The table of all methods and their names.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,36 +6,19 @@
 #include <utility>
 
 #include "common/number_text.h"
-#include "runtime/integrator.h"
-#include "runtime/integrators/energy_preserving.h"
-#include "runtime/integrators/exact_linear.h"
-#include "runtime/integrators/explicit_euler.h"
-#include "runtime/integrators/imexv/imexv.h"
-#include "runtime/integrators/imexv/imexv_adaptive.h"
-#include "runtime/integrators/imexv/imexv_coupled.h"
-#include "runtime/integrators/imexv/imexv_linear.h"
-#include "runtime/integrators/imexv/imexv_thesis.h"
-#include "runtime/integrators/implicit_euler.h"
-#include "runtime/integrators/midpoint.h"
-#include "runtime/integrators/newmark.h"
-#include "runtime/integrators/rk2.h"
-#include "runtime/integrators/rk4.h"
+#include "runtime/integrators/methods.h"
 #include "runtime/integrators/solve/halving.h"
-#include "runtime/integrators/verlet.h"
-#include "runtime/integrators/verlet4.h"
 
 namespace tremolo {
 namespace {
 
-using Made = Result<std::unique_ptr<Integrator>>;
-
-// Those that cannot fail return a bare pointer.
-template <std::unique_ptr<Integrator> (*kMake)(Model::Pointer, const IntegratorOptions&)>
-Made always(Model::Pointer model, const IntegratorOptions& options) {
+// The makers that cannot fail return a bare pointer.
+template <IntegratorPointer (*kMake)(Model::Pointer, const IntegratorOptions&)>
+MadeIntegrator always(Model::Pointer model, const IntegratorOptions& options) {
   return kMake(std::move(model), options);
 }
 
-// halves: a step whose solve fails may be taken in parts. drifts: what the solve leaves goes into
+// halves: a step whose solve fails may be taken in parts. drifts: what the solve leaves shows in
 // the energy.
 struct Entry {
   std::string_view name;
@@ -82,7 +65,7 @@ double solve_tolerance(const Model& model, const IntegratorOptions& options) {
 }
 
 Status refuse(const std::string& what, double value, const char* range) {
-  return Error{ErrorKind::kUsage, what + " is " + number_text(value) + ", must be " + range};
+  return usage_error(what + " is " + number_text(value) + ", must be " + range);
 }
 
 Status check_options(const IntegratorOptions& options) {
@@ -111,8 +94,9 @@ std::span<const std::string_view> integrator_names() {
   return kNames;
 }
 
-Made make_integrator(std::string_view name, Model::Pointer model, const IntegratorOptions& wanted) {
-  if (!model) return Error{ErrorKind::kUsage, "an integrator needs a model"};
+MadeIntegrator make_integrator(std::string_view name, Model::Pointer model,
+                               const IntegratorOptions& wanted) {
+  if (!model) return usage_error("an integrator needs a model");
   for (const Entry& entry : kEntries) {
     if (entry.name != name) continue;
     if (Status status = check_options(wanted); !status) return status.error();
@@ -127,7 +111,7 @@ Made make_integrator(std::string_view name, Model::Pointer model, const Integrat
   }
   std::string message = "unknown integrator '" + std::string(name) + "'; known:";
   for (const std::string_view known : kNames) message += " " + std::string(known);
-  return Error{ErrorKind::kUsage, std::move(message)};
+  return usage_error(std::move(message));
 }
 
 }  // namespace tremolo

@@ -1,68 +1,45 @@
-#include "runtime/integrators/implicit_euler.h"
-
-#include <algorithm>
-#include <utility>
-
-#include "runtime/integrators/solve/damping.h"
-#include "runtime/integrators/solve/newton.h"
+// Implicit Euler: every rate is taken at the end of the step.
+//
+//     q1 = q0 + h p1
+//     p1 = p0 + h (fm - R(q1) - D p1)          fm: average of f over the step
+//
+// Without p1, for d = q1 - q0 and times h:
+//
+//     d - h p0 + h^2 [R(q0 + d) + D d/h - fm] = 0,       p1 = d/h
+//     Jacobian I + h^2 K(q0 + d) + h D                   symmetric
+//
+// First order. Neither symplectic nor reversible: on q'' + omega^2 q = 0 a step multiplies the
+// amplitude by 1/sqrt(1 + (h omega)^2), so it is stable for every h and damps what it does not
+// resolve. (The eigenvalues of its matrix are 1/(1 -+ i h omega).) It is here as a contrast. The
+// average hands on the exact impulse of any load. `dissipated` is the work of the damping force,
+// d.D d/h: first order. What the method itself takes away is not in it.
+#include "runtime/integrators/implicit_step.h"
 
 namespace tremolo {
 namespace {
 
-class ImplicitEuler final : public Integrator {
+class ImplicitEuler final : public ImplicitStep {
  public:
   ImplicitEuler(Model::Pointer model, const IntegratorOptions& options)
-      : model_(std::move(model)),
-        options_(options),
-        rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
-        workspace_(model_->potential().make_workspace(kUseTangent)),
-        evaluation_(model_->potential().make_evaluation()),
-        end_(Eigen::VectorXd::Zero(model_->modes())),
-        newton_(model_->modes()) {}
+      : ImplicitStep("implicit-euler", std::move(model), options) {}
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
-    const double h = options_.step;
     Eigen::VectorXd& d = newton_.unknowns;
-    d = h * state.p;
-    StepReport report =
-        solve_newton(newton_, options_.max_iterations, [&] { return evaluate(state, load); });
+    d = h_ * state.p;
+    StepReport report = solve_newton(newton_, max_iterations_, [&] {
+      return evaluate_one_stage(1.0, state, load.average, true);
+    });
     if (!report.converged) return report;
-    report.dissipated = (d.array().square() * rates_.array()).sum() / h;
+    report.dissipated = dissipation(d) / h_;
     state.q += d;
-    state.p = d / h;
+    state.p = d / h_;
     return report;
   }
-
-  std::string_view name() const override { return "implicit-euler"; }
-
- private:
-  double evaluate(const State& state, const StepLoad& load) {
-    const double h = options_.step;
-    const Eigen::VectorXd& d = newton_.unknowns;
-    end_ = state.q + d;
-    model_->potential().evaluate(end_, kWantForce | kWantTangent, workspace_, evaluation_);
-    newton_.residual =
-        d - h * state.p + (h * h) * (evaluation_.force - load.average) + h * rates_.cwiseProduct(d);
-    newton_.jacobian = (h * h) * evaluation_.tangent;
-    newton_.jacobian.diagonal().array() += 1.0 + h * rates_.array();
-    const double scale = std::max(
-        {h * state.p.norm(), h * h * evaluation_.force.norm(), h * h * load.average.norm()});
-    return relative_size(newton_.residual.norm(), options_.tolerance, scale);
-  }
-
-  Model::Pointer model_;
-  IntegratorOptions options_;
-  Eigen::VectorXd rates_;
-  PotentialWorkspace workspace_;
-  Evaluation evaluation_;
-  Eigen::VectorXd end_;
-  NewtonWorkspace newton_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_implicit_euler(Model::Pointer model,
-                                                const IntegratorOptions& options) {
+IntegratorPointer make_implicit_euler(Model::Pointer model, const IntegratorOptions& options) {
   return std::make_unique<ImplicitEuler>(std::move(model), options);
 }
 

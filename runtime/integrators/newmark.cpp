@@ -1,137 +1,132 @@
-#include "runtime/integrators/newmark.h"
-
+// Newmark's method with the numbers beta and gamma (thesis 3.4.10-3.4.12), on
+// a + D v + R(q) = f, with v = p since M = I:
+//
+//     q1 = q0 + h v0 + h^2 [(1/2 - beta) a0 + beta a1]
+//     v1 = v0 + h [(1 - gamma) a0 + gamma a1]
+//     a1 + D v1 + R(q1) = f((t+h)-)
+//
+// a0 is not carried over but recomputed from the left end's own load, a0 = f(t+) - D v0 - R(q0):
+// where f jumps between two steps each step then sees the value on its side. The unknown is
+// w = h^2 a1, which also serves beta = 0 (explicit in q, a diagonal solve):
+//
+//     w + h^2 [D v1 + R(q1) - f] = 0,   Jacobian I + gamma h D + beta h^2 K(q1)
+//
+// Second order for gamma = 1/2, first otherwise. beta = 1/4, gamma = 1/2, the default, is linearly
+// stable for every h and time-reversible; beta = 0, gamma = 1/2 is Stoermer-Verlet without damping.
+// `dissipated` is d.D d/h with d = q1 - q0: second order.
+//
+// The solve begins at a prediction where the step before left one: with the Jacobian J of that step
+// and its factor, K d = (J d - d - gamma h D d)/(beta h^2) gives R(q1) = R(q0) + K d + e, e what
+// the same prediction missed in the step before.
 #include <algorithm>
-#include <limits>
-#include <utility>
 
-#include "runtime/integrators/solve/damping.h"
-#include "runtime/integrators/solve/newton.h"
+#include "runtime/integrators/implicit_step.h"
 
 namespace tremolo {
 namespace {
 
-class Newmark final : public Integrator {
+using Eigen::VectorXd;
+
+class Newmark final : public ImplicitStep {
  public:
   Newmark(Model::Pointer model, const IntegratorOptions& options)
-      : model_(std::move(model)),
-        options_(options),
-        rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
-        workspace_(model_->potential().make_workspace(kUseTangent)),
-        evaluation_(model_->potential().make_evaluation()),
-        force_at_(
-            Eigen::VectorXd::Constant(model_->modes(), std::numeric_limits<double>::quiet_NaN())),
-        acceleration_(Eigen::VectorXd::Zero(model_->modes())),
-        q1_(acceleration_),
-        v1_(acceleration_),
-        end_{acceleration_, acceleration_},
-        expected_(acceleration_),
-        missed_(acceleration_),
-        stiff_(acceleration_),
-        newton_(model_->modes()) {}
+      : ImplicitStep("newmark", std::move(model), options),
+        beta_(options.newmark_beta),
+        gamma_(options.newmark_gamma),
+        z1_{VectorXd::Zero(model_->modes()), VectorXd::Zero(model_->modes())} {
+    for (VectorXd* v : {&a0_, &q1_, &v1_, &R_predicted_, &R_missed_, &Kd_})
+      v->setZero(model_->modes());
+  }
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
-    const double h = options_.step;
-    // The last evaluation of the step before was made at the q it ended with.
-    if (force_at_ != state.q)
-      model_->potential().evaluate(state.q, kWantForce, workspace_, evaluation_);
-    acceleration_ = load.start - rates_.cwiseProduct(state.p) - evaluation_.force;
-    start_force_ = evaluation_.force.norm();
-    newton_.unknowns = (h * h) * acceleration_;
-    if (!newton_.unknowns.allFinite())
-      return {.residual = newton_.unknowns.norm(), .converged = false};
-    predicted_ =
-        newton_.frozen && options_.newmark_beta > 0.0 && end_.q == state.q && end_.p == state.p;
+    const VectorXd& R0 = V_.force(state.q);  // the last that the step before evaluated
+    a0_ = load.start - D_.cwiseProduct(state.p) - R0;
+    R0_norm_ = R0.norm();
+    VectorXd& w = newton_.unknowns;
+    w = (h_ * h_) * a0_;
+    if (!w.allFinite()) return {.residual = w.norm(), .converged = false};
+    predicted_ = newton_.frozen && beta_ > 0.0 && z1_.q == state.q && z1_.p == state.p;
     if (predicted_) {
-      predict(state, load);
+      predict(state, load, R0);
     } else {
       newton_.frozen = false;
-      missed_.setZero();
+      R_missed_.setZero();
     }
-    StepReport report = solve_frozen(newton_, options_.max_iterations, [&](bool jacobian) {
-      return evaluate(state, load, jacobian);
-    });
-    force_at_ = q1_;
+    StepReport report = solve_frozen(
+        newton_, max_iterations_, [&](bool jacobian) { return evaluate(state, load, jacobian); });
     if (!report.converged) return report;
-    report.dissipated = ((q1_ - state.q).array().square() * rates_.array()).sum() / h;
+    report.dissipated = dissipation(q1_ - state.q) / h_;
     state.q = q1_;
     state.p = v1_;
-    end_ = state;
+    z1_ = state;
     return report;
   }
 
-  std::string_view name() const override { return "newmark"; }
-
  private:
-  // unknowns from h^2 a0 to the solution with R(q) = R(q0) + K (q - q0) + what the same guess
-  // missed at the step before; K and the factor of the Jacobian are that step's.
-  void predict(const State& state, const StepLoad& load) {
-    const double h = options_.step;
-    const double beta = options_.newmark_beta;
-    const double gamma = options_.newmark_gamma;
-    Eigen::VectorXd& w = newton_.unknowns;
-    v1_ = state.p + (1.0 - gamma) * h * acceleration_ + (gamma / h) * w;
-    q1_ = h * state.p + (0.5 - beta) * h * h * acceleration_ + beta * w;  // - q0
-    stiff_.noalias() = newton_.jacobian * q1_;
-    stiff_ -= q1_ + gamma * h * rates_.cwiseProduct(q1_);
-    stiff_ /= beta * h * h;
-    expected_ = evaluation_.force + stiff_;
-    newton_.correction = w + (h * h) * (rates_.cwiseProduct(v1_) + expected_ + missed_ - load.end);
-    newton_.cholesky.solve(newton_.correction);
-    w -= newton_.correction;
-    q1_ = -beta * newton_.correction;
-    stiff_.noalias() = newton_.jacobian * q1_;
-    stiff_ -= q1_ + gamma * h * rates_.cwiseProduct(q1_);
-    expected_ += stiff_ / (beta * h * h);
+  // Sets w to the solution with the predicted R(q1).
+  void predict(const State& z0, const StepLoad& load, const VectorXd& R0) {
+    const double h = h_;
+    VectorXd& w = newton_.unknowns;
+    VectorXd& d = q1_;  // q1 - q0 in here
+    v1_ = z0.p + (1.0 - gamma_) * h * a0_ + (gamma_ / h) * w;
+    d = h * z0.p + (0.5 - beta_) * h * h * a0_ + beta_ * w;
+    multiply_by_tangent(d);
+    R_predicted_ = R0 + Kd_;
+    VectorXd& dw = newton_.correction;
+    dw = w + (h * h) * (D_.cwiseProduct(v1_) + R_predicted_ + R_missed_ - load.end);
+    newton_.cholesky.solve(dw);
+    w -= dw;
+    d = -beta_ * dw;
+    multiply_by_tangent(d);
+    R_predicted_ += Kd_;
   }
 
-  double evaluate(const State& state, const StepLoad& load, bool jacobian) {
-    const double h = options_.step;
-    const double beta = options_.newmark_beta;
-    const double gamma = options_.newmark_gamma;
-    const Eigen::VectorXd& w = newton_.unknowns;
-    q1_ = state.q + h * state.p + (0.5 - beta) * h * h * acceleration_ + beta * w;
-    v1_ = state.p + (1.0 - gamma) * h * acceleration_ + (gamma / h) * w;
-    const bool tangent = jacobian && beta > 0.0;
-    const unsigned want = tangent ? kWantForce | kWantTangent : kWantForce;
-    model_->potential().evaluate(q1_, want, workspace_, evaluation_);
+  // Kd_ = K d, with K from the Jacobian of the step before.
+  void multiply_by_tangent(const VectorXd& d) {
+    Kd_.noalias() = newton_.jacobian * d;
+    Kd_ -= d + gamma_ * h_ * D_.cwiseProduct(d);
+    Kd_ /= beta_ * h_ * h_;
+  }
+
+  double evaluate(const State& z0, const StepLoad& load, bool jacobian) {
+    const double h = h_;
+    const VectorXd& w = newton_.unknowns;
+    q1_ = z0.q + h * z0.p + (0.5 - beta_) * h * h * a0_ + beta_ * w;
+    v1_ = z0.p + (1.0 - gamma_) * h * a0_ + (gamma_ / h) * w;
+    const bool tangent = jacobian && beta_ > 0.0;
+    const auto& [V, R, K] = V_.evaluate(q1_, tangent ? kWantForce | kWantTangent : kWantForce);
     if (jacobian && predicted_) {
-      missed_ = evaluation_.force - expected_;
+      R_missed_ = R - R_predicted_;
       predicted_ = false;
     }
-    newton_.residual = w + (h * h) * (rates_.cwiseProduct(v1_) + evaluation_.force - load.end);
+    newton_.residual = w + (h * h) * (D_.cwiseProduct(v1_) + R - load.end);
     if (jacobian) {
       if (tangent)
-        newton_.jacobian = (beta * h * h) * evaluation_.tangent;
+        newton_.jacobian = (beta_ * h * h) * K;
       else
         newton_.jacobian.setZero();
-      newton_.jacobian.diagonal().array() += 1.0 + gamma * h * rates_.array();
+      newton_.jacobian.diagonal().array() += 1.0 + gamma_ * h * D_.array();
     }
-    const double scale = std::max({h * state.p.norm(), h * h * start_force_,
-                                   h * h * load.start.norm(), h * h * load.end.norm()});
-    return relative_size(newton_.residual.norm(), options_.tolerance, scale);
+    return relative_residual(newton_.residual.norm(), tolerance_, h, z0.p.norm(), R0_norm_,
+                             std::max(load.start.norm(), load.end.norm()));
   }
 
-  Model::Pointer model_;
-  IntegratorOptions options_;
-  Eigen::VectorXd rates_;
-  PotentialWorkspace workspace_;
-  Evaluation evaluation_;
-  Eigen::VectorXd force_at_;  // the q that evaluation_.force belongs to
-  Eigen::VectorXd acceleration_;
-  double start_force_ = 0.0;
-  Eigen::VectorXd q1_;
-  Eigen::VectorXd v1_;
-  bool predicted_ = false;    // the unknowns at first are those of predict()
-  State end_;                 // of the last step that was made
-  Eigen::VectorXd expected_;  // R(q1) by predict()
-  Eigen::VectorXd missed_;    // by that, at the step before
-  Eigen::VectorXd stiff_;     // K times something
-  NewtonWorkspace newton_;
+  double beta_;
+  double gamma_;
+  VectorXd a0_;
+  VectorXd q1_;
+  VectorXd v1_;
+  double R0_norm_ = 0.0;
+  bool predicted_ = false;  // w at first is that of predict()
+  State z1_;                // of the last step that was made
+  VectorXd R_predicted_;    // R(q1) by predict(), without R_missed_
+  VectorXd R_missed_;       // R(q1) less R_predicted_ at the step before
+  VectorXd Kd_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_newmark(Model::Pointer model, const IntegratorOptions& options) {
+IntegratorPointer make_newmark(Model::Pointer model, const IntegratorOptions& options) {
   return std::make_unique<Newmark>(std::move(model), options);
 }
 

@@ -1,49 +1,48 @@
-#include "runtime/integrators/verlet.h"
-
-#include <utility>
-
-#include "runtime/integrators/solve/damping.h"
-#include "runtime/integrators/solve/force_cache.h"
+// Stoermer-Verlet, kick-drift-kick (thesis 3.4.4-3.4.5, which lack M^-1; here M = I).
+//
+// The discrete Lagrangian that takes V by the trapezoid rule gives
+//
+//     p <- p + (h/2) (f(t+) - R(q0))
+//     q <- q + h p
+//     p <- p + (h/2) (f((t+h)-) - R(q1))
+//
+// With damping each kick is DampedKick of runtime/integrators/solve/damping.h, the exact flow of p'
+// = -D p + f over half a step: D = alpha + beta lambda_i then takes exactly e^{-D h} off the area
+// of each mode's phase plane, and a coordinate in thick damping moves with v = f/D.
+//
+// Explicit: one force a step. Second order, also with load and damping; symplectic and
+// time-reversible without them. Conditionally stable: linearly iff h omega < 2 for every omega
+// (damped somewhat beyond), the step below explicit_step_limit_s of `tremolo inspect` (0.5 to 2.2
+// ms on the six sample models); deformation that stiffens the solid lowers the limit, and beyond it
+// the motion explodes. At 0.9 of it the six run for 10 s under their own loads. `dissipated` is
+// exact for these kicks.
+#include "runtime/integrators/one_step.h"
 
 namespace tremolo {
 namespace {
 
-class Verlet final : public Integrator {
+class Verlet final : public OneStep {
  public:
   Verlet(Model::Pointer model, const IntegratorOptions& options)
-      : model_(std::move(model)),
-        step_(options.step),
-        kick_(damping_rates(model_->lambda(), options.alpha, options.beta), step_),
-        forces_(model_->potential()),
-        start_{model_->lambda(), model_->lambda()} {}
+      : OneStep("verlet", std::move(model), options), kick_(D_, h_) {}
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
+    auto& [q, p] = state;
     StepReport report;
-    start_ = state;
-    report.dissipated += kick_(load.start - forces_.force(state.q), state.p);
-    state.q += step_ * state.p;
-    report.dissipated += kick_(load.end - forces_.force(state.q), state.p);
-    report.converged = state.q.allFinite() && state.p.allFinite();
-    if (!report.converged) state = start_;
-    return report;
-  }
-
-  std::string_view name() const override { return "verlet"; }
-  std::optional<double> known_potential(const Eigen::VectorXd& q) const override {
-    return forces_.known_energy(q);
+    z0_ = state;
+    report.dissipated += kick_(load.start - V_.force(q), p);
+    q += h_ * p;
+    report.dissipated += kick_(load.end - V_.force(q), p);
+    return finish(report, state);
   }
 
  private:
-  Model::Pointer model_;
-  double step_;
   DampedKick kick_;
-  ForceCache forces_;
-  State start_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_verlet(Model::Pointer model, const IntegratorOptions& options) {
+IntegratorPointer make_verlet(Model::Pointer model, const IntegratorOptions& options) {
   return std::make_unique<Verlet>(std::move(model), options);
 }
 

@@ -1,11 +1,38 @@
-#include "runtime/integrators/verlet4.h"
-
+// A fourth-order explicit splitting: seven kicks around six drifts (Blanes & Moan 2002, "Practical
+// symplectic partitioned Runge-Kutta and Runge-Kutta-Nystroem methods", J. Comput. Appl. Math.
+// 142, the method SRKN_6^b).
+//
+// The motion is cut into two that can be solved exactly, time going with the drift:
+//
+//     drift by s:  q <- q + (1 - e^{-D s})/D p,  p <- e^{-D s} p,  t <- t + s   (q' = p, p' = -D p)
+//     kick by s:   p <- p + s (f(t) - R(q))                          D = alpha + beta lambda_i
+//
+// and a step is  kick b1 h, drift a1 h, kick b2 h, ..., kick b4 h, ..., drift a1 h, kick b1 h,
+// the same forwards and backwards. A symmetric composition has no even powers of h in its error, so
+// the order is four as soon as the two terms of third order vanish, whatever the two flows are;
+// damping and load keep it. That seven kicks then have freedom left for a small fifth-order term is
+// because, with g = f - R, the fields A = (p, -D p) of the drift and B = (0, g(q, t)) of the kick
+// have
+//     [B, A] = (g, -D g - g_q p - g_t),   [B, [B, A]] = (0, -2 g_q g),   [B, [B, [B, A]]] = 0:
+// the second is a function of q and t alone, as without damping. The coefficients are the paper's;
+// they meet the conditions of third order to 3e-16, and tests check the observed order and the
+// angle by which a linear mode turns.
+//
+// f inside the step is the quadratic of runtime/load.h; the rule of nodes and weights b integrates
+// it exactly, so that the impulse of any load is exact.
+//
+// The last force of a step is the first of the next: six forces a step. Symplectic and
+// time-reversible without damping. Conditionally stable: linearly for h omega < 3.1634 (measured),
+// that is 0.527 for each force (Verlet: 2). Of the drifts two go backwards, by 0.350 h: there
+// damping puts energy in, and what it takes from a free momentum in the whole step is still exactly
+// e^{-D h}.
+//
+// `dissipated` is the kinetic energy that the damped drifts take, exact for this composition and
+// so fourth order. extra_work is what f does in the kicks less average.(q1 - q0): fourth order.
 #include <array>
 #include <cmath>
-#include <utility>
 
-#include "runtime/integrators/solve/damping.h"
-#include "runtime/integrators/solve/force_cache.h"
+#include "runtime/integrators/one_step.h"
 
 namespace tremolo {
 namespace {
@@ -36,68 +63,54 @@ struct Drift {
   Eigen::VectorXd decay;  // e^{-D s}
 };
 
-Drift make_drift(const Eigen::VectorXd& rates, double time) {
-  return {rates.unaryExpr([time](double rate) {
-            const double x = rate * time;  // zero also where a tiny rate underflows
-            return x == 0.0 ? time : time * (-std::expm1(-x) / x);
+Drift make_drift(const Eigen::VectorXd& D, double s) {
+  return {D.unaryExpr([s](double rate) {
+            const double x = rate * s;  // zero also where a tiny rate underflows
+            return x == 0.0 ? s : s * (-std::expm1(-x) / x);
           }),
-          (-time * rates.array()).exp().matrix()};
+          (-s * D.array()).exp().matrix()};
 }
 
-class Verlet4 final : public Integrator {
+class Verlet4 final : public OneStep {
  public:
   Verlet4(Model::Pointer model, const IntegratorOptions& options)
-      : model_(std::move(model)),
-        step_(options.step),
+      : OneStep("verlet4", std::move(model), options),
         damped_(options.alpha > 0.0 || options.beta > 0.0),
-        forces_(model_->potential()) {
-    const Eigen::VectorXd rates = damping_rates(model_->lambda(), options.alpha, options.beta);
-    for (std::size_t i = 0; i < kDrifts.size(); ++i)
-      drifts_[i] = make_drift(rates, kDrifts[i] * step_);
-    start_ = {rates, rates};
-    load_ = impulse_ = rates;
+        f_(D_),
+        dp_(D_) {
+    for (std::size_t i = 0; i < kDrifts.size(); ++i) drifts_[i] = make_drift(D_, kDrifts[i] * h_);
   }
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
+    auto& [q, p] = state;
     StepReport report;
     double work = 0.0;
-    start_ = state;
+    z0_ = state;
     for (const auto& [weight, node, drift] : kKicks) {
-      const double share = weight * step_;
-      load_at(load, node, load_);
-      impulse_ = share * (load_ - forces_.force(state.q));
-      work += share * load_.dot(state.p + 0.5 * impulse_);
-      state.p += impulse_;
+      const double share = weight * h_;
+      load_at(load, node, f_);
+      dp_ = share * (f_ - V_.force(q));
+      work += share * f_.dot(p + 0.5 * dp_);
+      p += dp_;
       if (drift < 0) break;
       const auto& [reach, decay] = drifts_[static_cast<std::size_t>(drift)];
-      state.q.array() += reach.array() * state.p.array();
-      if (damped_) report.dissipated += decay_momentum(decay, state.p);
+      q.array() += reach.array() * p.array();
+      if (damped_) report.dissipated += decay_momentum(decay, p);
     }
-    report.extra_work = work - load.average.dot(state.q - start_.q);
-    report.converged = state.q.allFinite() && state.p.allFinite();
-    if (!report.converged) state = start_;
-    return report;
-  }
-
-  std::string_view name() const override { return "verlet4"; }
-  std::optional<double> known_potential(const Eigen::VectorXd& q) const override {
-    return forces_.known_energy(q);
+    report.extra_work = work - load.average.dot(q - z0_.q);
+    return finish(report, state);
   }
 
  private:
-  Model::Pointer model_;
-  double step_;
   bool damped_;
   std::array<Drift, kDrifts.size()> drifts_;
-  ForceCache forces_;
-  State start_;
-  Eigen::VectorXd load_;
-  Eigen::VectorXd impulse_;
+  Eigen::VectorXd f_;
+  Eigen::VectorXd dp_;  // of one kick
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_verlet4(Model::Pointer model, const IntegratorOptions& options) {
+IntegratorPointer make_verlet4(Model::Pointer model, const IntegratorOptions& options) {
   return std::make_unique<Verlet4>(std::move(model), options);
 }
 

@@ -5,16 +5,9 @@
 #include <string.h>
 
 #include "runtime/tremolo.h"
+#include "tests/runtime/c_require.h"
 
 int tremolo_c_render_round(const tremolo_model* model);
-
-#define REQUIRE(condition) \
-  do {                     \
-    if (!(condition)) {    \
-      line = __LINE__;     \
-      goto done;           \
-    }                      \
-  } while (0)
 
 int tremolo_c_render_round(const tremolo_model* model) {
   int line = 0;

@@ -5,16 +5,9 @@
 #include <string.h>
 
 #include "runtime/tremolo.h"
+#include "tests/runtime/c_require.h"
 
 int tremolo_c_round_trip(const char* path);
-
-#define REQUIRE(condition) \
-  do {                     \
-    if (!(condition)) {    \
-      line = __LINE__;     \
-      goto done;           \
-    }                      \
-  } while (0)
 
 int tremolo_c_round_trip(const char* path) {
   int line = 0;

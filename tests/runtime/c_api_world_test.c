@@ -4,16 +4,9 @@
 #include <stddef.h>
 
 #include "runtime/tremolo.h"
+#include "tests/runtime/c_require.h"
 
 int tremolo_c_world_round(const tremolo_model* model);
-
-#define REQUIRE(condition) \
-  do {                     \
-    if (!(condition)) {    \
-      line = __LINE__;     \
-      goto done;           \
-    }                      \
-  } while (0)
 
 enum { kCount = 40 };
 

@@ -83,9 +83,7 @@ TEST(ContrastRecurrence, EveryMethodFollowsItsOwnDampedAndForced) {
       Pair z(0.02, 3.0);
       StepLoad load = make_step_load(1);
       for (unsigned k = 0; k < 60; ++k) {
-        load.start = testing::random_vector(1, 300.0, 3 * k);
-        load.average = testing::random_vector(1, 300.0, 3 * k + 1);
-        load.end = testing::random_vector(1, 300.0, 3 * k + 2);
+        testing::randomize(load, 300.0, 3 * k);
         ASSERT_TRUE(integrator->step(state, load).converged);
         z = step(z, {load.start[0], load.average[0], load.end[0]}, lambda, alpha + beta * lambda);
         // Sizes of this motion; the growing ones carry their rounding along.
@@ -205,9 +203,7 @@ TEST(Verlet4, FollowsItsRecurrenceDampedAndForced) {
       Pair z(0.02, 3.0);
       StepLoad load = make_step_load(1);
       for (unsigned k = 0; k < 60; ++k) {
-        load.start = testing::random_vector(1, 300.0, 3 * k);
-        load.average = testing::random_vector(1, 300.0, 3 * k + 1);
-        load.end = testing::random_vector(1, 300.0, 3 * k + 2);
+        testing::randomize(load, 300.0, 3 * k);
         ASSERT_TRUE(integrator->step(state, load).converged);
         double t = 0.0;
         for (std::size_t i = 0; i < b.size(); ++i) {

@@ -20,9 +20,7 @@ State violent_state() {
 
 StepLoad some_load() {
   StepLoad load = make_step_load(4);
-  load.start = testing::random_vector(4, 30.0, 1);
-  load.average = testing::random_vector(4, 30.0, 2);
-  load.end = testing::random_vector(4, 30.0, 3);
+  testing::randomize(load, 30.0, 1);
   load.active = true;
   return load;
 }

@@ -171,9 +171,7 @@ void expect_recurrence(std::string_view name, IntegratorOptions options,
   Scalar low{state.q[0], state.p[0]}, high{state.q[1], state.p[1]};
   StepLoad load = make_step_load(2);
   for (unsigned k = 0; k < 60; ++k) {
-    load.start = testing::random_vector(2, 300.0, 3 * k);
-    load.average = testing::random_vector(2, 300.0, 3 * k + 1);
-    load.end = testing::random_vector(2, 300.0, 3 * k + 2);
+    testing::randomize(load, 300.0, 3 * k);
     ASSERT_TRUE(integrator->step(state, load).converged);
     low = first(low, {load.start[0], load.average[0], load.end[0]});
     high = second(high, {load.start[1], load.average[1], load.end[1]});

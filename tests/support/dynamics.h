@@ -41,6 +41,12 @@ inline int order_of(std::string_view name) {
   return 2;
 }
 
+// Three different random values of a load, each as testing::random_vector(r, size, seed + 0..2).
+inline void randomize(StepLoad& load, double size, unsigned seed) {
+  for (Eigen::VectorXd* f : {&load.start, &load.average, &load.end})
+    *f = random_vector(f->size(), size, seed++);
+}
+
 // `count` steps from time 0; fails the test where a step does not converge.
 inline void run(Integrator& integrator, State& state, const std::vector<Load>& loads, double step,
                 int count) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "runtime/integrators/solve/damping.h"
 #include "runtime/integrators/solve/newton.h"
 #include "runtime/kernels/potential.h"
 
@@ -28,11 +29,11 @@ struct HighScratch {
   explicit HighScratch(const Potential& potential)
       : workspace(potential.make_workspace(kUseSegment)),
         evaluation(potential.make_evaluation()),
-        middle(Eigen::VectorXd::Zero(potential.size())) {}
+        qm(Eigen::VectorXd::Zero(potential.size())) {}
 
   PotentialWorkspace workspace;
   Evaluation evaluation;
-  Eigen::VectorXd middle;  // qm, r
+  Eigen::VectorXd qm;  // r
 };
 
 class HighRows {
@@ -42,21 +43,18 @@ class HighRows {
            SolveNorm norm, std::shared_ptr<HighScratch> scratch = nullptr);
 
   // q0: before the step, r. state: low rows of q already at the step's end, high rows of q and p
-  // before it. load: average over the step, r. Solves, with sigma = 1/2 + theta h D,
-  //     (d - h p0)/(2 sigma) + (h^2/2) [R(qm) + damping force - f]_h = 0,
-  //     sigma (p1 - p0) = d/h - p0
-  // and moves the high rows of state to the end; leaves them alone if it does not converge.
-  // dissipated: what damping took, J.
-  StepReport advance(const Eigen::VectorXd& q0, State& state, const Eigen::VectorXd& load);
+  // before it. f: average of the load over the step, r. Solves
+  //     (d - h p0)/g + (h^2/2) [R(qm) + damping force - f]_h = 0,      p1 = p0 + (2/g) (d/h - p0)
+  // with g = 1 + 2 theta h D, or 1 for kEndVelocity, and moves the high rows of state to the end;
+  // leaves them alone if it does not converge. dissipated: what damping took, J.
+  StepReport advance(const Eigen::VectorXd& q0, State& state, const Eigen::VectorXd& f);
 
  private:
-  double evaluate(const Eigen::VectorXd& q0, const State& state, const Eigen::VectorXd& load);
+  double evaluate(const Eigen::VectorXd& q0, const State& state, const Eigen::VectorXd& f);
 
   const Potential& potential_;
   Split split_;
-  Eigen::VectorXd rates_;    // D
-  Eigen::VectorXd divisor_;  // 2 sigma
-  double step_;
+  DampedMidpoint midpoint_;
   double tolerance_;
   int max_iterations_;
   HighDamping damping_;

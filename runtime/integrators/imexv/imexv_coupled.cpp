@@ -1,142 +1,121 @@
-#include "runtime/integrators/imexv/imexv_coupled.h"
-
-#include <algorithm>
-#include <utility>
-
-#include "runtime/integrators/solve/damping.h"
-#include "runtime/integrators/solve/force_cache.h"
-#include "runtime/integrators/solve/newton.h"
+// The implicit-explicit method of a variational split whose implicit part holds every coupling.
+//
+// The potential is cut in two, V = V_slow + V_fast, with V_slow(q) = V(q_l, 0) the part that the
+// low rows l of the split (runtime/split.h) have alone, and V_fast = V - V_slow all that the high
+// rows h take part in. The discrete Lagrangian takes V_slow by the trapezoid rule and V_fast at the
+// midpoint; its step, with S = grad V_slow on the low rows and 0 on the high ones, d = q1 - q0,
+// qm = (q0 + q1)/2 and M = I, is
+//
+//     p_l <- p_l + (h/2) (f_l(t+) - S_l(q0))
+//     solve for d:  (d - h p)/g + (h^2/2) [R(qm) - S(qm) + D d/h - f] = 0        on all rows
+//                   Jacobian  1/g + (h^2/4) (K(qm) - dS/dq(qm)) + (h/2) D        symmetric
+//     q   <- q + d,  p <- p + (2/g) (d/h - p)
+//     p_l <- p_l + (h/2) (f_l((t+h)-) - S_l(q1))
+//
+// On the high rows f is the load's average over the step, on the low rows zero. g = 1 + 2 theta h
+// D, theta of runtime/integrators/solve/damping.h, on the low rows that of omega = 0: there the
+// drift between the kicks is the exact flow of q' = p, p' = -D p.
+//
+// Second order, also with load and damping; symplectic and time-reversible without damping, for any
+// coupling of low and high rows, at the price of as many unknowns as the midpoint rule. Undamped
+// and all low it is `verlet`, all high `midpoint`. Conditionally stable: linearly iff h omega < 2
+// on the low rows, as `imexv`. `dissipated` is that of runtime/integrators/solve/damping.h.
+#include "runtime/integrators/imexv/imexv_step.h"
+#include "runtime/integrators/implicit_step.h"
 
 namespace tremolo {
 namespace {
 
-class ImexvCoupled final : public Integrator {
+using Eigen::Index;
+using Eigen::VectorXd;
+
+// lambda of the linear part of V_fast: none on the low rows.
+VectorXd fast_part(const VectorXd& lambda, Split split) {
+  VectorXd fast = lambda;
+  fast.head(split.low).setZero();
+  return fast;
+}
+
+class ImexvCoupled final : public ImplicitStep {
  public:
   ImexvCoupled(Model::Pointer model, const IntegratorOptions& options, Split split)
-      : model_(std::move(model)),
-        options_(options),
+      : ImplicitStep("imexv-coupled", std::move(model), options),
         split_(split),
-        rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
-        divisor_(midpoint_damping(rates_, fast_part(model_->lambda(), split), options.step)),
-        slow_(model_->potential().leading(split.low)),
-        slow_forces_(slow_),
-        slow_workspace_(slow_.make_workspace(kUseTangent)),
-        slow_evaluation_(slow_.make_evaluation()),
-        low_(Eigen::VectorXd::Zero(split.low)),
-        workspace_(model_->potential().make_workspace(kUseTangent)),
-        evaluation_(model_->potential().make_evaluation()),
-        middle_(rates_),
-        newton_(model_->modes()),
-        start_{rates_, rates_} {}
+        midpoint_(make_damped_midpoint(D_, fast_part(model_->lambda(), split), h_)),
+        V_slow_(model_->potential().leading(split.low)),
+        S_ends_(V_slow_, kWantEnergy | kWantForce, kUsePoint),
+        S_middle_(V_slow_, kWantForce, kUseTangent),
+        q_low_(VectorXd::Zero(split.low)),
+        dp_(D_) {}
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
-    start_ = state;
+    z0_ = state;
     kick_low(state, load.start);
-    StepReport report = advance_all(state, load.average);
-    if (report.converged) kick_low(state, load.end);
-    report.converged = report.converged && state.q.allFinite() && state.p.allFinite();
-    if (!report.converged) state = start_;
-    return report;
+    StepReport report;
+    VectorXd& d = newton_.unknowns;
+    if (split_.high == 0) {  // V_fast = 0: a damped drift
+      d = h_ * (state.p.array() / (1.0 + 0.5 * h_ * D_.array() * midpoint_.g.array()));
+    } else {
+      d = h_ * state.p;
+      report =
+          solve_newton(newton_, max_iterations_, [&] { return evaluate(state, load.average); });
+    }
+    if (report.converged) {
+      midpoint_.set_change(d, state.p, dp_);
+      report.dissipated = midpoint_.dissipated(d, dp_);
+      state.q += d;
+      state.p += dp_;
+      kick_low(state, load.end);
+    }
+    return finish(report, state);
   }
 
-  std::string_view name() const override { return "imexv-coupled"; }
   std::optional<Split> split() const override { return split_; }
 
  private:
-  void kick_low(State& state, const Eigen::VectorXd& load) {
+  void kick_low(State& state, const VectorXd& f) {
     if (split_.low == 0) return;
-    low_ = state.q.head(split_.low);
-    state.p.head(split_.low) +=
-        0.5 * options_.step * (load.head(split_.low) - slow_forces_.force(low_));
+    q_low_ = state.q.head(split_.low);
+    state.p.head(split_.low) += 0.5 * h_ * (f.head(split_.low) - S_ends_.force(q_low_));
   }
 
-  // lambda of the linear part of V_fast: none on the low rows.
-  static Eigen::VectorXd fast_part(const Eigen::VectorXd& lambda, Split split) {
-    Eigen::VectorXd fast = lambda;
-    fast.head(split.low).setZero();
-    return fast;
-  }
-
-  // The midpoint rule for V_fast and all of the damping (runtime/integrators/solve/damping.h).
-  StepReport advance_all(State& state, const Eigen::VectorXd& load) {
-    const double h = options_.step;
-    if (split_.high == 0) return drift(state);
-    Eigen::VectorXd& d = newton_.unknowns;
-    d = h * state.p;
-    StepReport report =
-        solve_newton(newton_, options_.max_iterations, [&] { return evaluate(state, load); });
-    if (!report.converged) return report;
-    report.dissipated = finish(state, d);
-    return report;
-  }
-
-  // V_fast = 0.
-  StepReport drift(State& state) {
-    const double h = options_.step;
-    newton_.unknowns = h * (state.p.array() / (1.0 + 0.5 * h * rates_.array() * divisor_.array()));
-    StepReport report;
-    report.dissipated = finish(state, newton_.unknowns);
-    return report;
-  }
-
-  // From d to the state at the end. Returns what damping took, J.
-  double finish(State& state, const Eigen::VectorXd& d) {
-    const double h = options_.step;
-    middle_ = (2.0 / divisor_.array()) * (d.array() / h - state.p.array());  // Dp
-    state.q += d;
-    state.p += middle_;
-    return (rates_.array() * d.array().square()).sum() / h +
-           0.5 * ((divisor_.array() - 1.0) * middle_.array().square()).sum();
-  }
-
-  double evaluate(const State& state, const Eigen::VectorXd& load) {
-    const double h = options_.step;
-    const Eigen::Index low = split_.low, high = split_.high;
-    const Eigen::VectorXd& d = newton_.unknowns;
-    middle_ = state.q + 0.5 * d;
-    model_->potential().evaluate(middle_, kWantForce | kWantTangent, workspace_, evaluation_);
+  // The midpoint rule for V_fast, with all of the damping.
+  double evaluate(const State& z, const VectorXd& f) {
+    const double h = h_;
+    const Index low = split_.low, high = split_.high;
+    const VectorXd& d = newton_.unknowns;
+    qm_ = z.q + 0.5 * d;
+    auto& [V, R, K] = V_.evaluate(qm_, kWantForce | kWantTangent);
     // Of the whole force: what is left of it on the low rows is rounded like the whole.
-    const double scale = std::max(
-        {h * state.p.norm(), h * h * evaluation_.force.norm(), h * h * load.tail(high).norm()});
+    const double R_norm = R.norm();
     if (low > 0) {
-      low_ = middle_.head(low);
-      slow_.evaluate(low_, kWantForce | kWantTangent, slow_workspace_, slow_evaluation_);
-      evaluation_.force.head(low) -= slow_evaluation_.force;
-      evaluation_.tangent.topLeftCorner(low, low) -= slow_evaluation_.tangent;
+      q_low_ = qm_.head(low);
+      const auto& [V_slow, S, dS] = S_middle_.evaluate(q_low_, kWantForce | kWantTangent);
+      R.head(low) -= S;
+      K.topLeftCorner(low, low) -= dS;
     }
-    newton_.residual.array() = (d - h * state.p).array() / divisor_.array() +
-                               (0.5 * h) * (h * evaluation_.force + rates_.cwiseProduct(d)).array();
-    newton_.residual.tail(high) -= (0.5 * h * h) * load.tail(high);
-    newton_.jacobian = (0.25 * h * h) * evaluation_.tangent;
-    newton_.jacobian.diagonal().array() += divisor_.array().inverse() + (0.5 * h) * rates_.array();
-    return relative_size(newton_.residual.norm(), options_.tolerance, scale);
+    newton_.residual.array() = (d - h * z.p).array() / midpoint_.g.array() +
+                               (0.5 * h) * (h * R + D_.cwiseProduct(d)).array();
+    newton_.residual.tail(high) -= (0.5 * h * h) * f.tail(high);
+    newton_.jacobian = (0.25 * h * h) * K;
+    newton_.jacobian.diagonal().array() += midpoint_.g.array().inverse() + (0.5 * h) * D_.array();
+    return relative_residual(newton_.residual.norm(), tolerance_, h, z.p.norm(), R_norm,
+                             f.tail(high).norm());
   }
 
-  Model::Pointer model_;
-  IntegratorOptions options_;
   Split split_;
-  Eigen::VectorXd rates_;    // D
-  Eigen::VectorXd divisor_;  // 1 + 2 theta h D
-  Potential slow_;           // V(q_l, 0)
-  ForceCache slow_forces_;
-  PotentialWorkspace slow_workspace_;
-  Evaluation slow_evaluation_;
-  Eigen::VectorXd low_;  // low rows of a q
-  PotentialWorkspace workspace_;
-  Evaluation evaluation_;
-  Eigen::VectorXd middle_;
-  NewtonWorkspace newton_;
-  State start_;
+  DampedMidpoint midpoint_;
+  Potential V_slow_;         // V(q_l, 0)
+  PotentialCache S_ends_;    // its gradient at q0 and q1
+  PotentialCache S_middle_;  // and at qm
+  VectorXd q_low_;           // low rows of a q
+  VectorXd dp_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Integrator>> make_imexv_coupled(Model::Pointer model,
-                                                       const IntegratorOptions& options) {
-  const Result<Split> split = choose_split(model->lambda(), options.step, options.split);
-  if (!split) return split.error();
-  return std::unique_ptr<Integrator>(
-      std::make_unique<ImexvCoupled>(std::move(model), options, *split));
+MadeIntegrator make_imexv_coupled(Model::Pointer model, const IntegratorOptions& options) {
+  return make_split_method<ImexvCoupled>(std::move(model), options);
 }
 
 }  // namespace tremolo

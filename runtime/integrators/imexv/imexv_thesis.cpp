@@ -1,86 +1,96 @@
-#include "runtime/integrators/imexv/imexv_thesis.h"
-
-#include <utility>
-
-#include "runtime/integrators/imexv/high_rows.h"
-#include "runtime/integrators/solve/damping.h"
-#include "runtime/integrators/solve/force_cache.h"
+// The implicit-explicit variational integrator in the thesis's own two-stage form (Huang 2011,
+// algorithm 2 and (4.3.31)-(4.3.32)), as far as it makes sense.
+//
+//     stage 1   p_l <- p_l + h (f_l - R_l(q0) - D_l p_l)            the low rows' whole kick
+//     stage 2   q_l <- q_l + h p_l
+//               solve for d_h:  d_h - h p_h + (h^2/2) [R(qm) + D p1 - fm]_h = 0,  p1 = 2 d/h - p_h
+//               Jacobian  I + (h^2/4) K_hh(qm) + h D_hh
+//               p_h <- 2 d_h/h - p_h
+//
+// Two neighbouring half kicks of the symmetric step (imexv.cpp) are one whole kick here. Hence,
+// without damping, the orbit of q is that of `imexv` whose low momenta start half a kick later; and
+// the low momenta that are stored lag by half a kick, so an energy must be read from
+// synchronized_momentum(), which adds the missing half.
+//
+// Kept as in the thesis:
+//   - the merged kick, and a start that is not staggered: the given p is taken as the lagging one;
+//   - damping by the velocity at the end of the step on high rows and by p_k on low ones: first
+//     order against damping, and explicit on the low rows (stable only for h D_l < 2);
+//   - the absolute tolerance in the maximum norm, |residual|_inf <= tolerance, in units of q;
+//   - the Newton Jacobian is evaluated anew each iteration; the solve is over the high rows only.
+// Mended, because the printed formula is nonsense, or another equation:
+//   - (4.4.3) and line 9: the bracket is + (h^2/2) (R - f); line 12: A = I + (h^2/2) (K/2 + ...),
+//     with the printed minus it is singular at h omega = 2;
+//   - line 3 lacks h; R = -dV/dq contradicts the algorithm, which needs R = +dV/dq;
+//   - line 18 starts from p_k^+, not p_k; and p_{k+1} is set also when the loop ends at j = 1;
+//   - the damping Jacobian has the wrong sign and lacks the 1/h of its velocity;
+//   - the damping matrix is alpha I + beta K(0) as in every other method here; the printed
+//     alpha I + beta/2 K(qm), on high rows only, is another equation.
+// Chosen, where the thesis is silent: it splits only damping between low and high and evaluates
+// loads at q_k, that is at t_k. A whole kick at t_k sees the mean of the load's two one-sided
+// values there (the end of the step before and the start of this one), which keeps the second order
+// and gives a pulse its true impulse; the high rows see the average over the step. `dissipated` is
+// the work of the damping force, first order.
+//
+// Conditionally stable, as `imexv`.
+//
+// Uses the default split unless options.split says otherwise.
+#include "runtime/integrators/imexv/imexv_step.h"
 
 namespace tremolo {
 namespace {
 
-class ImexvThesis final : public Integrator {
+class ImexvThesis final : public OneStep {
  public:
   ImexvThesis(Model::Pointer model, const IntegratorOptions& options, Split split)
-      : model_(std::move(model)),
+      : OneStep("imexv-thesis", std::move(model), options),
         split_(split),
-        step_(options.step),
-        rates_(damping_rates(model_->lambda(), options.alpha, options.beta)),
-        forces_(model_->potential()),
         high_(*model_, split, options, HighDamping::kEndVelocity, SolveNorm::kAbsolute),
-        load_before_(Eigen::VectorXd::Zero(model_->modes())),
-        start_{load_before_, load_before_} {}
+        f_before_(Eigen::VectorXd::Zero(model_->modes())) {}
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
-    const double h = step_;
     const Eigen::Index low = split_.low;
-    start_ = state;
+    z0_ = state;
     double dissipated = 0.0;
-    auto p = state.p.head(low);
     if (low > 0) {
-      const auto force = forces_.force(state.q).head(low);
-      p += h * (0.5 * (load_before_ + load.start).head(low) - force -
-                rates_.head(low).cwiseProduct(start_.p.head(low)));
-      state.q.head(low) += h * p;
-      dissipated = h * (rates_.head(low).array() * start_.p.head(low).array() * p.array()).sum();
+      auto p = state.p.head(low);
+      const auto p0 = z0_.p.head(low), D = D_.head(low);
+      const auto R = V_.force(state.q).head(low);
+      p += h_ * (0.5 * (f_before_ + load.start).head(low) - R - D.cwiseProduct(p0));
+      state.q.head(low) += h_ * p;
+      dissipated = h_ * (D.array() * p0.array() * p.array()).sum();
     }
-    StepReport report = high_.advance(start_.q, state, load.average);
+    StepReport report = high_.advance(z0_.q, state, load.average);
     report.dissipated += dissipated;
-    report.converged = report.converged && state.q.allFinite() && state.p.allFinite();
-    if (!report.converged) {
-      state = start_;
-      return report;
-    }
-    load_before_ = load.end;
+    report = finish(report, state);
+    if (!report.converged) return report;
+    f_before_ = load.end;
     // The next step's kick wants it, and so does whoever reads an energy in between: evaluated
     // here, a step's time contains all of its work.
-    if (low > 0) forces_.force(state.q);
+    if (low > 0) V_.force(state.q);
     return report;
   }
 
-  void reset() override { load_before_.setZero(); }
-  std::string_view name() const override { return "imexv-thesis"; }
-  std::optional<double> known_potential(const Eigen::VectorXd& q) const override {
-    return forces_.known_energy(q);
-  }
+  void reset() override { f_before_.setZero(); }
   std::optional<Split> split() const override { return split_; }
 
   void synchronized_momentum(const State& state, Eigen::VectorXd& p) const override {
     p = state.p;
     if (split_.low == 0) return;
-    const Eigen::VectorXd& force = forces_.force(state.q);
-    p.head(split_.low) += 0.5 * step_ * (load_before_ - force).head(split_.low);
+    const Eigen::VectorXd& R = V_.force(state.q);
+    p.head(split_.low) += 0.5 * h_ * (f_before_ - R).head(split_.low);
   }
 
  private:
-  Model::Pointer model_;
   Split split_;
-  double step_;
-  Eigen::VectorXd rates_;
-  mutable ForceCache forces_;
   HighRows high_;
-  Eigen::VectorXd load_before_;  // f((t_k)-), what the step before ended with
-  State start_;
+  Eigen::VectorXd f_before_;  // f((t_k)-), what the step before ended with
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Integrator>> make_imexv_thesis(Model::Pointer model,
-                                                      const IntegratorOptions& options) {
-  const Result<Split> split = choose_split(model->lambda(), options.step, options.split);
-  if (!split) return split.error();
-  return std::unique_ptr<Integrator>(
-      std::make_unique<ImexvThesis>(std::move(model), options, *split));
+MadeIntegrator make_imexv_thesis(Model::Pointer model, const IntegratorOptions& options) {
+  return make_split_method<ImexvThesis>(std::move(model), options);
 }
 
 }  // namespace tremolo

@@ -8,7 +8,7 @@
 // free motion hardly matter.
 //
 // Implicit rows. The energy-preserving step of one coordinate
-// (runtime/integrators/energy_preserving.h, where sigma stands for 1/2 + theta h D)
+// (runtime/integrators/energy_preserving.cpp, where sigma = 1/2 + theta h D is S^-1)
 //
 //     sigma Dp = n d/h - p0,      n Dp/h + omega^2 (q0 + d/2) + D d/h = f
 //
@@ -21,8 +21,8 @@
 //
 // so that both follow from the roots that are wanted: z1 z2 = e^{-c}, and
 //
-//     m = (1 - z1)(1 - z2):   theta = (1 - e^{-c})/(c m) - 1/w^2,   n^2 = w^2/m - sigma (w^2/2 +
-//     c).
+//     theta = (1 - e^{-c})/(c m) - 1/w^2,       n^2 = w^2/m - sigma (w^2/2 + c),
+//     m = (1 - z1)(1 - z2).
 //
 // Wanted are the exact roots where the oscillator is overdamped, else e^{-c/2 +- i psi} with the
 // phase that N gives an undamped oscillator of the damped frequency: psi = 2 atan(x/N(x)),
@@ -65,6 +65,32 @@ Eigen::VectorXd midpoint_damping(const Eigen::VectorXd& rates, const Eigen::Vect
                                  double step);
 
 inline constexpr double kLeastInertia = 0.2;
+
+// Rows that take the midpoint rule with damping: for d = q1 - q0 they solve
+//
+//     (d - h p0)/g + (h^2/2) [force at the midpoint + D d/h] = 0,       g = 1 + 2 theta h D,
+//
+// and then p1 = p0 + dp, dp = (2/g) (d/h - p0). D, g: as many as there are rows.
+struct DampedMidpoint {
+  template <class Momentum>
+  void set_change(const Eigen::VectorXd& d, const Momentum& p0, Eigen::VectorXd& dp) const {
+    dp.array() = (2.0 / g.array()) * (d.array() / h - p0.array());
+  }
+  // What damping takes in the step, J.
+  double dissipated(const Eigen::VectorXd& d, const Eigen::VectorXd& dp) const {
+    return (d.array().square() * D.array()).sum() / h +
+           0.5 * ((g.array() - 1.0) * dp.array().square()).sum();
+  }
+
+  double h;
+  Eigen::VectorXd D;
+  Eigen::VectorXd g;
+};
+
+inline DampedMidpoint make_damped_midpoint(const Eigen::VectorXd& D, const Eigen::VectorXd& lambda,
+                                           double h) {
+  return {h, D, midpoint_damping(D, lambda, h)};
+}
 
 // p_i <- decay_i p_i, in place. Returns the kinetic energy that this took away, J.
 inline double decay_momentum(const Eigen::VectorXd& decay, Eigen::VectorXd& p) {

@@ -11,8 +11,8 @@
 namespace tremolo {
 
 // The numbers of one step, dimensionless. velocity: u'(h). integral[k]: J_k = phi_k[x1, x2], that
-// is u(h)/h for k = 0 and the k-fold integral of u over h^(k+1) above. place: u'(h) + D u(h), where
-// the oscillator is that was let go at 1.
+// is u(h)/h for k = 0 and the k-fold integral of u over h^(k+1) above. place: u'(h) + D u(h), q(h)
+// of the oscillator that starts at rest from q = 1.
 struct LinearResponse {
   double velocity = 1.0;
   double place = 1.0;

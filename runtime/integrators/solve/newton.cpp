@@ -9,7 +9,7 @@ NewtonWorkspace::NewtonWorkspace(Eigen::Index n)
       residual(Eigen::VectorXd::Zero(n)),
       jacobian(Eigen::MatrixXd::Identity(n, n)),
       correction(Eigen::VectorXd::Zero(n)),
-      image(Eigen::VectorXd::Zero(n)),
+      jacobian_c(Eigen::VectorXd::Zero(n)),
       cholesky(n),
       start(Eigen::VectorXd::Zero(n)) {
   moves.fill(start);

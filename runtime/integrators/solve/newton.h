@@ -1,7 +1,7 @@
 // Newton's method for the equation of one implicit step, in storage that is made once.
 //
 // The residual g of every implicit method here is the gradient of a functional of the unknowns (so
-// the Jacobian is symmetric), and for a quartic V that functional is a quartic along any line. A
+// the Jacobian J is symmetric), and for a quartic V that functional is a quartic along any line. A
 // correction c that solves J c = g is used whole where it brings |g| down. Where it does not, the
 // slope -g(x - t c).c, a cubic in t known from its values and derivatives at both ends, is solved
 // for its first zero: an exact line search without another evaluation. An indefinite Jacobian is
@@ -32,7 +32,7 @@ struct NewtonWorkspace {
   Eigen::VectorXd residual;
   Eigen::MatrixXd jacobian;
   Eigen::VectorXd correction;
-  Eigen::VectorXd image;  // jacobian * correction
+  Eigen::VectorXd jacobian_c;  // jacobian * correction
   SmallCholesky cholesky;
   std::array<Eigen::VectorXd, kUpdates> moves;  // of solve_frozen
   Eigen::VectorXd start;                        // its unknowns at first
@@ -55,8 +55,37 @@ void apply_broyden(std::span<const Eigen::VectorXd> moves, Eigen::VectorXd& move
 // s'(0) = bend0, s(end) = slope1, s'(end) = bend1.
 double first_zero(double end, double slope0, double bend0, double slope1, double bend1);
 
+// Broyden's updates have become slow where a residual falls by less than this factor.
+inline constexpr double kSlow = 0.6;
+
 // Of the unknowns, relative: a few units in the last place.
 inline constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+
+// Moves the unknowns along minus the correction c of the present residual g and Jacobian: by c
+// where that brings the residual down, else to the first zero of the slope. evaluate(): as below.
+// ratio: what it returned at the start. Returns what it returns at the end.
+template <class Evaluate>
+double search_line(NewtonWorkspace& workspace, double ratio, Evaluate&& evaluate) {
+  const Eigen::VectorXd& c = workspace.correction;
+  const double slope0 = -workspace.residual.dot(c);
+  const double bend0 = -slope0 - workspace.shift * c.squaredNorm();
+  double length = 1.0;  // of the correction, as a fraction of c
+  workspace.unknowns -= c;
+  double next = evaluate();
+  // Far out the numbers may overflow: come back until they do not.
+  while (!std::isfinite(next) && length > 1e-6) {
+    workspace.unknowns += 0.9 * length * c;
+    length *= 0.1;
+    next = evaluate();
+  }
+  if (!(next > 1.0) || next < 0.9 * ratio) return next;
+  workspace.jacobian_c.noalias() = workspace.jacobian * c;
+  const double slope1 = -workspace.residual.dot(c), bend1 = c.dot(workspace.jacobian_c);
+  const double best = first_zero(length, slope0, bend0, slope1, bend1);
+  if (best == length) return next;
+  workspace.unknowns += (length - best) * c;
+  return evaluate();
+}
 
 // Corrects workspace.unknowns until the residual is small enough, at most max_iterations times.
 // evaluate(): fills residual and jacobian for the present unknowns and returns the residual's size
@@ -72,31 +101,9 @@ StepReport solve_newton(NewtonWorkspace& workspace, int max_iterations, Evaluate
     if (report.converged || !std::isfinite(ratio) || report.iterations == max_iterations) break;
     if (!factor_jacobian(workspace)) break;
     solve_correction(workspace);
-    const Eigen::VectorXd& c = workspace.correction;
-    const double rounding = kRounding * workspace.unknowns.norm();
-    report.converged = c.norm() <= rounding;
+    report.converged = workspace.correction.norm() <= kRounding * workspace.unknowns.norm();
     if (report.converged) break;
-    const double slope = -workspace.residual.dot(c);
-    const double bend = -slope - workspace.shift * c.squaredNorm();
-    double length = 1.0;  // of the correction, as a fraction of c
-    workspace.unknowns -= c;
-    double next = evaluate();
-    // Far out the numbers may overflow: come back until they do not.
-    while (!std::isfinite(next) && length > 1e-6) {
-      workspace.unknowns += 0.9 * length * c;
-      length *= 0.1;
-      next = evaluate();
-    }
-    if (next > 1.0 && !(next < 0.9 * ratio)) {
-      workspace.image.noalias() = workspace.jacobian * c;
-      const double best =
-          first_zero(length, slope, bend, -workspace.residual.dot(c), c.dot(workspace.image));
-      if (best != length) {
-        workspace.unknowns += (length - best) * c;
-        next = evaluate();
-      }
-    }
-    ratio = next;
+    ratio = search_line(workspace, ratio, evaluate);
   }
   report.residual = workspace.residual.norm();
   return report;
@@ -106,7 +113,6 @@ StepReport solve_newton(NewtonWorkspace& workspace, int max_iterations, Evaluate
 // not fill it, which is cheaper. Where that does not lead on, solve_newton() from the start.
 template <class Evaluate>
 StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate&& evaluate) {
-  constexpr double kSlow = 0.6;  // a residual that falls by less is slow
   workspace.start = workspace.unknowns;
   const bool had_factor = workspace.frozen;
   workspace.frozen = false;
@@ -143,9 +149,12 @@ StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate
   return report;
 }
 
-// size / (tolerance * scale); 0 where nothing moves and nothing pushes.
-inline double relative_size(double size, double tolerance, double scale) {
-  return size == 0.0 ? 0.0 : size / (tolerance * scale);
+// The size of a residual g relative to what the tolerance allows it,
+// tolerance max(h |p|, h^2 |R|, h^2 |f|); 0 where nothing moves and nothing pushes. g, p, R, f:
+// norms.
+inline double relative_residual(double g, double tolerance, double h, double p, double R,
+                                double f) {
+  return g == 0.0 ? 0.0 : g / (tolerance * std::max({h * p, h * h * R, h * h * f}));
 }
 
 }  // namespace tremolo

@@ -1,5 +1,5 @@
 // The matrix N of the fourth-order energy-preserving step
-// (runtime/integrators/energy_preserving.h), a rational function of a symmetric matrix Z, in Z's
+// (runtime/integrators/energy_preserving.cpp), a rational function of a symmetric matrix Z, in Z's
 // tridiagonal basis Z = W T W^T.
 //
 //     N(z) = (1 + a1 z + a2 z^2) / (1 + b1 z + b2 z^2),

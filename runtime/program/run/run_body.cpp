@@ -13,10 +13,6 @@
 namespace tremolo {
 namespace {
 
-Error usage_error(std::string message) {
-  return {ErrorKind::kUsage, std::move(message)};
-}
-
 Status check_combinations(const RunOptions& options) {
   if ((options.surfaces > 0 || options.plot) && options.out.empty())
     return usage_error("--surfaces and --plot need --out DIR");

@@ -1,0 +1,48 @@
+// The step of `imexv` with a given split; its equations stand in imexv.cpp.
+#pragma once
+
+#include "runtime/integrators/imexv/high_rows.h"
+#include "runtime/integrators/one_step.h"
+
+namespace tremolo {
+
+class ImexvStep : public OneStep {
+ public:
+  std::optional<Split> split() const final { return Split{low_, model_->modes() - low_}; }
+
+ protected:
+  ImexvStep(std::string_view name, Model::Pointer model, const IntegratorOptions& options,
+            Split split, unsigned want, unsigned uses)
+      : OneStep(name, std::move(model), options, want, uses), low_(split.low), kick_(D_, h_) {}
+
+  // From z0_, with the leading low_ coordinates explicit. high: made for that split.
+  StepReport split_step(HighRows& high, State& state, const StepLoad& load) {
+    double dissipated = kick_low(state, load.start);
+    state.q.head(low_) += h_ * state.p.head(low_);
+    StepReport report = high.advance(z0_.q, state, load.average);
+    if (report.converged) dissipated += kick_low(state, load.end);
+    report.dissipated += dissipated;
+    report.converged = report.converged && state.q.allFinite() && state.p.allFinite();
+    return report;
+  }
+
+  Eigen::Index low_;
+  DampedKick kick_;
+
+ private:
+  // Returns what damping took, J.
+  double kick_low(State& state, const Eigen::VectorXd& f) {
+    if (low_ == 0) return 0.0;
+    return kick_((f - V_.force(state.q)).head(low_), state.p);
+  }
+};
+
+// Makes a method that takes the split it starts with. Errors as choose_split.
+template <class Method>
+MadeIntegrator make_split_method(Model::Pointer model, const IntegratorOptions& options) {
+  const Result<Split> split = choose_split(model->lambda(), options.step, options.split);
+  if (!split) return split.error();
+  return IntegratorPointer(std::make_unique<Method>(std::move(model), options, *split));
+}
+
+}  // namespace tremolo

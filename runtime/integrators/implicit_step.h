@@ -1,0 +1,46 @@
+// What the methods have in common that solve for all coordinates at once, with R and K at one place
+// of the step.
+#pragma once
+
+#include "runtime/integrators/one_step.h"
+#include "runtime/integrators/solve/newton.h"
+
+namespace tremolo {
+
+class ImplicitStep : public OneStep {
+ protected:
+  ImplicitStep(std::string_view name, Model::Pointer model, const IntegratorOptions& options)
+      : OneStep(name, std::move(model), options, kWantForce, kUseTangent),
+        tolerance_(options.tolerance),
+        max_iterations_(options.max_iterations),
+        newton_(model_->modes()),
+        qm_(D_) {}
+
+  // Of the step whose R is taken at qm = q0 + theta d, for d = newton_.unknowns, the residual
+  //
+  //     d - h p0 + theta h^2 [R(qm) + D d/h - f]
+  //
+  // and, if it is wanted, the Jacobian I + theta^2 h^2 K(qm) + theta h D. f: average of the load
+  // over the step. Returns relative_residual().
+  double evaluate_one_stage(double theta, const State& z0, const Eigen::VectorXd& f,
+                            bool jacobian) {
+    const double h = h_;
+    const Eigen::VectorXd& d = newton_.unknowns;
+    qm_ = z0.q + theta * d;
+    const auto& [V, R, K] = V_.evaluate(qm_, jacobian ? kWantForce | kWantTangent : kWantForce);
+    newton_.residual = d - h * z0.p + (theta * h * h) * (R - f) + (theta * h) * D_.cwiseProduct(d);
+    if (jacobian) {
+      newton_.jacobian = (theta * theta * h * h) * K;
+      newton_.jacobian.diagonal().array() += 1.0 + theta * h * D_.array();
+    }
+    return relative_residual(newton_.residual.norm(), tolerance_, h, z0.p.norm(), R.norm(),
+                             f.norm());
+  }
+
+  double tolerance_;
+  int max_iterations_;
+  NewtonWorkspace newton_;
+  Eigen::VectorXd qm_;  // where R and K are taken
+};
+
+}  // namespace tremolo

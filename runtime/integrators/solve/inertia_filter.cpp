@@ -1,0 +1,66 @@
+#include "runtime/integrators/solve/inertia_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tremolo {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double kEp2Limit = 1.2;  // of h omega/2: x cot x stays above 0.46
+
+// Damping is strong where it changes J's diagonal by more than this, relative.
+constexpr double kStrongDamping = 0.02;
+
+}  // namespace
+
+double cotangent_weight(double x) {
+  x = std::min(x, kEp2Limit);
+  return x < 1e-4 ? 1.0 - x * x / 3.0 : x / std::tan(x);
+}
+
+double rational_weight(double x) {
+  return filter_value(kRobustShape, x * x);
+}
+
+InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions& options,
+                                    InertiaWeight at_rest) {
+  const double h = options.step;
+  const Index r = model.modes();
+  InertiaDamping damping;
+  damping.D = damping_rates(model.lambda(), options.alpha, options.beta);
+  damping.present = damping.D.maxCoeff() > 0.0;
+  for (VectorXd* v : {&damping.theta, &damping.n, &damping.shift, &damping.g, &damping.slope})
+    v->setZero(r);
+  for (Index i = 0; i < r; ++i) {
+    const double c = h * damping.D[i], w = h * std::sqrt(model.lambda()[i]);
+    const auto [theta, n] = damped_weights(c, w, at_rest);
+    damping.theta[i] = theta;
+    damping.n[i] = n;
+    damping.shift[i] = n - at_rest(0.5 * w);
+    damping.g[i] = 1.0 + 2.0 * theta * c;
+    damping.slope[i] = n * n / damping.g[i] + 0.5 * c;
+  }
+  return damping;
+}
+
+DampedMatrixFilter::DampedMatrixFilter(const InertiaDamping& damping, const VectorXd& z)
+    : shift_(damping.shift),
+      shifted_(shift_),
+      slope_(damping.slope),
+      factors_(shift_.size(), shift_.size()),
+      filter_(shift_.size(), kRobustShape),
+      factor_(shift_.size()) {
+  const VectorXd weight = damping.n.cwiseProduct(damping.g.cwiseInverse());
+  for (Index j = 0; j < shift_.size(); ++j)
+    for (Index i = 0; i < shift_.size(); ++i)
+      factors_(i, j) = 1.0 + filter_slope(kRobustShape, z[i], z[j]) * (weight[i] + weight[j]);
+  const Eigen::ArrayXd undamped = (damping.n - damping.shift).array().square();
+  const Eigen::ArrayXd change = (slope_.array() - undamped).abs() / (undamped + z.array());
+  strong_ = change.maxCoeff() > kStrongDamping;
+  slope_.array() += (1.0 - factors_.diagonal().array()) * z.array();
+}
+
+}  // namespace tremolo

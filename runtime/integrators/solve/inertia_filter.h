@@ -1,0 +1,128 @@
+// The inertia N of the energy-preserving steps (runtime/integrators/energy_preserving.cpp) and what
+// damping makes of it. There are three kinds: a fixed diagonal matrix, a function N(Z) of
+// Z = (h^2/4) K, and that function with damping.
+//
+// Each kind knows the basis W in which it is simplest, x_hat = W^T x:
+//
+//     compute(Z)           makes N and a factor of the frozen Jacobian J, about N^2 + Z, which for
+//                          Jacobians with damping is N S N/2 + Z + h D/2; Z may be changed. False
+//                          where J is not positive definite
+//     to_basis(x)          x <- W^T x
+//     from_basis(x)        x <- W x
+//     apply(x), solve(x)   in the basis: x <- N x and x <- J^-1 x
+//     multiply(x)          in the basis: x <- Z x; only where N follows the state
+//
+// Nothing is allocated after construction.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "runtime/integrator.h"
+#include "runtime/integrators/solve/damping.h"
+#include "runtime/integrators/solve/rational_filter.h"
+#include "runtime/kernels/cholesky.h"
+
+namespace tremolo {
+
+// N at rest, for one coordinate, x = h omega/2: of ep2, and of ep4. avf has unit_weight.
+double cotangent_weight(double x);
+double rational_weight(double x);
+
+// What damping makes of the step, for each coordinate; r each.
+struct InertiaDamping {
+  Eigen::VectorXd D;      // 1/s
+  Eigen::VectorXd theta;  // of runtime/integrators/solve/damping.h
+  Eigen::VectorXd n;      // N at rest, damped
+  Eigen::VectorXd shift;  // n less N at rest
+  Eigen::VectorXd g;      // 1 + 2 theta h D = 2/S
+  Eigen::VectorXd slope;  // n^2/g + h D/2: J at rest, without Z
+  bool present = false;   // some D is not zero
+};
+
+InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions& options,
+                                    InertiaWeight at_rest);
+
+// N diagonal and fixed; J, damping included, by Cholesky. W is the identity.
+class DiagonalFilter {
+ public:
+  static constexpr bool kFollowsTheState = false;
+
+  explicit DiagonalFilter(const InertiaDamping& damping)
+      : n_(damping.n), slope_(damping.slope), factor_(n_.size()) {}
+
+  bool compute(Eigen::MatrixXd& Z) {
+    Z.diagonal() += slope_;
+    return factor_.compute(Z);
+  }
+  void to_basis(Eigen::VectorXd&) const {}
+  void from_basis(Eigen::VectorXd&) const {}
+  void apply(Eigen::VectorXd& x) const { x = n_.cwiseProduct(x); }
+  void solve(Eigen::VectorXd& x) const { factor_.solve(x); }
+
+ private:
+  Eigen::VectorXd n_;
+  Eigen::VectorXd slope_;
+  SmallCholesky factor_;
+};
+
+// N = N(Z) without damping. W is the basis in which Z is tridiagonal.
+class MatrixFilter : public RationalFilter {
+ public:
+  static constexpr bool kFollowsTheState = true;
+
+  explicit MatrixFilter(Eigen::Index size) : RationalFilter(size, kRobustShape) {}
+  bool compute(Eigen::MatrixXd& Z) {
+    RationalFilter::compute(Z);
+    return true;
+  }
+};
+
+// N = N(Z) plus the shift of each damped coordinate. W is the identity. Where damping changes J
+// little, J is that without damping; else it is of first order in Z less its value at rest,
+// diag(z), where the derivative of N S N/2 is a factor for each entry (filter_slope).
+class DampedMatrixFilter {
+ public:
+  static constexpr bool kFollowsTheState = true;
+
+  // z: Z at rest, its diagonal, r.
+  DampedMatrixFilter(const InertiaDamping& damping, const Eigen::VectorXd& z);
+
+  bool compute(Eigen::MatrixXd& Z) {
+    filter_.compute(Z);
+    if (!strong_) return true;
+    Z.array() *= factors_.array();
+    Z.diagonal() += slope_;
+    return factor_.compute(Z);
+  }
+  void to_basis(Eigen::VectorXd&) const {}
+  void from_basis(Eigen::VectorXd&) const {}
+  void apply(Eigen::VectorXd& x) {
+    shifted_ = shift_.cwiseProduct(x);
+    filter_.to_basis(x);
+    filter_.apply(x);
+    filter_.from_basis(x);
+    x += shifted_;
+  }
+  void solve(Eigen::VectorXd& x) {
+    if (strong_) return factor_.solve(x);
+    filter_.to_basis(x);
+    filter_.solve(x);
+    filter_.from_basis(x);
+  }
+  void multiply(Eigen::VectorXd& x) const {
+    filter_.to_basis(x);
+    filter_.multiply(x);
+    filter_.from_basis(x);
+  }
+
+ private:
+  Eigen::VectorXd shift_;
+  Eigen::VectorXd shifted_;
+  bool strong_ = false;
+  Eigen::VectorXd slope_;    // J at rest less factors_ Z at rest, its diagonal
+  Eigen::MatrixXd factors_;  // r x r, symmetric
+  RationalFilter filter_;
+  SmallCholesky factor_;
+};
+
+}  // namespace tremolo
