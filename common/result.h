@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -61,5 +62,17 @@ class [[nodiscard]] Result {
 
 struct Success {};
 using Status = Result<Success>;
+
+// Puts the value of `result` where it belongs: moved, or element by element where `target` is a
+// container of its own. Passes an error on and leaves `target` as it was then.
+template <class Target, class Value>
+Status take(Target& target, Result<Value> result) {
+  if (!result) return std::move(result.error());
+  if constexpr (std::is_assignable_v<Target&, Value&&>)
+    target = std::move(*result);
+  else
+    target.assign(result->begin(), result->end());
+  return Success{};
+}
 
 }  // namespace tremolo
