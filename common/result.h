@@ -35,8 +35,11 @@ inline Error error_of_file(const std::string& path, Error error) {
   if (!error.message.starts_with(path + ":")) error.message = path + ": " + error.message;
   return error;
 }
+constexpr int exit_code(ErrorKind kind) {
+  return static_cast<int>(kind);
+}
 inline int exit_code(const Error& error) {
-  return static_cast<int>(error.kind);
+  return exit_code(error.kind);
 }
 
 // Holds a T or an Error. `if (!result) return result.error();` is the usual way to pass one on.

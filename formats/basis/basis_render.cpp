@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/index.h"
 #include "formats/basis/basis_reader.h"
 
 namespace tremolo {
@@ -80,10 +81,6 @@ bool all_below(const std::vector<std::uint32_t>& indices, std::size_t bound) {
   return std::all_of(indices.begin(), indices.end(), [&](std::uint32_t i) { return i < bound; });
 }
 
-bool is_below(VertexId id, std::uint64_t bound) {
-  return id >= 0 && std::cmp_less(id, bound);
-}
-
 }  // namespace
 
 bool fits(const RenderBlock& render, Eigen::Index r, std::uint64_t n) {
@@ -98,9 +95,9 @@ bool fits(const RenderBlock& render, Eigen::Index r, std::uint64_t n) {
       surface.object_of.size() != triangles || surface.material_of.size() != triangles ||
       !are_names(surface.objects) || !are_names(surface.materials))
     return false;
-  const auto is_corner = [count](VertexId id) { return is_below(id, count); };
+  const auto is_corner = [count](VertexId id) { return is_index(id, count); };
   return std::all_of(render.anchors.begin(), render.anchors.end(),
-                     [n](VertexId id) { return is_below(id, n); }) &&
+                     [n](VertexId id) { return is_index(id, n); }) &&
          std::all_of(
              surface.triangles.begin(), surface.triangles.end(),
              [&](const Triangle& t) { return std::all_of(t.begin(), t.end(), is_corner); }) &&

@@ -23,7 +23,7 @@ using Contents = std::map<std::string_view, std::span<const std::byte>>;
 
 template <class List>
 std::span<const std::byte> bytes_of(const List& list) {
-  return std::as_bytes(std::span(list.data(), static_cast<std::size_t>(list.size())));
+  return std::as_bytes(std::span(list.data(), list.size()));
 }
 
 // What a file holds beside the caller's own arrays.
@@ -68,14 +68,14 @@ Status check_data(const BasisData& data, bool streamed) {
 
 Result<Additions> make_additions(const BasisData& data, BasisEncoding encoding) {
   Additions more;
-  more.dimensions = {data.vertex_count,
-                     data.tetrahedron_count,
-                     data.linear_mode_count,
-                     static_cast<std::uint64_t>(data.lambda.size()),
-                     data.fixed_vertex_count,
-                     data.rigid_mode_count,
-                     data.surface.vertex_ids.size(),
-                     data.triangles.size()};
+  more.dimensions[dimension::kVertices] = data.vertex_count;
+  more.dimensions[dimension::kTetrahedra] = data.tetrahedron_count;
+  more.dimensions[dimension::kLinearModes] = data.linear_mode_count;
+  more.dimensions[dimension::kModes] = data.lambda.size();
+  more.dimensions[dimension::kFixed] = data.fixed_vertex_count;
+  more.dimensions[dimension::kRigid] = data.rigid_mode_count;
+  more.dimensions[dimension::kSurfaceVertices] = data.surface.vertex_ids.size();
+  more.dimensions[dimension::kTriangles] = data.triangles.size();
   if (data.render) {
     more.objects = joined(data.render->surface.objects);
     more.materials = joined(data.render->surface.materials);

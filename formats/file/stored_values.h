@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "common/hash.h"
@@ -26,6 +27,16 @@ T get(std::span<const std::byte> bytes, std::size_t at) {
 template <class T>
 void put(std::span<std::byte> bytes, std::size_t at, T value) {
   std::memcpy(bytes.data() + at, &value, sizeof(value));
+}
+
+// Behind what `bytes` holds.
+template <class T>
+void append_bytes(std::string& bytes, const T* values, std::size_t count) {
+  bytes.append(reinterpret_cast<const char*>(values), count * sizeof(T));
+}
+template <class T>
+void append_bytes(std::string& bytes, T value) {
+  append_bytes(bytes, &value, 1);
 }
 
 // How many of the bytes are zero before the first that is not.
