@@ -1,16 +1,26 @@
-// printf into a string, for reports and messages: up to 399 bytes, what is longer is cut.
+// Small text for reports, messages and comparisons.
 #pragma once
 
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 namespace tremolo {
 
+// printf into a string: up to 399 bytes, what is longer is cut.
 template <class... Values>
 std::string text(const char* format, Values... values) {
   char buffer[400];
   std::snprintf(buffer, sizeof(buffer), format, values...);
   return buffer;
+}
+
+// A to Z become a to z; every other byte stays.
+inline std::string lower_case(std::string_view letters) {
+  std::string result(letters);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
+  return result;
 }
 
 }  // namespace tremolo

@@ -56,9 +56,7 @@ StepSignal sample_table(const SignalTable& table, double time, double step) {
   const double first = std::max(begin, times.front()), last = std::min(end, times.back());
   if (!(first < last)) return {};
   // From the last moment at or before `first`, so that a jump there has happened.
-  auto k = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), first) -
-                                    times.begin()) -
-           1;
+  std::size_t k = std::upper_bound(times.begin(), times.end(), first) - times.begin() - 1;
   StepSignal sample;
   sample.start = begin < first ? 0.0 : table_line(table, k, first);
   double area = 0.0, left = table_line(table, k, first), right = 0.0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -37,8 +38,11 @@ inline Error error_of_file(const std::string& path, Error error) {
   if (!error.message.starts_with(path + ":")) error.message = path + ": " + error.message;
   return error;
 }
+constexpr int exit_code(ErrorKind kind) {
+  return static_cast<int>(kind);
+}
 inline int exit_code(const Error& error) {
-  return static_cast<int>(error.kind);
+  return exit_code(error.kind);
 }
 
 // Holds a T or an Error. `if (!result) return result.error();` is the usual way to pass one on.
@@ -64,5 +68,17 @@ class [[nodiscard]] Result {
 
 struct Success {};
 using Status = Result<Success>;
+
+// Puts the value of `result` where it belongs: moved, or element by element where `target` is a
+// container of its own. Passes an error on and leaves `target` as it was then.
+template <class Target, class Value>
+Status take(Target& target, Result<Value> result) {
+  if (!result) return std::move(result.error());
+  if constexpr (std::is_assignable_v<Target&, Value&&>)
+    target = std::move(*result);
+  else
+    target.assign(result->begin(), result->end());
+  return Success{};
+}
 
 }  // namespace tremolo

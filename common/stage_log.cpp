@@ -21,7 +21,7 @@ std::uint64_t peak_resident_bytes() {
     if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024u;
   struct rusage usage = {};
   ::getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024u;
+  return usage.ru_maxrss * 1024u;
 }
 
 double processor_seconds() {

@@ -6,6 +6,7 @@
 #include "formats/basis/basis_writer.h"
 #include "formats/basis/selector_reader.h"
 #include "formats/file/atomic_file.h"
+#include "formats/file/standard_streams.h"
 #include "formats/vtk/vtu_writer.h"
 #include "precompute/checkpoint/checkpoint.h"
 #include "precompute/options/named_files.h"
@@ -43,7 +44,7 @@ void print_selection(const PrecomputeOptions& options) {
   for (const VertexId id : ids) places.push_back(problem.mesh.vertices[id]);
   write_preview(options, problem);
   std::cout << describe_vertices(ids, places) << "\n";
-  require_stdout();
+  unwrap(flush_standard_output());
 }
 
 // --preview without an output: the painted surface, and nothing else.
@@ -153,7 +154,7 @@ void run_import(const CommandLine& line, StageLog& log) {
   write_vtu(options, result.problem.mesh, result.data, log);
   print_spectrum(result.data);
   if (line.json) std::cout << import_report(result);
-  require_stdout();
+  unwrap(flush_standard_output());
 }
 
 // Ranks other than 0 hand over their rows, unless all have been collected.
@@ -185,7 +186,7 @@ void compute(const CommandLine& line, StageLog& log) {
   // Stages that were there have asked for none.
   if (!result.findings.resumed) warn_of_unused_options();
   if (line.json) print_json(result, log, ranks);
-  require_stdout();
+  unwrap(flush_standard_output());
 }
 
 }  // namespace

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <iostream>
 
 #include <nlohmann/json.hpp>
 
 #include "common/hertz.h"
-#include "precompute/system/failure.h"
+#include "formats/file/standard_streams.h"
 #include "precompute/target_error.h"
 
 namespace tremolo {
@@ -88,7 +87,7 @@ void print_json(const PrecomputeResult& result, const StageLog& log, const RankT
                      {"ranks", mpi_ranks()},
                      {"stages", stages_json(log)},
                      {"stages_of_ranks", ranks_json(ranks)}};
-  std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+  print_json(json);
 }
 
 void print_spectrum(const BasisData& data) {
@@ -111,10 +110,6 @@ void print_total(const StageLog& log, const RankTable& ranks) {
   if (mpi_ranks() > 1)
     std::fprintf(stderr, "  processor time and peak memory of each rank\n%s\n",
                  table_text(ranks).c_str());
-}
-
-void require_stdout() {
-  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
 }
 
 }  // namespace tremolo

@@ -16,7 +16,4 @@ void print_spectrum(const BasisData& data);
 // Time and peak memory of all stages, and of each of several ranks, on stderr.
 void print_total(const StageLog& log, const RankTable& ranks);
 
-// Throws Failure (kSystem) when stdout did not take all that was written.
-void require_stdout();
-
 }  // namespace tremolo

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/mesh/vertex_lookup.h"
 #include "common/number_text.h"
 #include "common/packed_index.h"
 #include "formats/basis/basis_layout.h"
@@ -193,12 +194,12 @@ const SurfaceBasis& Model::surface_basis() const {
 
 Result<VertexRows> Model::vertex(VertexId id) const {
   const VertexBlock* block = &surface_;
-  std::optional<std::size_t> at = find_vertex(surface_, id);
+  std::optional<std::size_t> at = find_vertex(surface_.vertex_ids, id);
   if (!at) {
     const Result<const VertexBlock*> interior = interior_->block();
     if (!interior) return interior.error();
     block = *interior;
-    at = find_vertex(*block, id);
+    at = find_vertex(block->vertex_ids, id);
   }
   if (!at)
     return usage_error("the model has no vertex " + std::to_string(id) + "; it has " +

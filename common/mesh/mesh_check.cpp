@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "common/index.h"
 #include "common/mesh/mesh_parts.h"
 
 namespace tremolo {
@@ -40,7 +41,7 @@ Culprits tetrahedra() {
 }
 
 bool is_vertex(const TetMesh& mesh, VertexId id) {
-  return id >= 0 && static_cast<std::size_t>(id) < mesh.vertices.size();
+  return is_index(id, mesh.vertices.size());
 }
 
 Status check_coordinates(const TetMesh& mesh) {
@@ -73,7 +74,7 @@ Status check_indices(const TetMesh& mesh) {
     return content_error("the mesh has " + std::to_string(mesh.tetrahedra.size()) +
                          " tetrahedra and regions of " + std::to_string(mesh.region_of.size()));
   for (std::int32_t region : mesh.region_of)
-    if (region < -1 || region >= static_cast<std::int64_t>(mesh.region_names.size()))
+    if (region != -1 && !is_index(region, mesh.region_names.size()))
       return content_error("a tetrahedron is in region " + std::to_string(region) +
                            ", the mesh has " + std::to_string(mesh.region_names.size()));
   for (const auto& [name, ids] : mesh.node_sets)
@@ -146,8 +147,8 @@ void label_parts(const TetMesh& mesh, MeshReport& report) {
   MeshParts parts = mesh_parts(mesh);
   report.parts = parts.count;
   report.part_of_vertex = std::move(parts.part_of_vertex);
-  report.unreferenced_vertices = static_cast<std::size_t>(
-      std::count(report.part_of_vertex.begin(), report.part_of_vertex.end(), -1));
+  report.unreferenced_vertices =
+      std::count(report.part_of_vertex.begin(), report.part_of_vertex.end(), -1);
 }
 
 void add_notes(MeshReport& report) {
@@ -165,7 +166,7 @@ void add_notes(MeshReport& report) {
 
 Result<MeshReport> check_mesh(TetMesh& mesh) {
   if (mesh.tetrahedra.empty()) return content_error("the mesh has no tetrahedra");
-  if (mesh.vertices.size() > static_cast<std::size_t>(std::numeric_limits<VertexId>::max()))
+  if (!std::in_range<VertexId>(mesh.vertices.size()))
     return content_error("the mesh has 2^31 vertices or more");
   for (const auto& check : {check_coordinates, check_indices, check_volumes, check_duplicates}) {
     const Status status = check(mesh);

@@ -8,6 +8,8 @@
 #include <sstream>
 #include <utility>
 
+#include "common/index.h"
+
 namespace tremolo {
 namespace {
 
@@ -180,8 +182,7 @@ struct Finder {
       return x != y ? x < y : a < b;
     };
     const std::size_t count = std::min(near.count, ids.size());
-    std::partial_sort(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), ids.end(),
-                      nearer);
+    std::partial_sort(ids.begin(), ids.begin() + count, ids.end(), nearer);
     ids.resize(count);
     if (ids.empty()) return ids;
     const double distance = (space.vertices[ids.front()] - centre).stableNorm();
@@ -195,7 +196,7 @@ struct Finder {
       const auto who = [&] {
         return "selector `" + selector.text + "`: vertex " + std::to_string(id);
       };
-      if (id < 0 || static_cast<std::size_t>(id) >= space.selectable.size())
+      if (!is_index(id, space.selectable.size()))
         return content_error(who() + " is not in the mesh, whose vertices are 0 to " +
                              std::to_string(space.selectable.size() - 1));
       if (!space.selectable[id]) return content_error(who() + " " + space.unselectable);
@@ -228,8 +229,7 @@ Result<Ids> find(const Selector& selector, const SelectionSpace& space) {
   if (!found) return found;
   Ids& ids = *found;
   std::erase_if(ids, [&](VertexId id) {
-    return id < 0 || static_cast<std::size_t>(id) >= space.selectable.size() ||
-           !space.selectable[id];
+    return !is_index(id, space.selectable.size()) || !space.selectable[id];
   });
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "common/format_text.h"
 #include "common/mesh/selector.h"
 
 namespace tremolo {
@@ -128,7 +129,7 @@ Result<Selector> parse_plane(const std::string& text, std::string_view body) {
   Eigen::Vector3d normal;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if ((*values)[3 + axis].percent) return malformed(text, expected);
-    normal[static_cast<Eigen::Index>(axis)] = (*values)[3 + axis].value;
+    normal[axis] = (*values)[3 + axis].value;
   }
   const double size = normal.cwiseAbs().maxCoeff();
   if (size == 0.0) return malformed(text, "a normal other than zero");
@@ -143,7 +144,7 @@ Result<Selector> parse_near(const std::string& text, std::string_view body) {
     const std::optional<VertexId> count = number<VertexId>(body.substr(last + 1));
     if (!count || *count < 1)
       return malformed(text, "a count of at least 1 behind the point of `near:`");
-    wanted = static_cast<std::size_t>(*count);
+    wanted = *count;
     body = body.substr(0, last);
   }
   const auto values = lengths(body, 3);
@@ -159,10 +160,9 @@ std::optional<Colour> colour_of(std::string_view name) {
     return Colour{static_cast<std::uint8_t>(*value >> 16), static_cast<std::uint8_t>(*value >> 8),
                   static_cast<std::uint8_t>(*value), 255};
   }
-  std::string lower(name);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string plain = lower_case(name);
   for (const auto& [known, colour] : kColours)
-    if (known == lower) return colour;
+    if (known == plain) return colour;
   return std::nullopt;
 }
 

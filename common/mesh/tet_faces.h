@@ -37,8 +37,7 @@ void for_each_face(const TetMesh& mesh, const Visit& visit) {
   // Those with the same smallest vertex lie together: short lists to be sorted.
   const std::size_t sides = 4 * mesh.tetrahedra.size();
   std::vector<std::size_t> start(mesh.vertices.size() + 1, 0);
-  for (std::size_t side = 0; side < sides; ++side)
-    ++start[static_cast<std::size_t>(sorted(side)[0]) + 1];
+  for (std::size_t side = 0; side < sides; ++side) ++start[sorted(side)[0] + 1];
   std::partial_sum(start.begin(), start.end(), start.begin());
   std::vector<std::size_t> end = start;
   std::vector<Face> faces(sides);

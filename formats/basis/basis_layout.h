@@ -17,6 +17,10 @@ inline constexpr std::uint16_t kMinorEncoded = 1;
 // Of a file with a render surface, whatever else it is.
 inline constexpr std::uint16_t kMinorRender = 2;
 inline constexpr std::size_t kAlignment = 64;
+// Where the next section may begin, behind one that ends at `offset`.
+constexpr std::size_t aligned(std::size_t offset) {
+  return (offset + kAlignment - 1) / kAlignment * kAlignment;
+}
 inline constexpr std::uint32_t kMaxSections = 256;
 
 // Header, 64 bytes at offset 0; everything little-endian.
@@ -74,45 +78,60 @@ constexpr std::size_t element_size(ElementType type) {
   return 0;
 }
 
-// Section names. Shapes are in terms of the entries of `dimensions`; types are those of a full
-// file.
-inline constexpr std::string_view kDimensions = "dimensions";         // u64, 8 x 1
-inline constexpr std::string_view kTotalMass = "total_mass";          // f64, 1 x 1
-inline constexpr std::string_view kLambda = "lambda";                 // f64, r x 1
-inline constexpr std::string_view kCubic = "cubic";                   // f64, C(r+2,3) x 1
-inline constexpr std::string_view kQuartic = "quartic";               // f64, C(r+3,4) x 1
-inline constexpr std::string_view kSurfaceIds = "surface_ids";        // u32, s x 1
-inline constexpr std::string_view kSurfaceRest = "surface_rest";      // f64, s x 3
-inline constexpr std::string_view kSurfaceBasis = "surface_basis";    // f64, 3s x r, row-major
-inline constexpr std::string_view kTriangles = "triangles";           // u32, t x 3
-inline constexpr std::string_view kInteriorIds = "interior_ids";      // u32, (n-s) x 1
-inline constexpr std::string_view kInteriorRest = "interior_rest";    // f64, (n-s) x 3
-inline constexpr std::string_view kInteriorBasis = "interior_basis";  // f64, 3(n-s) x r, row-major
-inline constexpr std::string_view kFixedIds = "fixed_ids";            // u32, fixed x 1
-inline constexpr std::string_view kLoadIds = "load_ids";              // u32, l x 1
-inline constexpr std::string_view kLoadForces = "load_forces";        // f64, l x 3
-inline constexpr std::string_view kSingularValues = "singular_values";  // f64, c x 1
-inline constexpr std::string_view kProvenance = "provenance";           // u8, bytes x 1
-// Of an imported model: the files it was made of, byte for byte.
-inline constexpr std::string_view kVegaBasis = "vega_basis";  // u8, bytes x 1: a .U
-inline constexpr std::string_view kVegaCubic = "vega_cubic";  // u8, bytes x 1: a .cub
+// The element type of which a section's values are in memory.
+template <class T>
+inline constexpr ElementType kTypeOf{};
+template <>
+inline constexpr ElementType kTypeOf<std::uint8_t> = ElementType::kU8;
+template <>
+inline constexpr ElementType kTypeOf<std::uint32_t> = ElementType::kU32;
+template <>
+inline constexpr ElementType kTypeOf<std::uint64_t> = ElementType::kU64;
+template <>
+inline constexpr ElementType kTypeOf<double> = ElementType::kF64;
+template <>
+inline constexpr ElementType kTypeOf<float> = ElementType::kF32;
+template <>
+inline constexpr ElementType kTypeOf<std::int16_t> = ElementType::kI16;
 
-// Version 1.1, compact: both are there, `cubic` and `quartic` are f32, the two bases i16.
-inline constexpr std::string_view kCoefficientScales = "coef_scales";  // f64, 2 x 1
-inline constexpr std::string_view kBasisScales = "basis_scales";       // f64, r x 1
+// Section names; basis_sections.cpp has their types and shapes.
+inline constexpr std::string_view kDimensions = "dimensions";
+inline constexpr std::string_view kTotalMass = "total_mass";
+inline constexpr std::string_view kLambda = "lambda";
+inline constexpr std::string_view kCubic = "cubic";
+inline constexpr std::string_view kQuartic = "quartic";
+inline constexpr std::string_view kSurfaceIds = "surface_ids";
+inline constexpr std::string_view kSurfaceRest = "surface_rest";
+inline constexpr std::string_view kSurfaceBasis = "surface_basis";
+inline constexpr std::string_view kTriangles = "triangles";
+inline constexpr std::string_view kInteriorIds = "interior_ids";
+inline constexpr std::string_view kInteriorRest = "interior_rest";
+inline constexpr std::string_view kInteriorBasis = "interior_basis";
+inline constexpr std::string_view kFixedIds = "fixed_ids";
+inline constexpr std::string_view kLoadIds = "load_ids";
+inline constexpr std::string_view kLoadForces = "load_forces";
+inline constexpr std::string_view kSingularValues = "singular_values";
+inline constexpr std::string_view kProvenance = "provenance";
+// Of an imported model: the files .U and .cub that it was made of, byte for byte.
+inline constexpr std::string_view kVegaBasis = "vega_basis";
+inline constexpr std::string_view kVegaCubic = "vega_cubic";
 
-// Version 1.2, the render surface: the first eight are there together or not at all.
-inline constexpr std::string_view kRenderRest = "render_rest";           // f64, v x 3
-inline constexpr std::string_view kRenderBasis = "render_basis";         // f64 or i16, 3v x r
-inline constexpr std::string_view kRenderAnchors = "render_anchors";     // u32, v x 1
-inline constexpr std::string_view kRenderTriangles = "render_faces";     // u32, w x 3
-inline constexpr std::string_view kRenderObjects = "render_object";      // u32, w x 1
-inline constexpr std::string_view kRenderMaterials = "render_material";  // u32, w x 1
-inline constexpr std::string_view kObjectNames = "object_names";         // u8, bytes x 1
-inline constexpr std::string_view kMaterialNames = "material_names";     // u8, bytes x 1
-inline constexpr std::string_view kRenderNormals = "render_normals";     // f32, v x 3
-inline constexpr std::string_view kRenderUvs = "render_uvs";             // f32, v x 2
-inline constexpr std::string_view kRenderColours = "render_colours";     // u8, v x 4
+// Version 1.1, of a compact file.
+inline constexpr std::string_view kCoefficientScales = "coef_scales";
+inline constexpr std::string_view kBasisScales = "basis_scales";
+
+// Version 1.2, the render surface.
+inline constexpr std::string_view kRenderRest = "render_rest";
+inline constexpr std::string_view kRenderBasis = "render_basis";
+inline constexpr std::string_view kRenderAnchors = "render_anchors";
+inline constexpr std::string_view kRenderTriangles = "render_faces";
+inline constexpr std::string_view kRenderObjects = "render_object";
+inline constexpr std::string_view kRenderMaterials = "render_material";
+inline constexpr std::string_view kObjectNames = "object_names";
+inline constexpr std::string_view kMaterialNames = "material_names";
+inline constexpr std::string_view kRenderNormals = "render_normals";
+inline constexpr std::string_view kRenderUvs = "render_uvs";
+inline constexpr std::string_view kRenderColours = "render_colours";
 
 // Entries of the section `coef_scales`, in this order.
 namespace coefficient_scale {

@@ -14,6 +14,7 @@
 #include "common/result.h"
 #include "formats/basis/basis_data.h"
 #include "formats/basis/basis_layout.h"
+#include "formats/basis/basis_sections.h"
 #include "formats/file/mapped_file.h"
 
 namespace tremolo {
@@ -74,6 +75,10 @@ class BasisReader {
   // Finite floats, and bytes.
   Result<std::span<const float>> floats(std::string_view section);
   Result<std::span<const std::uint8_t>> bytes(std::string_view section);
+  // Points of three coordinates each, finite.
+  Result<std::vector<Eigen::Vector3d>> points(std::string_view section);
+  // Triples of indices below `bound`.
+  Result<std::vector<Triangle>> triangles(std::string_view section, std::uint64_t bound);
 
   // A block of vertices: `ids`, `rest` and `basis` are section names. All columns of the basis, as
   // doubles whatever the encoding.
@@ -93,13 +98,21 @@ class BasisReader {
   Status parse_table();
   Status parse_entry(std::size_t index);
   Status check_packing() const;
-  Status check_shapes() const;
-  Status check_render() const;
   Status read_dimensions();
+  basis_layout::SectionSizes sizes() const;
+  Status check_shapes() const;
   const BasisSection* find(std::string_view name) const;
-  Result<std::span<const double>> scales(std::string_view section);
   Result<std::span<const std::byte>> contents(std::string_view section,
                                               basis_layout::ElementType type);
+  template <class T>
+  Result<std::span<const T>> elements(std::string_view section) {
+    const Result<std::span<const std::byte>> bytes = contents(section, basis_layout::kTypeOf<T>);
+    if (!bytes) return bytes.error();
+    return std::span(reinterpret_cast<const T*>(bytes->data()), bytes->size() / sizeof(T));
+  }
+  template <class T>
+  Result<std::span<const T>> finite(std::string_view section);
+  Result<std::span<const double>> scales(std::string_view section);
   Status verify(std::size_t index);
   Error error_at(std::string_view where, std::uint64_t offset, const std::string& what) const;
 
@@ -115,6 +128,7 @@ class BasisReader {
 
 // Parts of the file, checked beyond their shape: lambda is positive and ascending.
 Result<Eigen::VectorXd> read_lambda(BasisReader& reader);
+// The boundary, indices into the ids of the surface's block.
 Result<std::vector<Triangle>> read_triangles(BasisReader& reader);
 Result<DefaultLoad> read_default_load(BasisReader& reader);
 // nullopt: the file has none. Errors also for an index that names nothing and names that do not

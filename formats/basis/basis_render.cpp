@@ -1,6 +1,8 @@
 // The sections of a render surface -> RenderBlock.
 #include <algorithm>
+#include <utility>
 
+#include "common/index.h"
 #include "formats/basis/basis_reader.h"
 
 namespace tremolo {
@@ -24,45 +26,26 @@ Result<std::vector<std::string>> read_names(BasisReader& reader, std::string_vie
 }
 
 Status read_vertices(BasisReader& reader, RenderBlock& block) {
-  RenderSurface& surface = block.surface;
-  const Result<std::span<const double>> rest = reader.doubles(kRenderRest);
-  if (!rest) return rest.error();
-  surface.vertices.resize(rest->size() / 3);
-  for (std::size_t v = 0; v < surface.vertices.size(); ++v)
-    surface.vertices[v] = Eigen::Map<const Eigen::Vector3d>(rest->data() + 3 * v);
-  Result<BasisRows> rows = reader.basis_rows(kRenderBasis);
-  if (!rows) return rows.error();
-  block.rows = std::move(*rows);
-  Result<Eigen::VectorXd> scales = reader.column_scales();
-  if (!scales) return scales.error();
-  block.column_scales = std::move(*scales);
-  const auto anchors = reader.indices(kRenderAnchors, reader.dimensions().vertices);
-  if (!anchors) return anchors.error();
-  block.anchors.assign(anchors->begin(), anchors->end());
-  return Success{};
+  if (Status s = take(block.surface.vertices, reader.points(kRenderRest)); !s) return s;
+  if (Status s = take(block.rows, reader.basis_rows(kRenderBasis)); !s) return s;
+  if (Status s = take(block.column_scales, reader.column_scales()); !s) return s;
+  return take(block.anchors, reader.indices(kRenderAnchors, reader.dimensions().vertices));
 }
 
 Status read_faces(BasisReader& reader, RenderSurface& surface) {
-  const auto corners = reader.indices(kRenderTriangles, surface.vertices.size());
-  if (!corners) return corners.error();
-  surface.triangles.resize(corners->size() / 3);
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    for (std::size_t corner = 0; corner < 3; ++corner)
-      surface.triangles[t][corner] = static_cast<VertexId>((*corners)[3 * t + corner]);
-  const auto take = [&reader](std::string_view names_in, std::string_view indices_in,
+  if (Status s =
+          take(surface.triangles, reader.triangles(kRenderTriangles, surface.vertices.size()));
+      !s)
+    return s;
+  const auto read = [&reader](std::string_view names_in, std::string_view indices_in,
                               std::vector<std::string>& names,
                               std::vector<std::uint32_t>& indices) -> Status {
-    Result<std::vector<std::string>> found = read_names(reader, names_in);
-    if (!found) return found.error();
-    names = std::move(*found);
-    const auto values = reader.indices(indices_in, names.size());
-    if (!values) return values.error();
-    indices.assign(values->begin(), values->end());
-    return Success{};
+    if (Status s = take(names, read_names(reader, names_in)); !s) return s;
+    return take(indices, reader.indices(indices_in, names.size()));
   };
-  if (Status s = take(kObjectNames, kRenderObjects, surface.objects, surface.object_of); !s)
+  if (Status s = read(kObjectNames, kRenderObjects, surface.objects, surface.object_of); !s)
     return s;
-  return take(kMaterialNames, kRenderMaterials, surface.materials, surface.material_of);
+  return read(kMaterialNames, kRenderMaterials, surface.materials, surface.material_of);
 }
 
 // Rows of a matrix with `Size` columns, if the section is there.
@@ -98,10 +81,6 @@ bool all_below(const std::vector<std::uint32_t>& indices, std::size_t bound) {
   return std::all_of(indices.begin(), indices.end(), [&](std::uint32_t i) { return i < bound; });
 }
 
-bool is_below(VertexId id, std::uint64_t bound) {
-  return id >= 0 && static_cast<std::uint64_t>(id) < bound;
-}
-
 }  // namespace
 
 bool fits(const RenderBlock& render, Eigen::Index r, std::uint64_t n) {
@@ -110,15 +89,15 @@ bool fits(const RenderBlock& render, Eigen::Index r, std::uint64_t n) {
   const std::size_t triangles = surface.triangles.size();
   if (count == 0 || count > kMaxVertices || triangles > 4 * kMaxVertices) return false;
   const auto one_each_or_none = [count](std::size_t size) { return size == 0 || size == count; };
-  if (render.rows.rows() != static_cast<Eigen::Index>(3 * count) || render.rows.cols() != r ||
+  if (std::cmp_not_equal(render.rows.rows(), 3 * count) || render.rows.cols() != r ||
       render.anchors.size() != count || !one_each_or_none(surface.normals.size()) ||
       !one_each_or_none(surface.uvs.size()) || !one_each_or_none(surface.colours.size()) ||
       surface.object_of.size() != triangles || surface.material_of.size() != triangles ||
       !are_names(surface.objects) || !are_names(surface.materials))
     return false;
-  const auto is_corner = [count](VertexId id) { return is_below(id, count); };
+  const auto is_corner = [count](VertexId id) { return is_index(id, count); };
   return std::all_of(render.anchors.begin(), render.anchors.end(),
-                     [n](VertexId id) { return is_below(id, n); }) &&
+                     [n](VertexId id) { return is_index(id, n); }) &&
          std::all_of(
              surface.triangles.begin(), surface.triangles.end(),
              [&](const Triangle& t) { return std::all_of(t.begin(), t.end(), is_corner); }) &&

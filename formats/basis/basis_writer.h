@@ -20,7 +20,7 @@ enum class BasisEncoding { kFull, kCompact };
 Result<std::vector<std::byte>> encode_basis(const BasisData& data,
                                             BasisEncoding encoding = BasisEncoding::kFull);
 
-// Rows of the basis that are in nobody's memory as a whole. Fills `out`, 3*count x r, row-major,
+// A source of basis rows that no process holds as a whole. It fills `out`, 3*count x r, row-major,
 // with those of the block's vertices first .. first+count-1. Called in ascending order, each vertex
 // once, kRowsAtOnce vertices at a time but for the last.
 using RowSource = std::function<Status(std::size_t first, std::size_t count, double* out)>;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
+#include <tuple>
 
 namespace tremolo {
 namespace {
@@ -13,49 +15,69 @@ Error not_finite(const char* name) {
   return content_error(std::string("basis data: a value of '") + name + "' is not finite");
 }
 
-}  // namespace
-
-Result<ScaledFloats> to_scaled_floats(std::span<const double> values, const char* name) {
+// Adds the scale to `scales`.
+Status round_coefficients(const std::vector<double>& values, const char* name,
+                          std::vector<double>& scales, std::vector<float>& rounded) {
   double largest = 0.0;
   for (const double value : values) {
     if (!std::isfinite(value)) return not_finite(name);
     largest = std::max(largest, std::abs(value));
   }
-  ScaledFloats scaled;
   // Coefficients carry kg^-3/2 and kg^-2: those of a crumb would not fit the range of f32.
-  if (largest > 0.0) scaled.scale = std::ldexp(1.0, std::clamp(std::ilogb(largest), -1000, 1000));
-  scaled.values.reserve(values.size());
-  for (const double value : values)
-    scaled.values.push_back(static_cast<float>(value / scaled.scale));
-  return scaled;
+  const double scale =
+      largest > 0.0 ? std::ldexp(1.0, std::clamp(std::ilogb(largest), -1000, 1000)) : 1.0;
+  scales.push_back(scale);
+  rounded.reserve(values.size());
+  for (const double value : values) rounded.push_back(static_cast<float>(value / scale));
+  return Success{};
 }
 
-Result<std::vector<double>> column_scales(std::span<const NamedRows> blocks, std::size_t r) {
-  std::vector<double> scales(r, 1.0);
-  for (const auto& [rows, name] : blocks)
-    if (!rows->allFinite()) return not_finite(name);
-  std::vector<double> largest(r, 0.0);
-  for (const auto& [rows, name] : blocks)
-    for (Eigen::Index row = 0; row < rows->rows(); ++row)
-      for (std::size_t i = 0; i < r; ++i)
-        largest[i] = std::max(largest[i], std::abs((*rows)(row, static_cast<Eigen::Index>(i))));
-  for (std::size_t i = 0; i < r; ++i) {
-    if (largest[i] / kLargest > 0.0) scales[i] = largest[i] / kLargest;
+// The rows of a basis, what to call them in a message, and where their integers go.
+struct Block {
+  const BasisRows* rows;
+  const char* name;
+  std::vector<std::int16_t>* integers;
+};
+
+Status find_scales(std::span<const Block> blocks, std::vector<double>& scales) {
+  for (const Block& block : blocks)
+    if (!block.rows->allFinite()) return not_finite(block.name);
+  Eigen::RowVectorXd largest = Eigen::RowVectorXd::Zero(scales.size());
+  for (const Block& block : blocks)
+    for (const auto& row : block.rows->rowwise()) largest = largest.cwiseMax(row.cwiseAbs());
+  for (std::size_t i = 0; i < scales.size(); ++i) {
+    scales[i] = largest[i] / kLargest > 0.0 ? largest[i] / kLargest : 1.0;
     if (!is_scale(scales[i])) return content_error("basis data: a basis row is too large");
   }
-  return scales;
+  return Success{};
 }
 
-std::vector<std::int16_t> to_scaled_integers(const BasisRows& rows,
-                                             std::span<const double> scales) {
-  std::vector<std::int16_t> integers;
-  integers.reserve(static_cast<std::size_t>(rows.size()));
-  for (Eigen::Index row = 0; row < rows.rows(); ++row)
-    for (Eigen::Index i = 0; i < rows.cols(); ++i) {
-      const double rounded = std::nearbyint(rows(row, i) / scales[static_cast<std::size_t>(i)]);
-      integers.push_back(static_cast<std::int16_t>(std::clamp(rounded, -kLargest, kLargest)));
+void round_rows(const Block& block, std::span<const double> scales) {
+  block.integers->reserve(block.rows->size());
+  for (Eigen::Index row = 0; row < block.rows->rows(); ++row)
+    for (Eigen::Index i = 0; i < block.rows->cols(); ++i) {
+      const double rounded = std::nearbyint((*block.rows)(row, i) / scales[i]);
+      block.integers->push_back(
+          static_cast<std::int16_t>(std::clamp(rounded, -kLargest, kLargest)));
     }
-  return integers;
+}
+
+}  // namespace
+
+Result<CompactValues> compact_values(const BasisData& data) {
+  CompactValues compact;
+  for (const auto& [values, name, rounded] :
+       {std::tuple{&data.cubic, "cubic", &compact.cubic},
+        std::tuple{&data.quartic, "quartic", &compact.quartic}})
+    if (Status s = round_coefficients(*values, name, compact.coefficient_scales, *rounded); !s)
+      return s.error();
+  std::vector<Block> blocks = {{&data.surface.rows, "surface", &compact.surface},
+                               {&data.interior.rows, "interior", &compact.interior}};
+  if (data.render) blocks.push_back({&data.render->rows, "render", &compact.render});
+  compact.basis_scales.resize(data.lambda.size());
+  if (Status s = find_scales(blocks, compact.basis_scales); !s) return s.error();
+  for (const Block& block : blocks) round_rows(block, compact.basis_scales);
+  return compact;
 }
 
 bool is_scale(double scale) {

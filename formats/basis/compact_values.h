@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "common/result.h"
@@ -13,28 +12,24 @@
 
 namespace tremolo {
 
-// scale: positive; values: each within 2^-24 of its own size of the original / scale, those below
-// 1e-38 of the largest within 1e-45 of the largest.
-struct ScaledFloats {
-  double scale = 1.0;
-  std::vector<float> values;
+// The rounded numbers of a compact file.
+// cubic, quartic: each within 2^-24 of its own size of the original / scale, those below 1e-38 of
+// the largest within 1e-45 of the largest. coefficient_scales: of the two, positive.
+// surface, interior, render: the rows, row-major; each entry within half a scale of the original,
+// zeros exact. basis_scales: r, one a column of all three; 1 for a column of zeros.
+struct CompactValues {
+  std::vector<double> coefficient_scales;
+  std::vector<double> basis_scales;
+  std::vector<float> cubic;
+  std::vector<float> quartic;
+  std::vector<std::int16_t> surface;
+  std::vector<std::int16_t> interior;
+  std::vector<std::int16_t> render;
 };
 
-// kContent if a value is not finite; `name` is for the message.
-Result<ScaledFloats> to_scaled_floats(std::span<const double> values, const char* name);
-
-// Rows of a basis, and what to call them in a message.
-struct NamedRows {
-  const BasisRows* rows;
-  const char* name;
-};
-
-// One scale a column for the rows of all blocks, which have r columns or no row at all. A column
-// of zeros gets 1. kContent if a value is not finite.
-Result<std::vector<double>> column_scales(std::span<const NamedRows> blocks, std::size_t r);
-
-// Row-major as the rows; each within half a scale of the original, zeros exact.
-std::vector<std::int16_t> to_scaled_integers(const BasisRows& rows, std::span<const double> scales);
+// Every block has r columns or no row. Errors (kContent) name the member of the data that holds a
+// value that is not finite or too large.
+Result<CompactValues> compact_values(const BasisData& data);
 
 // What a reader accepts as a scale: positive, and every 16-bit number times it is finite.
 bool is_scale(double scale);

@@ -1,7 +1,9 @@
-// A selector as the user wrote it -> vertices, including those listed in a file.
+// A selector as the user wrote it -> vertices, including those that a file lists.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/mesh/selector.h"
@@ -10,11 +12,19 @@
 
 namespace tremolo {
 
+// Ids from 0 to vertex_count - 1, separated by blanks, commas or line ends; # begins a comment.
+// Sorted, without repeats. Errors: kSystem for a file that is missing or unreadable, kContent with
+// the line for anything that is not such an id and for a file without ids.
+Result<std::vector<VertexId>> read_id_list(const std::string& path, std::size_t vertex_count);
+// The same of the file's contents; `path` stands in errors.
+Result<std::vector<VertexId>> parse_id_list(std::string_view text, const std::string& path,
+                                            std::size_t vertex_count);
+
 // parse_selector() and select_vertices(), and read_id_list() for `file:PATH`; the same errors.
 Result<std::vector<VertexId>> resolve_selector(const std::string& text, const TetMesh& mesh);
 
-// For the user: what each `near:` of a selector that resolve_selector() took found, and how far
-// away.
+// Describes for the user which vertex each `near:` of a valid selector found, and how far away it
+// is.
 std::vector<std::string> near_notes(const std::string& text, const TetMesh& mesh);
 
 }  // namespace tremolo

@@ -28,7 +28,7 @@ Slot slots[16];
 // behind.
 int remember_partial(const std::string& path) {
   if (path.size() >= sizeof(Slot::path)) return -1;
-  for (int i = 0; i < static_cast<int>(std::size(slots)); ++i) {
+  for (int i = 0; i < std::ssize(slots); ++i) {
     int expected = kFree;
     if (!slots[i].state.compare_exchange_strong(expected, kTaken)) continue;
     std::memcpy(slots[i].path, path.c_str(), path.size() + 1);
@@ -99,7 +99,7 @@ Status AtomicFile::write(std::span<const std::byte> bytes) {
       if (errno == EINTR) continue;
       return failure("write");
     }
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
+    bytes = bytes.subspan(written);
   }
   return Success{};
 }
@@ -116,8 +116,8 @@ Status AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> byt
       if (errno == EINTR) continue;
       return failure("write");
     }
-    offset += static_cast<std::uint64_t>(written);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
+    offset += written;
+    bytes = bytes.subspan(written);
   }
   return Success{};
 }

@@ -28,7 +28,7 @@ class AtomicFile {
 
   Status write(std::span<const std::byte> bytes);
   Status write(std::string_view text);
-  // At a place of the file, which grows if need be; where write() goes on does not change.
+  // Writes at an offset in bytes; the file grows if need be, and the position of write() stays.
   Status write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   // Flushes to the disk and renames.
   Status commit();

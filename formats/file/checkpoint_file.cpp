@@ -1,20 +1,17 @@
 #include "formats/file/checkpoint_file.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <utility>
 
-#include "common/hash.h"
 #include "formats/file/atomic_file.h"
-#include "formats/file/stored_hash.h"
+#include "formats/file/stored_values.h"
 
 namespace tremolo {
 namespace {
 
 using namespace checkpoint_layout;
-static_assert(std::endian::native == std::endian::little, "values are written as they lie");
 
 // 0: unknown.
 std::uint64_t element_size(ArrayType type) {
@@ -36,18 +33,6 @@ bool find_size(ArrayType type, std::uint64_t rows, std::uint64_t columns, std::u
       __builtin_mul_overflow(bytes, element, &bytes))
     return false;
   return columns == 1 || (type != ArrayType::kText && bytes > 0);
-}
-
-template <class T>
-void put(std::span<std::byte> bytes, std::size_t at, T value) {
-  std::memcpy(bytes.data() + at, &value, sizeof(value));
-}
-
-template <class T>
-T get(std::span<const std::byte> bytes, std::size_t at) {
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof(value));
-  return value;
 }
 
 Status check_arrays(const std::string& path, std::span<const NamedArray> arrays) {
@@ -79,7 +64,7 @@ std::vector<std::byte> encode_front(std::span<const NamedArray> arrays) {
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     const std::span<std::byte> entry = table.subspan(i * kEntrySize, kEntrySize);
     std::memcpy(entry.data(), arrays[i].name.data(), arrays[i].name.size());
-    put(entry, kTypeAt, static_cast<std::uint32_t>(arrays[i].type));
+    put(entry, kTypeAt, arrays[i].type);
     put(entry, kRowsAt, arrays[i].rows);
     put(entry, kColumnsAt, arrays[i].columns);
     put(entry, kHashAt, hash_bytes(arrays[i].bytes));
@@ -161,8 +146,9 @@ Status CheckpointFile::parse_header() {
     return error_at(
         "header", kFileSizeAt,
         std::to_string(size) + " bytes were written, there are " + std::to_string(bytes_.size()));
-  for (std::size_t at = kReservedAt; at < kHeaderHashAt; ++at)
-    if (bytes_[at] != std::byte{0}) return error_at("header", at, "a reserved byte is not zero");
+  const std::size_t reserved = kHeaderHashAt - kReservedAt;
+  if (const auto zeros = leading_zeros(bytes_.subspan(kReservedAt, reserved)); zeros < reserved)
+    return error_at("header", kReservedAt + zeros, "a reserved byte is not zero");
   return Success{};
 }
 
@@ -186,18 +172,15 @@ Status CheckpointFile::parse_table() {
 Status CheckpointFile::parse_entry(std::size_t index, std::uint64_t& offset) {
   const std::size_t at = kHeaderSize + index * kEntrySize;
   const std::span<const std::byte> entry = bytes_.subspan(at, kEntrySize);
-  const char* name = reinterpret_cast<const char*>(entry.data());
-  const std::size_t length = ::strnlen(name, kNameSize);
   NamedArray array;
-  array.name.assign(name, length);
-  if (length == 0 || std::any_of(name + length, name + kNameSize, [](char c) { return c != 0; }))
-    return error_at("table", at, "a name is empty or not padded with zeros");
+  array.name = padded_name(entry.first(kNameSize));
+  if (array.name.empty()) return error_at("table", at, "a name is empty or not padded with zeros");
   for (const NamedArray& other : arrays_)
     if (other.name == array.name)
       return error_at("table", at, "array '" + array.name + "' appears twice");
   if (get<std::uint32_t>(entry, kZeroAt) != 0)
     return error_at("table", at + kZeroAt, "a reserved byte is not zero");
-  array.type = static_cast<ArrayType>(get<std::uint32_t>(entry, kTypeAt));
+  array.type = get<ArrayType>(entry, kTypeAt);
   array.rows = get<std::uint64_t>(entry, kRowsAt);
   array.columns = get<std::uint64_t>(entry, kColumnsAt);
   std::uint64_t size = 0;
@@ -213,7 +196,7 @@ Status CheckpointFile::parse_entry(std::size_t index, std::uint64_t& offset) {
 }
 
 std::uint64_t CheckpointFile::offset_of(const NamedArray& array) const {
-  return static_cast<std::uint64_t>(array.bytes.data() - bytes_.data());
+  return array.bytes.data() - bytes_.data();
 }
 
 Result<NamedArray> CheckpointFile::checked(std::string_view name, ArrayType type) const {
@@ -222,7 +205,7 @@ Result<NamedArray> CheckpointFile::checked(std::string_view name, ArrayType type
   if (found == arrays_.end())
     return error_at("table", kHeaderSize, "array '" + std::string(name) + "' is missing");
   if (found->type != type) return error_at(name, offset_of(*found), "the array has another type");
-  if (!hash_fits(found->bytes, hashes_[static_cast<std::size_t>(found - arrays_.begin())]))
+  if (!hash_fits(found->bytes, hashes_[found - arrays_.begin()]))
     return error_at(name, offset_of(*found), "the checksum does not fit (damaged file?)");
   return *found;
 }
@@ -230,13 +213,11 @@ Result<NamedArray> CheckpointFile::checked(std::string_view name, ArrayType type
 Result<Eigen::MatrixXd> CheckpointFile::matrix(std::string_view name) const {
   const Result<NamedArray> array = checked(name, ArrayType::kF64);
   if (!array) return array.error();
-  Eigen::MatrixXd values(static_cast<Eigen::Index>(array->rows),
-                         static_cast<Eigen::Index>(array->columns));
+  Eigen::MatrixXd values(array->rows, array->columns);
   if (!array->bytes.empty()) std::memcpy(values.data(), array->bytes.data(), array->bytes.size());
   for (Eigen::Index i = 0; i < values.size(); ++i)
     if (!std::isfinite(values.data()[i]))
-      return error_at(name, offset_of(*array) + sizeof(double) * static_cast<std::uint64_t>(i),
-                      "a value is not finite");
+      return error_at(name, offset_of(*array) + sizeof(double) * i, "a value is not finite");
   return values;
 }
 

@@ -58,8 +58,8 @@ NamedArray named_array(std::string name, std::string_view text);
 // or appear twice and sizes that do not fit their bytes. The file appears whole or not at all.
 Status write_checkpoint_file(const std::string& path, std::span<const NamedArray> arrays);
 
-// A checkpoint file as it is read: header and table are checked when it is opened, an array when it
-// is asked for. It may come from anybody. Errors: kSystem when it cannot be opened, else kContent;
+// Reads a checkpoint file, which is untrusted: header and table are checked when it is opened, an
+// array when it is requested. Errors: kSystem when it cannot be opened, else kContent;
 // they name the file, the array and the byte.
 class CheckpointFile {
  public:

@@ -1,4 +1,4 @@
-// How every file that a user names is opened: only regular files are read.
+// Opens the files that a user names; only regular files are read.
 #pragma once
 
 #include <cstdint>

@@ -68,7 +68,7 @@ std::uint64_t address_space_in_use() {
   ::close(file);
   unsigned long long pages = 0;
   if (count <= 0 || std::sscanf(text.data(), "%llu", &pages) != 1) return 0;
-  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  return pages * ::sysconf(_SC_PAGESIZE);
 }
 #endif
 
@@ -98,7 +98,7 @@ bool write_all(int file, const std::byte* bytes, std::size_t count) {
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) return false;
     bytes += written;
-    count -= static_cast<std::size_t>(written);
+    count -= written;
   }
   return true;
 }
@@ -155,8 +155,7 @@ Listening listen(int pipe, const ChildLimits& limits, std::vector<std::byte>& an
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return Listening::kFailed;
     if (count == 0) return Listening::kEnd;
-    if (static_cast<std::uint64_t>(count) > limits.answer - answer.size())
-      return Listening::kTooMuch;
+    if (std::cmp_greater(count, limits.answer - answer.size())) return Listening::kTooMuch;
     answer.insert(answer.end(), piece.begin(), piece.begin() + count);
     if (deadline.milliseconds_left() == 0) return Listening::kTooLate;
   }

@@ -1,4 +1,4 @@
-// Work that may crash or hang, done in a child process with limits.
+// Runs work that may crash or hang in a child process with limits.
 #pragma once
 
 #include <cstddef>

@@ -14,7 +14,7 @@ Result<MappedFile> MappedFile::open(const std::string& path) {
   if (!input) return input.error();
   MappedFile file;
   if (input->size > 0) {
-    const auto size = static_cast<std::size_t>(input->size);
+    const std::size_t size = input->size;
     void* address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, input->descriptor, 0);
     if (address == MAP_FAILED) {
       const Error error = os_error(path + ": cannot map");

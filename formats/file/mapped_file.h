@@ -10,7 +10,8 @@
 namespace tremolo {
 
 // Maps a regular file. The bytes stay valid as long as the object (or what it was moved into)
-// lives and nobody truncates the file meanwhile. Errors are kSystem and name the path.
+// lives, provided that no process truncates the file meanwhile. Errors are kSystem and name the
+// path.
 class MappedFile {
  public:
   static Result<MappedFile> open(const std::string& path);

@@ -1,4 +1,4 @@
-// Temporary files beside a target: their names, whose they are, and those that nobody has any more.
+// Temporary files beside a target: their names, their owners, and the removal of stale ones.
 #pragma once
 
 #include <string>
@@ -15,9 +15,9 @@ struct PartialFile {
 // is locked while the descriptor is open, so that other processes see that it has an owner.
 PartialFile create_partial(const std::string& target);
 
-// Removes temporary files of `target` whose owner is gone: killed, crashed or without power. They
-// are those that nobody has locked. What stands in a folder is looked at once a process. Where the
-// file system has no locks nothing is removed.
+// Removes the temporary files of `target` that no process has locked: their owners were killed,
+// crashed or lost power. A folder is scanned once a process. Nothing is removed where the file
+// system has no locks.
 void remove_stale_partials(const std::string& target);
 
 }  // namespace tremolo

@@ -125,11 +125,9 @@ bool TextScanner::fits(std::size_t count, std::size_t bytes, std::string_view wh
 void TextScanner::seek(std::size_t offset) {
   offset = std::min(offset, text_.size());
   if (offset > at_)
-    line_ +=
-        static_cast<std::size_t>(std::count(text_.begin() + at_, text_.begin() + offset, '\n'));
+    line_ += std::count(text_.begin() + at_, text_.begin() + offset, '\n');
   else
-    line_ -=
-        static_cast<std::size_t>(std::count(text_.begin() + offset, text_.begin() + at_, '\n'));
+    line_ -= std::count(text_.begin() + offset, text_.begin() + at_, '\n');
   at_ = offset;
   token_at_ = offset;
   token_line_ = line_;

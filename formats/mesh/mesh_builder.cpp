@@ -22,7 +22,7 @@ bool MeshBuilder::add_vertex(std::int64_t id, const Eigen::Vector3d& x) {
       return refuse("the " + std::string(1, "xyz"[axis]) + " coordinate of vertex " +
                     std::to_string(id) + " is " + std::to_string(x[axis]) +
                     ", expected a finite number");
-  if (mesh_.vertices.size() >= static_cast<std::size_t>(std::numeric_limits<VertexId>::max()))
+  if (std::cmp_greater_equal(mesh_.vertices.size(), std::numeric_limits<VertexId>::max()))
     return refuse("expected fewer than 2^31 vertices");
   if (ids_.empty()) first_id_ = lowest_id_ = highest_id_ = id;
   // Compared with the neighbour rather than with first + size, which could overflow.

@@ -84,7 +84,7 @@ constexpr NumberedKind kVtk[] = {
     {78, {"Bezier tetrahedra", 0, Role::kHigherTetrahedron}},
 };
 
-const CellKind* find(std::span<const NumberedKind> kinds, int type) {
+const CellKind* find(std::span<const NumberedKind> kinds, std::int64_t type) {
   const auto found = std::find_if(kinds.begin(), kinds.end(),
                                   [type](const NumberedKind& row) { return row.type == type; });
   return found == kinds.end() ? nullptr : &found->kind;
@@ -92,11 +92,11 @@ const CellKind* find(std::span<const NumberedKind> kinds, int type) {
 
 }  // namespace
 
-const CellKind* msh_cell(int type) {
+const CellKind* msh_cell(std::int64_t type) {
   return find(kMsh, type);
 }
 
-const CellKind* vtk_cell(int type) {
+const CellKind* vtk_cell(std::int64_t type) {
   return find(kVtk, type);
 }
 

@@ -1,6 +1,7 @@
 // The kinds of cells that mesh files hold, by the numbers that the formats give them.
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 namespace tremolo {
@@ -15,9 +16,9 @@ struct CellKind {
 
 // Element types of MSH files (Gmsh reference manual, section "MSH file format"); nullptr if
 // unknown.
-const CellKind* msh_cell(int type);
+const CellKind* msh_cell(std::int64_t type);
 
 // Cell types of VTK files (VTK file formats, vtkCellType.h); nullptr if unknown.
-const CellKind* vtk_cell(int type);
+const CellKind* vtk_cell(std::int64_t type);
 
 }  // namespace tremolo

@@ -25,7 +25,7 @@ const CellKind* read_type(Reading& reading, std::int64_t& type, Status& status) 
     status = reading.input.error();
     return nullptr;
   }
-  const CellKind* kind = type < 0 || type > 1000 ? nullptr : msh_cell(static_cast<int>(type));
+  const CellKind* kind = msh_cell(type);
   if (kind == nullptr)
     status = reading.input.problem("expected an element type of the MSH format, found " +
                                    std::to_string(type));
@@ -47,13 +47,13 @@ Status read_body(Reading& reading, std::int64_t id, std::int64_t type, const Cel
     if (!reading.input.integer(tag, "a tag of an element")) return reading.input.error();
     if (t == 0) physical = tag;
   }
-  reading.nodes.resize(static_cast<std::size_t>(kind.nodes));
+  reading.nodes.resize(kind.nodes);
   for (std::int64_t& node : reading.nodes)
     if (!reading.input.integer(node, "a node of an element")) return reading.input.error();
   if (!reading.builder.resolve(id, reading.nodes, reading.vertices) ||
       !reading.builder.add_cell(id, kind, reading.vertices, physical != 0))
     return reading.input.problem(reading.builder.complaint());
-  reading.groups.add(msh_dimension(static_cast<int>(type)), physical, reading.vertices);
+  reading.groups.add(msh_dimension(type), physical, reading.vertices);
   if (kind.role == CellKind::Role::kTetrahedron) reading.physical_of_tet.push_back(physical);
   return Success{};
 }
@@ -80,7 +80,7 @@ Result<std::uint64_t> read_binary_block(Reading& reading, std::uint64_t left) {
   const CellKind* kind = read_type(reading, type, status);
   if (kind == nullptr) return status.error();
   if (!reading.input.integer(count, "a number of elements")) return reading.input.error();
-  if (count < 1 || static_cast<std::uint64_t>(count) > left)
+  if (count < 1 || std::cmp_greater(count, left))
     return reading.input.problem("expected 1 to " + std::to_string(left) +
                                  " elements in a block, found " + std::to_string(count));
   if (!reading.input.integer(tags, "a number of tags")) return reading.input.error();
@@ -92,7 +92,7 @@ Result<std::uint64_t> read_binary_block(Reading& reading, std::uint64_t left) {
     status = read_body(reading, id, type, *kind, tags);
     if (!status) return status.error();
   }
-  return static_cast<std::uint64_t>(count);
+  return count;
 }
 
 // Version 2 writes an element once for each of its physical groups. Of tetrahedra that differ in

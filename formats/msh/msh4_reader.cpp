@@ -66,9 +66,9 @@ Status read_ids(MshInput& input, std::uint64_t count, std::vector<std::int64_t>&
   for (std::int64_t& id : ids) {
     std::uint64_t tag = 0;
     if (!input.size(tag, "a node tag")) return input.error();
-    if (tag > static_cast<std::uint64_t>(INT64_MAX))
+    if (!std::in_range<std::int64_t>(tag))
       return input.problem("expected a node tag below 2^63, found " + std::to_string(tag));
-    id = static_cast<std::int64_t>(tag);
+    id = tag;
   }
   return Success{};
 }
@@ -78,7 +78,7 @@ Status read_node_block(MshInput& input, const Block& block, std::vector<std::int
                        MeshBuilder& builder) {
   if (block.kind != 0 && block.kind != 1)
     return input.problem("expected 0 or 1 (parametric nodes), found " + std::to_string(block.kind));
-  const std::size_t parameters = block.kind == 1 ? static_cast<std::size_t>(block.dimension) : 0;
+  const std::size_t parameters = block.kind == 1 ? block.dimension : 0;
   if (!input.fits(block.count, {.sizes = 1, .reals = 3 + parameters}, "nodes"))
     return input.error();
   Status status = read_ids(input, block.count, ids);
@@ -104,18 +104,17 @@ struct Elements {
 // in_set: the block's entity is in a physical group.
 Status read_element_block(MshInput& input, const Block& block, bool in_set, Elements& elements,
                           MeshBuilder& builder) {
-  const CellKind* kind =
-      block.kind < 0 || block.kind > 1000 ? nullptr : msh_cell(static_cast<int>(block.kind));
+  const CellKind* kind = msh_cell(block.kind);
   if (kind == nullptr)
     return input.problem("expected an element type of the MSH format, found " +
                          std::to_string(block.kind));
-  const auto node_count = static_cast<std::size_t>(kind->nodes);
+  const std::size_t node_count = kind->nodes;
   if (!input.fits(block.count, {.sizes = 1 + node_count}, kind->plural)) return input.error();
   elements.of_block.clear();
   for (std::uint64_t e = 0; e < block.count; ++e) {
     std::uint64_t tag = 0;
     if (!input.size(tag, "an element tag")) return input.error();
-    const auto id = static_cast<std::int64_t>(tag);
+    const std::int64_t id = tag;
     Status status = read_ids(input, node_count, elements.nodes);
     if (!status) return status;
     if (!builder.resolve(id, elements.nodes, elements.vertices) ||

@@ -16,7 +16,7 @@ std::int64_t magnitude(std::int64_t tag) {
 
 }  // namespace
 
-int msh_dimension(int type) {
+int msh_dimension(std::int64_t type) {
   constexpr int kPoints[] = {15};
   constexpr int kLines[] = {1, 8, 26, 27, 28};
   constexpr int kSurfaces[] = {2, 3, 9, 10, 16, 20, 21, 22, 23, 24, 25};

@@ -37,6 +37,6 @@ class MshGroups {
 };
 
 // Dimension of the cells of an MSH element type.
-int msh_dimension(int type);
+int msh_dimension(std::int64_t type);
 
 }  // namespace tremolo

@@ -88,7 +88,7 @@ void fill_vertices(const OffMesh& off, const Corners& corners, aiMesh& mesh) {
     mesh.mNumUVComponents[0] = 2;
   }
   for (std::size_t v = 0; v < count; ++v) {
-    const auto source = static_cast<std::size_t>(corners.source[v]);
+    const std::size_t source = corners.source[v];
     mesh.mVertices[v] = position_of(off.coordinates[source]);
     if (mesh.mNormals != nullptr) {
       const OffNumbers& n = off.normals[source];
@@ -113,8 +113,7 @@ void fill_faces(const OffMesh& off, const Corners& corners, aiMesh& mesh) {
     aiFace& face = mesh.mFaces[f];
     face.mNumIndices = static_cast<unsigned>(off.first[f + 1] - off.first[f]);
     face.mIndices = new unsigned[face.mNumIndices];
-    std::copy_n(corners.vertex.begin() + static_cast<std::ptrdiff_t>(off.first[f]),
-                face.mNumIndices, face.mIndices);
+    std::copy_n(corners.vertex.begin() + off.first[f], face.mNumIndices, face.mIndices);
   }
 }
 

@@ -161,7 +161,7 @@ bool read_surface_values(Reader& reader, RenderSurface& surface) {
   if (!reader.number(channels) || !reader.number(s) || !reader.number(t)) return false;
   if (channels > (kNormals | kUvs | kColours)) return reader.fail("unknown channels");
   if (t == 0) return reader.fail("no triangles");
-  constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<VertexId>::max());
+  constexpr std::uint64_t kMost = std::numeric_limits<VertexId>::max();
   if (s > kMost || t > kMost) return reader.fail("more vertices or triangles than have numbers");
   const auto with = [channels](std::uint32_t channel, std::uint64_t count) {
     return (channels & channel) != 0 ? count : 0;

@@ -1,4 +1,4 @@
-// A surface on its way from the process that read it to the one that wants it.
+// The bytes in which a child process hands a surface to its parent.
 #pragma once
 
 #include <cstddef>

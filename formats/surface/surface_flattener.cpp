@@ -135,7 +135,7 @@ void Flattener::add_mesh(const aiMesh& mesh, const Placement& place) {
   if (mesh.mVertices == nullptr || mesh.mFaces == nullptr) return;
   const std::uint64_t vertices = surface.vertices.size() + std::uint64_t{mesh.mNumVertices};
   const std::uint64_t triangles = surface.triangles.size() + std::uint64_t{mesh.mNumFaces};
-  constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<VertexId>::max());
+  constexpr std::uint64_t kMost = std::numeric_limits<VertexId>::max();
   if (vertices > kMost || triangles > kMost ||
       vertices * kVertexBytes + triangles * kTriangleBytes > bytes_)
     throw Refusal{"its scene shows so many copies of its meshes that they need more than " +

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <unistd.h>
 
+#include "common/format_text.h"
 #include "common/number_text.h"
 #include "formats/file/input_file.h"
 #include "formats/file/limited_child.h"
@@ -36,25 +37,19 @@ constexpr double kSmall = 1e-3;
 // Coordinates come in single precision: so far from the origin the shape has 1e-4 of its size left.
 constexpr double kFarOff = 1e-4 * (1 << 24);
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 // The size of a regular file that can be read. It is opened by assimp only.
 Result<std::uint64_t> size_of(const std::string& path) {
   const Result<struct stat> status = examine_input(path);
   if (!status) return status.error();
   if (::access(path.c_str(), R_OK) != 0) return os_error(path + ": cannot open");
   if (status->st_size <= 0) return content_error(path + ": the file is empty");
-  return static_cast<std::uint64_t>(status->st_size);
+  return status->st_size;
 }
 
 // With the .bin files beside a .gltf, whose values they may hold.
 std::uint64_t size_with_others(const std::string& path, std::uint64_t size) {
   namespace fs = std::filesystem;
-  if (lower(fs::path(path).extension().string()) != ".gltf") return size;
+  if (lower_case(fs::path(path).extension().string()) != ".gltf") return size;
   std::error_code none;
   const fs::path folder = fs::absolute(path, none).parent_path();
   for (fs::directory_iterator entry(folder, none), end; !none && entry != end;
@@ -69,15 +64,13 @@ std::uint64_t size_with_others(const std::string& path, std::uint64_t size) {
 
 std::uint64_t memory_for(std::uint64_t size) {
   const long pages = ::sysconf(_SC_PHYS_PAGES);
-  const std::uint64_t machine = pages > 0 ? static_cast<std::uint64_t>(pages) *
-                                                static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE))
-                                          : UINT64_MAX;
+  const std::uint64_t machine = pages > 0 ? pages * ::sysconf(_SC_PAGESIZE) : UINT64_MAX;
   return std::min(kLeastMemory + std::min(size, UINT64_MAX / 200) * kMemoryPerByte,
                   std::max(kLeastMemory, machine));
 }
 
 std::string advice(const std::string& path) {
-  const std::string extension = lower(std::filesystem::path(path).extension().string());
+  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
   if (extension == ".step" || extension == ".stp")
     return " (of STEP only buildings, IFC, are read: export the model as STL or OBJ)";
   return "";
@@ -116,7 +109,7 @@ Status to_metres(SurfaceFile& file, const SurfaceReadOptions& options) {
 }  // namespace
 
 bool is_surface_file(const std::string& path) {
-  const std::string name = lower(std::filesystem::path(path).filename().string());
+  const std::string name = lower_case(std::filesystem::path(path).filename().string());
   return std::any_of(kExtensions.begin(), kExtensions.end(), [&](std::string_view extension) {
     return name.size() > extension.size() && name.ends_with(extension);
   });

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/format_text.h"
 #include "common/number_text.h"
 #include "formats/file/folder_files.h"
 #include "formats/surface/off_loader.h"
@@ -100,9 +101,7 @@ std::string format_name(const aiScene& scene, const std::string& extension) {
 std::string lower_extension(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   if (!extension.empty()) extension.erase(0, 1);
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
+  return lower_case(extension);
 }
 
 // assimp 5.2.5 looks for the end of a header for ever where there is none.
@@ -110,7 +109,7 @@ bool lacks_ply_header_end(const std::string& path) {
   std::string start(std::size_t{1} << 20, '\0');
   std::ifstream stream(path, std::ios::binary);
   stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(stream.gcount()));
+  start.resize(stream.gcount());
   return start.find("end_header") == std::string::npos;
 }
 

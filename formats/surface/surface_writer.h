@@ -1,8 +1,9 @@
-// SurfaceMesh -> .obj, .ply or POV-Ray's mesh2.
+// Surfaces -> .obj, .ply or POV-Ray's mesh2.
 #pragma once
 
 #include <string>
 
+#include "common/mesh/render_surface.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/result.h"
 
@@ -20,5 +21,19 @@ Status write_painted_surface(const std::string& path, const SurfaceMesh& surface
 // One unit normal a vertex: the area-weighted mean of its triangles' normals; zero where no
 // triangle has the vertex.
 std::vector<Eigen::Vector3d> vertex_normals(const SurfaceMesh& surface);
+
+// A drawn surface with all that the format can carry; the ending and the errors are as above.
+//   .obj  text: v (and the colour behind it), vt, vn; an `o` line where the object changes,
+//   `usemtl`
+//         where the material does, and a `mtllib` line if `library` names a file
+//   .ply  binary, little-endian: positions, normals, texture coordinates (s, t) and colours
+//   .inc  a POV-Ray mesh2 named Surface: positions, normals, texture coordinates
+Status write_render_surface(const std::string& path, const RenderSurface& surface,
+                            const std::string& library = "");
+
+// What such an .mtl file holds: a `newmtl` for each material, with the mean colour of its
+// triangles' vertices, or a light grey where the surface has no colours. Textures and shininess are
+// not known here.
+std::string material_library(const RenderSurface& surface);
 
 }  // namespace tremolo

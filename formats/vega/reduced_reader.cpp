@@ -16,9 +16,8 @@ Result<std::size_t> read_count(ByteScanner& scanner, const std::string& what, st
                                std::uint64_t high) {
   std::int32_t count = 0;
   if (!scanner.read(count, what)) return scanner.error();
-  if (count >= 0 && static_cast<std::uint64_t>(count) >= low &&
-      static_cast<std::uint64_t>(count) <= high)
-    return static_cast<std::size_t>(count);
+  if (std::cmp_greater_equal(count, low) && std::cmp_less_equal(count, high))
+    return std::size_t(count);
   const std::string range = low == high
                                 ? std::to_string(low)
                                 : "from " + std::to_string(low) + " to " + std::to_string(high);
@@ -84,7 +83,7 @@ Result<Eigen::MatrixXd> read_basis_matrix(std::string_view bytes, const std::str
       read_count(scanner, "a number of columns", 1, basis_layout::kMaxModes);
   if (!columns) return columns.error();
   if (Status status = require_rest(scanner, *rows * *columns); !status) return status.error();
-  Eigen::MatrixXd basis(static_cast<Eigen::Index>(*rows), static_cast<Eigen::Index>(*columns));
+  Eigen::MatrixXd basis(*rows, *columns);
   if (Status status = read_numbers(scanner, *rows * *columns, basis.data()); !status)
     return status.error();
   return basis;

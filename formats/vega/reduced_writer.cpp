@@ -1,27 +1,17 @@
-#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 
 #include "common/packed_index.h"
+#include "formats/file/stored_values.h"
 #include "formats/vega/reduced_files.h"
 
 namespace tremolo {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "values are written as they lie");
-
 constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
 
 void append_count(std::string& bytes, std::size_t count) {
-  const auto value = static_cast<std::int32_t>(count);
-  char raw[sizeof(value)];
-  std::memcpy(raw, &value, sizeof(value));
-  bytes.append(raw, sizeof(raw));
-}
-
-void append_numbers(std::string& bytes, const double* values, std::size_t count) {
-  bytes.append(reinterpret_cast<const char*>(values), count * sizeof(double));
+  append_bytes(bytes, static_cast<std::int32_t>(count));
 }
 
 }  // namespace
@@ -29,10 +19,9 @@ void append_numbers(std::string& bytes, const double* values, std::size_t count)
 ReducedForces reduced_forces(const Eigen::VectorXd& lambda, std::span<const double> cubic,
                              std::span<const double> quartic) {
   ReducedForces forces;
-  const auto r = forces.size = static_cast<std::size_t>(lambda.size());
+  const auto r = forces.size = lambda.size();
   forces.linear.assign(r * r, 0.0);
-  for (std::size_t i = 0; i < r; ++i)
-    forces.linear[i * r + i] = lambda[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < r; ++i) forces.linear[i * r + i] = lambda[i];
   forces.quadratic.assign(r * pair_count(r), 0.0);
   forces.cubic.assign(r * triple_count(r), 0.0);
   if (cubic.empty()) return forces;
@@ -51,7 +40,7 @@ ReducedForces reduced_forces(const Eigen::VectorXd& lambda, std::span<const doub
 }
 
 Eigen::VectorXd evaluate(const ReducedForces& forces, const Eigen::VectorXd& q) {
-  const auto r = static_cast<Eigen::Index>(forces.size);
+  const Eigen::Index r = forces.size;
   Eigen::VectorXd result = Eigen::VectorXd::Zero(r);
   const double* linear = forces.linear.data();
   const double* quadratic = forces.quadratic.data();
@@ -80,13 +69,13 @@ Result<std::string> cub_bytes(const ReducedForces& forces) {
                          (forces.linear.size() + forces.quadratic.size() + forces.cubic.size()));
   for (std::size_t count : {r, r, pair_count(r), triple_count(r)}) append_count(bytes, count);
   for (const auto* values : {&forces.linear, &forces.quadratic, &forces.cubic})
-    append_numbers(bytes, values->data(), values->size());
+    append_bytes(bytes, values->data(), values->size());
   return bytes;
 }
 
 Result<std::string> basis_matrix_bytes(const Eigen::MatrixXd& basis) {
-  const auto rows = static_cast<std::size_t>(basis.rows());
-  const auto columns = static_cast<std::size_t>(basis.cols());
+  const std::size_t rows = basis.rows();
+  const std::size_t columns = basis.cols();
   if (rows > kMost || columns > kMost)
     return content_error("a basis of " + std::to_string(rows) +
                          " rows: a .U file counts with 32 bits");
@@ -94,7 +83,7 @@ Result<std::string> basis_matrix_bytes(const Eigen::MatrixXd& basis) {
   bytes.reserve(8 + sizeof(double) * rows * columns);
   append_count(bytes, rows);
   append_count(bytes, columns);
-  append_numbers(bytes, basis.data(), rows * columns);
+  append_bytes(bytes, basis.data(), rows * columns);
   return bytes;
 }
 

@@ -48,13 +48,13 @@ Result<Material> orthotropic(const OrthotropicKind& kind, std::span<const double
   material.density = numbers[0];
   OrthotropicElasticity elasticity;
   for (int i = 0; i < 3; ++i) {
-    elasticity.young[i] = numbers[1 + static_cast<std::size_t>(i)];
+    elasticity.young[i] = numbers[1 + i];
     if (!(elasticity.young[i] > 0)) return content_error("E1, E2 and E3 must be positive");
   }
   const std::span<const double> poisson = numbers.subspan(4, kind.poisson);
   const std::span<const double> shear = numbers.subspan(4 + kind.poisson, kind.shear);
   for (int i = 0; i < 3; ++i) {
-    const auto at = static_cast<std::size_t>(i);
+    const std::size_t at = i;
     const double a = elasticity.young[i];
     const double b = elasticity.young[(i + 1) % 3];
     elasticity.poisson[i] = kind.poisson == 3 ? poisson[at] : poisson[0] * std::sqrt(a / b);

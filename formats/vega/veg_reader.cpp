@@ -88,11 +88,11 @@ Status read_elements(VegInput& input, VegFile& file) {
       return input.error();
     // Sets count elements by their place, so the ids have to say the same.
     if (e == 0) file.first_element = id;
-    if ((id != 0 && id != 1 && e == 0) || id != file.first_element + static_cast<std::int64_t>(e))
-      return input.line().problem(
-          "expected element id " +
-          (e == 0 ? "0 or 1" : std::to_string(file.first_element + static_cast<std::int64_t>(e))) +
-          ", found " + std::to_string(id));
+    const std::int64_t expected = file.first_element + e;
+    if ((id != 0 && id != 1 && e == 0) || id != expected)
+      return input.line().problem("expected element id " +
+                                  (e == 0 ? "0 or 1" : std::to_string(expected)) + ", found " +
+                                  std::to_string(id));
     for (std::int64_t& node : nodes)
       if (!input.line().read(node, "a node of an element")) return input.error();
     if (!file.builder.resolve(id, nodes, vertices) || !file.builder.add_cell(id, kKind, vertices))
@@ -106,7 +106,7 @@ Result<bool> read_set(VegInput& input, VegFile& file) {
   std::string name;
   if (!input.line().read_word(name, "the name of a set")) return input.error();
   const std::vector<Tetrahedron>& tets = file.builder.mesh().tetrahedra;
-  const auto count = static_cast<std::int64_t>(tets.size());
+  const std::int64_t count = tets.size();
   std::vector<std::int32_t>& elements = file.regions.sets[name];
   std::vector<VertexId> vertices;
   bool more = input.next_line();
@@ -120,7 +120,7 @@ Result<bool> read_set(VegInput& input, VegFile& file) {
                                     std::to_string(file.first_element) + " to " +
                                     std::to_string(file.first_element + count - 1));
       const std::int64_t element = id - file.first_element;
-      const Tetrahedron& tet = tets[static_cast<std::size_t>(element)];
+      const Tetrahedron& tet = tets[element];
       vertices.insert(vertices.end(), tet.begin(), tet.end());
       elements.push_back(static_cast<std::int32_t>(element));
     }

@@ -39,7 +39,7 @@ void set_veg_regions(const VegRegions& file, MeshBuilder& builder) {
       continue;
     }
     if (!done.insert(set).second) continue;
-    const auto put = [&, label = static_cast<std::int64_t>(found->second)](std::size_t element) {
+    const auto put = [&, label = std::int64_t(found->second)](std::size_t element) {
       if (material_of[element] < 0)
         material_of[element] = label;
       else if (material_of[element] != label)
@@ -48,7 +48,7 @@ void set_veg_regions(const VegRegions& file, MeshBuilder& builder) {
     if (elements == file.sets.end())
       for (std::size_t element = 0; element < material_of.size(); ++element) put(element);
     else
-      for (std::int32_t element : elements->second) put(static_cast<std::size_t>(element));
+      for (std::int32_t element : elements->second) put(element);
   }
   if (unknown > 0)
     builder.add_note(std::to_string(unknown) +
@@ -58,7 +58,7 @@ void set_veg_regions(const VegRegions& file, MeshBuilder& builder) {
     builder.add_note(std::to_string(several) +
                      " tetrahedra are in several regions: the last decides");
   builder.set_regions(material_of, [&file](std::int64_t label) {
-    return label < 0 ? std::string() : name_of(file.materials[static_cast<std::size_t>(label)]);
+    return label < 0 ? std::string() : name_of(file.materials[label]);
   });
 }
 

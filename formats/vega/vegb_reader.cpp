@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/index.h"
 #include "formats/file/byte_scanner.h"
 #include "formats/file/text_scanner.h"
 #include "formats/mesh/mesh_builder.h"
@@ -37,8 +38,8 @@ Status read_count(ByteScanner& input, std::string_view what, std::size_t bytes, 
   if (value < lowest)
     return input.problem("expected " + std::string(what) + ", at least " + std::to_string(lowest) +
                          ", found " + std::to_string(value));
-  count = static_cast<std::size_t>(value);
-  if (!input.fits(count - static_cast<std::size_t>(lowest), bytes, what)) return input.error();
+  count = value;
+  if (!input.fits(count - lowest, bytes, what)) return input.error();
   return Success{};
 }
 
@@ -76,8 +77,7 @@ Status read_vertices(ByteScanner& input, MeshBuilder& builder) {
     Eigen::Vector3d x;
     for (double& coordinate : x)
       if (!input.read(coordinate, "a coordinate")) return input.error();
-    if (!builder.add_vertex(static_cast<std::int64_t>(v), x))
-      return input.problem(builder.complaint());
+    if (!builder.add_vertex(v, x)) return input.problem(builder.complaint());
   }
   if (!builder.seal_vertices()) return input.problem(builder.complaint());
   return Success{};
@@ -104,7 +104,7 @@ Status read_elements(ByteScanner& input, MeshBuilder& builder) {
       if (!input.read(id, "a node of an element")) return input.error();
       node = id;
     }
-    const auto id = static_cast<std::int64_t>(e);
+    const std::int64_t id = e;
     if (!builder.resolve(id, nodes, vertices) || !builder.add_cell(id, kKind, vertices))
       return input.problem(builder.complaint());
   }
@@ -155,10 +155,10 @@ Status read_set(ByteScanner& input, MeshBuilder& builder, VegRegions& regions,
   for (std::size_t i = 0; i < count; ++i) {
     std::int32_t id = 0;
     if (!input.read(id, "an element of a set")) return input.error();
-    if (id < 0 || static_cast<std::size_t>(id) >= tets.size())
+    if (!is_index(id, tets.size()))
       return input.problem("set " + quoted_text(name) + " names element " + std::to_string(id) +
                            ", expected one below " + std::to_string(tets.size()));
-    const Tetrahedron& tet = tets[static_cast<std::size_t>(id)];
+    const Tetrahedron& tet = tets[id];
     vertices.insert(vertices.end(), tet.begin(), tet.end());
     elements.push_back(id);
   }
@@ -177,10 +177,10 @@ Status read_regions(ByteScanner& input, const std::vector<std::string>& sets, Ve
          {std::pair{"material", regions.materials.size()}, {"set", sets.size()}}) {
       std::int32_t id = 0;
       if (!input.read(id, what)) return input.error();
-      if (id < 0 || static_cast<std::size_t>(id) >= limit)
+      if (!is_index(id, limit))
         return input.problem("region " + std::to_string(n) + " names " + what + " " +
                              std::to_string(id) + ", expected one below " + std::to_string(limit));
-      *at++ = static_cast<std::size_t>(id);
+      *at++ = id;
     }
     regions.regions.emplace_back(sets[ids[1]], regions.materials[ids[0]].region);
   }

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "formats/vtk/vtk_regions.h"
+#include "formats/vtk/vtk_cells.h"
 
 namespace tremolo {
 namespace {

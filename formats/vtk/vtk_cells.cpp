@@ -1,14 +1,35 @@
 #include "formats/vtk/vtk_cells.h"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/format_text.h"
+#include "formats/file/text_scanner.h"
+#include "formats/mesh/mesh_cells.h"
+
 namespace tremolo {
 namespace {
+
+constexpr std::string_view kRegionArrays[] = {"material",  "region",     "gmsh:physical",
+                                              "medit:ref", "cellentity", "subdomain"};
+constexpr double kMostExact = 9007199254740992.0;  // 2^53: beyond, doubles skip integers
+
+// "Material_IDs" -> "material".
+std::string plain_name(std::string_view array) {
+  std::string name = lower_case(array);
+  std::erase_if(name, [](char c) { return c == '_' || c == ' ' || c == '-'; });
+  for (const std::string_view ending : {"s", "id"})
+    if (name.ends_with(ending)) name.resize(name.size() - ending.size());
+  return name;
+}
 
 std::string check_offsets(const VtkCells& cells) {
   if (cells.offsets.empty() || cells.offsets.size() - 1 != cells.types.size())
     return "expected as many cell types as cells, found " + std::to_string(cells.types.size()) +
            " types of " + std::to_string(cells.offsets.empty() ? 0 : cells.offsets.size() - 1) +
            " cells";
-  const auto end = static_cast<std::int64_t>(cells.connectivity.size());
+  const std::int64_t end = cells.connectivity.size();
   if (cells.offsets.front() != 0 || cells.offsets.back() != end)
     return "expected cell offsets from 0 to " + std::to_string(end) + ", found " +
            std::to_string(cells.offsets.front()) + " to " + std::to_string(cells.offsets.back());
@@ -27,21 +48,54 @@ std::string add_vtk_cells(const VtkCells& cells, MeshBuilder& builder) {
   std::vector<VertexId> vertices;
   for (std::size_t c = 0; c < cells.types.size(); ++c) {
     const std::int64_t type = cells.types[c];
-    const CellKind* kind = type < 0 || type > 255 ? nullptr : vtk_cell(static_cast<int>(type));
+    const CellKind* kind = vtk_cell(type);
     if (kind == nullptr)
       return "cell " + std::to_string(c) + " has type " + std::to_string(type) +
              ", expected a cell type of VTK";
-    const auto first = static_cast<std::size_t>(cells.offsets[c]);
-    const auto count = static_cast<std::size_t>(cells.offsets[c + 1]) - first;
-    if (kind->nodes != 0 && count != static_cast<std::size_t>(kind->nodes))
+    const std::size_t first = cells.offsets[c];
+    const std::size_t count = cells.offsets[c + 1] - first;
+    if (kind->nodes != 0 && std::cmp_not_equal(count, kind->nodes))
       return "cell " + std::to_string(c) + " is one of " + std::string(kind->plural) +
              ", expected " + std::to_string(kind->nodes) + " nodes, found " + std::to_string(count);
-    const auto id = static_cast<std::int64_t>(c);
+    const std::int64_t id = c;
     if (!builder.resolve(id, {cells.connectivity.data() + first, count}, vertices) ||
         !builder.add_cell(id, *kind, vertices))
       return builder.complaint();
   }
   return "";
+}
+
+int region_rank(std::string_view array) {
+  const std::string name = plain_name(array);
+  int rank = 0;
+  for (const std::string_view known : kRegionArrays) {
+    if (name == known) return rank;
+    ++rank;
+  }
+  return -1;
+}
+
+void set_vtk_regions(const VtkCells& cells, const std::string& array,
+                     std::span<const double> values, MeshBuilder& builder) {
+  if (values.size() != cells.types.size()) {
+    builder.add_note("cell data " + quoted_text(array) + " has " + std::to_string(values.size()) +
+                     " numbers for " + std::to_string(cells.types.size()) +
+                     " cells: it names no regions");
+    return;
+  }
+  std::vector<std::int64_t> labels;
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    const CellKind* kind = vtk_cell(cells.types[c]);
+    if (kind == nullptr || kind->role != CellKind::Role::kTetrahedron) continue;
+    if (!(std::abs(values[c]) <= kMostExact) || values[c] != std::floor(values[c])) {
+      builder.add_note("cell data " + quoted_text(array) +
+                       " holds numbers that are not integers: it names no regions");
+      return;
+    }
+    labels.push_back(static_cast<std::int64_t>(values[c]));
+  }
+  builder.set_regions(labels, [](std::int64_t label) { return "region " + std::to_string(label); });
+  builder.add_note("cell data " + quoted_text(array) + " gives the regions");
 }
 
 }  // namespace tremolo

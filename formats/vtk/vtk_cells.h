@@ -1,9 +1,11 @@
-// The cells of VTK files, legacy and XML.
+// The cells of VTK files, legacy and XML, and the regions that their data number.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "formats/mesh/mesh_builder.h"
@@ -21,5 +23,15 @@ struct VtkCells {
 // Checks the three against each other and gives the cells to the builder, whose vertices are
 // sealed. Returns a complaint that names the cell, empty if all is well.
 std::string add_vtk_cells(const VtkCells& cells, MeshBuilder& builder);
+
+// How well a cell array's name says that it numbers regions: 0 is best, -1 if it does not. Known
+// are material, region, gmsh:physical, medit:ref, CellEntityIds, subdomain, whatever their case,
+// also with Id or Ids behind them.
+int region_rank(std::string_view array);
+
+// values: of the array `array`, one a cell. Integers become regions called "region 3"; other
+// numbers are noted and left.
+void set_vtk_regions(const VtkCells& cells, const std::string& array,
+                     std::span<const double> values, MeshBuilder& builder);
 
 }  // namespace tremolo

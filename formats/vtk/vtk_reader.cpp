@@ -1,10 +1,10 @@
 #include <cstddef>
 
+#include "common/index.h"
 #include "formats/mesh/mesh_formats.h"
 #include "formats/vtk/vtk_attributes.h"
 #include "formats/vtk/vtk_cells.h"
 #include "formats/vtk/vtk_input.h"
-#include "formats/vtk/vtk_regions.h"
 
 namespace tremolo {
 namespace {
@@ -29,8 +29,7 @@ bool read_points(VtkInput& input, VtkFile& file) {
     return false;
   file.builder.reserve_vertices(count);
   for (std::uint64_t p = 0; p < count; ++p)
-    if (!file.builder.add_vertex(static_cast<std::int64_t>(p),
-                                 Eigen::Vector3d(coordinates.data() + 3 * p)))
+    if (!file.builder.add_vertex(p, Eigen::Vector3d(coordinates.data() + 3 * p)))
       return input.fail(file.builder.complaint());
   file.has_points = true;
   return file.builder.seal_vertices() || input.fail(file.builder.complaint());
@@ -57,15 +56,15 @@ bool read_counted_cells(VtkInput& input, std::uint64_t count, std::uint64_t size
   std::size_t at = 0;
   for (std::uint64_t c = 0; c < count; ++c) {
     const std::size_t left = list.size() - at;
-    if (left == 0 || list[at] < 0 || static_cast<std::size_t>(list[at]) > left - 1)
+    if (left == 0 || !is_index(list[at], left))
       return input.fail("cell " + std::to_string(c) + " has " +
                         (left == 0 ? "no" : std::to_string(list[at])) +
                         " nodes, expected at most the " + std::to_string(left) +
                         " numbers that are left in the list");
-    const auto nodes = static_cast<std::size_t>(list[at]);
+    const std::size_t nodes = list[at];
     cells.connectivity.insert(cells.connectivity.end(), list.begin() + at + 1,
                               list.begin() + at + 1 + nodes);
-    cells.offsets.push_back(static_cast<std::int64_t>(cells.connectivity.size()));
+    cells.offsets.push_back(cells.connectivity.size());
     at += nodes + 1;
   }
   return at == list.size() ||

@@ -12,7 +12,6 @@
 #include "formats/file/text_scanner.h"
 #include "formats/mesh/mesh_formats.h"
 #include "formats/vtk/vtk_cells.h"
-#include "formats/vtk/vtk_regions.h"
 
 namespace tremolo {
 namespace {
@@ -161,8 +160,7 @@ Status read_points(pugi::xml_node piece, const VtuBytes& bytes, const std::strin
   if (!status) return status;
   builder.reserve_vertices(count);
   for (std::size_t p = 0; p < count; ++p)
-    if (!builder.add_vertex(static_cast<std::int64_t>(p),
-                            Eigen::Vector3d(coordinates.data() + 3 * p)))
+    if (!builder.add_vertex(p, Eigen::Vector3d(coordinates.data() + 3 * p)))
       return content_error(path + ", array `points`: " + builder.complaint());
   if (!builder.seal_vertices()) return content_error(path + ": " + builder.complaint());
   return Success{};
@@ -204,12 +202,11 @@ Status read_cells(pugi::xml_node piece, const VtuBytes& bytes, const std::string
   // VTU leaves out the first offset, 0; the last is the length of the list of nodes.
   found.offsets.insert(found.offsets.begin(), 0);
   const std::int64_t length = found.offsets.back();
-  if (length < 0 || static_cast<std::size_t>(length) > limit)
+  if (length < 0 || std::cmp_greater(length, limit))
     return content_error(path +
                          ", array `offsets`: expected a last offset that fits in a file of " +
                          std::to_string(limit) + " bytes, found " + std::to_string(length));
-  status = read_named(cells, "connectivity", bytes, path, static_cast<std::size_t>(length),
-                      found.connectivity);
+  status = read_named(cells, "connectivity", bytes, path, length, found.connectivity);
   if (!status) return status;
   const std::string complaint = add_vtk_cells(found, builder);
   if (!complaint.empty()) return content_error(path + ": " + complaint);

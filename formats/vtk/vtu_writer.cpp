@@ -1,6 +1,5 @@
 #include "formats/vtk/vtu_writer.h"
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -8,11 +7,10 @@
 
 #include "formats/file/atomic_file.h"
 #include "formats/file/base64.h"
+#include "formats/file/stored_values.h"
 
 namespace tremolo {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "values are written as they lie");
 
 // VTK's numbers of the two kinds (vtkCellType.h).
 constexpr std::uint8_t kTriangle = 5;
@@ -28,10 +26,9 @@ struct Cells {
 // One DataArray: its bytes behind their number, together in base64.
 template <class T>
 Status write_array(AtomicFile& file, const std::string& attributes, std::span<const T> values) {
-  const std::uint64_t size = values.size_bytes();
-  std::string bytes(sizeof(size) + size, '\0');
-  std::memcpy(bytes.data(), &size, sizeof(size));
-  if (size > 0) std::memcpy(bytes.data() + sizeof(size), values.data(), size);
+  std::string bytes;
+  append_bytes(bytes, std::uint64_t{values.size_bytes()});
+  append_bytes(bytes, values.data(), values.size());
   Status status = file.write("<DataArray " + attributes + " format=\"binary\">");
   if (status) status = file.write(encode_base64(bytes));
   if (status) status = file.write("</DataArray>\n");
@@ -51,7 +48,7 @@ Status write_frequencies(AtomicFile& file, const Eigen::VectorXd& lambda) {
     status = write_array(file,
                          "type=\"Float64\" Name=\"frequency_hz\" NumberOfTuples=\"" +
                              std::to_string(hertz.size()) + "\"",
-                         std::span(hertz.data(), static_cast<std::size_t>(hertz.size())));
+                         std::span(hertz.data(), hertz.size()));
   if (status) status = file.write("</FieldData>\n");
   return status;
 }
@@ -63,7 +60,7 @@ Status write_modes(AtomicFile& file, const BasisRows& rows) {
     status = write_array(
         file,
         "type=\"Float64\" Name=\"" + mode_name(mode, rows.cols()) + "\" NumberOfComponents=\"3\"",
-        std::span(column.data(), static_cast<std::size_t>(column.size())));
+        std::span(column.data(), column.size()));
   }
   if (status) status = file.write("</PointData>\n");
   return status;
@@ -71,8 +68,7 @@ Status write_modes(AtomicFile& file, const BasisRows& rows) {
 
 Status write_cells(AtomicFile& file, const Cells& cells) {
   std::vector<std::int64_t> offsets(cells.count());
-  for (std::size_t c = 0; c < offsets.size(); ++c)
-    offsets[c] = static_cast<std::int64_t>((c + 1) * cells.nodes_of_one);
+  for (std::size_t c = 0; c < offsets.size(); ++c) offsets[c] = (c + 1) * cells.nodes_of_one;
   const std::vector<std::uint8_t> types(cells.count(), cells.type);
   Status status = file.write("<Cells>\n");
   if (status) status = write_array(file, "type=\"Int32\" Name=\"connectivity\"", cells.nodes);

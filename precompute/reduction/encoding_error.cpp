@@ -4,9 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "common/mesh/vertex_lookup.h"
+#include "common/reduced_energy.h"
 #include "formats/basis/basis_reader.h"
 #include "formats/basis/basis_writer.h"
-#include "precompute/reduction/polynomial_check.h"
 
 namespace tremolo {
 namespace {
@@ -38,10 +39,8 @@ VectorXd reduced_load(const BasisData& data) {
   VectorXd load = VectorXd::Zero(data.lambda.size());
   for (std::size_t i = 0; i < data.load.vertices.size(); ++i)
     for (const VertexBlock* block : {&data.surface, &data.interior}) {
-      const auto& ids = block->vertex_ids;
-      const auto at = std::lower_bound(ids.begin(), ids.end(), data.load.vertices[i]);
-      if (at == ids.end() || *at != data.load.vertices[i]) continue;
-      load += block->rows.middleRows(3 * (at - ids.begin()), 3).transpose() * data.load.forces[i];
+      const auto at = find_vertex(block->vertex_ids, data.load.vertices[i]);
+      if (at) load += block->rows.middleRows(3 * *at, 3).transpose() * data.load.forces[i];
     }
   // A load on fixed vertices only moves nothing.
   if (load.isZero(0.0)) load[0] = 1.0;
@@ -85,8 +84,8 @@ EncodingError encoding_error(const BasisData& full, const BasisData& kept) {
         std::max(error.displacement_bound, largest_sum(*a, *b, amplitude) / size);
   }
   if (!full.quartic.empty())
-    error.force = (polynomial_force(kept.lambda, kept.cubic, kept.quartic, q) -
-                   polynomial_force(full.lambda, full.cubic, full.quartic, q))
+    error.force = (reduced_energy(kept.lambda, kept.cubic, kept.quartic, q).force -
+                   reduced_energy(full.lambda, full.cubic, full.quartic, q).force)
                       .norm() /
                   full.lambda.cwiseProduct(q).norm();
   return error;

@@ -3,33 +3,10 @@
 #include <cmath>
 #include <random>
 
-#include "common/packed_index.h"
+#include "common/reduced_energy.h"
 #include "precompute/ranks/halo.h"
 
 namespace tremolo {
-
-Eigen::VectorXd polynomial_force(const Eigen::VectorXd& lambda, const std::vector<double>& cubic,
-                                 const std::vector<double>& quartic, const Eigen::VectorXd& q) {
-  const auto r = static_cast<std::size_t>(lambda.size());
-  Eigen::VectorXd force = lambda.cwiseProduct(q);
-  // d/dq of one monomial c q_i q_j q_k (q_l), one factor at a time; repeated indices add up.
-  for (std::size_t k = 0; k < r; ++k)
-    for (std::size_t j = 0; j <= k; ++j)
-      for (std::size_t i = 0; i <= j; ++i) {
-        const double c = cubic[triple_index(i, j, k)] * orderings(i, j, k);
-        force[i] += c * q[j] * q[k];
-        force[j] += c * q[i] * q[k];
-        force[k] += c * q[i] * q[j];
-        for (std::size_t l = k; l < r; ++l) {
-          const double d = quartic[quad_index(i, j, k, l)] * orderings(i, j, k, l);
-          force[i] += d * q[j] * q[k] * q[l];
-          force[j] += d * q[i] * q[k] * q[l];
-          force[k] += d * q[i] * q[j] * q[l];
-          force[l] += d * q[i] * q[j] * q[k];
-        }
-      }
-  return force;
-}
 
 double polynomial_error(const Solid& solid, std::size_t counted, const BasisRows& basis,
                         const Eigen::VectorXd& lambda, const std::vector<double>& cubic,
@@ -48,7 +25,7 @@ double polynomial_error(const Solid& solid, std::size_t counted, const BasisRows
   u *= reach / largest;
   Eigen::MatrixXd expected = basis.transpose() * internal_force(solid, u, counted);
   sum_over_ranks(expected);
-  return (expected - polynomial_force(lambda, cubic, quartic, q)).norm() / expected.norm();
+  return (expected - reduced_energy(lambda, cubic, quartic, q).force).norm() / expected.norm();
 }
 
 }  // namespace tremolo

@@ -5,10 +5,6 @@
 
 namespace tremolo {
 
-// grad V(q), straight from the unique entries; slow, independent of the runtime's contraction.
-Eigen::VectorXd polynomial_force(const Eigen::VectorXd& lambda, const std::vector<double>& cubic,
-                                 const std::vector<double>& quartic, const Eigen::VectorXd& q);
-
 // |U^T f(Uq) - grad V(q)| / |grad V(q)| at a fixed pseudo-random q, scaled so that the largest
 // vertex displacement is `reach` metres. solid, basis: of this rank's part of the mesh, of which
 // the first `counted` elements are this rank's to sum; all ranks call it together. basis: 3n x r.

@@ -1,6 +1,5 @@
 #include "runtime/display/interior_rows.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -26,12 +25,6 @@ Result<VertexBlock> leading_columns(const VertexBlock& block, Eigen::Index modes
   if (count > 0) leading.rows = block.rows.leftCols(modes);
   if (!leading.rows.allFinite()) return bad("a basis row is not finite");
   return leading;
-}
-
-std::optional<std::size_t> find_vertex(const VertexBlock& block, VertexId id) {
-  const auto at = std::lower_bound(block.vertex_ids.begin(), block.vertex_ids.end(), id);
-  if (at == block.vertex_ids.end() || *at != id) return std::nullopt;
-  return static_cast<std::size_t>(at - block.vertex_ids.begin());
 }
 
 Result<const VertexBlock*> InteriorRows::block() {

@@ -14,9 +14,6 @@ namespace tremolo {
 // kContent if sizes differ, ids do not ascend or a value is not finite.
 Result<VertexBlock> leading_columns(const VertexBlock& block, Eigen::Index modes, const char* name);
 
-// Position of a vertex in the block, if it is there.
-std::optional<std::size_t> find_vertex(const VertexBlock& block, VertexId id);
-
 class InteriorRows {
  public:
   explicit InteriorRows(VertexBlock block) : block_(std::move(block)) {}

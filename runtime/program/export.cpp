@@ -1,7 +1,5 @@
 #include "runtime/program/export.h"
 
-#include <iostream>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -24,12 +22,11 @@ Status check_outputs(const ExportOptions& options) {
 Result<Eigen::MatrixXd> whole_basis(const BasisData& data) {
   if (data.surface.vertex_ids.size() + data.interior.vertex_ids.size() != data.vertex_count)
     return content_error("the file has no rows of the vertices inside");
-  Eigen::MatrixXd basis =
-      Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(data.vertex_count), data.lambda.size());
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(3 * data.vertex_count, data.lambda.size());
   for (const VertexBlock* block : {&data.surface, &data.interior})
     for (std::size_t i = 0; i < block->vertex_ids.size(); ++i)
       basis.middleRows(3 * Eigen::Index{block->vertex_ids[i]}, 3) =
-          block->rows.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+          block->rows.middleRows(3 * i, 3);
   return basis;
 }
 
@@ -57,11 +54,11 @@ std::string mass_of(const BasisData& data) {
 void note_basis(const BasisData& data, bool compact) {
   const std::string mass = mass_of(data);
   if (mass != "lumped")
-    std::cerr << "  note: the basis is orthonormal in the "
-              << (mass.empty() ? "mass that its maker took" : "consistent mass")
-              << ", VegaFEM's in the lumped one: its solvers want the reduced mass U^T M U, or a "
-                 "model made with --mass lumped\n";
-  if (compact) std::cerr << "  note: a compact file; what is written are its rounded numbers\n";
+    tell(
+        "  note: the basis is orthonormal in the {}, VegaFEM's in the lumped one: its solvers want "
+        "the reduced mass U^T M U, or a model made with --mass lumped\n",
+        mass.empty() ? "mass that its maker took" : "consistent mass");
+  if (compact) tell("  note: a compact file; what is written are its rounded numbers\n");
 }
 
 Status write_outputs(const ExportOptions& options, BasisReader& reader) {
@@ -103,9 +100,7 @@ int export_command(const ExportOptions& options) {
   Result<BasisReader> reader = BasisReader::open(options.model);
   if (!reader) return report_error(reader.error());
   if (Status status = write_outputs(options, *reader); !status) return report_error(status.error());
-  if (std::fflush(stdout) != 0)
-    return report_error(system_error("standard output cannot be written"));
-  return 0;
+  return flushed(0);
 }
 
 }  // namespace tremolo

@@ -29,8 +29,8 @@ struct Contents {
   std::optional<RenderBlock> render;
 };
 
-// What anybody may have written into the file's provenance. Copies and prints of a value go down by
-// recursion.
+// Parses the file's provenance, which is untrusted: nesting is limited, since JSON values are
+// copied and printed by recursion.
 Result<Json> parse_provenance(std::string_view text) {
   constexpr int kDeepest = 64;
   bool deep = false;
@@ -56,26 +56,19 @@ std::string shown(std::string name) {
 Result<Contents> read_contents(BasisReader& reader) {
   if (Status status = reader.verify_all(); !status) return status.error();
   Contents contents;
-  Result<Eigen::VectorXd> lambda = read_lambda(reader);
+  const Result<Eigen::VectorXd> lambda = read_lambda(reader);
   if (!lambda) return lambda.error();
   for (double value : *lambda) contents.frequencies.push_back(hertz(value));
-  Result<DefaultLoad> load = read_default_load(reader);
-  if (!load) return load.error();
-  contents.load = std::move(*load);
-  Result<std::optional<RenderBlock>> render = read_render(reader);
-  if (!render) return render.error();
-  contents.render = std::move(*render);
-  if (reader.has(layout::kProvenance)) {
-    Result<std::string_view> text = reader.text(layout::kProvenance);
-    if (!text) return text.error();
-    Result<Json> provenance = parse_provenance(*text);
-    if (!provenance) return provenance.error();
-    contents.provenance = std::move(*provenance);
-  }
+  if (Status s = take(contents.load, read_default_load(reader)); !s) return s.error();
+  if (Status s = take(contents.render, read_render(reader)); !s) return s.error();
+  if (!reader.has(layout::kProvenance)) return contents;
+  const Result<std::string_view> text = reader.text(layout::kProvenance);
+  if (!text) return text.error();
+  if (Status s = take(contents.provenance, parse_provenance(*text)); !s) return s.error();
   return contents;
 }
 
-// What would be refused when a body is made of it is refused here, the vertices inside included.
+// Refuses every file that the runtime would refuse, and also checks the vertices inside.
 Status check_model(BasisReader& reader) {
   const Result<BasisData> data = read_basis(reader);
   if (!data) return data.error();
@@ -162,16 +155,13 @@ int print_selection(BasisReader& reader, const Contents& contents, const std::st
   for (const std::string& note : chosen->notes) std::fprintf(stderr, "  %s\n", note.c_str());
   if (json) {
     const BoundingBox box = bounding_box(chosen->places);
-    std::cout << Json{{"selector", select},
-                      {"vertices", chosen->ids},
-                      {"low", {box.low.x(), box.low.y(), box.low.z()}},
-                      {"high", {box.high.x(), box.high.y(), box.high.z()}}}
-                     .dump(2, ' ', false, Json::error_handler_t::replace)
-              << "\n";
+    print_json(Json{{"selector", select},
+                    {"vertices", chosen->ids},
+                    {"low", {box.low.x(), box.low.y(), box.low.z()}},
+                    {"high", {box.high.x(), box.high.y(), box.high.z()}}});
   } else {
     std::cout << describe_vertices(chosen->ids, chosen->places) << "\n";
   }
-  if (!std::cout.flush()) return report_error(system_error("standard output cannot be written"));
   return 0;
 }
 
@@ -224,8 +214,7 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
   fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", "section", "bytes", "rows", "columns");
   for (const BasisSection& s : reader.sections())
     fmt::print("  {:<16} {:>12} {:>10} {:>8}\n", shown(s.name), s.size, s.rows, s.columns);
-  if (contents.provenance.is_object())
-    fmt::print("{}\n", contents.provenance.dump(2, ' ', false, Json::error_handler_t::replace));
+  if (contents.provenance.is_object()) fmt::print("{}", json_text(contents.provenance));
 }
 
 }  // namespace
@@ -237,16 +226,14 @@ int inspect_command(const std::string& path, const std::string& select, bool jso
   if (!contents) return report_error(error_of_file(path, contents.error()));
   if (Status status = check_model(*reader); !status)
     return report_error(error_of_file(path, status.error()));
-  if (!select.empty()) return print_selection(*reader, *contents, select, json);
-  if (json)
-    std::cout
-        << to_json(path, *reader, *contents).dump(2, ' ', false, Json::error_handler_t::replace)
-        << "\n";
-  else
+  if (!select.empty()) {
+    if (const int code = print_selection(*reader, *contents, select, json); code != 0) return code;
+  } else if (json) {
+    print_json(to_json(path, *reader, *contents));
+  } else {
     print_text(path, *reader, *contents);
-  if (!std::cout.flush() || std::fflush(stdout) != 0)
-    return report_error(system_error("standard output cannot be written"));
-  return 0;
+  }
+  return flushed(0);
 }
 
 }  // namespace tremolo

@@ -9,8 +9,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "formats/file/atomic_file.h"
-#include "formats/file/standard_streams.h"
 #include "runtime/integrator.h"
 #include "runtime/program/export.h"
 #include "runtime/program/inspect.h"
@@ -135,8 +133,8 @@ struct Parser {
   }
 };
 
-// tremolo-lab, which stands beside this program, with the same words. It comes back only if that
-// cannot be started.
+// Replaces this process by tremolo-lab, which is installed beside this program, with the same
+// arguments. Returns only if that cannot be started.
 int start_laboratory(char** words) {
   std::error_code error;
   const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -180,7 +178,7 @@ int run_program(int count, char** words) {
     parser.app.parse(count, words);
   } catch (const CLI::ParseError& error) {
     const int code = parser.app.exit(error, std::cout, std::cerr);
-    return code == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
+    return code == 0 ? 0 : exit_code(ErrorKind::kUsage);
   }
   if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
@@ -195,13 +193,5 @@ int run_program(int count, char** words) {
 }  // namespace tremolo
 
 int main(int count, char** words) {
-  tremolo::hold_standard_streams();
-  tremolo::remove_partial_files_on_signals();
-  try {
-    return tremolo::run_program(count, words);
-  } catch (const std::bad_alloc&) {
-    return tremolo::report_error(tremolo::system_error("out of memory"));
-  } catch (const std::exception& exception) {
-    return tremolo::report_error(tremolo::system_error(exception.what()));
-  }
+  return tremolo::run_guarded([&] { return tremolo::run_program(count, words); });
 }

@@ -156,6 +156,30 @@ TEST(BasisFile, AnErrorNamesFileSectionAndOffset) {
   EXPECT_TRUE(reader->doubles(kCubic)) << "other sections can still be used";
 }
 
+TEST(BasisFile, ASectionWhoseCompanionIsMissingIsRefusedWithBothNames) {
+  for (const auto& [gone, alone] :
+       {std::pair{kLoadIds, kLoadForces}, std::pair{kLoadForces, kLoadIds}}) {
+    Bytes bytes = tiny_bytes();
+    std::byte* name = bytes.data() + entry_of(bytes, gone);
+    std::memset(name, 0, kNameSize);
+    std::memcpy(name, "other", 5);
+    reseal(bytes);
+    const auto refused = decode(bytes);
+    ASSERT_FALSE(refused);
+    for (const std::string_view section : {gone, alone})
+      EXPECT_NE(refused.error().message.find(section), std::string::npos)
+          << refused.error().message;
+  }
+}
+
+TEST(BasisFile, ThePageOfTheFormatNamesEverySection) {
+  std::ifstream file(TREMOLO_SOURCE_DIR "/docs/basis-format.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  for (const SectionShape& shape : section_shapes({})) {
+    EXPECT_NE(page.find('`' + std::string(shape.name) + '`'), std::string::npos) << shape.name;
+  }
+}
+
 TEST(BasisFile, MissingEmptyAndForeignFilesAreErrors) {
   const std::string folder = testing::fresh_folder() + "/";
   EXPECT_EQ(read_basis(folder + "no-such-file").error().kind, ErrorKind::kSystem);

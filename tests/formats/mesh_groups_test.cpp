@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/basis/selector_file.h"
 #include "formats/basis/selector_reader.h"
 #include "formats/mesh/mesh_reader.h"
 #include "tests/support/mesh_variants.h"

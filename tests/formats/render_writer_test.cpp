@@ -1,4 +1,4 @@
-#include "formats/surface/render_writer.h"
+#include "formats/surface/surface_writer.h"
 
 #include <cstring>
 #include <fstream>

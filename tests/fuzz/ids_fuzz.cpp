@@ -1,7 +1,7 @@
 // Lists of vertex ids, the files of `file:` selectors.
 #include <algorithm>
 
-#include "formats/basis/selector_file.h"
+#include "formats/basis/selector_reader.h"
 #include "tests/fuzz/harness.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {

@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "precompute/modes/certificate.h"
+#include "common/reduced_energy.h"
 #include "precompute/pipeline.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/ranks/halo.h"
-#include "precompute/reduction/polynomial_check.h"
 #include "tests/support/joined_mesh.h"
 #include "tests/support/mesh_writers.h"
 #include "tests/support/random_mesh.h"
@@ -244,7 +244,7 @@ BasisData precompute(const TetMesh& mesh, int k, int r) {
 }
 
 Eigen::VectorXd force(const BasisData& data, const Eigen::VectorXd& q) {
-  return polynomial_force(data.lambda, data.cubic, data.quartic, q);
+  return reduced_energy(data.lambda, data.cubic, data.quartic, q).force;
 }
 
 TEST(ModeClusters, TheModelOfASymmetricBodyIsTheSameBySlepc) {

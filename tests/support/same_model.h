@@ -7,7 +7,7 @@
 #include <random>
 
 #include "common/mesh/tet_mesh.h"
-#include "common/packed_index.h"
+#include "common/reduced_energy.h"
 #include "formats/basis/basis_data.h"
 
 namespace tremolo::testing {
@@ -35,34 +35,6 @@ inline BasisRows times_consistent_mass(const TetMesh& mesh, double density, cons
           share * (sum + x.middleRows<3>(3 * Eigen::Index{v}));
   }
   return product;
-}
-
-// V(q) and its gradient from the unique entries, monomial by monomial.
-struct EnergyAndForce {
-  double energy = 0;
-  Eigen::VectorXd force;
-};
-inline EnergyAndForce evaluate(const BasisData& data, const Eigen::VectorXd& q) {
-  const auto r = static_cast<std::size_t>(q.size());
-  EnergyAndForce result{0.5 * q.dot(data.lambda.cwiseProduct(q)), data.lambda.cwiseProduct(q)};
-  for (std::size_t k = 0; k < r; ++k)
-    for (std::size_t j = 0; j <= k; ++j)
-      for (std::size_t i = 0; i <= j; ++i) {
-        const double c = data.cubic[triple_index(i, j, k)] * orderings(i, j, k);
-        result.energy += c * q[i] * q[j] * q[k];
-        result.force[i] += c * q[j] * q[k];
-        result.force[j] += c * q[i] * q[k];
-        result.force[k] += c * q[i] * q[j];
-        for (std::size_t l = k; l < r; ++l) {
-          const double d = data.quartic[quad_index(i, j, k, l)] * orderings(i, j, k, l);
-          result.energy += d * q[i] * q[j] * q[k] * q[l];
-          result.force[i] += d * q[j] * q[k] * q[l];
-          result.force[j] += d * q[i] * q[k] * q[l];
-          result.force[k] += d * q[i] * q[j] * q[l];
-          result.force[l] += d * q[i] * q[j] * q[k];
-        }
-      }
-  return result;
 }
 
 // All relative. subspace: largest M-norm of what of b's columns lies outside a's span, and of a's
@@ -97,7 +69,8 @@ inline ModelDifference difference(const BasisData& a, const BasisData& b, const 
     double moved = 0;
     for (Eigen::Index v = 0; v < u.size(); v += 3) moved = std::max(moved, u.segment<3>(v).norm());
     q *= reach / moved;
-    const EnergyAndForce first = evaluate(a, q), second = evaluate(b, change * q);
+    const EnergyAndForce first = reduced_energy(a.lambda, a.cubic, a.quartic, q),
+                         second = reduced_energy(b.lambda, b.cubic, b.quartic, change * q);
     result.energy = std::max(result.energy, std::abs(first.energy - second.energy) / first.energy);
     result.force = std::max(result.force, (first.force - change.transpose() * second.force).norm() /
                                               first.force.norm());

@@ -9,12 +9,12 @@ namespace tremolo {
 
 void Ending::solver_gave_up(const StepReport& step) {
   if (step.failure == StepFailure::kEnergy) return bound_left();
-  exit_code = static_cast<int>(ErrorKind::kSolver);
+  exit_code = tremolo::exit_code(ErrorKind::kSolver);
   reason = fmt::format("a step did not converge in {} iterations", step.iterations);
 }
 
 void Ending::bound_left() {
-  exit_code = static_cast<int>(ErrorKind::kBound);
+  exit_code = tremolo::exit_code(ErrorKind::kBound);
   reason = fmt::format("energy above {:g} times all that was put in", kEnergyBound);
 }
 

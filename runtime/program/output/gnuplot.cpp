@@ -40,7 +40,7 @@ bool write_all(int descriptor, std::string_view text) {
     const ssize_t written = ::write(descriptor, text.data(), text.size());
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) return false;
-    text.remove_prefix(static_cast<std::size_t>(written));
+    text.remove_prefix(written);
   }
   return true;
 }
@@ -51,7 +51,7 @@ bool read_all(int descriptor, std::string& text) {
     const ssize_t got = ::read(descriptor, buffer, sizeof(buffer));
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return got == 0;
-    text.append(buffer, static_cast<std::size_t>(got));
+    text.append(buffer, got);
   }
 }
 

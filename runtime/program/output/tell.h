@@ -2,27 +2,52 @@
 #pragma once
 
 #include <cstdio>
+#include <exception>
+#include <new>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "common/result.h"
+#include "formats/file/atomic_file.h"
+#include "formats/file/standard_streams.h"
 
 namespace tremolo {
 
-// Like fmt::print(stderr, ...), which throws where nobody can hear it. A stderr that is full or
-// closed loses the words and nothing else: results and exit code are the same.
+// Prints to stderr like fmt::print, but does not throw when stderr is full or closed: the text is
+// lost then, and results and exit code stay the same.
 template <class... Values>
 void tell(fmt::format_string<Values...> format, Values&&... values) {
   const std::string text = fmt::format(format, std::forward<Values>(values)...);
   std::fputs(text.c_str(), stderr);
 }
 
-// "tremolo: message" on stderr; the error's exit code.
+// "tremolo: MESSAGE" on stderr; the error's exit code.
 inline int report_error(const Error& error) {
   tell("tremolo: {}\n", error.message);
   return exit_code(error);
+}
+
+// `code` when standard output has taken everything, else the exit code of that error, told.
+inline int flushed(int code) {
+  const Status status = flush_standard_output();
+  return status ? code : report_error(status.error());
+}
+
+// Runs the work of main() and returns its exit code, or that of an exception, which is reported on
+// stderr. Prepares the standard streams and the removal of temporary files first.
+template <class Work>
+int run_guarded(const Work& work) {
+  hold_standard_streams();
+  remove_partial_files_on_signals();
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return report_error(system_error("out of memory"));
+  } catch (const std::exception& exception) {
+    return report_error(system_error(exception.what()));
+  }
 }
 
 }  // namespace tremolo

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "formats/file/atomic_file.h"
-#include "formats/surface/render_writer.h"
 #include "formats/surface/surface_writer.h"
 #include "runtime/program/run/run_files.h"
 
@@ -45,8 +44,7 @@ Status write_shape(const Body& body, const std::string& path, const std::string&
 
 bool Frames::due(std::int64_t steps) const {
   if (written_ >= options_.surfaces) return false;
-  return steps >= static_cast<std::int64_t>(std::llround(static_cast<double>(steps_) *
-                                                         (written_ + 1) / options_.surfaces));
+  return steps >= std::llround(static_cast<double>(steps_) * (written_ + 1) / options_.surfaces);
 }
 
 Status Frames::keep(const std::string& path, Status status) {

@@ -1,4 +1,4 @@
-// The surfaces of a run, evenly spaced in time, and the list of them.
+// Writes the surfaces of a run, evenly spaced in time, and the list of them.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,9 @@
 
 namespace tremolo {
 
-// Writes what is drawn of `body` (its render surface, else the solid's boundary) where it is now.
-// materials: the name of the .mtl file that an .obj refers to; empty: none. Errors of the writers.
+// Writes the present shape of what is drawn of `body`: its render surface, else the boundary.
+// materials: the name of the .mtl file that an .obj refers to; empty: none. Errors are those of the
+// writers.
 Status write_shape(const Body& body, const std::string& path, const std::string& materials = "");
 
 class Frames {
@@ -20,11 +21,11 @@ class Frames {
   // steps: of the whole run. The options must outlive this.
   Frames(const RunOptions& options, std::int64_t steps) : options_(options), steps_(steps) {}
 
-  // Whether a surface is due after so many steps: those after k/N of the run, k = 1 ... N.
+  // Whether a surface is due after `steps` steps; they are due at k/N of the run, k = 1 ... N.
   bool due(std::int64_t steps) const;
   // body: as it is at `time`, s.
   Status write(const Body& body, double time);
-  // frames.csv (frame, t in s, file), and of an .obj with materials their names as surface.mtl.
+  // Writes frames.csv (frame, t in s, file) and, for .obj files with materials, surface.mtl.
   Status finish(const Model& model);
 
   const std::vector<std::string>& files() const { return files_; }  // paths, all that is written

@@ -24,9 +24,7 @@ struct Shape {
 Shape shape_of(const Model& model) {
   Shape shape;
   for (const Triangle& t : model.triangles()) {
-    const auto corner = [&](int k) {
-      return model.surface().rest[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
-    };
+    const auto corner = [&](int k) { return model.surface().rest[t[k]]; };
     const Eigen::Vector3d a = corner(0), b = corner(1), c = corner(2), sum = a + b + c;
     const double volume = a.dot(b.cross(c)) / 6.0;
     shape.volume += volume;

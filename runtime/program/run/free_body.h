@@ -1,4 +1,4 @@
-// What a load does to a free body that its model cannot show: the motion as a whole.
+// The part of a load that moves a free body as a whole, which its model leaves out.
 #pragma once
 
 #include <optional>
@@ -12,10 +12,10 @@
 namespace tremolo {
 
 // rigid_modes: motions without strain that the model leaves out, six for a free body in one piece.
-// share: of the kinetic energy that a blow of the load gives to the body as a whole and to the
-// model's coordinates, the first part; 0 to 1. It takes the mass as spread evenly over the body;
-// not a number for several pieces. force: the load's resultant, N; torque: about the centre of
-// mass, N m.
+// share: the part of the kinetic energy of a short push that goes into rigid motion, 0 to 1; the
+// rest goes into the model's coordinates. The mass is taken as spread evenly over the body; the
+// share is not a number for several pieces. force: the load's resultant, N; torque: about the
+// centre of mass, N m.
 struct RigidLoss {
   std::uint64_t rigid_modes = 0;
   double share = 0.0;

@@ -1,11 +1,11 @@
-// Ctrl-C and its like during a run: the run ends early, but what it has made so far is written.
+// A signal during a run ends the run early; the results up to then are still written.
 #pragma once
 
 namespace tremolo {
 
-// While one of these lives, the first SIGINT, SIGTERM or SIGHUP is remembered and does nothing
-// else. A second one finds what stood there before (formats/file/atomic_file.h): the program ends
-// at once. One at a time; for programs.
+// While an object exists, the first SIGINT, SIGTERM or SIGHUP is stored and has no other effect. A
+// second one is handled as before (formats/file/atomic_file.h): the program ends at once. There may
+// be one object at a time, in programs only.
 class Interruption {
  public:
   Interruption();
@@ -13,7 +13,7 @@ class Interruption {
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
 
-  // The signal that came; 0: none.
+  // The number of the signal that was received; 0: none.
   int signal() const;
 };
 

@@ -1,4 +1,4 @@
-// Steps in blocks, with nothing between them; what came of each is looked at afterwards.
+// A body is stepped in blocks without interruption; the states are examined after each block.
 #pragma once
 
 #include <cstddef>
@@ -27,24 +27,25 @@ struct Moment {
   EnergyBound bound;
 };
 
-// Copies; allocates only if `moment` has not held as many coordinates before.
+// Copies the body's state into `moment`; allocates only if that has not held as many coordinates
+// before.
 void look_at(const Body& body, Moment& moment);
 
-// Energies, shapes and rows of a CSV need far more memory than a step: between two steps they would
-// take the step's own numbers out of the caches. So the moments of a block are kept, and looked at
-// when it is complete.
+// Steps a body in blocks. Energies, shapes and CSV rows use far more memory than a step, and
+// between two steps they would evict the step's own numbers from the caches: so the moments of a
+// block are stored and examined when the block is complete.
 class March {
  public:
   // block: steps at once, at least 1. The body must outlive this.
   March(Body& body, std::size_t block);
 
-  // The next block, shorter where the body reaches `last` steps or a step does not converge. Valid
-  // until the next call.
+  // Makes the next block of steps, which is shorter where the body reaches `last` steps or a step
+  // does not converge. The result is valid until the next call.
   std::span<const Moment> advance(std::int64_t last);
 
-  // The step that did not converge; it is behind the last moment.
+  // The step that did not converge, after the last moment; nullopt while all have.
   const std::optional<StepReport>& failed() const { return failed_; }
-  // Processor time of a step, microseconds: that of this thread in all blocks over their steps.
+  // The mean processor time of a step in microseconds: this thread's, over all blocks.
   double microseconds_per_step() const;
 
  private:

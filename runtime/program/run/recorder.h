@@ -23,8 +23,7 @@ struct RecordedColumns {
 
 // Columns: t (s), kinetic, potential, total, high_band, work, dissipated (J), q<i> (kg^1/2 m) and
 // p<i> (kg^1/2 m/s) of chosen coordinates, u<v>x u<v>y u<v>z (m) and v<v>x v<v>y v<v>z (m/s) of
-// chosen vertices. Rows go to the file's temporary place in pieces of whole lines; finish() puts it
-// in its place.
+// chosen vertices. Whole lines are written to a temporary file, which finish() renames.
 class Recorder {
  public:
   // path: of the CSV; empty: nothing is recorded. Errors: kUsage for a vertex that the model does
@@ -33,7 +32,7 @@ class Recorder {
                                  const std::string& path);
 
   Status record(const Moment& moment, const Energy& energy);
-  // Writes the rows that are still here, so that they can be read in the temporary file.
+  // Writes the buffered rows, so that they can be read in the temporary file.
   Status flush();
   Status finish();
 

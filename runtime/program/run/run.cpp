@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <iostream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -118,10 +117,7 @@ void print_text(const RunReport& report) {
 Status write_report(const RunOptions& options, std::vector<std::string> files, const Json& json) {
   if (options.out.empty()) return Success{};
   const std::string path = options.out + "/" + kReportName;
-  if (Status status =
-          write_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-      !status)
-    return status;
+  if (Status status = write_file(path, json_text(json)); !status) return status;
   files.push_back(path);
   tell("  wrote into {}: {}\n", options.out, list_files(files));
   return Success{};
@@ -146,14 +142,11 @@ int run_command(const std::vector<RunOptions>& bodies, bool json) {
     signal = report->signal;
     if (signal != 0) break;
   }
-  if (json)
-    std::cout << (objects.size() == 1 ? objects.front() : Json{{"bodies", objects}})
-                     .dump(2, ' ', false, Json::error_handler_t::replace)
-              << "\n";
-  const bool told = bool(std::cout.flush());
+  if (json) print_json(objects.size() == 1 ? objects.front() : Json{{"bodies", objects}});
+  const Status printed = flush_standard_output();
   // Whoever started the program shall see that a signal ended it.
   if (signal != 0) ::raise(signal);
-  return told ? code : report_error(system_error("standard output cannot be written"));
+  return printed ? code : report_error(printed.error());
 }
 
 }  // namespace tremolo

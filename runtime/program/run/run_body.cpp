@@ -63,9 +63,7 @@ Result<IntegratorOptions> integrator_options(const RunOptions& options) {
   settings.newmark_gamma = options.newmark_gamma;
   settings.tolerance = options.tolerance;
   settings.max_iterations = options.max_iterations;
-  Result<SplitOptions> split = parse_split(options.split);
-  if (!split) return split.error();
-  settings.split = *split;
+  if (Status s = take(settings.split, parse_split(options.split)); !s) return s.error();
   settings.split.safety = options.safety;
   return settings;
 }

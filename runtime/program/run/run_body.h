@@ -1,4 +1,4 @@
-// A body as `tremolo run` is told to make it.
+// Makes the body of `tremolo run` from the command line's or the scene's options.
 #pragma once
 
 #include "common/result.h"
@@ -7,7 +7,7 @@
 
 namespace tremolo {
 
-// Numbers and names that need no model to be judged. Errors: kUsage, kContent.
+// Checks the options that can be judged without the model. Errors: kUsage, kContent.
 Status check_run(const RunOptions& options);
 
 // The model that the options name.
@@ -17,7 +17,8 @@ Result<Model::Pointer> load_model(const RunOptions& options);
 // none.
 Result<DefaultLoad> load_of_run(const RunOptions& options, const Model& model);
 
-// A body with its load, where --start puts it. table: of options.signal, which it must outlive.
+// Makes the body with its load in the state of --start. table: of options.signal; it must outlive
+// the body.
 // Errors of Body::create and Body::add_load, and of start_state.
 Result<Body> make_body(const RunOptions& options, Model::Pointer model, const SignalTable& table);
 
@@ -27,8 +28,8 @@ Result<std::vector<int>> coordinates_of(const std::vector<std::string>& texts, E
 // The vertices of ids and selectors, each once, in the order named.
 Result<std::vector<int>> probes_of(const std::vector<std::string>& texts, const Model& model);
 
-// The library calls a wrong argument wrong usage; on the command line that is an unknown flag or
-// name, and a number out of range is an invalid value (kContent).
+// Turns the library's kUsage for a wrong argument into kContent: on the command line kUsage means
+// an unknown flag or name, and a number out of range is an invalid value.
 Error value_error(Error error);
 
 // The share of --deflect: "5%" or "0.05". Errors: kUsage; kContent if it is not positive.

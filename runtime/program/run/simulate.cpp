@@ -42,21 +42,21 @@ RunReport start_report(const RunOptions& options, const Body& body) {
   return report;
 }
 
-// What a run and the attempts before it have in common.
-struct Given {
+// What a run shares with the trial runs that look for its load.
+struct RunInput {
   Model::Pointer model;
   SignalTable table;  // of --signal
 };
 
-// Who else may stop a run, and who hears how far it is.
-struct Company {
+// What may stop a run from outside, and what is told of its progress; null: nothing.
+struct RunLinks {
   const Interruption* interruption = nullptr;
   ToldProgress* progress = nullptr;
 };
 
-// The moments of the run, one after the other; false: it ended before its time, and the report says
-// why.
-Result<bool> follow(Body& body, std::int64_t steps, const Company& company, Watch& watch,
+// Steps the body to the end of its time and shows every moment to `watch`. False: the run ended
+// early, and the report says why.
+Result<bool> follow(Body& body, std::int64_t steps, const RunLinks& links, Watch& watch,
                     RunReport& report) {
   Moment start;
   look_at(body, start);
@@ -71,12 +71,12 @@ Result<bool> follow(Body& body, std::int64_t steps, const Company& company, Watc
     }
     report.microseconds_per_step = march.microseconds_per_step();
     if (!inside || !*inside) return inside;
-    if (company.progress != nullptr) company.progress->reached(body.time());
+    if (links.progress != nullptr) links.progress->reached(body.time());
     if (const auto now = std::chrono::steady_clock::now(); now - flushed > kFlushEvery) {
       flushed = now;
       if (Status status = watch.flush(); !status) return status.error();
     }
-    report.signal = company.interruption == nullptr ? 0 : company.interruption->signal();
+    report.signal = links.interruption == nullptr ? 0 : links.interruption->signal();
     if (report.signal != 0) {
       report.exit_code = 128 + report.signal;
       report.reason = fmt::format("ended at t = {:.6g} s by signal {} ({})", body.time(),
@@ -85,23 +85,21 @@ Result<bool> follow(Body& body, std::int64_t steps, const Company& company, Watc
     }
   }
   if (!march.failed()) return true;
-  report.exit_code = static_cast<int>(error_kind(march.failed()->failure));
+  report.exit_code = exit_code(error_kind(march.failed()->failure));
   report.reason = why_not_made(*march.failed(), body.time());
   return false;
 }
 
-Result<RunReport> run_body(const RunOptions& options, const Given& given, const Company& company) {
-  const Model::Pointer& model = given.model;
-  Result<Body> body = make_body(options, model, given.table);
+Result<RunReport> run_body(const RunOptions& options, const RunInput& input,
+                           const RunLinks& links) {
+  const Model::Pointer& model = input.model;
+  Result<Body> body = make_body(options, model, input.table);
   if (!body) return body.error();
   RecordedColumns columns;
   columns.velocities = options.velocities;
-  Result<std::vector<int>> coordinates = coordinates_of(options.coordinates, model->modes());
-  if (!coordinates) return coordinates.error();
-  columns.coordinates = std::move(*coordinates);
-  Result<std::vector<int>> probes = probes_of(options.probes, *model);
-  if (!probes) return probes.error();
-  columns.probes = std::move(*probes);
+  if (Status s = take(columns.coordinates, coordinates_of(options.coordinates, model->modes())); !s)
+    return s.error();
+  if (Status s = take(columns.probes, probes_of(options.probes, *model)); !s) return s.error();
   const std::string csv =
       options.out.empty() ? std::string() : (fs::path(options.out) / kTableName).string();
   if (!options.out.empty()) {
@@ -113,19 +111,19 @@ Result<RunReport> run_body(const RunOptions& options, const Given& given, const 
   if (!recorder) return value_error(recorder.error());
 
   RunReport report = start_report(options, *body);
-  const auto steps = static_cast<std::int64_t>(std::llround(options.duration / options.step));
+  const std::int64_t steps = std::llround(options.duration / options.step);
   Result<Watch> watch =
       Watch::create(options, *body, columns.probes.empty() ? nullptr : columns.probes.data(), steps,
                     std::move(*recorder), report);
   if (!watch) return value_error(watch.error());
-  const Result<bool> whole = follow(*body, steps, company, *watch, report);
+  const Result<bool> whole = follow(*body, steps, links, *watch, report);
   if (!whole) return whole.error();
   if (Status status = watch->finish(); !status) return status.error();
   return report;
 }
 
-// The same run without anything to write, as large as the load makes it.
-Result<LoadAttempt> attempt(const RunOptions& options, const Given& given, double scale) {
+// Makes the run once without writing anything and measures its largest displacement.
+Result<LoadAttempt> attempt(const RunOptions& options, const RunInput& input, double scale) {
   RunOptions trial = options;
   trial.scale = scale;
   trial.out.clear();
@@ -135,7 +133,7 @@ Result<LoadAttempt> attempt(const RunOptions& options, const Given& given, doubl
   trial.coordinates.clear();
   ToldProgress progress(fmt::format("{}, load times {:.4g}", options.name, scale),
                         options.duration);
-  const Result<RunReport> report = run_body(trial, given, {nullptr, &progress});
+  const Result<RunReport> report = run_body(trial, input, {nullptr, &progress});
   if (!report) return report.error();
   if (!(report->size > 0)) return content_error(options.model + ": the surface has no size");
   return LoadAttempt{scale,
@@ -144,11 +142,11 @@ Result<LoadAttempt> attempt(const RunOptions& options, const Given& given, doubl
                      report->reason};
 }
 
-Result<double> scale_for_deflection(const RunOptions& options, const Given& given) {
+Result<double> scale_for_deflection(const RunOptions& options, const RunInput& input) {
   const Result<double> share = parse_share(options.deflect);
   if (!share) return share.error();
   const Result<LoadScale> found =
-      search_load_scale(*share, [&](double scale) { return attempt(options, given, scale); });
+      search_load_scale(*share, [&](double scale) { return attempt(options, input, scale); });
   if (!found) return found.error();
   if (!(found->scale > 0))
     return content_error("--deflect " + options.deflect +
@@ -172,23 +170,17 @@ Result<RunReport> simulate(const RunOptions& options) {
   const Result<Model::Pointer> model = load_model(options);
   if (!model) return model.error();
   tell_nearest(options, **model);
-  Given given{*model, {}};
-  if (!options.signal.empty()) {
-    Result<SignalTable> table = read_signal(options.signal);
-    if (!table) return table.error();
-    given.table = std::move(*table);
-  }
+  RunInput input{*model, {}};
+  if (!options.signal.empty())
+    if (Status s = take(input.table, read_signal(options.signal)); !s) return s.error();
   RunOptions scaled = options;
-  if (!options.deflect.empty()) {
-    const Result<double> scale = scale_for_deflection(options, given);
-    if (!scale) return scale.error();
-    scaled.scale = *scale;
-  }
+  if (!options.deflect.empty())
+    if (Status s = take(scaled.scale, scale_for_deflection(options, input)); !s) return s.error();
   const Result<std::optional<RigidLoss>> rigid = rigid_loss(options, **model);
   if (!rigid) return rigid.error();
   const Interruption interruption;
   ToldProgress progress(options.name, options.duration);
-  Result<RunReport> report = run_body(scaled, given, {&interruption, &progress});
+  Result<RunReport> report = run_body(scaled, input, {&interruption, &progress});
   if (report) report->rigid = *rigid;
   return report;
 }

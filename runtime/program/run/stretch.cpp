@@ -25,9 +25,7 @@ SurfaceStretch::SurfaceStretch(const Model& model)
     : model_(model), positions_(3 * model.surface().vertex_ids.size()) {
   const auto& rest = model.surface().rest;
   for (const Triangle& triangle : model.triangles()) {
-    const auto corner = [&](int k) {
-      return rest[static_cast<std::size_t>(triangle[static_cast<std::size_t>(k)])];
-    };
+    const auto corner = [&](int k) { return rest[triangle[k]]; };
     const Eigen::Matrix2d edges = plane_edges(corner(1) - corner(0), corner(2) - corner(0));
     if (!(edges.determinant() > 0.0)) continue;  // without area it has no stretch
     triangles_.push_back(triangle);
@@ -40,7 +38,7 @@ StretchRange SurfaceStretch::measure(const Body& body) {
   if (!body.boundary_positions(positions_)) return range;
   double smallest = 1.0, largest = 1.0;  // squared
   const auto position = [&](VertexId vertex) {
-    return Eigen::Vector3d::Map(positions_.data() + 3 * static_cast<std::size_t>(vertex));
+    return Eigen::Vector3d::Map(positions_.data() + 3 * std::ptrdiff_t{vertex});
   };
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const Eigen::Vector3d origin = position(triangles_[t][0]);

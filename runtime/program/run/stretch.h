@@ -1,5 +1,5 @@
-// How far a body's boundary is stretched and squeezed: tells when an amplitude is more than the
-// material can bear.
+// Measures how far a body's boundary is stretched and squeezed: a warning says when an amplitude is
+// beyond what the material model allows.
 #pragma once
 
 #include <vector>
@@ -18,8 +18,8 @@ struct StretchRange {
   double largest = 1.0;
 };
 
-// How far a vertex of the boundary is from its place at rest, m, and which one (its id in the
-// source mesh).
+// The distance of a vertex of the boundary from its rest position, m, and its id in the source
+// mesh.
 struct Excursion {
   double distance = 0.0;
   VertexId vertex = 0;
@@ -29,7 +29,7 @@ class SurfaceStretch {
  public:
   explicit SurfaceStretch(const Model& model);
 
-  // Of the body's present shape; body is one of the model. {1, 1} without triangles.
+  // Measures the body's present shape; body is one of the model. {1, 1} without triangles.
   StretchRange measure(const Body& body);
 
   // The farthest vertex of the shape that was measured last.

@@ -86,7 +86,7 @@ Result<bool> Watch::observe(const Moment& moment) {
     if (Status status = frames_.write(seen_, moment.time); !status) return status.error();
   const bool inside = moment.bound.sound(energy.total());
   if (!inside) {
-    report_->exit_code = static_cast<int>(ErrorKind::kBound);
+    report_->exit_code = exit_code(ErrorKind::kBound);
     report_->reason = why_out_of_bound(moment.time, energy.total());
   }
   // At rest there is nothing to see.

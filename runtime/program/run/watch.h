@@ -1,4 +1,4 @@
-// Everything that is watched and written while a body runs.
+// Measures and writes everything that a run reports, step by step.
 #pragma once
 
 #include <memory>
@@ -14,19 +14,20 @@ namespace tremolo {
 
 class Watch {
  public:
-  // body: of the run; what is seen is seen on a second one, put where the first one was. steps: of
-  // the whole run. recorder: empty if nothing is written. Options and report must outlive this.
+  // body: the run's; measurements are made on a copy, which is set to each recorded state. steps:
+  // the number of the whole run. recorder: empty if nothing is written. Options and report must
+  // outlive this.
   // Errors of Body::create and Model::vertex.
   static Result<Watch> create(const RunOptions& options, const Body& body, const int* first_probe,
                               std::int64_t steps, Recorder recorder, RunReport& report);
 
-  // The start and every step, in order. False when the orbit has left its bound: why is in the
-  // report.
+  // Takes the start and then every step, in order. False: the orbit has left its energy bound, and
+  // the report says so.
   Result<bool> observe(const Moment& moment);
 
-  // Rows that wait are written, so that the CSV's temporary file can be followed.
+  // Writes the buffered rows, so that the CSV's temporary file can be followed.
   Status flush() { return recorder_.flush(); }
-  // The report's last figures, and the files.
+  // Completes the report and puts the files in their places.
   Status finish();
 
  private:

@@ -1,4 +1,4 @@
-// The load's factor that makes a motion as large as it shall be.
+// Searches the factor of the load for which the motion has a wanted amplitude.
 #pragma once
 
 #include <functional>
@@ -8,8 +8,8 @@
 
 namespace tremolo {
 
-// What came of one factor: the motion's largest displacement as a share of the size, infinite if
-// the run broke off, and then why.
+// The result of one factor. amplitude: the largest displacement over the size, infinite if the run
+// ended early; reason: why it did.
 struct LoadAttempt {
   double scale = 0.0;
   double amplitude = 0.0;

@@ -1,24 +1,23 @@
 #include "runtime/program/start/selection.h"
 
-#include <algorithm>
 #include <charconv>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include "common/mesh/selector.h"
-#include "formats/basis/selector_file.h"
+#include "common/mesh/vertex_lookup.h"
+#include "formats/basis/selector_reader.h"
 
 namespace tremolo {
 namespace {
 
 using Sets = std::map<std::string, std::vector<VertexId>>;
 
-// Place of a vertex in the block.
+// The vertex's index in the boundary's block, which stands for its id while a selector is resolved.
 std::optional<VertexId> place_of(const VertexBlock& block, VertexId id) {
-  const auto at = std::lower_bound(block.vertex_ids.begin(), block.vertex_ids.end(), id);
-  if (at == block.vertex_ids.end() || *at != id) return std::nullopt;
-  return static_cast<VertexId>(at - block.vertex_ids.begin());
+  const std::optional<std::size_t> at = find_vertex(block.vertex_ids, id);
+  return at ? std::optional(static_cast<VertexId>(*at)) : std::nullopt;
 }
 
 void add_to(Sets& sets, const std::string& name, const VertexBlock& block, VertexId id) {
@@ -33,13 +32,13 @@ Sets make_sets(const Boundary& boundary) {
     const RenderSurface& surface = boundary.render->surface;
     for (std::size_t t = 0; t < surface.triangles.size(); ++t)
       for (const VertexId corner : surface.triangles[t]) {
-        const VertexId anchor = boundary.render->anchors[static_cast<std::size_t>(corner)];
+        const VertexId anchor = boundary.render->anchors[corner];
         add_to(sets, surface.objects[surface.object_of[t]], block, anchor);
         add_to(sets, surface.materials[surface.material_of[t]], block, anchor);
       }
   }
   for (std::size_t v = 0; v < block.vertex_ids.size(); ++v)
-    if (block.rows.middleRows(static_cast<Eigen::Index>(3 * v), 3).isZero(0.0))
+    if (block.rows.middleRows(3 * v, 3).isZero(0.0))
       sets["fixed"].push_back(static_cast<VertexId>(v));
   for (const VertexId id : boundary.load.vertices) add_to(sets, "loaded", block, id);
   return sets;
@@ -50,7 +49,7 @@ std::vector<Colour> make_colours(const Boundary& boundary) {
   std::vector<Colour> colours(boundary.surface.vertex_ids.size());
   for (std::size_t v = 0; v < boundary.render->anchors.size(); ++v)
     if (const auto place = place_of(boundary.surface, boundary.render->anchors[v]))
-      colours[static_cast<std::size_t>(*place)] = boundary.render->surface.colours[v];
+      colours[*place] = boundary.render->surface.colours[v];
   return colours;
 }
 
@@ -90,12 +89,11 @@ Result<Selection> select_on_boundary(const std::string& text, const Boundary& bo
   if (!places) return places.error();
   Selection selection;
   for (const VertexId place : *places) {
-    selection.ids.push_back(block.vertex_ids[static_cast<std::size_t>(place)]);
-    selection.places.push_back(block.rest[static_cast<std::size_t>(place)]);
+    selection.ids.push_back(block.vertex_ids[place]);
+    selection.places.push_back(block.rest[place]);
   }
   for (const NearChoice& choice : near_choices(*selector, space))
-    selection.notes.push_back(
-        describe_near(choice, block.vertex_ids[static_cast<std::size_t>(choice.nearest)]));
+    selection.notes.push_back(describe_near(choice, block.vertex_ids[choice.nearest]));
   return selection;
 }
 

@@ -34,8 +34,8 @@ struct Columns {
 
 Result<Columns> find_columns(std::string_view head, Eigen::Index modes, const std::string& path) {
   const std::vector<std::string_view> names = cells_of(head);
-  const auto find = [&](const std::string& name) {
-    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  const auto find = [&](const std::string& name) -> std::size_t {
+    return std::find(names.begin(), names.end(), name) - names.begin();
   };
   Columns columns{find("t"), {}, {}};
   if (columns.time == names.size())
@@ -95,7 +95,7 @@ Result<State> parse_state_row(std::string_view text, const std::string& path,
   const std::vector<std::string_view> cells = cells_of(found.text);
   State state{Eigen::VectorXd(modes), Eigen::VectorXd(modes)};
   for (Eigen::Index i = 0; i < modes; ++i) {
-    const auto k = static_cast<std::size_t>(i);
+    const std::size_t k = i;
     const std::size_t last = std::max(columns->q[k], columns->p[k]);
     if (last >= cells.size() || !to_number(cells[columns->q[k]], state.q[i]) ||
         !to_number(cells[columns->p[k]], state.p[i]))

@@ -1,4 +1,4 @@
-// A state from the CSV of a run.
+// Reads a state from the CSV of a run.
 #pragma once
 
 #include <optional>

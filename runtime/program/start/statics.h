@@ -1,4 +1,4 @@
-// Shapes in which a model stands still.
+// Solves for the shapes in which a model is in equilibrium.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,17 +8,16 @@
 
 namespace tremolo {
 
-// What is held in place: rows q = target. rows: c x r, of full rank; target: c. c = 0: nothing.
+// Linear constraints rows q = target. rows: c x r, of full rank; target: c; c = 0: none.
 struct Hold {
   Eigen::MatrixXd rows;
   Eigen::VectorXd target;
 };
 
-// The q (r) with grad V(q) = force + rows^T x, rows q = target, x being the forces that hold it:
-// the shape that force (r) and hold have pushed the body to, from rest, little by little. Newton's
-// method along that way; the increments are halved where it does not converge. Errors: kContent if
-// the held rows are not independent, kSolver if the way cannot be followed to its end or the shape
-// at its end is not stable.
+// The q (r) with grad V(q) = force + rows^T x and rows q = target, x being the constraint forces.
+// The path from rest is followed by load increments, each solved by Newton's method and halved
+// where that does not converge. Errors: kContent if the constrained rows are not independent,
+// kSolver if the path cannot be followed to its end or the equilibrium there is not stable.
 Result<Eigen::VectorXd> standing_shape(const Potential& potential, const Eigen::VectorXd& force,
                                        const Hold& hold = {});
 

@@ -1,0 +1,15 @@
+// Which integer counts what (docs/architecture.md, "Integers"), in code.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <utility>
+
+namespace tremolo {
+
+// Whether `number`, as it came from a file or a user, is an index into `count` things.
+constexpr bool is_index(std::integral auto number, std::size_t count) {
+  return std::cmp_greater_equal(number, 0) && std::cmp_less(number, count);
+}
+
+}  // namespace tremolo

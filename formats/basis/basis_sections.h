@@ -1,0 +1,46 @@
+// Which sections a basis file has, of which type and shape: the reader checks a file by this table,
+// the writer writes by it, and docs/basis-format.md is the same in prose.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "formats/basis/basis_layout.h"
+
+namespace tremolo::basis_layout {
+
+// The numbers of one file that its shapes are made of.
+struct SectionSizes {
+  std::uint64_t modes = 0;              // r
+  std::uint64_t surface_vertices = 0;   // s
+  std::uint64_t interior_vertices = 0;  // n - s
+  std::uint64_t triangles = 0;          // t
+  std::uint64_t fixed = 0;
+  std::uint64_t loaded = 0;            // l, vertices of the default load
+  std::uint64_t render_vertices = 0;   // v
+  std::uint64_t render_triangles = 0;  // w
+  bool compact = false;                // coefficients are f32, basis rows i16
+  bool linear = false;                 // there are no cubic and no quartic terms
+};
+
+// The number of rows is the section's own affair.
+inline constexpr std::uint64_t kAnyRows = ~std::uint64_t{0};
+
+// critical: every file has the section, and a reader that does not know it refuses the file.
+// needs: another section that is there whenever this one is; empty: none.
+struct SectionShape {
+  std::string_view name;
+  ElementType type;
+  std::uint64_t rows;
+  std::uint64_t columns;
+  bool critical = false;
+  std::string_view needs = {};
+};
+
+// Every section that there may be, in the order in which the writer writes them: what a runtime
+// touches comes first, the interior and the provenance last. The sizes are at most kMaxModes and
+// four times kMaxVertices.
+std::vector<SectionShape> section_shapes(const SectionSizes& sizes);
+
+}  // namespace tremolo::basis_layout
