@@ -34,7 +34,7 @@ TEST_F(Experiments, BenchWritesItsPageAndRemembersWhatItHasDone) {
   ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;  // 6: a bound was missed
   const Json json = Json::parse(first.out);
   EXPECT_FALSE(json.at("criteria").empty());
-  for (const char* file : {"index.html", "bench.csv", "cost.csv", "scenes.csv"})
+  for (const char* file : {"index.html", "report.json", "bench.csv", "cost.csv", "scenes.csv"})
     EXPECT_TRUE(fs::exists(at("small/") + file)) << file;
   const std::string rows = testing::slurp(at("small/bench.csv"));
   EXPECT_NE(rows.find("beam,square,0.05"), std::string::npos) << rows;
@@ -47,7 +47,7 @@ TEST_F(Experiments, BenchOnAFullDiskSaysSoAndItsOldPageStays) {
   const auto first = tremolo(kSmallBench);
   ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;
   const std::string page = testing::slurp(at("small/index.html"));
-  // A limit on the size of a file stands in for the disk; gnuplot's scripts fit, the page does not.
+  // A limit on the size of a file stands in for the disk.
   const auto second = testing::run_program(
       folder_.path(), "ulimit -f 32; " TREMOLO_BIN_DIR "/tremolo " + kSmallBench);
   EXPECT_EQ(second.code, 1) << second.err;

@@ -12,6 +12,7 @@
 #include "runtime/program/output/tell.h"
 #include "tests/lab/bench.h"
 #include "tests/lab/reproduce.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo {
 namespace {
@@ -50,6 +51,8 @@ void add_reproduce_flags(CLI::App& reproduce, ReproduceOptions& o) {
   reproduce.add_option("--models", o.models, "of the six, comma-separated (default: all)")
       ->delimiter(',');
   reproduce.add_option("--models-dir", o.models_directory, "where their basis files are")
+      ->capture_default_str();
+  reproduce.add_option("--published", o.published, "where the thesis's numbers are, as CSV files")
       ->capture_default_str();
   reproduce.add_option("--out", o.out, "directory for index.html and CSVs")->capture_default_str();
   reproduce.add_flag("--long", o.long_form, "experiment 3 over 10 000 s instead of 200 s");
@@ -91,6 +94,8 @@ int main(int count, char** words) {
   tremolo::remove_partial_files_on_signals();
   try {
     return tremolo::run_laboratory(count, words);
+  } catch (const tremolo::Failure& failure) {
+    return tremolo::report_error(failure.error);
   } catch (const std::bad_alloc&) {
     return tremolo::report_error(tremolo::system_error("out of memory"));
   } catch (const std::exception& exception) {

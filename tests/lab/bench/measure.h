@@ -34,21 +34,20 @@ struct Entry {
 std::string build_id();
 
 // A hash of where 100 steps of `step` take the scene: what was measured with a method that went
-// elsewhere is measured anew. Errors: what making the integrator gives.
-Result<std::string> fingerprint(const Scene& scene, const std::string& integrator, double step);
+// elsewhere is measured anew. Throws a Failure where the integrator cannot be made.
+std::string fingerprint(const Scene& scene, const std::string& integrator, double step);
 
-// One entry a step; `scene` and `microseconds` are left to the caller. Errors: kSystem, what making
-// the integrator gives.
-Result<std::vector<Entry>> measure_errors(const Scene& scene, const Reference& reference,
-                                          const std::string& integrator,
-                                          const std::vector<double>& steps, const Store& store);
+// One entry a step; `scene` and `microseconds` are left to the caller. Throws a Failure as
+// fingerprint and the store.
+std::vector<Entry> measure_errors(const Scene& scene, const Reference& reference,
+                                  const std::string& integrator, const std::vector<double>& steps,
+                                  const Store& store);
 
 // Microseconds a step of each integrator, of processor time: the smallest of five or more windows
 // of steps after the load has ended (or after 0.3 s), each from the same state; the methods take
 // turns, so that a noisy moment hits all. Nothing else is done meanwhile. Not-a-number where a step
-// did not converge. Errors as measure_errors.
-Result<std::vector<double>> measure_times(const Scene& scene,
-                                          const std::vector<std::string>& integrators, double step,
-                                          const Store& store);
+// did not converge. Throws a Failure as measure_errors.
+std::vector<double> measure_times(const Scene& scene, const std::vector<std::string>& integrators,
+                                  double step, const Store& store);
 
 }  // namespace tremolo::bench

@@ -1,7 +1,6 @@
 #include "tests/lab/bench/reference.h"
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "tests/lab/bench/orbit_text.h"
@@ -34,24 +33,18 @@ std::vector<ReferenceMethod> reference_methods() {
   return {{"verlet4", 1e-5, 1e-9}, {"ep4", 3e-3 / 64, 1e-12}};
 }
 
-Result<SampledRun> reference_orbit(const Scene& scene, const ReferenceMethod& method,
-                                   const Store& store) {
+SampledRun reference_orbit(const Scene& scene, const ReferenceMethod& method, const Store& store) {
   Json key = scene.key();
   key["integrator"] = method.integrator;
   key["step"] = method.step;
   key["tolerance"] = method.tolerance;
   key["version"] = 1;
-  Result<Json> json =
-      store.get("reference-" + scene.name() + "-" + method.integrator, key, [&]() -> Result<Json> {
-        RunSpec spec = scene.run(method.integrator, method.step);
-        spec.options.tolerance = method.tolerance;
-        spec.keep_orbit = true;
-        Result<SampledRun> run = run_sampled(spec);
-        if (!run) return run.error();
-        return to_json(*run);
-      });
-  if (!json) return json.error();
-  return run_from_json(*json);
+  return run_from_json(store.get("reference-" + scene.name() + "-" + method.integrator, key, [&] {
+    RunSpec spec = scene.run(method.integrator, method.step);
+    spec.options.tolerance = method.tolerance;
+    spec.keep_orbit = true;
+    return to_json(run_sampled(spec));
+  }));
 }
 
 Reference compare_references(const SampledRun& one, const SampledRun& other, double sample) {

@@ -33,9 +33,8 @@ struct ReferenceMethod {
 };
 std::vector<ReferenceMethod> reference_methods();  // two
 
-// Computes one orbit, or fetches it from the store. Errors: kSystem.
-Result<SampledRun> reference_orbit(const Scene& scene, const ReferenceMethod& method,
-                                   const Store& store);
+// Computes one orbit, or fetches it from the store. Throws a Failure as Store::get.
+SampledRun reference_orbit(const Scene& scene, const ReferenceMethod& method, const Store& store);
 
 // `one` with the horizon until which `other` agrees.
 Reference compare_references(const SampledRun& one, const SampledRun& other, double sample);

@@ -8,6 +8,7 @@
 
 #include "common/number_text.h"
 #include "runtime/integrators/solve/damping.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::damping {
 namespace {
@@ -119,7 +120,7 @@ class Radau {
 
 }  // namespace
 
-Result<MatrixXd> stiff_orbit(const StiffProblem& problem) {
+MatrixXd stiff_orbit(const StiffProblem& problem) {
   const auto samples = static_cast<Index>(std::llround(problem.duration / problem.sample));
   const auto steps = static_cast<Index>(std::llround(problem.sample / problem.step));
   Radau radau(problem);
@@ -128,8 +129,8 @@ Result<MatrixXd> stiff_orbit(const StiffProblem& problem) {
     for (Index i = 0; i < steps; ++i) {
       const double time = static_cast<double>(k * steps + i) * problem.step;
       if (!radau.step(time))
-        return Error{ErrorKind::kSolver,
-                     "Radau's stages could not be solved at " + number_text(time) + " s"};
+        throw Failure({ErrorKind::kSolver,
+                       "Radau's stages could not be solved at " + number_text(time) + " s"});
     }
     q.col(k) = radau.q();
   }

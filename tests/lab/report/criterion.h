@@ -20,6 +20,11 @@ struct Criterion {
   bool elsewhere = false;
 };
 
+// Met if measured is at most `bound`; never for not-a-number. who: what had that value, shown
+// behind it. bound_text: how the bound is written ("1/5"), empty for three digits.
+Criterion at_most(std::string what, double measured, double bound, const std::string& who = {},
+                  const std::string& bound_text = {});
+
 // "met", "MISSED", "shown" or "elsewhere".
 std::string_view verdict(const Criterion& criterion);
 

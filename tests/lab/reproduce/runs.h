@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "common/result.h"
-#include "tests/lab/report/store.h"
 #include "tests/lab/reproduce/orbit.h"
 #include "tests/lab/samples/sample_models.h"
+#include "tests/lab/samples/thesis.h"
+#include "tests/lab/work/store.h"
 
 namespace tremolo::reproduce {
 
@@ -21,10 +21,14 @@ struct Workshop {
   std::string program;
   unsigned threads = 1;
   std::vector<SampleModel> models;
+  thesis::Thesis thesis = {};
   bool long_form = false;
 };
 
-// "another" is the factor beside the one of the 36 runs (loads.h).
+// How hard the 36 runs push, times the model's default load. The thesis gives no forces.
+double load_factor(std::string_view model, SignalKind load);
+
+// "another" is the factor beside load_factor.
 struct RunName {
   std::string model;
   std::string integrator;
@@ -60,12 +64,12 @@ inline constexpr std::array kStrongMethods = {"imexv", "imexv-adaptive", "ep4"};
 std::vector<RunName> the_runs(const std::vector<SampleModel>& models, const std::string& integrator,
                               double another = 1.0);
 
-// On several threads; tells on stderr how many of `what` are done. Errors: the first one's.
-Result<Orbits> watch_all(const Workshop& shop, const std::vector<RunName>& runs,
-                         const std::string& what);
+// On several threads; tells on stderr how many of `what` are done. Throws a Failure as watch_orbit
+// and the store.
+Orbits watch_all(const Workshop& shop, const std::vector<RunName>& runs, const std::string& what);
 
 // On this thread alone; the methods of one model, load and damping by turns. A run is timed for the
 // steps that its orbit made.
-Result<Timings> time_all(const Workshop& shop, const Orbits& orbits);
+Timings time_all(const Workshop& shop, const Orbits& orbits);
 
 }  // namespace tremolo::reproduce

@@ -7,7 +7,6 @@
 
 #include "runtime/program/output/statistics.h"
 #include "runtime/split.h"
-#include "tests/lab/samples/thesis.h"
 
 namespace tremolo::reproduce {
 namespace {
@@ -77,8 +76,7 @@ Survivors thesis_survivors(const Workshop& shop) {
   Survivors survivors{"thesis"};
   for (const RunName& run : the_runs(shop.models, "")) {
     ++survivors.of;
-    if (thesis::run(run.model, run.load, run.alpha)->reached >= thesis::kDuration)
-      ++survivors.reached;
+    if (shop.thesis.run(run.model, run.load, run.alpha)->finished()) ++survivors.reached;
   }
   return survivors;
 }
@@ -90,12 +88,12 @@ Table survivors_table(const std::vector<Survivors>& list) {
   return table;
 }
 
-Table modes_table(const std::vector<SampleModel>& models) {
+Table modes_table(const Workshop& shop) {
   Table table{{"model", "r, thesis", "r, ours", "low, thesis", "low, ours", "high, thesis",
                "high, ours", "low by f < 1/h, ours"},
               {}};
-  for (const SampleModel& model : models) {
-    const thesis::Modes& theirs = *thesis::modes(model.name);
+  for (const SampleModel& model : shop.models) {
+    const thesis::Modes& theirs = *shop.thesis.modes_of(model.name);
     const Eigen::VectorXd& lambda = model.model->lambda();
     const Split ours = *choose_split(lambda, thesis::kStep, {});
     const Split literal = *choose_split(lambda, thesis::kStep, {.rule = SplitRule::kThesis});
@@ -115,8 +113,8 @@ Table reached_table(const Workshop& shop, const Orbits& orbits) {
       const std::string load_text(thesis::load_name(load));
       std::vector<std::string> theirs{damping_cell(alpha), load_text, "thesis, IMEXv"};
       for (const SampleModel& model : shop.models) {
-        const double reached = thesis::run(model.name, load, alpha)->reached;
-        theirs.push_back(reached_cell(reached, reached >= thesis::kDuration));
+        const thesis::Run& run = *shop.thesis.run(model.name, load, alpha);
+        theirs.push_back(reached_cell(run.reached, run.finished()));
       }
       table.rows.push_back(std::move(theirs));
       for (const std::string method : kMethods)
@@ -164,10 +162,10 @@ Table timing_table(const Workshop& shop, SignalKind load, double alpha, const Or
                "speed-up, thesis", "speed-up, ours", "ours / thesis"},
               {}};
   for (const SampleModel& model : shop.models) {
-    const thesis::Run& theirs = *thesis::run(model.name, load, alpha);
+    const thesis::Run& theirs = *shop.thesis.run(model.name, load, alpha);
     const std::string imexv = RunName{model.name, "imexv", load, alpha}.text();
     const std::string newmark = RunName{model.name, "newmark", load, alpha}.text();
-    const bool they_finished = theirs.reached >= thesis::kDuration;
+    const bool they_finished = theirs.finished();
     const bool finished = orbits.at(imexv).finished();
     const double speedup = timings.at(newmark).per_step() / timings.at(imexv).per_step();
     table.rows.push_back(
@@ -205,9 +203,9 @@ Criterion speedups(const Workshop& shop, const Orbits& orbits, const Timings& ti
   std::vector<double> ours, theirs;
   int above = 0;
   for (const RunName& run : the_runs(shop.models, "imexv")) {
-    const thesis::Run& printed = *thesis::run(run.model, run.load, run.alpha);
+    const thesis::Run& printed = *shop.thesis.run(run.model, run.load, run.alpha);
     const std::string newmark = RunName{run.model, "newmark", run.load, run.alpha}.text();
-    if (!orbits.at(run.text()).finished() || printed.reached < thesis::kDuration) continue;
+    if (!orbits.at(run.text()).finished() || !printed.finished()) continue;
     ours.push_back(timings.at(newmark).per_step() / timings.at(run.text()).per_step());
     theirs.push_back(printed.speedup);
     if (ours.back() > 1.0) ++above;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/lab/report/page.h"
+#include "tests/lab/report/criterion.h"
 #include "tests/lab/report/table.h"
 #include "tests/lab/reproduce/runs.h"
 
@@ -23,7 +23,7 @@ Survivors thesis_survivors(const Workshop& shop);
 Table survivors_table(const std::vector<Survivors>& list);
 
 // Table 1: low and high modes at 3 ms.
-Table modes_table(const std::vector<SampleModel>& models);
+Table modes_table(const Workshop& shop);
 
 // Table 3: seconds reached.
 Table reached_table(const Workshop& shop, const Orbits& orbits);

@@ -3,9 +3,9 @@
 
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "common/result.h"
 #include "tests/lab/bench/options.h"
 #include "tests/lab/report/criterion.h"
 
@@ -22,9 +22,20 @@ struct SpeedRow {
   double bytes = kNone;       // that one operation touches
   double operations = kNone;  // floating-point operations of it, a multiply-add counts two
   double limit = kNone;       // the least that memory or arithmetic of this machine allows
-  std::string limited_by;     // "FMA peak", "L2 bandwidth", ...
-  std::string note;
+  std::string limited_by = {};     // "FMA peak", "L2 bandwidth", ...
+  std::string note = {};
+
+  double ratio() const { return value / baseline; }
 };
+
+// A row in microseconds of what took `seconds`, beside `baseline` seconds.
+inline SpeedRow microseconds(std::string what, double seconds, double baseline = SpeedRow::kNone,
+                             std::string note = {}) {
+  return {.what = std::move(what),
+          .value = 1e6 * seconds,
+          .baseline = 1e6 * baseline,
+          .note = std::move(note)};
+}
 
 struct SpeedSection {
   std::string title;
@@ -49,11 +60,11 @@ MachineProbe probe_machine();
 std::vector<double> time_by_turns(const std::vector<void (*)(void*)>& functions,
                                   const std::vector<void*>& arguments, int calls, int windows);
 
-// The sections, in the order of the report.
-Result<SpeedSection> measure_kernel_speed(const Options& options, const MachineProbe& probe);
-Result<SpeedSection> measure_step_speed(const Options& options, const MachineProbe& probe);
-Result<SpeedSection> measure_world_speed(const Options& options, const MachineProbe& probe);
-Result<SpeedSection> measure_surface_speed(const Options& options, const MachineProbe& probe);
-Result<SpeedSection> measure_savings_speed(const Options& options, const MachineProbe& probe);
+// The sections, in the order of the report. They throw a Failure: of loading a model, of a step.
+SpeedSection measure_kernel_speed(const Options& options, const MachineProbe& probe);
+SpeedSection measure_step_speed(const Options& options, const MachineProbe& probe);
+SpeedSection measure_world_speed(const Options& options, const MachineProbe& probe);
+SpeedSection measure_surface_speed(const Options& options, const MachineProbe& probe);
+SpeedSection measure_savings_speed(const Options& options, const MachineProbe& probe);
 
 }  // namespace tremolo::bench

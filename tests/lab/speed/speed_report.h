@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/lab/report/page.h"
+#include "tests/lab/report/report.h"
 #include "tests/lab/speed/speed.h"
 
 namespace tremolo::bench {
@@ -16,11 +16,11 @@ struct Speed {
   std::vector<SpeedSection> sections;
 };
 
-// Takes a minute or two; a line a row on stderr. Errors: of the sections.
-Result<Speed> measure_speed(const Options& options);
+// Takes a minute or two; a line a row on stderr. Throws as the sections do.
+Speed measure_speed(const Options& options);
 
-// One section of the page; speed.csv into the directory, which exists. Errors: kSystem.
-Status report_speed(const Speed& speed, const std::string& directory, Page& page);
+// One section, with speed.csv. Throws a Failure (kSystem).
+void report_speed(const Speed& speed, Report& report);
 
 std::vector<Criterion> speed_criteria(const Speed& speed);
 nlohmann::ordered_json to_json(const Speed& speed);

@@ -125,10 +125,8 @@ void measure_size(int around, int along, Eigen::Index r, const MachineProbe& pro
                {"positions and normals f32", 4 * reals + 8 * rows + normals},
                {"positions and normals f32 from 16-bit rows", 2 * reals + 8 * rows + normals}};
   for (std::size_t i = 0; i < std::size(kinds); ++i) {
-    SpeedRow row;
-    row.what = fmt::format("s = {}, r = {}: {}", around * along, r, kinds[i].what);
-    row.value = 1e6 * seconds[i];
-    row.baseline = 1e6 * seconds[0];
+    SpeedRow row = microseconds(fmt::format("s = {}, r = {}: {}", around * along, r, kinds[i].what),
+                                seconds[i], seconds[0]);
     row.bytes = kinds[i].bytes;
     row.operations = 2 * reals;
     set_limit(row, probe);
@@ -138,7 +136,7 @@ void measure_size(int around, int along, Eigen::Index r, const MachineProbe& pro
 
 }  // namespace
 
-Result<SpeedSection> measure_surface_speed(const Options&, const MachineProbe& probe) {
+SpeedSection measure_surface_speed(const Options&, const MachineProbe& probe) {
   SpeedSection section;
   section.title = "u = U q for display";
   section.text =

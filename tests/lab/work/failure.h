@@ -1,0 +1,28 @@
+// How the laboratory gives up: a part that cannot go on throws, and the command that called it
+// prints the message and ends with the error's exit code.
+#pragma once
+
+#include <stdexcept>
+#include <utility>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+struct Failure : std::runtime_error {
+  explicit Failure(Error what_happened)
+      : std::runtime_error(what_happened.message), error(std::move(what_happened)) {}
+  Error error;
+};
+
+// The value of a result; throws its error as a Failure.
+template <class T>
+T or_fail(Result<T> result) {
+  if (!result) throw Failure(std::move(result.error()));
+  return std::move(*result);
+}
+inline void or_fail(Status status) {
+  if (!status) throw Failure(std::move(status.error()));
+}
+
+}  // namespace tremolo
