@@ -1,5 +1,6 @@
 // `tremolo bench` and `tremolo reproduce` as a user starts them, on the sample models.
 #include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -73,6 +74,21 @@ TEST_F(Experiments, ReproduceRefusesWhatItDoesNotKnow) {
   const auto missing = tremolo("reproduce --models-dir nowhere");
   EXPECT_EQ(missing.code, 1);
   EXPECT_NE(missing.err.find("demo"), std::string::npos) << missing.err;
+}
+
+TEST_F(Experiments, ReproduceNamesThePublishedFileThatIsMissingOrDamaged) {
+  const std::string words = "reproduce --models beam --models-dir '" TREMOLO_MODEL_DIR "'";
+  const auto missing = tremolo(words);
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_NE(missing.err.find("assets/published/thesis-modes.csv"), std::string::npos)
+      << missing.err;
+  fs::copy(TREMOLO_SOURCE_DIR "/assets/published", at("published"));
+  std::ofstream(at("published/thesis-modes.csv"), std::ios::app) << "cow,1,1,0\n";
+  const auto damaged = tremolo(words + " --published published");
+  EXPECT_EQ(damaged.code, 3);
+  EXPECT_NE(damaged.err.find("thesis-modes.csv, line 10: unknown model cow"), std::string::npos)
+      << damaged.err;
+  EXPECT_FALSE(fs::exists(at("build")));
 }
 
 }  // namespace

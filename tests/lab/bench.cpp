@@ -9,7 +9,7 @@
 #include "tests/lab/bench/precision_report.h"
 #include "tests/lab/bench/stability.h"
 #include "tests/lab/report/report.h"
-#include "tests/lab/speed/speed_report.h"
+#include "tests/lab/speed/speed.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo::bench {

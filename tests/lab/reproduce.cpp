@@ -31,7 +31,7 @@ void note(const std::string& text) {
   tell("tremolo: {}\n", text);
 }
 
-Workshop open_workshop(const ReproduceOptions& options) {
+Session open_session(const ReproduceOptions& options) {
   keep_models_apart(options.out, options.models_directory, options.models);
   std::vector<SampleModel> models = load_sample_models(options.models_directory, options.models);
   thesis::Thesis thesis = thesis::read_thesis(options.published);
@@ -50,20 +50,20 @@ void append(std::vector<T>& list, const std::vector<T>& more) {
   list.insert(list.end(), more.begin(), more.end());
 }
 
-std::vector<RunName> all_runs(const Workshop& shop) {
+std::vector<RunName> all_runs(const Session& session) {
   std::vector<RunName> runs;
-  for (const std::string method : kMethods) append(runs, the_runs(shop.models, method));
-  for (const double another : kStrongLoads)
+  for (const std::string method : kMethods) append(runs, thesis_runs(session.models, method));
+  for (const double load_multiple : kStrongLoads)
     for (const std::string method : kStrongMethods)
-      append(runs, the_runs(shop.models, method, another));
+      append(runs, thesis_runs(session.models, method, load_multiple));
   return runs;
 }
 
 // Damped motion against a stiff solver.
-void add_damping(Report& report, const Workshop& shop, std::vector<Criterion>& criteria) {
+void add_damping(Report& report, const Session& session, std::vector<Criterion>& criteria) {
   using namespace damping;
   std::vector<Entry> all;
-  for (const SampleModel& sample : shop.models) {
+  for (const SampleModel& sample : session.models) {
     if (std::ranges::find(kModels, sample.name) == kModels.end()) continue;
     note(fmt::format("damping of the {} against Radau IIA", sample.name));
     append(all, damping_matrix(sample));
@@ -93,28 +93,29 @@ std::vector<Criterion> measured_by_bench() {
 }
 
 // All sections but the first.
-void add_experiments(Report& report, const ReproduceOptions& options, const Workshop& shop,
+void add_experiments(Report& report, const ReproduceOptions& options, const Session& session,
                      Outcome& outcome, std::vector<Criterion>& checks) {
-  add_modes(report, shop);
-  const Orbits orbits = watch_all(shop, all_runs(shop),
-                                  "the 36 runs of every method, and under loads times 3 and 10");
-  outcome.survivors = add_reached(report, shop, orbits, outcome.criteria);
-  const Timings timings = time_all(shop, orbits);
-  add_timings(report, shop, orbits, timings);
-  add_energies(report, shop, orbits);
-  append(outcome.criteria, add_experiment3(report, shop));
+  add_modes(report, session);
+  const Orbits orbits = run_all(session, all_runs(session),
+                                "the 36 runs of every method, and under loads times 3 and 10");
+  outcome.survivors = add_reached(report, session, orbits, outcome.criteria);
+  const Timings timings = time_all(session, orbits);
+  add_timings(report, session, orbits, timings);
+  add_energies(report, session, orbits);
+  append(outcome.criteria, add_experiment3(report, session));
   append(outcome.criteria, measured_by_bench());
-  add_step_figures(report, shop);
-  add_damping(report, shop, outcome.criteria);
+  add_step_figures(report, session);
+  add_damping(report, session, outcome.criteria);
   // A folder for each build: these experiments do not know the program's checksum.
-  const Store store = or_fail(Store::open((fs::path(shop.directory) / shop.program).string()));
+  const Store store =
+      or_fail(Store::open((fs::path(session.directory) / session.program).string()));
   std::vector<Criterion> known =
-      known::add_known_answers({report, store, options.published, shop.long_form});
+      known::add_known_answers({report, store, options.published, session.long_form});
   // What the task states comes first: of the known answers that is the chain's.
   const auto further = std::ranges::stable_partition(
       known, [](const Criterion& criterion) { return criterion.what.starts_with("FPUT"); });
   append(outcome.criteria, {known.begin(), further.begin()});
-  outcome.criteria.push_back(speedups(shop, orbits, timings));
+  outcome.criteria.push_back(speedups(session, orbits, timings));
   checks.assign(further.begin(), further.end());
 }
 
@@ -145,14 +146,14 @@ nlohmann::ordered_json to_json(const Outcome& outcome, const std::string& report
 
 int reproduce_command(const ReproduceOptions& options) {
   using namespace reproduce;
-  const Workshop shop = open_workshop(options);
+  const Session session = open_session(options);
   Report report(options.out, "The thesis reproduced",
                 "Huang 2011, Preserving High-Frequency Vibration of Deformable Objects Using the "
                 "Implicit-Explicit Variational Integrator: its tables, figures and experiments on "
                 "Tremolo's sample models.");
   Outcome outcome;
   std::vector<Criterion> checks;
-  add_experiments(report, options, shop, outcome, checks);
+  add_experiments(report, options, session, outcome, checks);
   add_verdict(report, outcome, checks);
   const std::string page = report.write();
   print(outcome.criteria);

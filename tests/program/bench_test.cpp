@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "runtime/program/output/statistics.h"
-#include "tests/lab/bench/orbit_text.h"
 #include "tests/lab/bench/precision_report.h"
 #include "tests/lab/bench/stability.h"
 #include "tests/lab/report/table.h"

@@ -279,7 +279,7 @@ TEST(Orbit, BreaksOffWithACodeWhereTheSplitIsTooBold) {
   spec.model = long_model();
   spec.integrator = "verlet";
   spec.step = 0.05;  // h omega = 15: explicit, hopeless
-  const Orbit orbit = watch_orbit(spec);
+  const Orbit orbit = run_orbit(spec);
   EXPECT_FALSE(orbit.finished());
   EXPECT_LT(orbit.reached, spec.duration);
   EXPECT_FALSE(orbit.reason.empty());
@@ -290,7 +290,7 @@ TEST(Orbit, ComesBackFromItsJson) {
   spec.model = long_model();
   spec.integrator = "newmark";
   spec.duration = 0.3;
-  const Orbit orbit = watch_orbit(spec);
+  const Orbit orbit = run_orbit(spec);
   const nlohmann::json json = fields_to_json(orbit);
   EXPECT_EQ(fields_to_json(fields_from_json<Orbit>(json)), json);
   EXPECT_EQ(orbit.steps, 100);
@@ -346,10 +346,10 @@ TEST(RunNames, DifferentRunsHaveDifferentNames) {
   std::set<std::string> names;
   for (const SignalKind load : thesis::kLoads)
     for (const double alpha : thesis::kAlphas)
-      for (const double another : {1.0, 3.0})
+      for (const double multiple : {1.0, 3.0})
         for (const double step : {3e-3, 1e-3})
           for (const double duration : {30.0, 1.0})
-            names.insert(RunName{"beam", "ep4", load, alpha, another, step, duration}.text());
+            names.insert(RunName{"beam", "ep4", load, alpha, multiple, step, duration}.text());
   EXPECT_EQ(names.size(), 48U);
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <limits>
 #include <span>
 
@@ -11,6 +10,7 @@
 #include "common/hash.h"
 #include "formats/file/checksum.h"
 #include "runtime/body.h"
+#include "tests/lab/speed/speed.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo::bench {
@@ -34,7 +34,7 @@ namespace {
 using Json = nlohmann::json;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kRepeats = 5;      // windows of each method at least
-constexpr int kPatience = 25;    // at most, while
+constexpr int kMaxRepeats = 25;  // at most, while
 constexpr double kClose = 1.05;  // a method's two fastest windows differ by more than this
 
 Entry make_entry(const Scene& scene, const Reference& reference, const SampledRun& run,
@@ -55,7 +55,7 @@ Entry make_entry(const Scene& scene, const Reference& reference, const SampledRu
   return entry;
 }
 
-// A body where its load has ended, to be set back there again and again.
+// A body whose load has ended; each timed window starts from that state.
 struct Runner {
   Body body;
   State start;
@@ -65,13 +65,6 @@ struct Runner {
 
   bool settled() const { return !good || second <= kClose * best; }
 };
-
-// Of this thread on a processor, s: what others take in between is not counted.
-double processor_time() {
-  std::timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 // The body of a scene with its load, at rest.
 Body make_body(const RunSpec& spec) {
@@ -105,7 +98,7 @@ Json take_turns(const Scene& scene, const std::vector<std::string>& integrators,
   for (const std::string& integrator : integrators)
     runners.push_back(make_runner(scene, integrator, step));
   const int steps = static_cast<int>(std::clamp(0.6 / step, 100.0, 1000.0));
-  for (int repeat = 0; repeat < kPatience; ++repeat) {
+  for (int repeat = 0; repeat < kMaxRepeats; ++repeat) {
     if (repeat >= kRepeats && std::ranges::all_of(runners, &Runner::settled)) break;
     for (Runner& runner : runners)
       if (repeat < kRepeats || !runner.settled()) time_window(runner, steps);

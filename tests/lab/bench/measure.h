@@ -1,4 +1,4 @@
-// What is measured of each method, load, amplitude and step: the error, and apart from it the time.
+// The measurements for each method, load, amplitude and step: the error, and separately the time.
 #pragma once
 
 #include <string>
@@ -30,11 +30,11 @@ struct Entry {
   double cost() const { return 1e-3 * microseconds / step; }  // ms of computing a simulated second
 };
 
-// A hash of the running program: what was timed with another build is timed anew.
+// A hash of the running program: times measured with another build are not reused.
 std::string build_id();
 
-// A hash of where 100 steps of `step` take the scene: what was measured with a method that went
-// elsewhere is measured anew. Throws a Failure where the integrator cannot be made.
+// A hash of the state after 100 steps of `step`: errors measured with a method that gave another
+// state are not reused. Throws a Failure where the integrator cannot be made.
 std::string fingerprint(const Scene& scene, const std::string& integrator, double step);
 
 // One entry a step; `scene` and `microseconds` are left to the caller. Throws a Failure as

@@ -33,7 +33,7 @@ Chart scene_chart(const Precision& precision, std::size_t i) {
   for (const std::string& integrator : precision.integrators) {
     Curve curve{.label = integrator, .style = CurveStyle::kLinesAndPoints};
     for (const Entry& entry : precision.curve(i, integrator)) {
-      // An orbit that has nothing to do with the reference any more is not worth the room.
+      // An error above 200 % says nothing about the method any more.
       const bool counts = !entry.below_reference && entry.error < 2.0;
       curve.x.push_back(entry.cost());
       curve.y.push_back(counts ? entry.error : kNan);
@@ -76,12 +76,13 @@ void draw_curves(const Precision& precision, const std::string& load, Report& re
         charts.push_back(scene_chart(precision, i));
     if (charts.empty()) continue;
     report.heading(subject.sample.name);
-    report.figure(charts, 2, 380,
-                  fmt::format("{}, {} load: error over cost, a point a step from {:g} to {:g} ms. "
-                              "Errors below the reference, and orbits that are wrong by more "
-                              "than 200 %, are left out.",
-                              subject.sample.name, load, 1e3 * precision.steps.front(),
-                              1e3 * precision.steps.back()));
+    report.figure(
+        charts, 2, 380,
+        fmt::format(
+            "{}, {} load: error over cost, a point a step from {:g} to {:g} ms. Errors below the "
+            "reference, and orbits that are wrong by more than 200 %, are left out.",
+            subject.sample.name, load, 1e3 * precision.steps.front(),
+            1e3 * precision.steps.back()));
   }
 }
 
@@ -91,7 +92,7 @@ const Entry* at_step(std::span<const Entry> curve, double step) {
   return found == curve.end() ? nullptr : &*found;
 }
 
-// The worst of something over scenes, and where.
+// The worst value over scenes, and the scene where it occurs.
 struct Worst {
   double value = kNan;
   std::string where;
@@ -153,12 +154,11 @@ std::vector<Criterion> precision_criteria(const Precision& precision) {
   if (!ran(precision, "ep4")) return criteria;
   add_step_criteria(precision, criteria);
   const int coarse = coarse_scenes(precision, "ep4", 1e-3);
-  const std::string slack =
-      coarse == 0 ? std::string()
-                  : fmt::format(
-                        "; in {} scenes ep4's longest step is good enough already, a longer "
-                        "one might cost less",
-                        coarse);
+  const std::string slack = coarse == 0 ? std::string()
+                                        : fmt::format(
+                                              "; in {} scenes ep4's longest step is good enough "
+                                              "already, a longer one might cost less",
+                                              coarse);
   for (const char* peer : {"newmark", "imexv", "verlet", "verlet4"}) {
     if (!ran(precision, peer)) continue;
     const std::vector<double> ratios = cost_ratios(precision, "ep4", peer, 1e-3);
@@ -186,8 +186,7 @@ std::vector<std::string> recommendations(const Precision& precision) {
     const Standing& most = *std::ranges::max_element(table, {}, &Standing::wins);
     std::string text = fmt::format(
         "For an error of {}: `{}`. It reaches it in {} of {} scenes, at {:.3g} times the cost of "
-        "the "
-        "fastest method of each scene (median).",
+        "the fastest method of each scene (median).",
         percent(target), surest.integrator, surest.reached, surest.scenes, surest.slowdown);
     if (most.integrator != surest.integrator)
       text += fmt::format(" `{}` is the fastest most often, in {} scenes, and reaches it in {}.",
@@ -215,30 +214,29 @@ void report_precision(const Precision& precision, Report& report) {
   draw_curves(precision, load, report);
   report.section("Cost of an error");
   report.paragraph(
-      "Milliseconds of computing a simulated second, one thread, by log-log "
-      "interpolation between steps. `<=`: the longest step is good enough already. Empty: "
-      "not reached. All loads are in `cost.csv`.");
+      "Milliseconds of computing a simulated second, one thread, by log-log interpolation between "
+      "steps. `<=`: the longest step is good enough already. Empty: not reached. All loads are in "
+      "`cost.csv`.");
   for (const double target : kTargets)
     report.table(cost_matrix(precision, load, target),
                  fmt::format("To an error of {}, {} load.", percent(target), load));
   report.section("Ratios");
   report.paragraph(
-      "How many times less a method costs than another for the same error: medians over "
-      "all scenes. A scene that only the method reaches counts as infinite (`> all`), one "
-      "that only the other reaches as zero.");
+      "How many times less a method costs than another for the same error: medians over all "
+      "scenes. A scene that only the method reaches counts as infinite (`> all`), one that only "
+      "the other reaches as zero.");
   report.table(ratio_table(precision));
   report.section("Scenes and references");
   const std::vector<ReferenceMethod> methods = reference_methods();
-  report.paragraph(fmt::format(
-      "The amplitude is the largest displacement of the loaded vertex over the largest extent of "
-      "the "
-      "solid; the load is scaled until that holds to 1 %. Every reference is computed twice, with "
-      "`{}` at {:.4g} ms and with `{}` at {:.4g} ms; errors are measured up to the last sample "
-      "until which the two agree to {:g} of the orbit's size, and count while they are {:g} times "
-      "above the remaining gap. Large motion is chaotic: where the references part, no orbit is "
-      "right.",
-      methods[0].integrator, 1e3 * methods[0].step, methods[1].integrator, 1e3 * methods[1].step,
-      kAgree, kAbove));
+  report.paragraph(
+      fmt::format("The amplitude is the largest displacement of the loaded vertex over the largest "
+                  "extent of the solid; the load is scaled until that holds to 1 %. Every "
+                  "reference is computed twice, with `{}` at {:.4g} ms and with `{}` at {:.4g} ms; "
+                  "errors are measured up to the last sample until which the two agree to {:g} of "
+                  "the orbit's size, and count while they are {:g} times above the remaining gap. "
+                  "Large motion is chaotic: where the references part, no orbit is right.",
+                  methods[0].integrator, 1e3 * methods[0].step, methods[1].integrator,
+                  1e3 * methods[1].step, kAgree, kAbove));
   report.table(scene_table(precision), {}, "scenes.csv");
 }
 

@@ -1,4 +1,4 @@
-// The page, the files and the verdict of the precision part.
+// The sections, files and criteria of the precision part.
 #pragma once
 
 #include <string>
@@ -31,7 +31,8 @@ Table scene_table(const Precision& precision);  // every scene: its load, how fa
 // Cost of each target, one row a scene and method.
 Table cost_table(const Precision& precision);
 
-// Cost of one target: rows models x amplitudes of one load, a column a method, the best named last.
+// Cost of one target: rows are models and amplitudes of one load, columns the methods; the last
+// column names the best.
 Table cost_matrix(const Precision& precision, const std::string& load, double target);
 
 // Median over scenes of cost_ratios(method, peer): rows methods, columns peers x targets.

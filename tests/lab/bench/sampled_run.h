@@ -1,4 +1,4 @@
-// One run of one model from rest, seen at equal intervals of time whatever its step.
+// One run of one model from rest, sampled at equal intervals of time whatever its step is.
 #pragma once
 
 #include <cstdint>

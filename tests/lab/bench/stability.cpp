@@ -24,11 +24,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kSeen = 30e-3;  // s, from one look at the energy to the next
+constexpr double kSampleInterval = 30e-3;  // s, wanted between two samples of the energy
 
-// The multiple of the step next to kSeen.
+// The multiple of the step next to kSampleInterval.
 double sample_of(double step) {
-  return step * std::max(1.0, std::round(kSeen / step));
+  return step * std::max(1.0, std::round(kSampleInterval / step));
 }
 
 Outcome outcome_of(const SampledRun& run) {

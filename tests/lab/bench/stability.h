@@ -1,4 +1,4 @@
-// Where each method survives: load against step.
+// The stability of each method over load and step.
 #pragma once
 
 #include <string>

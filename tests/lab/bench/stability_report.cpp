@@ -68,10 +68,8 @@ void report_stability(const std::vector<StabilityCell>& cells, const Options& op
       "run survives if the energy of the free motion stays within {:.0f} % of what it was when the "
       "load had ended; it grows or decays if it reaches the end with more or less; it dies if the "
       "solver gives up or the energy exceeds ten times all that was put in, at the time that "
-      "stands "
-      "in the cell. The figures in other cells are the largest drift, x for multiples of the "
-      "energy. "
-      "All of it is in `stability.csv`.",
+      "stands in the cell. The figures in other cells are the largest drift, x for multiples of "
+      "the energy. All of it is in `stability.csv`.",
       options.stability_duration, 100.0 * kSurvives));
   report.table(counts(cells, options), "Runs of all models.");
   const std::size_t grid = options.stability_scales.size() * options.stability_steps_ms.size();

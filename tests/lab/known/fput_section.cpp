@@ -153,9 +153,9 @@ void add_run_tables(Report& report, const std::vector<FputRun>& references,
     times.rows.back().push_back(times_text(run));
   }
   report.table(times,
-               "First I2 > I1 / first I3 > I1, s, over h omega. fails: the orbit left ten "
-               "times its energy or the solver gave up. I lost: the sum of the three left "
-               "[1/2, 2] of its start, so that a later crossing is no exchange.");
+               "First I2 > I1 / first I3 > I1, s, over h omega. fails: the orbit left ten times "
+               "its energy or the solver gave up. I lost: the sum of the three left [1/2, 2] of "
+               "its start, so that a later crossing is no exchange.");
   report.file(all, "known-fput.csv");
 }
 
@@ -224,8 +224,8 @@ std::vector<Criterion> add_fput_section(const Experiments& experiments) {
       "Three stiff springs (omega = 50) joined by soft quartic ones (Hairer, Lubich & Wanner, "
       "Geometric Numerical Integration, I.5, m = 3), until t = 200. The energy I_j of a stiff "
       "spring passes slowly to its neighbour; does a method that does not resolve omega still get "
-      "the time right? The potential is exactly quartic, so the chain is a model like any other. "
-      "A model wants lambda > 0: the slow coordinates have 1e-12, which adds 5e-13 to an energy of "
+      "the time right? The potential is exactly quartic, so the chain is a model like any other. A "
+      "model wants lambda > 0: the slow coordinates have 1e-12, which adds 5e-13 to an energy of "
       "about 2. The splitting methods take the three slow coordinates explicitly and the three "
       "fast ones implicitly; `imexv-adaptive` splits by its own rule. Times are read at the ends "
       "of steps.");

@@ -71,14 +71,11 @@ std::vector<Criterion> add_pendulum_section(const Experiments& experiments) {
   report.paragraph(fmt::format(
       "After the thesis's figure 9. The ideal pendulum is one stiff StVK bar of 1 m, V = (k L^2/8) "
       "(|x|^2/L^2 - 1)^2 + g y per kg, which is exactly quartic: about its hanging rest it becomes "
-      "a "
-      "model of two coordinates. k = {:g} /s^2; h = {:g} s, so that h omega is {:.3f} for the "
-      "swing "
-      "and {:.3f} for the stretch, which keeps the explicit methods in their range; start at {:g} "
-      "rad, at rest; {:g} s. Explicit Euler takes energy from nowhere, implicit Euler loses it, "
-      "the "
-      "variational methods and `ep4` keep the swing. Amplitudes are the largest |angle| over the "
-      "first and the last {:g} periods.",
+      "a model of two coordinates. k = {:g} /s^2; h = {:g} s, so that h omega is {:.3f} for the "
+      "swing and {:.3f} for the stretch, which keeps the explicit methods in their range; start at "
+      "{:g} rad, at rest; {:g} s. Explicit Euler takes energy from nowhere, implicit Euler loses "
+      "it, the variational methods and `ep4` keep the swing. Amplitudes are the largest |angle| "
+      "over the first and the last {:g} periods.",
       pendulum.stiffness, kStep, kStep * std::sqrt(model->lambda()[0]),
       kStep * std::sqrt(model->lambda()[1]), pendulum.angle, kDuration, kSwings));
   Table table{

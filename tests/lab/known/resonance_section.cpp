@@ -74,8 +74,8 @@ Criterion add_tongues(Report& report) {
   }
   report.table(table, "Resonances of r-RESPA, closed form.", "known-resonance-respa.csv");
   return {
-      "resonance, control: r-RESPA is unstable below pi, 2 pi and 3 pi; smallest of "
-      "the three spectral radii",
+      "resonance, control: r-RESPA is unstable below pi, 2 pi and 3 pi; smallest of the three "
+      "spectral radii",
       ">= 1.01", cell(weakest, 4), weakest >= 1.01};
 }
 
@@ -126,16 +126,13 @@ std::vector<Criterion> add_resonance_section(const Experiments& experiments) {
   report.paragraph(
       "q'' = -(omega^2 + k) q with omega = 1, k = 0.03: the fast part and a slow pull. The impulse "
       "method (r-RESPA) turns the fast part exactly and kicks with the slow one; its closed form "
-      "is "
-      "unstable just below every h omega = n pi. The other curves are the integrators themselves, "
-      "run for one step from two tiny displacements: the model is V = q^2/2 + k s^2 q^2/2 with a "
-      "slow "
-      "coordinate s that stands at 1 (a model's quadratic part is one diagonal, so that the pull "
-      "has to come from the quartic part to stand on the slow side of the split). s is explicit, q "
-      "implicit: `imexv-linear` kicks with the k and takes omega^2 by the midpoint rule, which "
-      "turns "
-      "by less than pi a step. Its own limit is that of the kick, h sqrt(k) = 2, here at h omega = "
-      "11.5.");
+      "is unstable just below every h omega = n pi. The other curves are the integrators "
+      "themselves, run for one step from two tiny displacements: the model is V = q^2/2 + k s^2 "
+      "q^2/2 with a slow coordinate s that stands at 1 (a model's quadratic part is one diagonal, "
+      "so that the pull has to come from the quartic part to stand on the slow side of the split). "
+      "s is explicit, q implicit: `imexv-linear` kicks with the k and takes omega^2 by the "
+      "midpoint rule, which turns by less than pi a step. Its own limit is that of the kick, h "
+      "sqrt(k) = 2, here at h omega = 11.5.");
   std::vector<Criterion> criteria{add_tongues(report)};
   Chart chart{.title = "one step: the larger |eigenvalue|",
               .x_label = "h omega",

@@ -35,7 +35,7 @@ double middle_sigma(const Model& model) {
   return std::pow(model.lambda()[model.modes() / 2], 0.25);
 }
 
-// One step on its own, without memory of the one before.
+// One step from a reset integrator, which holds nothing of earlier steps.
 std::optional<Eigen::VectorXd> map_once(Integrator& integrator, const Eigen::VectorXd& z,
                                         double sigma) {
   State state = unscaled(z, sigma);

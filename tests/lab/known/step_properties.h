@@ -1,4 +1,4 @@
-// What one step of a method keeps: symplecticity, reversibility, energy; and its order.
+// Properties of one step of a method: symplecticity, reversibility, energy conservation, order.
 //
 // State and momentum are scaled to comparable size by a canonical change of variables, (sigma q,
 // p/sigma) with sigma^2 the middle frequency, so that the numbers are relative ones.
@@ -15,7 +15,7 @@
 
 namespace tremolo::known {
 
-// What theory promises without load and damping; for Newmark with its default numbers.
+// The properties that theory gives without load and damping; for Newmark with default parameters.
 struct Promise {
   int order = 0;
   bool symplectic = false;

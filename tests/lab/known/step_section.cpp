@@ -125,21 +125,15 @@ std::vector<Criterion> add_step_section(const Experiments& experiments) {
   report.section("Known answers: what one step keeps, and the order");
   report.paragraph(fmt::format(
       "Three unit masses on four one-dimensional StVK bars, pressed by up to 40 %, h = 3 ms (h "
-      "omega "
-      "= 0.69, 1.3, 2.1), no load, no damping, tolerance 1e-13; the splitting methods take the "
-      "first "
-      "two coordinates explicitly. Defect: the largest entry of |J^T Omega J - Omega|, J the "
-      "derivative "
-      "of one step. J comes from central differences of eighth order: the integrators compute in "
-      "doubles, a complex step cannot pass through them. Against the closed form of Verlet's J "
-      "they "
-      "are off by {:.1e} at small and {:.1e} at this amplitude. Reversal: |z after step, p -> -p, "
-      "step, "
-      "p -> -p minus z| / |z|. Energy: |H1 - H0| / H0 of one step. Order: fit of the error at h, "
-      "h/2, "
-      "h/4, h/8 with h = 0.25 ms after 8 ms, against classical Runge-Kutta with 512 times smaller "
-      "steps. All in variables scaled by sqrt(omega_2). \"yes\" and \"-\" say what theory "
-      "promises.",
+      "omega = 0.69, 1.3, 2.1), no load, no damping, tolerance 1e-13; the splitting methods take "
+      "the first two coordinates explicitly. Defect: the largest entry of |J^T Omega J - Omega|, J "
+      "the derivative of one step. J comes from central differences of eighth order: the "
+      "integrators compute in doubles, a complex step cannot pass through them. Against the closed "
+      "form of Verlet's J they are off by {:.1e} at small and {:.1e} at this amplitude. Reversal: "
+      "|z after step, p -> -p, step, p -> -p minus z| / |z|. Energy: |H1 - H0| / H0 of one step. "
+      "Order: fit of the error at h, h/2, h/4, h/8 with h = 0.25 ms after 8 ms, against classical "
+      "Runge-Kutta with 512 times smaller steps. All in variables scaled by sqrt(omega_2). \"yes\" "
+      "and \"-\" say what theory promises.",
       jacobian_accuracy(kStep, 1e-6), jacobian_accuracy(kStep, 1.0)));
 
   Table table{{"method", "symplectic", "defect", "reversible", "reversal", "keeps H", "energy",

@@ -90,16 +90,14 @@ Criterion judge(const EnergyTrend& trend, bool keeps) {
 std::vector<Criterion> add_trend_section(const Experiments& experiments) {
   Report& report = experiments.report;
   report.section("Known answers: the trend of the energy");
-  report.paragraph(fmt::format(
-      "The same chain from half that state, h = 1 ms (h omega = 0.23, 0.44, 0.70), free and "
-      "undamped, "
-      "{} steps. H is averaged over {} windows and a line fitted through the means: its rise over "
-      "the "
-      "whole run, relative to H, with its standard error. The error takes the windows as "
-      "independent; "
-      "slow beats make it somewhat too small. The solver's tolerance is the control: a drift that "
-      "follows it is the solver's, one that does not is the method's or rounding's.",
-      experiments.long_form ? "a million" : "a hundred thousand", kWindows));
+  report.paragraph(
+      fmt::format("The same chain from half that state, h = 1 ms (h omega = 0.23, 0.44, 0.70), "
+                  "free and undamped, {} steps. H is averaged over {} windows and a line fitted "
+                  "through the means: its rise over the whole run, relative to H, with its "
+                  "standard error. The error takes the windows as independent; slow beats make it "
+                  "somewhat too small. The solver's tolerance is the control: a drift that follows "
+                  "it is the solver's, one that does not is the method's or rounding's.",
+                  experiments.long_form ? "a million" : "a hundred thousand", kWindows));
   Table table{{"method", "tolerance", "drift over the run", "standard error", "drift / error",
                "max |H - H0| / H0", "failure"},
               {}};

@@ -1,4 +1,4 @@
-// What was promised beside what was measured.
+// A stated bound beside the measured value.
 #pragma once
 
 #include <string>

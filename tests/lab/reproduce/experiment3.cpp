@@ -61,23 +61,28 @@ const LabelledRun* find(const std::vector<LabelledRun>& runs, std::string_view l
   return found == runs.end() ? nullptr : &*found;
 }
 
-void make_run(const Workshop& shop, const SampleModel& horse, double duration, LabelledRun& one) {
+void make_run(const Session& session, const SampleModel& horse, double duration, LabelledRun& one) {
   const LongRunSpec& spec = one.spec;
   std::string name =
       fmt::format("long-{}-h{:g}ms-{:g}s", spec.integrator, 1e3 * spec.step, duration);
   if (spec.tolerance != kLongTolerance) name += fmt::format("-t{:g}", spec.tolerance);
-  const Json key{{"program", shop.program}, {"model", horse.checksum},
-                 {"version", kVersion},     {"name", name},
-                 {"steps", spec.steps},     {"sample_every", spec.sample_every},
-                 {"window", spec.window},   {"segment", spec.segment},
-                 {"low", spec.low},         {"tolerance", spec.tolerance}};
+  const Json key{{"program", session.program},
+                 {"model", horse.checksum},
+                 {"version", kVersion},
+                 {"name", name},
+                 {"steps", spec.steps},
+                 {"sample_every", spec.sample_every},
+                 {"window", spec.window},
+                 {"segment", spec.segment},
+                 {"low", spec.low},
+                 {"tolerance", spec.tolerance}};
   const std::string checkpoint =
-      (std::filesystem::path(shop.directory) / (name + ".checkpoint")).string();
+      (std::filesystem::path(session.directory) / (name + ".checkpoint")).string();
   const auto report = [&](const LongRun& now) {
     tell("tremolo: experiment 3, {}: {:.0f} of {:g} s\n", one.label,
          static_cast<double>(now.done) * spec.step, duration);
   };
-  one.run = long_run_from_json(shop.store.get(
+  one.run = long_run_from_json(session.store.get(
       name, key, [&] { return to_json(run_to_end(spec, checkpoint, key, report)); }));
   std::error_code ignored;
   std::filesystem::remove(checkpoint, ignored);
@@ -117,8 +122,7 @@ std::string high_band_text(const std::vector<LabelledRun>& runs) {
   std::string text = fmt::format(
       "ep4 changes its high band by {} at tolerance {:g}, by {} at half the step and by {} at the "
       "default tolerance, {:g}. Of the scatter of the windows {:.0f} % is on a straight line at "
-      "the "
-      "small tolerance and {:.0f} % at the default. ",
+      "the small tolerance and {:.0f} % at the default. ",
       percent(own), ep4.spec.tolerance, percent(change(half.run.high_band)), percent(loosened),
       loose.spec.tolerance, 100.0 * line, 100.0 * loose_line);
   const bool grows = std::abs(loosened) > 2.0 * std::abs(own);
@@ -150,51 +154,51 @@ std::string thesis_text(const std::vector<LabelledRun>& runs, const thesis::Thes
       "The thesis's change of its IMEXv, {} in total and {} in the high band, is not found with "
       "the same method here ({} and {}). It names neither its force nor what it counts as "
       "high-frequency energy; ours is that of `runtime/energy.h`, in which the static part of the "
-      "high coordinates does "
-      "not count. It says three million steps; 10 000 s of 3 ms are 3 333 333.",
+      "high coordinates does not count. It says three million steps; 10 000 s of 3 ms are 3 333 "
+      "333.",
       percent(thesis.total_change), percent(thesis.high_band_change),
       percent(change(theirs.run.total)), percent(change(theirs.run.high_band)));
 }
 
 }  // namespace
 
-std::vector<Criterion> add_experiment3(Report& report, const Workshop& shop) {
-  const auto horse = std::ranges::find(shop.models, "horse", &SampleModel::name);
-  if (horse == shop.models.end()) return {};
-  const double duration = shop.long_form ? kLongTime : kShortTime;
+std::vector<Criterion> add_experiment3(Report& report, const Session& session) {
+  const auto horse = std::ranges::find(session.models, "horse", &SampleModel::name);
+  if (horse == session.models.end()) return {};
+  const double duration = session.long_form ? kLongTime : kShortTime;
   std::vector<LabelledRun> runs = members(*horse, duration);
-  for_all(fmt::format("experiment 3, runs of {:g} s", duration), runs.size(), shop.threads,
-          [&](std::size_t i) { make_run(shop, *horse, duration, runs[i]); });
+  for_all(fmt::format("experiment 3, runs of {:g} s", duration), runs.size(), session.threads,
+          [&](std::size_t i) { make_run(session, *horse, duration, runs[i]); });
   report.section("Experiment 3: the energy over 10 000 s");
   report.paragraph(fmt::format(
       "The horse after one impulse, without damping, {:g} s, tolerance {:g}, and ep4 at its "
-      "default "
-      "tolerance besides. H and the high band are evaluated every {} "
-      "steps of 3 ms; a window is {} samples, 35.01 s. Changes, scatter and drift are relative; "
-      "slope: of a line through the windows' means of H, over H0.{}",
+      "default tolerance besides. H and the high band are evaluated every {} steps of 3 ms; a "
+      "window is {} samples, 35.01 s. Changes, scatter and drift are relative; slope: of a line "
+      "through the windows' means of H, over H0.{}",
       duration, kLongTolerance, kSampleEvery, kWindow,
-      shop.long_form ? "" : " This is the short form; `--long` makes the 10 000 s of the thesis."));
-  report.table(total_energy_table(runs, shop.thesis),
+      session.long_form ? ""
+                        : " This is the short form; `--long` makes the 10 000 s of the thesis."));
+  report.table(total_energy_table(runs, session.thesis),
                "Total energy: last 35 s against the first, and all windows. * broke off.",
                "experiment-3-total.csv");
   report.paragraph(drift_text(runs));
-  report.table(high_band_table(runs, shop.thesis),
+  report.table(high_band_table(runs, session.thesis),
                "High band: last 35 s against the first, and all windows.",
                "experiment-3-high-band.csv");
   report.paragraph(high_band_text(runs));
-  report.paragraph(thesis_text(runs, shop.thesis));
+  report.paragraph(thesis_text(runs, session.thesis));
   Table series{{"panel", "method", "t", "energy"}, {}}, windows{{"of", "method", "t", "mean"}, {}};
   report.figure(
       figure17_charts(runs, series), 2, 300,
-      fmt::format("Figure 17: horse, the first and the last 35 s of {:g} s, imexv and, over "
-                  "it, ep4, both at tolerance {:g}. The thesis shows IMEXv alone, in a "
-                  "picture without values.",
-                  duration, kLongTolerance));
+      fmt::format(
+          "Figure 17: horse, the first and the last 35 s of {:g} s, imexv and, over it, ep4, both "
+          "at tolerance {:g}. The thesis shows IMEXv alone, in a picture without values.",
+          duration, kLongTolerance));
   report.figure(windows_charts(runs, windows), 2, 300,
                 "The means of all windows of 35 s. Not in the thesis.");
   report.file(series, "figure-17.csv");
   report.file(windows, "experiment-3-windows.csv");
-  return criteria_of(runs, shop.long_form, shop.thesis);
+  return criteria_of(runs, session.long_form, session.thesis);
 }
 
 }  // namespace tremolo::reproduce

@@ -66,8 +66,8 @@ std::vector<EnergyFigure> energy_figures(const thesis::Thesis& thesis) {
           {"35", "heart", kSine, both, ""}};
 }
 
-bool has(const Workshop& shop, const std::string& model) {
-  return std::ranges::find(shop.models, model, &SampleModel::name) != shop.models.end();
+bool has(const Session& session, const std::string& model) {
+  return std::ranges::find(session.models, model, &SampleModel::name) != session.models.end();
 }
 
 std::string damping_text(double alpha) {
@@ -103,7 +103,7 @@ std::string reason_text(const EnergyFigure& figure, double alpha, double ratio,
       100.0 * swing);
 }
 
-// What differs between the panels of one row, by how much, and why.
+// How the panels of one row differ, by how much, and why.
 std::string difference_text(const EnergyFigure& figure, double alpha, const Orbits& orbits) {
   const std::string start = fmt::format(" {}: ", alpha == 0.0 ? "Undamped" : "Damped");
   for (const char* method : {"imexv", "newmark"}) {
@@ -175,7 +175,7 @@ void add_one(Report& report, const EnergyFigure& figure, const Orbits& orbits) {
   report.file(series, fmt::format("figure-{}.csv", figure.number));
 }
 
-// What the longest step does to each method's mean energy.
+// The effect of the longest step on each method's mean energy.
 std::string step_text(const Orbits& orbits, double duration) {
   std::vector<std::string> parts;
   for (const char* method : kStepMethods) {
@@ -190,14 +190,15 @@ std::string step_text(const Orbits& orbits, double duration) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// One figure: the methods side by side, a curve a step. The longer one brings its table.
-void add_step_figure(Report& report, const Workshop& shop, const std::string& number,
+// One figure: the methods side by side, with one curve for each step. The longer one adds its
+// table.
+void add_step_figure(Report& report, const Session& session, const std::string& number,
                      double duration) {
   std::vector<RunName> runs;
   for (const char* method : kStepMethods)
     for (const double step : {10e-3, 5e-3, 1e-3})
       runs.push_back({"beam", method, SignalKind::kSquare, 0.0, 1.0, step, duration});
-  const Orbits orbits = watch_all(shop, runs, "figure " + number);
+  const Orbits orbits = run_all(session, runs, "figure " + number);
   std::vector<Chart> charts;
   Table series{{"run", "t", "total"}, {}};
   Table numbers{{"method", "h, ms", "reached, s", "mean energy, J", "drift", "iterations a step"},
@@ -216,11 +217,12 @@ void add_step_figure(Report& report, const Workshop& shop, const std::string& nu
                             cell(orbit.mean_energy), cell(orbit.energy_drift, 2),
                             cell(orbit.iterations_per_step, 3)});
   }
-  report.figure(charts, static_cast<int>(charts.size()), 300,
-                fmt::format("Figure {}: beam, square load, no damping, three steps, {:g} s. The "
-                            "thesis shows IMEXv and Newmark, in pictures without values. Mean "
-                            "energy at 10 ms over that at 1 ms: {}.",
-                            number, duration, step_text(orbits, duration)));
+  report.figure(
+      charts, static_cast<int>(charts.size()), 300,
+      fmt::format(
+          "Figure {}: beam, square load, no damping, three steps, {:g} s. The thesis shows IMEXv "
+          "and Newmark, in pictures without values. Mean energy at 10 ms over that at 1 ms: {}.",
+          number, duration, step_text(orbits, duration)));
   report.file(series, fmt::format("figure-{}.csv", number));
   if (duration == thesis::kDuration)
     report.table(numbers, "Experiment 4 in numbers; * broke off.", "experiment-4.csv");
@@ -228,16 +230,16 @@ void add_step_figure(Report& report, const Workshop& shop, const std::string& nu
 
 }  // namespace
 
-void add_energy_figures(Report& report, const Workshop& shop, const Orbits& orbits) {
-  for (const EnergyFigure& figure : energy_figures(shop.thesis))
-    if (has(shop, figure.model)) add_one(report, figure, orbits);
+void add_energy_figures(Report& report, const Session& session, const Orbits& orbits) {
+  for (const EnergyFigure& figure : energy_figures(session.thesis))
+    if (has(session, figure.model)) add_one(report, figure, orbits);
 }
 
-void add_step_figures(Report& report, const Workshop& shop) {
+void add_step_figures(Report& report, const Session& session) {
   report.section("Experiment 4: the step");
-  if (!has(shop, "beam")) return;
-  add_step_figure(report, shop, "18", thesis::kDuration);
-  add_step_figure(report, shop, "19", 1.0);
+  if (!has(session, "beam")) return;
+  add_step_figure(report, session, "18", thesis::kDuration);
+  add_step_figure(report, session, "19", 1.0);
 }
 
 }  // namespace tremolo::reproduce

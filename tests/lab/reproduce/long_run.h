@@ -1,4 +1,4 @@
-// Experiment 3 of the thesis: one model after one impulse, left alone for millions of steps.
+// Experiment 3 of the thesis: one model after one impulse, free for millions of steps.
 //
 // The run is cut into segments of a fixed number of steps. At the start of each the body is made
 // anew from (q, p), whether or not the program was stopped there, so that a run that was stopped

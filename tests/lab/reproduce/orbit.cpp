@@ -48,7 +48,7 @@ void store_means(const Means& means, Orbit& orbit) {
 
 }  // namespace
 
-Orbit watch_orbit(const OrbitSpec& spec) {
+Orbit run_orbit(const OrbitSpec& spec) {
   Body body = make_body(spec);
   const std::int64_t steps = step_count(spec);
   const bool lasts = !std::isfinite(signal_end(Signal{.kind = spec.load}));

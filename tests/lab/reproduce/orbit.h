@@ -1,5 +1,5 @@
-// One run of one model from rest: how far it came, its energy over time, and, apart from that, how
-// long its steps take.
+// One run of one model from rest: the time it reached, its energy over time, and, measured
+// separately, how long its steps take.
 #pragma once
 
 #include <cstdint>
@@ -50,7 +50,7 @@ struct Orbit : Ending {
 
 // H is evaluated after every step. Throws a Failure as Body::create and add_default_load. A run
 // that broke off is a result.
-Orbit watch_orbit(const OrbitSpec& spec);
+Orbit run_orbit(const OrbitSpec& spec);
 
 // Seconds of `steps` calls of step() and of nothing else. Stops early where the solver gives up.
 double time_orbit(const OrbitSpec& spec, std::int64_t steps);

@@ -27,48 +27,48 @@ using Json = nlohmann::json;
 constexpr double kBeamSine = 2.6085;
 constexpr double kTowerSine = 2.52;
 
-constexpr int kOrbitVersion = 1;   // of watch_orbit and what it stores
+constexpr int kOrbitVersion = 1;   // of run_orbit and what it stores
 constexpr int kTimingVersion = 1;  // of time_orbit
 constexpr int kRepetitions = 3;
 
-const SampleModel& model_of(const Workshop& shop, const RunName& run) {
-  return *std::ranges::find(shop.models, run.model, &SampleModel::name);
+const SampleModel& model_of(const Session& session, const RunName& run) {
+  return *std::ranges::find(session.models, run.model, &SampleModel::name);
 }
 
-OrbitSpec spec_of(const Workshop& shop, const RunName& run) {
+OrbitSpec spec_of(const Session& session, const RunName& run) {
   OrbitSpec spec;
-  spec.model = model_of(shop, run).model;
+  spec.model = model_of(session, run).model;
   spec.integrator = run.integrator;
   spec.load = run.load;
   spec.alpha = run.alpha;
-  spec.scale = run.another * load_factor(run.model, run.load);
+  spec.scale = run.load_multiple * load_factor(run.model, run.load);
   spec.step = run.step;
   spec.duration = run.duration;
   return spec;
 }
 
-Json key_of(const Workshop& shop, const RunName& run) {
-  return {{"program", shop.program},
-          {"model", model_of(shop, run).checksum},
+Json key_of(const Session& session, const RunName& run) {
+  return {{"program", session.program},
+          {"model", model_of(session, run).checksum},
           {"run", run.text()},
-          {"scale", run.another * load_factor(run.model, run.load)},
+          {"scale", run.load_multiple * load_factor(run.model, run.load)},
           {"tolerance", kTolerance}};
 }
 
-Orbit one_orbit(const Workshop& shop, const RunName& run) {
-  Json key = key_of(shop, run);
+Orbit one_orbit(const Session& session, const RunName& run) {
+  Json key = key_of(session, run);
   key["version"] = kOrbitVersion;
-  return shop.store.get_as<Orbit>("orbit-" + run.text(), key,
-                                  [&] { return watch_orbit(spec_of(shop, run)); });
+  return session.store.get_as<Orbit>("orbit-" + run.text(), key,
+                                     [&] { return run_orbit(spec_of(session, run)); });
 }
 
 // Seconds of each of `names`, the smallest of several turns.
-Json seconds_by_turns(const Workshop& shop, const std::vector<RunName>& names,
+Json seconds_by_turns(const Session& session, const std::vector<RunName>& names,
                       const std::vector<std::int64_t>& steps) {
   std::vector<double> best(names.size(), std::numeric_limits<double>::infinity());
   for (int turn = 0; turn < kRepetitions; ++turn)
     for (std::size_t i = 0; i < names.size(); ++i)
-      best[i] = std::min(best[i], time_orbit(spec_of(shop, names[i]), steps[i]));
+      best[i] = std::min(best[i], time_orbit(spec_of(session, names[i]), steps[i]));
   return best;
 }
 
@@ -83,33 +83,33 @@ double load_factor(std::string_view model, SignalKind load) {
 std::string RunName::text() const {
   std::string name =
       fmt::format("{}-{}-a{:g}-{}", model, thesis::load_name(load), alpha, integrator);
-  if (another != 1.0) name += fmt::format("-x{:g}", another);
+  if (load_multiple != 1.0) name += fmt::format("-x{:g}", load_multiple);
   if (step != thesis::kStep) name += fmt::format("-h{:g}ms", 1e3 * step);
   if (duration != thesis::kDuration) name += fmt::format("-{:g}s", duration);
   return name;
 }
 
-std::vector<RunName> the_runs(const std::vector<SampleModel>& models, const std::string& integrator,
-                              double another) {
+std::vector<RunName> thesis_runs(const std::vector<SampleModel>& models,
+                                 const std::string& integrator, double load_multiple) {
   std::vector<RunName> runs;
   for (const double alpha : thesis::kAlphas)
     for (const SignalKind load : thesis::kLoads)
       for (const SampleModel& model : models)
-        runs.push_back({model.name, integrator, load, alpha, another});
+        runs.push_back({model.name, integrator, load, alpha, load_multiple});
   return runs;
 }
 
-Orbits watch_all(const Workshop& shop, const std::vector<RunName>& runs, const std::string& what) {
+Orbits run_all(const Session& session, const std::vector<RunName>& runs, const std::string& what) {
   std::vector<Orbit> made(runs.size());
-  for_all(what, runs.size(), shop.threads,
-          [&](std::size_t i) { made[i] = one_orbit(shop, runs[i]); });
+  for_all(what, runs.size(), session.threads,
+          [&](std::size_t i) { made[i] = one_orbit(session, runs[i]); });
   Orbits orbits;
   for (std::size_t i = 0; i < runs.size(); ++i) orbits.emplace(runs[i].text(), std::move(made[i]));
   return orbits;
 }
 
-Timings time_all(const Workshop& shop, const Orbits& orbits) {
-  const std::vector<RunName> runs = the_runs(shop.models, "all");
+Timings time_all(const Session& session, const Orbits& orbits) {
+  const std::vector<RunName> runs = thesis_runs(session.models, "all");
   Timings timings;
   for_all("timings", runs.size(), 1, [&](std::size_t k) {
     std::vector<RunName> names;
@@ -119,12 +119,12 @@ Timings time_all(const Workshop& shop, const Orbits& orbits) {
       names.back().integrator = method;
       steps.push_back(orbits.at(names.back().text()).steps);
     }
-    Json key = key_of(shop, runs[k]);
+    Json key = key_of(session, runs[k]);
     key["version"] = kTimingVersion;
     key["steps"] = steps;
     key["methods"] = kMethods;
-    const Json seconds = shop.store.get("timing-" + runs[k].text(), key,
-                                        [&] { return seconds_by_turns(shop, names, steps); });
+    const Json seconds = session.store.get("timing-" + runs[k].text(), key,
+                                           [&] { return seconds_by_turns(session, names, steps); });
     for (std::size_t i = 0; i < names.size(); ++i)
       timings[names[i].text()] = {seconds.at(i).get<double>(), steps[i]};
   });

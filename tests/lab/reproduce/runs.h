@@ -15,7 +15,7 @@
 namespace tremolo::reproduce {
 
 // program: a checksum of the running program; results of another build are not used.
-struct Workshop {
+struct Session {
   Store store;
   std::string directory;  // of the store, for checkpoints
   std::string program;
@@ -25,16 +25,16 @@ struct Workshop {
   bool long_form = false;
 };
 
-// How hard the 36 runs push, times the model's default load. The thesis gives no forces.
+// The factor of the model's default load in the 36 runs. The thesis gives no forces.
 double load_factor(std::string_view model, SignalKind load);
 
-// "another" is the factor beside load_factor.
+// load_multiple: a further factor of the load, beside load_factor.
 struct RunName {
   std::string model;
   std::string integrator;
   SignalKind load = SignalKind::kImpulse;
   double alpha = 0.0;
-  double another = 1.0;
+  double load_multiple = 1.0;
   double step = 3e-3;
   double duration = 30.0;
 
@@ -52,24 +52,24 @@ struct Timing {
 using Orbits = std::map<std::string, Orbit>;    // by RunName::text()
 using Timings = std::map<std::string, Timing>;  // the same
 
-// Who makes the 36 runs.
+// The methods of the 36 runs.
 inline constexpr std::array kMethods = {"imexv-thesis", "imexv", "newmark", "imexv-adaptive",
                                         "ep4"};
 
-// The loads of the 36 runs times these, and who makes them then.
+// The load multiples of the stronger runs, and their methods.
 inline constexpr std::array<double, 2> kStrongLoads = {3.0, 10.0};
 inline constexpr std::array kStrongMethods = {"imexv", "imexv-adaptive", "ep4"};
 
-// The 36 runs of one method, or of those models that are there.
-std::vector<RunName> the_runs(const std::vector<SampleModel>& models, const std::string& integrator,
-                              double another = 1.0);
+// The 36 runs of one method; fewer where not all models are given.
+std::vector<RunName> thesis_runs(const std::vector<SampleModel>& models,
+                                 const std::string& integrator, double load_multiple = 1.0);
 
-// On several threads; tells on stderr how many of `what` are done. Throws a Failure as watch_orbit
-// and the store.
-Orbits watch_all(const Workshop& shop, const std::vector<RunName>& runs, const std::string& what);
+// Runs on several threads and prints on stderr how many of `what` are done. Throws a Failure as
+// run_orbit and the store.
+Orbits run_all(const Session& session, const std::vector<RunName>& runs, const std::string& what);
 
-// On this thread alone; the methods of one model, load and damping by turns. A run is timed for the
-// steps that its orbit made.
-Timings time_all(const Workshop& shop, const Orbits& orbits);
+// Runs on this thread alone; the methods take turns within one model, load and damping. A run is
+// timed over the steps that its orbit made.
+Timings time_all(const Session& session, const Orbits& orbits);
 
 }  // namespace tremolo::reproduce

@@ -38,9 +38,8 @@ bool is_of_a_report(const std::filesystem::path& file) {
 SampleModel load_one(const std::string& directory, std::string_view name) {
   const std::string path = path_of(directory, name);
   if (!std::filesystem::exists(path))
-    throw Failure(system_error(path +
-                               ": there is no such file; ./demo makes the six sample models in "
-                               "build/models (--models-dir names another folder)"));
+    throw Failure(system_error(path + ": there is no such file; ./demo makes the six sample models "
+                                      "in build/models (--models-dir names another folder)"));
   const std::string bytes = or_fail(read_whole_file(path));
   Model::Pointer model = or_fail(Model::load(path));
   if (model->default_load().vertices.empty())

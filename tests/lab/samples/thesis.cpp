@@ -44,9 +44,9 @@ void read_modes(const std::string& directory, Thesis& thesis) {
 }
 
 void read_runs(const std::string& directory, Thesis& thesis) {
-  PublishedTable table(directory, "thesis-runs.csv",
-                       "table,alpha,load,model,imexv,newmark,imexv-iterations,newmark-iterations,"
-                       "speed-up,reached");
+  PublishedTable table(
+      directory, "thesis-runs.csv",
+      "table,alpha,load,model,imexv,newmark,imexv-iterations,newmark-iterations,speed-up,reached");
   while (table.next()) {
     Run run{.table = count(table, "a table's number"), .alpha = table.number("alpha")};
     run.load = load(table);

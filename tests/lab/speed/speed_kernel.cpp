@@ -39,28 +39,6 @@ struct Bench {
   void evaluate(unsigned want) { potential.evaluate(q0, want, workspace, evaluation); }
 };
 
-void textbook_force(void* bench) {
-  static_cast<Bench*>(bench)->textbook.force(static_cast<Bench*>(bench)->q0);
-}
-void textbook_all(void* bench) {
-  static_cast<Bench*>(bench)->textbook.force_and_tangent(static_cast<Bench*>(bench)->q0, true);
-}
-void our_force(void* bench) {
-  static_cast<Bench*>(bench)->evaluate(kWantForce);
-}
-void our_all(void* bench) {
-  static_cast<Bench*>(bench)->evaluate(kWantEnergy | kWantForce | kWantTangent);
-}
-void our_average(void* pointer) {
-  Bench& bench = *static_cast<Bench*>(pointer);
-  bench.potential.averaged_gradient(bench.q0, bench.q1, bench.workspace, bench.average);
-}
-void our_average_and_tangent(void* pointer) {
-  Bench& bench = *static_cast<Bench*>(pointer);
-  bench.potential.averaged_gradient(bench.q0, bench.q1, bench.workspace, bench.average,
-                                    &bench.jacobian);
-}
-
 // The least time that `bytes` and `operations` need: those of a pass over the coefficients alone.
 void set_limit(SpeedRow& row, const MachineProbe& probe) {
   const double arithmetic = 1e-3 * row.operations / probe.gflops;
@@ -80,9 +58,15 @@ Criterion ratio_criterion(const SpeedRow& row, double bound, std::string_view bo
 void add_rows(std::size_t r, const MachineProbe& probe, SpeedSection& section) {
   Bench bench{random_potential(r)};
   const int calls = r > 40 ? 50 : r > 20 ? 200 : 500;
-  const std::vector<double> seconds = time_by_turns(
-      {textbook_force, our_force, textbook_all, our_all, our_average, our_average_and_tangent},
-      std::vector<void*>(6, &bench), calls, r > 40 ? 20 : 60);
+  const auto average = [&](Eigen::MatrixXd* jacobian) {
+    bench.potential.averaged_gradient(bench.q0, bench.q1, bench.workspace, bench.average, jacobian);
+  };
+  const std::vector<double> seconds =
+      by_turns({[&] { bench.textbook.force(bench.q0); }, [&] { bench.evaluate(kWantForce); },
+                [&] { bench.textbook.force_and_tangent(bench.q0, true); },
+                [&] { bench.evaluate(kWantEnergy | kWantForce | kWantTangent); },
+                [&] { average(nullptr); }, [&] { average(&bench.jacobian); }},
+               calls, r > 40 ? 20 : 60);
   const double unique = static_cast<double>(triple_count(r) + quad_count(r));
   const double pairs = static_cast<double>(pair_count(r));
   const double size = static_cast<double>(r);
@@ -123,13 +107,11 @@ SpeedSection measure_kernel_speed(const Options&, const MachineProbe& probe) {
   for (const std::size_t r : {15, 20, 30, 60}) add_rows(r, probe, section);
   section.text =
       "Energy V, force R and tangent K of one body, warm cache, one core. The textbook keeps a "
-      "dense "
-      "table for each degree and multiplies by " +
+      "dense table for each degree and multiplies by " +
       Textbook(random_potential(2)).blas() +
       ". The limit counts a pass over the coefficients alone: unique entries, two multiply-adds "
-      "each "
-      "for the force and three with the tangent; the averaged gradient multiplies the matrix over "
-      "index pairs.";
+      "each for the force and three with the tangent; the averaged gradient multiplies the matrix "
+      "over index pairs.";
   return section;
 }
 

@@ -96,14 +96,6 @@ SpeedRow force_row(const Model& model, double seconds, double baseline, double g
 
 }  // namespace
 
-std::vector<double> by_turns(std::vector<Work> works, int calls, int windows) {
-  std::vector<void (*)(void*)> functions(works.size(),
-                                         [](void* work) { (*static_cast<Work*>(work))(); });
-  std::vector<void*> arguments;
-  for (Work& work : works) arguments.push_back(&work);
-  return time_by_turns(functions, arguments, calls, windows);
-}
-
 std::vector<Eigen::VectorXd> random_states(const Model& model, std::size_t count) {
   std::mt19937 random(1);
   std::vector<Eigen::VectorXd> states;

@@ -1,17 +1,16 @@
-#include "tests/lab/speed/speed_report.h"
-
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "runtime/program/output/tell.h"
+#include "tests/lab/speed/speed.h"
 
 namespace tremolo::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// In the order of the report.
+// The sections in the order of the report.
 constexpr SpeedSection (*kSections[])(const Options&, const MachineProbe&) = {
     measure_kernel_speed, measure_step_speed, measure_world_speed, measure_surface_speed,
     measure_savings_speed};

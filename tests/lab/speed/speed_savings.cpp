@@ -1,4 +1,4 @@
-// What it saves to leave out what a scene does not need: one row a saving, with and without it.
+// What is saved by leaving out what a scene does not need: one row for each, with and without.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -47,23 +47,13 @@ BasisData dense_data(std::size_t r) {
   return data;
 }
 
-struct Evaluator {
-  const Potential* potential = nullptr;
-  unsigned want = 0;
-  Eigen::VectorXd q;
-  PotentialWorkspace workspace;
-  Evaluation out;
-};
-
-Evaluator make_evaluator(const Model& model, unsigned want) {
+// What evaluates `want` of a model that outlives it.
+Work evaluation(const Model& model, unsigned want) {
   const Potential& potential = model.potential();
-  return {&potential, want, Eigen::VectorXd::Constant(model.modes(), 1e-3),
-          potential.make_workspace(), potential.make_evaluation()};
-}
-
-void evaluate(void* argument) {
-  auto& e = *static_cast<Evaluator*>(argument);
-  e.potential->evaluate(e.q, e.want, e.workspace, e.out);
+  return [&potential, want, q = Eigen::VectorXd::Constant(model.modes(), 1e-3).eval(),
+          workspace = potential.make_workspace(), out = potential.make_evaluation()]() mutable {
+    potential.evaluate(q, want, workspace, out);
+  };
 }
 
 // Force and tangent of `modes` coordinates read these unique entries.
@@ -77,14 +67,11 @@ void add_evaluation_rows(SpeedSection& section) {
   const Model::Pointer half = or_fail(Model::from_data(data, {.modes = kModes / 2}));
   const Model::Pointer linear = or_fail(Model::from_data(data, {.linear = true}));
   constexpr unsigned kBoth = kWantForce | kWantTangent;
-  Evaluator all[] = {
-      make_evaluator(*full, kBoth | kWantEnergy), make_evaluator(*full, kBoth),
-      make_evaluator(*full, kWantForce),          make_evaluator(*full, kWantForce | kWantEnergy),
-      make_evaluator(*half, kWantForce),          make_evaluator(*linear, kWantForce)};
-  std::vector<void*> arguments;
-  for (Evaluator& one : all) arguments.push_back(&one);
   std::vector<double> us =
-      time_by_turns(std::vector<void (*)(void*)>(std::size(all), evaluate), arguments, 60, 60);
+      by_turns({evaluation(*full, kBoth | kWantEnergy), evaluation(*full, kBoth),
+                evaluation(*full, kWantForce), evaluation(*full, kWantForce | kWantEnergy),
+                evaluation(*half, kWantForce), evaluation(*linear, kWantForce)},
+               60, 60);
   for (double& time : us) time *= 1e6;
   const double bytes = coefficient_bytes(kModes);
   add_saving(section, "force without tangent, r = 30", us[2], us[1], "us",
@@ -101,8 +88,8 @@ void add_evaluation_rows(SpeedSection& section) {
              "run --linear, ModelOptions::linear");
   add_saving(section, "coefficients of the file read by a linear scene, r = 30", 0.0, bytes,
              "bytes",
-             "run --linear does not read them; precompute --linear does not make "
-             "them, nor the derivatives");
+             "run --linear does not read them; precompute --linear does not make them, nor the "
+             "derivatives");
 }
 
 // Bytes of the file that this process has touched: what the kernel says is mapped in. Zero where it
@@ -122,22 +109,12 @@ double touched_bytes(const std::string& path) {
   return bytes;
 }
 
-struct Loading {
-  std::string path;
-  ModelOptions options;
-  VertexId inside = -1;  // a vertex to ask for, or none
-  bool all = false;      // everything in the file
-};
-
-void load(void* argument) {
-  const auto& loading = *static_cast<const Loading*>(argument);
-  if (loading.all) {
-    const Result<BasisData> data = read_basis(loading.path);
-    if (data) static_cast<void>(Model::from_data(*data));
-    return;
-  }
-  const Result<Model::Pointer> model = Model::load(loading.path, loading.options);
-  if (model && loading.inside >= 0) static_cast<void>((*model)->vertex(loading.inside));
+// Loads a model; inside: a vertex to ask for then, or none.
+Work loading(const std::string& path, const ModelOptions& options, VertexId inside = -1) {
+  return [=] {
+    const Model::Pointer model = or_fail(Model::load(path, options));
+    if (inside >= 0) or_fail(model->vertex(inside));
+  };
 }
 
 double section_bytes(const BasisReader& reader, std::initializer_list<std::string_view> names) {
@@ -160,24 +137,20 @@ void add_loading_rows(const std::string& path, SpeedSection& section) {
   const double before = touched_bytes(path);
   const Model::Pointer model = or_fail(Model::load(path));
   const double touched = touched_bytes(path) - before;
-  add_saving(
-      section, name + ": bytes of the sections that loading reads",
-      size - section_bytes(reader,
-                           {layout::kInteriorIds, layout::kInteriorRest, layout::kInteriorBasis,
-                            layout::kFixedIds, layout::kSingularValues, layout::kProvenance}),
-      size, "bytes",
-      fmt::format("automatic: a section is read on first use; the kernel has mapped in {:.0f} "
-                  "bytes, in runs of pages",
-                  touched));
-  Loading kinds[] = {{path, {}},
-                     {path, {}, inside},
-                     {path, {}, -1, true},
-                     {path, {.linear = true}},
-                     {path, {.modes = static_cast<int>(data.lambda.size() / 2)}}};
-  std::vector<void*> arguments;
-  for (Loading& kind : kinds) arguments.push_back(&kind);
+  add_saving(section, name + ": bytes of the sections that loading reads",
+             size - section_bytes(reader, {layout::kInteriorIds, layout::kInteriorRest,
+                                           layout::kInteriorBasis, layout::kFixedIds,
+                                           layout::kSingularValues, layout::kProvenance}),
+             size, "bytes",
+             fmt::format("automatic: a section is read on first use; the kernel has mapped in "
+                         "{:.0f} bytes, in runs of pages",
+                         touched));
   std::vector<double> us =
-      time_by_turns(std::vector<void (*)(void*)>(std::size(kinds), load), arguments, 1, 15);
+      by_turns({loading(path, {}), loading(path, {}, inside),
+                [&] { or_fail(Model::from_data(or_fail(read_basis(path)))); },
+                loading(path, {.linear = true}),
+                loading(path, {.modes = static_cast<int>(data.lambda.size() / 2)})},
+               1, 15);
   for (double& time : us) time *= 1e6;
   add_saving(section, name + ": loading without the rows inside", us[0], us[1], "us",
              "automatic: read when a vertex inside is asked for");
@@ -206,9 +179,9 @@ SpeedSection measure_savings_speed(const Options& options, const MachineProbe&) 
   section.title = "What a scene does not need";
   section.text =
       "One row a saving: value is with it, the textbook column without it. Bodies at rest, "
-      "vertices "
-      "of bodies that did not move and coefficients that vanish by symmetry have their rows in the "
-      "sections on many bodies and on the kernel. Times of loading are of a file in the cache.";
+      "vertices of bodies that did not move and coefficients that vanish by symmetry have their "
+      "rows in the sections on many bodies and on the kernel. Times of loading are of a file in "
+      "the cache.";
   add_evaluation_rows(section);
   const std::string model = options.models.empty() ? "horse" : options.models.front();
   const std::filesystem::path path =

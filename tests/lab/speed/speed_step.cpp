@@ -1,4 +1,4 @@
-// Whole steps against the textbook's Newmark method and central differences.
+// Complete steps compared with the textbook's Newmark method and central differences.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -89,19 +89,9 @@ Tail measure_tail(OurRunner& runner) {
   return tail;
 }
 
-// Half of what explicit methods stand, s.
+// Half of the explicit methods' stability limit, s.
 double explicit_step(const Model& model) {
   return 0.5 * model.explicit_step_limit();
-}
-
-void ours(void* runner) {
-  static_cast<OurRunner*>(runner)->window();
-}
-void textbook_newmark(void* runner) {
-  static_cast<TextbookRunner*>(runner)->newmark();
-}
-void textbook_central(void* runner) {
-  static_cast<TextbookRunner*>(runner)->central_differences();
 }
 
 // Our methods, and which of the textbook's each is compared with.
@@ -134,13 +124,9 @@ void time_steps(const Model::Pointer& model, const State& start, std::vector<Our
   newmark.textbook.force(start.q);
   newmark.acceleration = -newmark.textbook.force_value();
   TextbookRunner central{Textbook(model->potential()), start, {}, explicit_step(*model)};
-  std::vector<void (*)(void*)> functions = {textbook_newmark, textbook_central};
-  std::vector<void*> arguments = {&newmark, &central};
-  for (OurRunner& runner : runners) {
-    functions.push_back(ours);
-    arguments.push_back(&runner);
-  }
-  std::vector<double> seconds = time_by_turns(functions, arguments, 1, 40);
+  std::vector<Work> works = {[&] { newmark.newmark(); }, [&] { central.central_differences(); }};
+  for (OurRunner& runner : runners) works.push_back([&] { runner.window(); });
+  std::vector<double> seconds = by_turns(works, 1, 40);
   for (double& s : seconds) s /= kWindow;
   const auto a_step = [](std::int64_t count) { return static_cast<double>(count) / kWindow; };
   add_row(section, "textbook: newmark", test, seconds[0], SpeedRow::kNone,

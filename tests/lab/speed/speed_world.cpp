@@ -250,10 +250,10 @@ SpeedSection measure_world_speed(const Options& options, const MachineProbe& pro
   section.title = "Many bodies";
   section.text =
       "Bodies of verlet and imexv-linear step a body a lane: 16 in float or 8 in double share each "
-      "load of a coefficient. Those of other methods, ep4 among them, step each by itself. "
-      "grad(C + Q) alone is in the lanes' precision; the state, the linear force and all sums are "
-      "in double. The column `textbook` holds here the same work done body by body, or what the "
-      "note says.";
+      "load of a coefficient. Those of other methods, ep4 among them, step each by itself. grad(C "
+      "+ Q) alone is in the lanes' precision; the state, the linear force and all sums are in "
+      "double. The column `textbook` holds here the same work done body by body, or what the note "
+      "says.";
   Model::Pointer largest;
   for (const char* name : {"horse", "basket", "heart"}) {
     const Model::Pointer model =

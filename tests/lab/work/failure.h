@@ -1,5 +1,5 @@
-// How the laboratory gives up: a part that cannot go on throws, and the command that called it
-// prints the message and ends with the error's exit code.
+// Errors of the laboratory: a part that cannot go on throws a Failure; main prints its message and
+// returns its exit code.
 #pragma once
 
 #include <stdexcept>

@@ -1,5 +1,5 @@
-// Results that survive being stopped: one small file for each piece of work, so that a second start
-// skips what has been done.
+// Results that survive an interruption: one small file for each piece of work, so that a second
+// start skips what has been done.
 #pragma once
 
 #include <functional>
