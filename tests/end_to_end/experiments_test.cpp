@@ -86,7 +86,7 @@ TEST_F(Experiments, ReproduceNamesThePublishedFileThatIsMissingOrDamaged) {
   std::ofstream(at("published/thesis-modes.csv"), std::ios::app) << "cow,1,1,0\n";
   const auto damaged = tremolo(words + " --published published");
   EXPECT_EQ(damaged.code, 3);
-  EXPECT_NE(damaged.err.find("thesis-modes.csv, line 10: unknown model cow"), std::string::npos)
+  EXPECT_NE(damaged.err.find("thesis-modes.csv, line 11: unknown model cow"), std::string::npos)
       << damaged.err;
   EXPECT_FALSE(fs::exists(at("build")));
 }

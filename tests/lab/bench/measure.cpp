@@ -10,8 +10,8 @@
 #include "common/hash.h"
 #include "formats/file/checksum.h"
 #include "runtime/body.h"
-#include "tests/lab/speed/speed.h"
 #include "tests/lab/work/failure.h"
+#include "tests/lab/work/processor_time.h"
 
 namespace tremolo::bench {
 

@@ -1,21 +1,14 @@
 // The peak rates of one core of this machine, measured in loops that do nothing else.
 #include <algorithm>
 #include <cstdint>
-#include <ctime>
 #include <limits>
 #include <vector>
 
 #include "runtime/kernels/clones.h"
 #include "tests/lab/speed/speed.h"
+#include "tests/lab/work/processor_time.h"
 
 namespace tremolo::bench {
-
-double processor_time() {
-  std::timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 namespace {
 
 template <class Real>

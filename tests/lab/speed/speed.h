@@ -56,9 +56,6 @@ struct MachineProbe {
 };
 MachineProbe probe_machine();
 
-// The processor time of this thread, s; time taken by other threads and programs is not counted.
-double processor_time();
-
 // Smallest processor time of one call of each, s: `calls` calls a window, `windows` windows. They
 // take turns, so that a noisy moment hits all.
 using Work = std::function<void()>;
