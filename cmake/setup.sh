@@ -10,8 +10,9 @@ packages_build="g++ cmake make ninja-build pkg-config libeigen3-dev libxxhash-de
   libsuitesparse-dev"
 packages_mesher="libcgal-dev"  # of tremolo-mesh alone
 packages_show="gnuplot-nox povray"
-# The last three hold surfaces for tests/corpus: 52 MB to load.
-packages_test="libgtest-dev clang libclang-rt-14-dev libcgal-demo assimp-testmodels glmark2-data"
+# libjs-chart.js draws the charts of `tremolo reproduce` and `tremolo bench`. The last three hold
+# surfaces for tests/corpus: 52 MB to load.
+packages_test="libgtest-dev clang libclang-rt-14-dev libjs-chart.js libcgal-demo assimp-testmodels glmark2-data"
 
 # need PACKAGE...: installs those that are missing.
 need() {

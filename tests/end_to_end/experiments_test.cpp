@@ -1,5 +1,6 @@
 // `tremolo bench` and `tremolo reproduce` as a user starts them, on the sample models.
 #include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -34,7 +35,7 @@ TEST_F(Experiments, BenchWritesItsPageAndRemembersWhatItHasDone) {
   ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;  // 6: a bound was missed
   const Json json = Json::parse(first.out);
   EXPECT_FALSE(json.at("criteria").empty());
-  for (const char* file : {"index.html", "bench.csv", "cost.csv", "scenes.csv"})
+  for (const char* file : {"index.html", "report.json", "bench.csv", "cost.csv", "scenes.csv"})
     EXPECT_TRUE(fs::exists(at("small/") + file)) << file;
   const std::string rows = testing::slurp(at("small/bench.csv"));
   EXPECT_NE(rows.find("beam,square,0.05"), std::string::npos) << rows;
@@ -47,7 +48,7 @@ TEST_F(Experiments, BenchOnAFullDiskSaysSoAndItsOldPageStays) {
   const auto first = tremolo(kSmallBench);
   ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;
   const std::string page = testing::slurp(at("small/index.html"));
-  // A limit on the size of a file stands in for the disk; gnuplot's scripts fit, the page does not.
+  // A limit on the size of a file stands in for the disk.
   const auto second = testing::run_program(
       folder_.path(), "ulimit -f 32; " TREMOLO_BIN_DIR "/tremolo " + kSmallBench);
   EXPECT_EQ(second.code, 1) << second.err;
@@ -73,6 +74,21 @@ TEST_F(Experiments, ReproduceRefusesWhatItDoesNotKnow) {
   const auto missing = tremolo("reproduce --models-dir nowhere");
   EXPECT_EQ(missing.code, 1);
   EXPECT_NE(missing.err.find("demo"), std::string::npos) << missing.err;
+}
+
+TEST_F(Experiments, ReproduceNamesThePublishedFileThatIsMissingOrDamaged) {
+  const std::string words = "reproduce --models beam --models-dir '" TREMOLO_MODEL_DIR "'";
+  const auto missing = tremolo(words);
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_NE(missing.err.find("assets/published/thesis-modes.csv"), std::string::npos)
+      << missing.err;
+  fs::copy(TREMOLO_SOURCE_DIR "/assets/published", at("published"));
+  std::ofstream(at("published/thesis-modes.csv"), std::ios::app) << "cow,1,1,0\n";
+  const auto damaged = tremolo(words + " --published published");
+  EXPECT_EQ(damaged.code, 3);
+  EXPECT_NE(damaged.err.find("thesis-modes.csv, line 11: unknown model cow"), std::string::npos)
+      << damaged.err;
+  EXPECT_FALSE(fs::exists(at("build")));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "tests/lab/bench.h"
 
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -8,103 +9,94 @@
 #include "runtime/program/output/tell.h"
 #include "tests/lab/bench/precision_report.h"
 #include "tests/lab/bench/stability.h"
-#include "tests/lab/report/page.h"
-#include "tests/lab/speed/speed_report.h"
+#include "tests/lab/report/report.h"
+#include "tests/lab/speed/speed.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const Options& options, const std::vector<Criterion>& criteria,
+Json to_json(const std::string& page, const std::vector<Criterion>& criteria,
              const std::vector<std::string>& sentences, const std::optional<Speed>& speed) {
   Json json;
-  json["page"] = (std::filesystem::path(options.out) / "index.html").string();
+  json["page"] = page;
   json["recommendations"] = sentences;
   json["criteria"] = tremolo::to_json(criteria);
   if (speed) json["speed"] = to_json(*speed);
   return json;
 }
 
-// The criteria come first on the page, so all is measured before anything is written.
-Result<int> measure_and_report(const Options& options, std::vector<SampleModel> models) {
-  Result<Store> store = Store::open((std::filesystem::path(options.out) / "work").string());
-  if (!store) return store.error();
+// What was measured; what --only leaves out is empty.
+struct Measured {
+  std::optional<Speed> speed;
   std::optional<Precision> precision;
-  std::vector<StabilityCell> cells;
+  std::vector<StabilityCell> stability;
+};
+
+Measured measure(const Options& options, std::vector<SampleModel> models) {
+  const Store store = or_fail(Store::open((std::filesystem::path(options.out) / "work").string()));
   const auto wanted = [&](const char* part) {
     return options.only.empty() || options.only == part;
   };
-  std::optional<Speed> speed;
-  if (wanted("speed")) {
-    Result<Speed> measured = measure_speed(options);
-    if (!measured) return measured.error();
-    speed = std::move(*measured);
-  }
-  if (wanted("precision")) {
-    Result<Precision> measured = measure_precision(options, models, *store);
-    if (!measured) return measured.error();
-    precision = std::move(*measured);
-  }
+  Measured measured;
+  if (wanted("speed")) measured.speed = measure_speed(options);
+  if (wanted("precision")) measured.precision = measure_precision(options, models, store);
   if (wanted("stability")) {
     std::vector<Subject> subjects;
-    for (SampleModel& model : models) {
-      Result<Subject> subject = make_subject(std::move(model));
-      if (!subject) return subject.error();
-      subjects.push_back(std::move(*subject));
-    }
-    Result<std::vector<StabilityCell>> measured = measure_stability(options, subjects, *store);
-    if (!measured) return measured.error();
-    cells = std::move(*measured);
+    for (SampleModel& model : models) subjects.push_back(make_subject(std::move(model)));
+    measured.stability = measure_stability(options, subjects, store);
   }
+  return measured;
+}
 
-  Page page(options.only == "stability" ? "Where each method survives"
-            : options.only == "speed"   ? "Speed"
-                                        : "Run time against error",
-            fmt::format("tremolo bench, {} methods", options.integrators.size()));
+std::vector<Criterion> criteria_of(const Measured& measured) {
   std::vector<Criterion> criteria;
-  std::vector<std::string> sentences;
-  if (precision) {
-    criteria = precision_criteria(*precision);
-    sentences = recommendations(*precision);
-  }
-  if (speed) {
-    const std::vector<Criterion> more = speed_criteria(*speed);
-    criteria.insert(criteria.end(), more.begin(), more.end());
-  }
+  if (measured.precision) criteria = precision_criteria(*measured.precision);
+  if (measured.speed)
+    for (const Criterion& criterion : speed_criteria(*measured.speed))
+      criteria.push_back(criterion);
+  return criteria;
+}
+
+// The criteria come first on the page, so all is measured before anything is written. Returns the
+// path of the page.
+std::string write_report(const Options& options, const Measured& measured,
+                         const std::vector<Criterion>& criteria) {
+  Report report(options.out,
+                options.only == "stability" ? "Where each method survives"
+                : options.only == "speed"   ? "Speed"
+                                            : "Run time against error",
+                fmt::format("tremolo bench, {} methods", options.integrators.size()));
   if (!criteria.empty()) {
-    page.section("What was promised");
-    page.paragraph(verdict(criteria));
-    page.criteria(criteria);
+    report.section("What was promised");
+    report.paragraph(verdict(criteria));
+    report.criteria(criteria);
   }
-  if (precision)
-    if (Status s = report_precision(*precision, options.out, page); !s) return s.error();
-  if (speed)
-    if (Status s = report_speed(*speed, options.out, page); !s) return s.error();
-  if (!cells.empty())
-    if (Status s = report_stability(cells, options, options.out, page); !s) return s.error();
-  const std::string path = (std::filesystem::path(options.out) / "index.html").string();
-  if (Status s = page.write(path); !s) return s.error();
-  for (const std::string& sentence : sentences) tell("{}\n", sentence);
-  print(criteria);
-  tell("wrote {}\n", path);
-  if (options.json) print_json(to_json(options, criteria, sentences, speed));
-  if (Status s = flush_standard_output(); !s) return s.error();
-  return exit_code(criteria);
+  if (measured.precision) report_precision(*measured.precision, report);
+  if (measured.speed) report_speed(*measured.speed, report);
+  if (!measured.stability.empty()) report_stability(measured.stability, options, report);
+  return report.write();
 }
 
 }  // namespace
 
 int run(Options options) {
-  if (Status status = settle(options); !status) return report_error(status.error());
-  if (Status status = reproduce::keep_models_apart(options.out, options.models_dir, options.models);
-      !status)
-    return report_error(status.error());
-  Result<std::vector<SampleModel>> models =
-      reproduce::load_sample_models(options.models_dir, options.models);
-  if (!models) return report_error(models.error());
-  Result<int> code = measure_and_report(options, std::move(*models));
-  return code ? *code : report_error(code.error());
+  or_fail(settle(options));
+  reproduce::keep_models_apart(options.out, options.models_dir, options.models);
+  const Measured measured =
+      measure(options, reproduce::load_sample_models(options.models_dir, options.models));
+  const std::vector<Criterion> criteria = criteria_of(measured);
+  const std::string page = write_report(options, measured, criteria);
+  std::vector<std::string> sentences;
+  if (measured.precision) sentences = recommendations(*measured.precision);
+  for (const std::string& sentence : sentences) tell("{}\n", sentence);
+  print(criteria);
+  tell("wrote {}\n", page);
+  if (options.json) print_json(to_json(page, criteria, sentences, measured.speed));
+  or_fail(flush_standard_output());
+  return exit_code(criteria);
 }
 
 }  // namespace tremolo::bench

@@ -5,8 +5,8 @@
 
 namespace tremolo::bench {
 
-// Writes index.html and CSVs into options.out, works from options.out/work where it was stopped.
-// Returns the exit code: 6 if a deciding criterion is missed; errors are printed.
+// Writes index.html, report.json and CSVs into options.out, goes on from options.out/work where it
+// was stopped. Returns 0, or 6 if a deciding criterion is missed; throws a Failure.
 int run(Options options);
 
 }  // namespace tremolo::bench

@@ -8,6 +8,7 @@
 #include "runtime/program/output/tell.h"
 #include "tests/lab/bench.h"
 #include "tests/lab/reproduce.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo {
 namespace {
@@ -47,6 +48,8 @@ void add_reproduce_flags(CLI::App& reproduce, ReproduceOptions& o) {
       ->delimiter(',');
   reproduce.add_option("--models-dir", o.models_directory, "where their basis files are")
       ->capture_default_str();
+  reproduce.add_option("--published", o.published, "where the thesis's numbers are, as CSV files")
+      ->capture_default_str();
   reproduce.add_option("--out", o.out, "directory for index.html and CSVs")->capture_default_str();
   reproduce.add_flag("--long", o.long_form, "experiment 3 over 10 000 s instead of 200 s");
   reproduce.add_option("--threads", o.threads, "for the curves (default: all cores)")
@@ -83,5 +86,11 @@ int run_laboratory(int count, char** words) {
 }  // namespace tremolo
 
 int main(int count, char** words) {
-  return tremolo::run_guarded([&] { return tremolo::run_laboratory(count, words); });
+  return tremolo::run_guarded([&] {
+    try {
+      return tremolo::run_laboratory(count, words);
+    } catch (const tremolo::Failure& failure) {
+      return tremolo::report_error(failure.error);
+    }
+  });
 }

@@ -5,20 +5,24 @@
 #include <string>
 #include <vector>
 
+#include "tests/lab/samples/published.h"
+
 namespace tremolo {
 
-// models: names, empty for all six. threads: for the curves; timings use one. Below 1: all cores.
+// models: names, empty for all six. published: the folder of the thesis's numbers. threads: for the
+// curves; timings use one. Below 1: all cores.
 struct ReproduceOptions {
   std::vector<std::string> models;
   std::string models_directory = "build/models";
+  std::string published = kPublishedDirectory;
   std::string out = "build/reproduce";
   bool long_form = false;
   int threads = 0;
   bool json = false;
 };
 
-// Goes on where an earlier start was stopped. Returns an exit code: 6 if a stated criterion is
-// missed; errors are printed on stderr.
+// Goes on where an earlier start was stopped. Returns 0, or 6 if a stated criterion is missed;
+// throws a Failure.
 int reproduce_command(const ReproduceOptions& options);
 
 }  // namespace tremolo

@@ -16,9 +16,10 @@
 #include "runtime/model.h"
 #include "runtime/program/inspect.h"
 #include "runtime/program/run/run.h"
-#include "tests/lab/report/page.h"
-#include "tests/lab/report/store.h"
+#include "tests/lab/report/report.h"
 #include "tests/lab/report/table.h"
+#include "tests/lab/work/failure.h"
+#include "tests/lab/work/store.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_basis.h"
 
@@ -149,18 +150,19 @@ bool fails_with_path(const std::function<Status(const std::string&)>& write,
 
 TEST(FullDisk, ReportsAreOldOrNewAndTheErrorNamesThePath) {
   const Table table{{"a", "b"}, {{"1", "2"}, {"3", "4"}, {"5", "6"}, {"7", "8"}}};
-  Page page("title", "subtitle");
-  page.table(table);
+  Report report(".", "title", "subtitle");
+  report.table(table);
   const std::map<std::string, std::function<Status(const std::string&)>> writers{
       {"a.csv", [&](const std::string& path) { return write_csv(table, path); }},
-      {"a.html", [&](const std::string& path) { return page.write(path); }},
+      {"a.html", [&](const std::string& path) { return write_page(report.json(), path); }},
       {"a.json", [](const std::string& path) -> Status {
          const fs::path whole(path);
          const Result<Store> store = Store::open(whole.parent_path().string());
-         const auto stored =
-             store->get(whole.stem().string(), {{"k", 1}},
-                        []() -> Result<nlohmann::json> { return nlohmann::json(3); });
-         if (!stored) return stored.error();
+         try {
+           store->get(whole.stem().string(), {{"k", 1}}, [] { return nlohmann::json(3); });
+         } catch (const Failure& failure) {
+           return failure.error;
+         }
          return Success{};
        }}};
   const std::string folder = testing::fresh_folder();

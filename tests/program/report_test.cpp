@@ -1,18 +1,18 @@
 // Tables, pages, stored results and charts: what every report is made of.
+#include "tests/lab/report/report.h"
+
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <numeric>
-#include <regex>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "tests/lab/report/chart.h"
-#include "tests/lab/report/page.h"
-#include "tests/lab/report/store.h"
-#include "tests/lab/report/table.h"
+#include "runtime/program/output/gnuplot.h"
+#include "tests/lab/work/failure.h"
+#include "tests/lab/work/store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {
@@ -62,23 +62,74 @@ TEST(Table, WhatIsNotFiniteIsAnEmptyCell) {
   EXPECT_EQ(cell(0.000123456, 3), "0.000123");
 }
 
-TEST(Page, TextIsEscapedAndPicturesAreNot) {
+// A report with every kind of part whose texts try to be HTML, a script and a mark of the template.
+Report wild_report(const std::string& directory) {
+  const std::string wild = "</script><!--<script> & \"it's\" `a<b` %REPORT% %LIBRARY% \n";
+  Report report(directory, "a < b " + wild, wild);
+  report.section("<script>" + wild);
+  report.heading(wild);
+  report.paragraph("use `a<b` here, lone ` stays");
+  report.table({{wild}, {{wild}}}, wild);
+  report.figure({Chart{.title = wild,
+                       .x_label = wild,
+                       .y_label = wild,
+                       .curves = {{wild, {1, 2}, {3, 4}, CurveStyle::kPoints, ""}}}},
+                1, 300, wild);
+  report.figure({CellChart{wild, wild, wild, {wild}, {wild}, {{0}}, {{wild}}, {{wild, "#000000"}}}},
+                wild);
+  report.criteria({{wild, "<= 1", "2 > 1", false, true}, {"", "", "", false, false}});
+  return report;
+}
+
+// What the script of a page reads.
+Json report_of(const std::string& html) {
+  const std::string_view open = "<script id=\"report\" type=\"application/json\">";
+  const std::size_t begin = html.find(open) + open.size();
+  return Json::parse(html.substr(begin, html.find("</script", begin) - begin));
+}
+
+std::size_t count(const std::string& text, std::string_view what) {
+  std::size_t times = 0;
+  for (std::size_t at = 0; (at = text.find(what, at)) != text.npos; ++at) ++times;
+  return times;
+}
+
+TEST(Page, HoldsTheReportWhateverItsTextsSay) {
   testing::TemporaryFolder folder;
-  Page page("a < b", "x & \"y\"");
-  page.section("<script>");
-  page.paragraph("use `a<b` here, lone ` stays");
-  page.table({{"<th>"}, {{"<td>"}}});
-  page.figure("<svg></svg>", "caption & more");
-  page.criteria({{"what <", "<= 1", "2 > 1", false, true}, {"", "", "", false, false}});
-  ASSERT_TRUE(page.write(folder.file("index.html")));
-  const std::string html = read(folder.file("index.html"));
-  EXPECT_EQ(html.find("<script>"), html.npos);
-  EXPECT_NE(html.find("&lt;td&gt;</td>"), html.npos);
-  EXPECT_NE(html.find("<code>a&lt;b</code> here, lone ` stays"), html.npos);
-  EXPECT_NE(html.find("<svg></svg>"), html.npos);
-  EXPECT_NE(html.find("&lt;= 1"), html.npos);
-  EXPECT_NE(html.find("MISSED"), html.npos);
+  const Report report = wild_report(folder.path());
+  const std::string page = report.write("/no/such/library.js");
+  EXPECT_EQ(page, folder.file("index.html"));
+  const std::string html = read(page);
+  EXPECT_EQ(report_of(html), Json(report.json()));
+  EXPECT_EQ(Json::parse(read(folder.file("report.json"))), Json(report.json()));
+  EXPECT_EQ(count(html, "<script"), 3u) << "a text became an element";
+  EXPECT_EQ(count(html, "</script"), 3u);
   EXPECT_EQ(html.find("http"), html.npos) << "a page must not fetch anything";
+  EXPECT_EQ(count(report.json().dump(), "MISSED"), 1u);
+}
+
+TEST(Page, CarriesTheLibraryOrSaysThatItIsMissing) {
+  testing::TemporaryFolder folder;
+  const Report report = wild_report(folder.path());
+  std::ofstream(folder.file("library.js")) << "var Chart = 'a library';";
+  std::ofstream(folder.file("broken.js")) << "'</script>'";
+  EXPECT_EQ(count(read(report.write(folder.file("library.js"))), "a library"), 1u);
+  for (const char* library : {"broken.js", "none.js"}) {
+    const std::string html = read(report.write(folder.file(library)));
+    EXPECT_EQ(count(html, "<script></script>"), 1u) << library;
+    EXPECT_EQ(count(html, "Chart.js was not installed"), 1u) << library;
+  }
+}
+
+TEST(Report, ATableIsWholeInItsFileAndWithoutRepeatsOnThePage) {
+  testing::TemporaryFolder folder;
+  Report report(folder.path(), "title", "subtitle");
+  const Table table{{"a", "b"}, {{"1", "x"}, {"1", "y"}}};
+  report.table(table, "caption", "t.csv", 1);
+  EXPECT_EQ(read(folder.file("t.csv")), to_csv(table));
+  const auto& part = report.json()["sections"][0]["parts"][0]["table"];
+  EXPECT_EQ(part["rows"].dump(), R"([["1","x"],["","y"]])");
+  EXPECT_EQ(part["csv"], "t.csv");
 }
 
 TEST(Page, OnlyADecidingCriterionThatIsMissedFails) {
@@ -89,20 +140,16 @@ TEST(Page, OnlyADecidingCriterionThatIsMissedFails) {
 }
 
 TEST(Page, WhatIsKnownLastCanBeReadFirst) {
-  testing::TemporaryFolder folder;
-  Page page("title", "subtitle");
-  page.section("one");
-  page.paragraph("first body");
-  page.section("two");
-  page.paragraph("last body");
-  page.last_section_first();
-  ASSERT_TRUE(page.write(folder.file("index.html")));
-  const std::string html = read(folder.file("index.html"));
-  EXPECT_LT(html.find("last body"), html.find("first body"));
-  // The contents lead to the headings of the same name.
-  EXPECT_NE(html.find("<a href=\"#section-1\">two</a>"), html.npos);
-  EXPECT_NE(html.find("<h2 id=\"section-1\">two</h2>"), html.npos);
-  EXPECT_NE(html.find("<h2 id=\"section-2\">one</h2>"), html.npos);
+  Report report(".", "title", "subtitle");
+  report.section("one");
+  report.paragraph("first body");
+  report.section("two");
+  report.paragraph("last body");
+  report.last_section_first();
+  const auto& sections = report.json()["sections"];
+  EXPECT_EQ(sections[0]["title"], "two");
+  EXPECT_EQ(sections[0]["parts"][0]["paragraph"], "last body");
+  EXPECT_EQ(sections[1]["title"], "one");
 }
 
 TEST(Criteria, TheVerdictCountsOnlyWhatDecides) {
@@ -131,12 +178,10 @@ struct StoreTest : ::testing::Test {
   int made = 0;
 
   Json get(const Json& key, double value = 0.1) {
-    Result<Json> result = store.get("piece", key, [&]() -> Result<Json> {
+    return store.get("piece", key, [&] {
       ++made;
       return Json{{"value", value}};
     });
-    EXPECT_TRUE(result) << (result ? "" : result.error().message);
-    return result ? *result : Json();
   }
 };
 
@@ -174,11 +219,52 @@ TEST_F(StoreTest, EveryDamageOfTheFileIsNoticed) {
 }
 
 TEST_F(StoreTest, WorkThatFailsLeavesNothing) {
-  Result<Json> result = store.get("piece", 1, [] { return Result<Json>(content_error("no")); });
-  ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().message, "no");
+  try {
+    store.get("piece", 1, []() -> Json { throw Failure(content_error("no")); });
+    ADD_FAILURE() << "nothing failed";
+  } catch (const Failure& failure) {
+    EXPECT_EQ(failure.error.message, "no");
+  }
   EXPECT_FALSE(std::ifstream(file));
-  EXPECT_FALSE(store.get("../escape", 1, [] { return Result<Json>(Json()); }));
+  EXPECT_THROW(store.get("../escape", 1, [] { return Json(); }), Failure);
+}
+
+struct Numbers {
+  double one = 0.0;
+  std::optional<double> maybe;
+  std::vector<double> many;
+  Eigen::VectorXd vector;
+  long whole = 0;
+  std::string text;
+};
+template <class Archive>
+void fields(Archive& archive, Numbers& n) {
+  archive("one", n.one);
+  archive("maybe", n.maybe);
+  archive("many", n.many);
+  archive("vector", n.vector);
+  archive("whole", n.whole);
+  archive("text", n.text);
+}
+
+TEST_F(StoreTest, FieldsComeBackAndWhatIsNotFiniteIsNoNumber) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const Numbers numbers{1.0 / 3.0, infinity, {1e-300, kNan}, Eigen::Vector2d(2, 3), 7, "seven"};
+  for (int start = 0; start < 2; ++start) {
+    const Numbers back = store.get_as<Numbers>("fields", 1, [&] {
+      ++made;
+      return numbers;
+    });
+    EXPECT_EQ(back.one, numbers.one);
+    EXPECT_FALSE(back.maybe);
+    ASSERT_EQ(back.many.size(), 2u);
+    EXPECT_EQ(back.many[0], 1e-300);
+    EXPECT_TRUE(std::isnan(back.many[1]));
+    EXPECT_EQ(back.vector, numbers.vector);
+    EXPECT_EQ(back.whole, 7);
+    EXPECT_EQ(back.text, "seven");
+  }
+  EXPECT_EQ(made, 1);
 }
 
 TEST(Thin, KeepsEndsAndExtremes) {
@@ -218,67 +304,42 @@ TEST(Thin, LeavesShortSeriesAlone) {
   EXPECT_EQ(x.size(), 3u);
 }
 
-std::string without_ids(const std::string& svg) {
-  return std::regex_replace(svg, std::regex("chart[0-9]+-"), "");
-}
-
-struct ChartTest : ::testing::Test {
-  void SetUp() override {
-    if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no gnuplot";
-  }
-};
-
-TEST_F(ChartTest, LogarithmicAxesDropWhatIsNotPositive) {
+TEST(ChartJson, LogarithmicAxesLeaveGapsWhereNothingIsPositive) {
   Chart chart{.title = "t", .x_label = "x", .y_label = "y", .log_x = true, .log_y = true};
   chart.curves = {{"c", {1, 2, 3, 4, 5, 0}, {1, 0, 10, -3, 100, 7}, CurveStyle::kLines, ""}};
-  Chart clean = chart;
-  clean.curves[0].x = {1, kNan, 3, 4, 5, kNan};
-  clean.curves[0].y = {1, 5, 10, kNan, 100, 7};
-  const Result<std::string> drawn = draw_svg({chart}, 1), expected = draw_svg({clean}, 1);
-  ASSERT_TRUE(drawn && expected);
-  EXPECT_EQ(without_ids(*drawn), without_ids(*expected));
+  const Json drawn = to_json(chart);
+  EXPECT_EQ(drawn["curves"][0]["x"], Json({1.0, nullptr, 3.0, nullptr, 5.0, nullptr}));
+  EXPECT_EQ(drawn["curves"][0]["y"], Json({1.0, nullptr, 10.0, nullptr, 100.0, nullptr}));
   chart.log_x = chart.log_y = false;
-  EXPECT_NE(without_ids(*draw_svg({chart}, 1)), without_ids(*expected));
+  chart.curves[0].y[1] = kNan;
+  const Json linear = to_json(chart);
+  EXPECT_EQ(linear["curves"][0]["x"], Json({1.0, nullptr, 3.0, 4.0, 5.0, 0.0}));
+  EXPECT_EQ(linear["curves"][0]["y"], Json({1.0, nullptr, 10.0, -3.0, 100.0, 7.0}));
 }
 
-TEST_F(ChartTest, TwoDrawingsShareNoId) {
+TEST(ChartJson, SaysHowItIsDrawnWithNineDigits) {
   const Chart chart{.title = "t",
-                    .curves = {{"c", {1, 2}, {3, 4}, CurveStyle::kLinesAndPoints, ""}}};
-  const CellChart cells{
-      .columns = {"1"}, .rows = {"2"}, .values = {{0}}, .classes = {{"ok", "#117733"}}};
-  const std::string both = *draw_svg({chart}, 1) + *draw_svg({chart}, 1) + *draw_svg(cells);
-  const std::regex id(" id=['\"]([^'\"]*)"), use("#(chart[^'\")]*)['\")]");
-  std::vector<std::string> ids;
-  for (std::sregex_iterator i(both.begin(), both.end(), id), end; i != end; ++i)
-    ids.push_back((*i)[1]);
-  std::sort(ids.begin(), ids.end());
-  EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
-  int uses = 0;
-  for (std::sregex_iterator i(both.begin(), both.end(), use), end; i != end; ++i, ++uses)
-    EXPECT_TRUE(std::binary_search(ids.begin(), ids.end(), (*i)[1].str())) << (*i)[1];
-  EXPECT_GT(uses, 0);
-  EXPECT_TRUE(both.starts_with("<svg"));
-}
-
-TEST_F(ChartTest, AnyTextAndAnyDataCanBeDrawn) {
-  const std::string wild = "it's _1_ ^{2} @ \"3\" & <4> \\n \n `date`";
-  Chart chart{.title = wild, .x_label = wild, .y_label = wild, .log_y = true};
-  for (std::vector<double> y : {std::vector<double>{}, {kNan, kNan}, {-1, -2}, {2, 2}, {0, 3}})
-    chart.curves.push_back({wild, std::vector<double>(y.size(), 1.0), y, CurveStyle::kPoints, ""});
-  EXPECT_TRUE(draw_svg({chart}, 1));
-  for (const Curve& curve : chart.curves) {
-    const Chart one{.log_x = true, .curves = {curve}};
-    EXPECT_TRUE(draw_svg({one, one, one}, 2));
-  }
-  const CellChart cells{wild, wild, wild, {wild}, {wild}, {{0}}, {{wild}}, {{wild, "#000000"}}};
-  EXPECT_TRUE(draw_svg(cells));
+                    .x_label = "x",
+                    .log_y = true,
+                    .x_range = {{0.0, 2.0}},
+                    .curves = {{"c", {1.0 / 3.0}, {1e-12 / 3.0}, CurveStyle::kDashes, "#123456"}}};
+  const Json json = to_json(chart);
+  EXPECT_EQ(json["x_range"], Json({0.0, 2.0}));
+  EXPECT_TRUE(json["y_range"].is_null());
+  EXPECT_FALSE(json["log_x"].get<bool>());
+  EXPECT_TRUE(json["log_y"].get<bool>());
+  const Json& curve = json["curves"][0];
+  EXPECT_EQ(curve["style"], "dashes");
+  EXPECT_EQ(curve["colour"], "#123456");
+  EXPECT_EQ(curve["x"][0].dump(), "0.333333333");
+  EXPECT_EQ(curve["y"][0].get<double>(), 3.33333333e-13);
 }
 
 TEST(Gnuplot, MissingItIsASystemError) {
   const char* before = std::getenv("PATH");
   const std::string path = before == nullptr ? "" : before;
   ::setenv("PATH", "", 1);
-  const Result<std::string> drawn = draw_svg({Chart{}}, 1);
+  const Result<std::string> drawn = run_gnuplot("plot x");
   ::setenv("PATH", path.c_str(), 1);
   ASSERT_FALSE(drawn);
   EXPECT_EQ(drawn.error().kind, ErrorKind::kSystem);

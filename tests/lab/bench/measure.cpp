@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <limits>
 #include <span>
 
@@ -11,14 +10,31 @@
 #include "common/hash.h"
 #include "formats/file/checksum.h"
 #include "runtime/body.h"
+#include "tests/lab/work/failure.h"
+#include "tests/lab/work/processor_time.h"
 
 namespace tremolo::bench {
+
+// What the store keeps of an entry.
+template <class Archive>
+void fields(Archive& archive, Entry& entry) {
+  archive("step", entry.step);
+  archive("error", entry.error);
+  archive("below", entry.below_reference);
+  archive("drift", entry.drift);
+  archive("band", entry.band_ratio);
+  archive("iterations", entry.iterations);
+  archive("reached", entry.reached);
+  archive("exit_code", entry.exit_code);
+  archive("reason", entry.reason);
+}
+
 namespace {
 
 using Json = nlohmann::json;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kRepeats = 5;      // windows of each method at least
-constexpr int kPatience = 25;    // at most, while
+constexpr int kMaxRepeats = 25;  // at most, while
 constexpr double kClose = 1.05;  // a method's two fastest windows differ by more than this
 
 Entry make_entry(const Scene& scene, const Reference& reference, const SampledRun& run,
@@ -39,30 +55,7 @@ Entry make_entry(const Scene& scene, const Reference& reference, const SampledRu
   return entry;
 }
 
-Json to_json(const Entry& entry) {
-  return {
-      {"step", entry.step},       {"error", entry.error},         {"below", entry.below_reference},
-      {"drift", entry.drift},     {"band", entry.band_ratio},     {"iterations", entry.iterations},
-      {"reached", entry.reached}, {"exit_code", entry.exit_code}, {"reason", entry.reason}};
-}
-
-Entry entry_from_json(const Json& json, const std::string& integrator) {
-  Entry entry;
-  entry.integrator = integrator;
-  entry.step = to_number(json.at("step"));
-  entry.error = to_number(json.at("error"), std::numeric_limits<double>::infinity());
-  entry.below_reference = json.at("below");
-  entry.drift = to_number(json.at("drift"));
-  entry.band_ratio = to_number(json.at("band"));
-  entry.iterations = to_number(json.at("iterations"));
-  entry.reached = to_number(json.at("reached"));
-  entry.exit_code = json.at("exit_code");
-  entry.reason = json.at("reason");
-  entry.microseconds = kNan;
-  return entry;
-}
-
-// A body where its load has ended, to be set back there again and again.
+// A body whose load has ended; each timed window starts from that state.
 struct Runner {
   Body body;
   State start;
@@ -73,19 +66,16 @@ struct Runner {
   bool settled() const { return !good || second <= kClose * best; }
 };
 
-// Of this thread on a processor, s: what others take in between is not counted.
-double processor_time() {
-  std::timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+// The body of a scene with its load, at rest.
+Body make_body(const RunSpec& spec) {
+  Body body = or_fail(Body::create(spec.model, spec.integrator, spec.options));
+  or_fail(body.add_load(spec.load));
+  return body;
 }
 
-Result<Runner> make_runner(const Scene& scene, const std::string& integrator, double step) {
+Runner make_runner(const Scene& scene, const std::string& integrator, double step) {
   const RunSpec spec = scene.run(integrator, step);
-  Result<Body> body = Body::create(spec.model, integrator, spec.options);
-  if (!body) return body.error();
-  if (Status status = body->add_load(spec.load); !status) return status.error();
-  Runner runner{std::move(*body), {}};
+  Runner runner{make_body(spec), {}};
   const double end = signal_end(spec.load.signal);
   const auto steps =
       static_cast<std::int64_t>(std::ceil((std::isfinite(end) ? end : 0.3) / step - 1e-9)) + 1;
@@ -103,16 +93,12 @@ void time_window(Runner& runner, int steps) {
   runner.best = std::min(runner.best, spent);
 }
 
-Result<Json> take_turns(const Scene& scene, const std::vector<std::string>& integrators,
-                        double step) {
+Json take_turns(const Scene& scene, const std::vector<std::string>& integrators, double step) {
   std::vector<Runner> runners;
-  for (const std::string& integrator : integrators) {
-    Result<Runner> runner = make_runner(scene, integrator, step);
-    if (!runner) return runner.error();
-    runners.push_back(std::move(*runner));
-  }
+  for (const std::string& integrator : integrators)
+    runners.push_back(make_runner(scene, integrator, step));
   const int steps = static_cast<int>(std::clamp(0.6 / step, 100.0, 1000.0));
-  for (int repeat = 0; repeat < kPatience; ++repeat) {
+  for (int repeat = 0; repeat < kMaxRepeats; ++repeat) {
     if (repeat >= kRepeats && std::ranges::all_of(runners, &Runner::settled)) break;
     for (Runner& runner : runners)
       if (repeat < kRepeats || !runner.settled()) time_window(runner, steps);
@@ -133,62 +119,57 @@ std::string build_id() {
   return id;
 }
 
-Result<std::string> fingerprint(const Scene& scene, const std::string& integrator, double step) {
-  const RunSpec spec = scene.run(integrator, step);
-  Result<Body> body = Body::create(spec.model, integrator, spec.options);
-  if (!body) return body.error();
-  if (Status status = body->add_load(spec.load); !status) return status.error();
-  for (int k = 0; k < 100 && body->step().converged; ++k) {
+std::string fingerprint(const Scene& scene, const std::string& integrator, double step) {
+  Body body = make_body(scene.run(integrator, step));
+  for (int k = 0; k < 100 && body.step().converged; ++k) {
   }
-  Eigen::MatrixXd state(body->state().q.size(), 2);
-  state << body->state().q, body->state().p;
+  Eigen::MatrixXd state(body.state().q.size(), 2);
+  state << body.state().q, body.state().p;
   return hash_text(
       hash_bytes(std::as_bytes(std::span(state.data(), static_cast<std::size_t>(state.size())))));
 }
 
-Result<std::vector<Entry>> measure_errors(const Scene& scene, const Reference& reference,
-                                          const std::string& integrator,
-                                          const std::vector<double>& steps, const Store& store) {
+std::vector<Entry> measure_errors(const Scene& scene, const Reference& reference,
+                                  const std::string& integrator, const std::vector<double>& steps,
+                                  const Store& store) {
   Json key = scene.key();
   key["integrator"] = integrator;
   key["steps"] = steps;
   key["horizon"] = reference.horizon;
   key["gap"] = reference.gap;
-  for (const double step : {steps.front(), steps.back()}) {
-    Result<std::string> print = fingerprint(scene, integrator, step);
-    if (!print) return print.error();
-    key["fingerprint"].push_back(*print);
-  }
-  Result<Json> json =
-      store.get("error-" + scene.name() + "-" + integrator, key, [&]() -> Result<Json> {
-        Json entries = Json::array();
-        for (const double step : steps) {
-          RunSpec spec = scene.run(integrator, step);
-          spec.keep_orbit = true;
-          Result<SampledRun> run = run_sampled(spec);
-          if (!run) return run.error();
-          entries.push_back(to_json(make_entry(scene, reference, *run, integrator, step)));
-        }
-        return entries;
-      });
-  if (!json) return json.error();
+  for (const double step : {steps.front(), steps.back()})
+    key["fingerprint"].push_back(fingerprint(scene, integrator, step));
+  const Json stored = store.get("error-" + scene.name() + "-" + integrator, key, [&] {
+    Json entries = Json::array();
+    for (const double step : steps) {
+      RunSpec spec = scene.run(integrator, step);
+      spec.keep_orbit = true;
+      entries.push_back(
+          fields_to_json(make_entry(scene, reference, run_sampled(spec), integrator, step)));
+    }
+    return entries;
+  });
   std::vector<Entry> entries;
-  for (const Json& entry : *json) entries.push_back(entry_from_json(entry, integrator));
+  for (const Json& one : stored) {
+    Entry entry = fields_from_json<Entry>(one);
+    entry.integrator = integrator;
+    entry.microseconds = kNan;
+    if (std::isnan(entry.error)) entry.error = std::numeric_limits<double>::infinity();
+    entries.push_back(std::move(entry));
+  }
   return entries;
 }
 
-Result<std::vector<double>> measure_times(const Scene& scene,
-                                          const std::vector<std::string>& integrators, double step,
-                                          const Store& store) {
+std::vector<double> measure_times(const Scene& scene, const std::vector<std::string>& integrators,
+                                  double step, const Store& store) {
   Json key = scene.key();
   key["integrators"] = integrators;
   key["step"] = step;
   key["build"] = build_id();
-  Result<Json> json = store.get(fmt::format("time-{}-{:g}", scene.name(), 1e3 * step), key,
+  const Json stored = store.get(fmt::format("time-{}-{:g}", scene.name(), 1e3 * step), key,
                                 [&] { return take_turns(scene, integrators, step); });
-  if (!json) return json.error();
   std::vector<double> times;
-  for (const Json& time : *json) times.push_back(to_number(time));
+  for (const Json& time : stored) times.push_back(to_number(time));
   return times;
 }
 

@@ -1,4 +1,4 @@
-// What is measured of each method, load, amplitude and step: the error, and apart from it the time.
+// The measurements for each method, load, amplitude and step: the error, and separately the time.
 #pragma once
 
 #include <string>
@@ -30,25 +30,24 @@ struct Entry {
   double cost() const { return 1e-3 * microseconds / step; }  // ms of computing a simulated second
 };
 
-// A hash of the running program: what was timed with another build is timed anew.
+// A hash of the running program: times measured with another build are not reused.
 std::string build_id();
 
-// A hash of where 100 steps of `step` take the scene: what was measured with a method that went
-// elsewhere is measured anew. Errors: what making the integrator gives.
-Result<std::string> fingerprint(const Scene& scene, const std::string& integrator, double step);
+// A hash of the state after 100 steps of `step`: errors measured with a method that gave another
+// state are not reused. Throws a Failure where the integrator cannot be made.
+std::string fingerprint(const Scene& scene, const std::string& integrator, double step);
 
-// One entry a step; `scene` and `microseconds` are left to the caller. Errors: kSystem, what making
-// the integrator gives.
-Result<std::vector<Entry>> measure_errors(const Scene& scene, const Reference& reference,
-                                          const std::string& integrator,
-                                          const std::vector<double>& steps, const Store& store);
+// One entry a step; `scene` and `microseconds` are left to the caller. Throws a Failure as
+// fingerprint and the store.
+std::vector<Entry> measure_errors(const Scene& scene, const Reference& reference,
+                                  const std::string& integrator, const std::vector<double>& steps,
+                                  const Store& store);
 
 // Microseconds a step of each integrator, of processor time: the smallest of five or more windows
 // of steps after the load has ended (or after 0.3 s), each from the same state; the methods take
 // turns, so that a noisy moment hits all. Nothing else is done meanwhile. Not-a-number where a step
-// did not converge. Errors as measure_errors.
-Result<std::vector<double>> measure_times(const Scene& scene,
-                                          const std::vector<std::string>& integrators, double step,
-                                          const Store& store);
+// did not converge. Throws a Failure as measure_errors.
+std::vector<double> measure_times(const Scene& scene, const std::vector<std::string>& integrators,
+                                  double step, const Store& store);
 
 }  // namespace tremolo::bench

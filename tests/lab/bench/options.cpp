@@ -67,10 +67,9 @@ Status settle(Options& options) {
   for (const double step : options.steps_ms) {
     const double count = 1e3 * kSample / step;
     if (std::abs(count - std::round(count)) > 1e-9 * count || count < 0.5)
-      return content_error(
-          fmt::format("--steps-ms: {} ms does not divide {} ms, from one recorded "
-                      "sample to the next",
-                      step, 1e3 * kSample));
+      return content_error(fmt::format(
+          "--steps-ms: {} ms does not divide {} ms, from one recorded sample to the next", step,
+          1e3 * kSample));
   }
   if (options.integrators.empty()) options.integrators.assign(known.begin(), known.end());
   sort_once(options.amplitudes, std::less());

@@ -1,4 +1,4 @@
-// What `tremolo bench` is told.
+// The options of `tremolo bench`.
 #pragma once
 
 #include <string>
@@ -31,7 +31,7 @@ struct Options {
 // Of the recorded samples, s. Every step of the precision part must divide it.
 inline constexpr double kSample = 6e-3;
 
-// Puts the lists in order (steps from long to short, amplitudes and scales ascending, no value
+// Sorts the lists (steps from long to short, amplitudes and scales ascending, no value
 // twice), names all integrators where none is named. Errors: kUsage for an unknown name (with the
 // known ones) or --only; kContent for a value that is not positive and finite, a step that does not
 // divide kSample, a duration that is too short or too long.

@@ -1,4 +1,4 @@
-// Run time against error: everything measured, and what follows from it.
+// Run time against error: the measurements and what is computed from them.
 #pragma once
 
 #include <optional>
@@ -29,11 +29,11 @@ struct Precision {
 };
 
 // Measures, or fetches from the store, and says on stderr how far it is. Nothing but the times
-// depends on the number of threads. Errors: of the pieces.
-Result<Precision> measure_precision(const Options& options, std::vector<SampleModel> models,
-                                    const Store& store);
+// depends on the number of threads. Throws a Failure as the pieces do.
+Precision measure_precision(const Options& options, std::vector<SampleModel> models,
+                            const Store& store);
 
-// What a method costs (Entry::cost) for a given error, by log-log interpolation between the two
+// The cost of a method (Entry::cost) at a given error, by log-log interpolation between the two
 // steps where its error falls below. An error below the reference counts as kAbove times the gap.
 // at_most: the longest step is already good enough, a longer one might be cheaper. Empty if the
 // error is not reached or was not timed.

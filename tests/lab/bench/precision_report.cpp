@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "runtime/program/output/statistics.h"
-#include "tests/lab/bench/precision_tables.h"
-#include "tests/lab/report/chart.h"
 
 namespace tremolo::bench {
 namespace {
@@ -36,7 +33,7 @@ Chart scene_chart(const Precision& precision, std::size_t i) {
   for (const std::string& integrator : precision.integrators) {
     Curve curve{.label = integrator, .style = CurveStyle::kLinesAndPoints};
     for (const Entry& entry : precision.curve(i, integrator)) {
-      // An orbit that has nothing to do with the reference any more is not worth the room.
+      // An error above 200 % says nothing about the method any more.
       const bool counts = !entry.below_reference && entry.error < 2.0;
       curve.x.push_back(entry.cost());
       curve.y.push_back(counts ? entry.error : kNan);
@@ -70,7 +67,7 @@ Chart summary_chart(const Precision& precision, const std::string& load) {
 }
 
 // A figure an entry of the chart's group, in the order in which the groups come.
-Status draw_curves(const Precision& precision, const std::string& load, Page& page) {
+void draw_curves(const Precision& precision, const std::string& load, Report& report) {
   for (const Subject& subject : precision.subjects) {
     std::vector<Chart> charts;
     for (std::size_t i = 0; i < precision.scenes.size(); ++i)
@@ -78,17 +75,15 @@ Status draw_curves(const Precision& precision, const std::string& load, Page& pa
           precision.measured(i))
         charts.push_back(scene_chart(precision, i));
     if (charts.empty()) continue;
-    Result<std::string> svg = draw_svg(charts, 2, 530, 380);
-    if (!svg) return svg.error();
-    page.heading(subject.sample.name);
-    page.figure(*svg,
-                fmt::format("{}, {} load: error over cost, a point a step from {:g} to {:g} ms. "
-                            "Errors below the reference, and orbits that are wrong by more "
-                            "than 200 %, are left out.",
-                            subject.sample.name, load, 1e3 * precision.steps.front(),
-                            1e3 * precision.steps.back()));
+    report.heading(subject.sample.name);
+    report.figure(
+        charts, 2, 380,
+        fmt::format(
+            "{}, {} load: error over cost, a point a step from {:g} to {:g} ms. Errors below the "
+            "reference, and orbits that are wrong by more than 200 %, are left out.",
+            subject.sample.name, load, 1e3 * precision.steps.front(),
+            1e3 * precision.steps.back()));
   }
-  return Success{};
 }
 
 const Entry* at_step(std::span<const Entry> curve, double step) {
@@ -97,7 +92,7 @@ const Entry* at_step(std::span<const Entry> curve, double step) {
   return found == curve.end() ? nullptr : &*found;
 }
 
-// The worst of something over scenes, and where.
+// The worst value over scenes, and the scene where it occurs.
 struct Worst {
   double value = kNan;
   std::string where;
@@ -159,12 +154,11 @@ std::vector<Criterion> precision_criteria(const Precision& precision) {
   if (!ran(precision, "ep4")) return criteria;
   add_step_criteria(precision, criteria);
   const int coarse = coarse_scenes(precision, "ep4", 1e-3);
-  const std::string slack =
-      coarse == 0 ? std::string()
-                  : fmt::format(
-                        "; in {} scenes ep4's longest step is good enough already, a longer "
-                        "one might cost less",
-                        coarse);
+  const std::string slack = coarse == 0 ? std::string()
+                                        : fmt::format(
+                                              "; in {} scenes ep4's longest step is good enough "
+                                              "already, a longer one might cost less",
+                                              coarse);
   for (const char* peer : {"newmark", "imexv", "verlet", "verlet4"}) {
     if (!ran(precision, peer)) continue;
     const std::vector<double> ratios = cost_ratios(precision, "ep4", peer, 1e-3);
@@ -192,8 +186,7 @@ std::vector<std::string> recommendations(const Precision& precision) {
     const Standing& most = *std::ranges::max_element(table, {}, &Standing::wins);
     std::string text = fmt::format(
         "For an error of {}: `{}`. It reaches it in {} of {} scenes, at {:.3g} times the cost of "
-        "the "
-        "fastest method of each scene (median).",
+        "the fastest method of each scene (median).",
         percent(target), surest.integrator, surest.reached, surest.scenes, surest.slowdown);
     if (most.integrator != surest.integrator)
       text += fmt::format(" `{}` is the fastest most often, in {} scenes, and reaches it in {}.",
@@ -203,56 +196,48 @@ std::vector<std::string> recommendations(const Precision& precision) {
   return sentences;
 }
 
-Status report_precision(const Precision& precision, const std::string& directory, Page& page) {
-  const auto path = [&](const char* name) {
-    return (std::filesystem::path(directory) / name).string();
-  };
-  if (Status s = write_csv(bench_table(precision), path("bench.csv")); !s) return s;
-  if (Status s = write_csv(cost_table(precision), path("cost.csv")); !s) return s;
-  if (Status s = write_csv(scene_table(precision), path("scenes.csv")); !s) return s;
+void report_precision(const Precision& precision, Report& report) {
+  report.file(bench_table(precision), "bench.csv");
+  report.file(cost_table(precision), "cost.csv");
   const std::string load = precision.scenes.empty() ? "square" : precision.scenes.front().load;
 
-  page.section("What to use");
-  for (const std::string& sentence : recommendations(precision)) page.paragraph(sentence);
+  report.section("What to use");
+  for (const std::string& sentence : recommendations(precision)) report.paragraph(sentence);
   for (const double target : kTargets)
-    page.table(standing_table(precision, target),
-               fmt::format("Error of {}, all scenes: those that reach it most often first.",
-                           percent(target)));
-  page.section("Error over cost");
-  Result<std::string> svg = draw_svg({summary_chart(precision, load)}, 1, 900, 520);
-  if (!svg) return svg.error();
-  page.figure(*svg,
-              "Geometric means over the models and the amplitudes up to 15 %, at each step at "
-              "which every run reached the end.");
-  if (Status s = draw_curves(precision, load, page); !s) return s;
-  page.section("Cost of an error");
-  page.paragraph(
-      "Milliseconds of computing a simulated second, one thread, by log-log "
-      "interpolation between steps. `<=`: the longest step is good enough already. Empty: "
-      "not reached. All loads are in `cost.csv`.");
+    report.table(standing_table(precision, target),
+                 fmt::format("Error of {}, all scenes: those that reach it most often first.",
+                             percent(target)));
+  report.section("Error over cost");
+  report.figure({summary_chart(precision, load)}, 1, 520,
+                "Geometric means over the models and the amplitudes up to 15 %, at each step at "
+                "which every run reached the end.");
+  draw_curves(precision, load, report);
+  report.section("Cost of an error");
+  report.paragraph(
+      "Milliseconds of computing a simulated second, one thread, by log-log interpolation between "
+      "steps. `<=`: the longest step is good enough already. Empty: not reached. All loads are in "
+      "`cost.csv`.");
   for (const double target : kTargets)
-    page.table(cost_matrix(precision, load, target),
-               fmt::format("To an error of {}, {} load.", percent(target), load));
-  page.section("Ratios");
-  page.paragraph(
-      "How many times less a method costs than another for the same error: medians over "
-      "all scenes. A scene that only the method reaches counts as infinite (`> all`), one "
-      "that only the other reaches as zero.");
-  page.table(ratio_table(precision));
-  page.section("Scenes and references");
+    report.table(cost_matrix(precision, load, target),
+                 fmt::format("To an error of {}, {} load.", percent(target), load));
+  report.section("Ratios");
+  report.paragraph(
+      "How many times less a method costs than another for the same error: medians over all "
+      "scenes. A scene that only the method reaches counts as infinite (`> all`), one that only "
+      "the other reaches as zero.");
+  report.table(ratio_table(precision));
+  report.section("Scenes and references");
   const std::vector<ReferenceMethod> methods = reference_methods();
-  page.paragraph(fmt::format(
-      "The amplitude is the largest displacement of the loaded vertex over the largest extent of "
-      "the "
-      "solid; the load is scaled until that holds to 1 %. Every reference is computed twice, with "
-      "`{}` at {:.4g} ms and with `{}` at {:.4g} ms; errors are measured up to the last sample "
-      "until which the two agree to {:g} of the orbit's size, and count while they are {:g} times "
-      "above the remaining gap. Large motion is chaotic: where the references part, no orbit is "
-      "right.",
-      methods[0].integrator, 1e3 * methods[0].step, methods[1].integrator, 1e3 * methods[1].step,
-      kAgree, kAbove));
-  page.table(scene_table(precision));
-  return Success{};
+  report.paragraph(
+      fmt::format("The amplitude is the largest displacement of the loaded vertex over the largest "
+                  "extent of the solid; the load is scaled until that holds to 1 %. Every "
+                  "reference is computed twice, with `{}` at {:.4g} ms and with `{}` at {:.4g} ms; "
+                  "errors are measured up to the last sample until which the two agree to {:g} of "
+                  "the orbit's size, and count while they are {:g} times above the remaining gap. "
+                  "Large motion is chaotic: where the references part, no orbit is right.",
+                  methods[0].integrator, 1e3 * methods[0].step, methods[1].integrator,
+                  1e3 * methods[1].step, kAgree, kAbove));
+  report.table(scene_table(precision), {}, "scenes.csv");
 }
 
 }  // namespace tremolo::bench

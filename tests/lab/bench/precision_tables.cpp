@@ -1,5 +1,3 @@
-#include "tests/lab/bench/precision_tables.h"
-
 #include <algorithm>
 #include <cmath>
 

@@ -1,10 +1,12 @@
 #include "tests/lab/bench/reference.h"
 
+#include <bit>
+#include <charconv>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <limits>
 
-#include "tests/lab/bench/orbit_text.h"
+#include <fmt/format.h>
 
 namespace tremolo::bench {
 namespace {
@@ -34,24 +36,18 @@ std::vector<ReferenceMethod> reference_methods() {
   return {{"verlet4", 1e-5, 1e-9}, {"ep4", 3e-3 / 64, 1e-12}};
 }
 
-Result<SampledRun> reference_orbit(const Scene& scene, const ReferenceMethod& method,
-                                   const Store& store) {
+SampledRun reference_orbit(const Scene& scene, const ReferenceMethod& method, const Store& store) {
   Json key = scene.key();
   key["integrator"] = method.integrator;
   key["step"] = method.step;
   key["tolerance"] = method.tolerance;
   key["version"] = 1;
-  Result<Json> json =
-      store.get("reference-" + scene.name() + "-" + method.integrator, key, [&]() -> Result<Json> {
-        RunSpec spec = scene.run(method.integrator, method.step);
-        spec.options.tolerance = method.tolerance;
-        spec.keep_orbit = true;
-        Result<SampledRun> run = run_sampled(spec);
-        if (!run) return run.error();
-        return to_json(*run);
-      });
-  if (!json) return json.error();
-  return run_from_json(*json);
+  return run_from_json(store.get("reference-" + scene.name() + "-" + method.integrator, key, [&] {
+    RunSpec spec = scene.run(method.integrator, method.step);
+    spec.options.tolerance = method.tolerance;
+    spec.keep_orbit = true;
+    return to_json(run_sampled(spec));
+  }));
 }
 
 Reference compare_references(const SampledRun& one, const SampledRun& other, double sample) {
@@ -82,6 +78,28 @@ double trajectory_error(const Eigen::MatrixXd& q, const Eigen::MatrixXd& referen
   if (q.cols() < samples) return std::numeric_limits<double>::infinity();
   const double off = (q.leftCols(samples) - reference.leftCols(samples)).norm();
   return off == 0.0 ? 0.0 : off / reference.leftCols(samples).norm();
+}
+
+std::string orbit_text(const Eigen::MatrixXd& q) {
+  std::string text;
+  text.reserve(16 * static_cast<std::size_t>(q.size()));
+  for (const double value : q.reshaped())
+    fmt::format_to(std::back_inserter(text), "{:016x}", std::bit_cast<std::uint64_t>(value));
+  return text;
+}
+
+Eigen::MatrixXd orbit_from_text(std::string_view text, Eigen::Index rows) {
+  const auto count = static_cast<Eigen::Index>(text.size() / 16);
+  if (rows < 1 || text.size() % 16 != 0 || count % rows != 0) return {};
+  Eigen::MatrixXd q(rows, count / rows);
+  for (double& value : q.reshaped()) {
+    std::uint64_t bits = 0;
+    const auto read = std::from_chars(text.data(), text.data() + 16, bits, 16);
+    if (read.ptr != text.data() + 16) return {};
+    value = std::bit_cast<double>(bits);
+    text.remove_prefix(16);
+  }
+  return q;
 }
 
 }  // namespace tremolo::bench

@@ -1,5 +1,11 @@
-// Reference orbits, each computed by two methods that have nothing in common but the potential.
+// Reference orbits, each computed by two methods that share only the potential.
 #pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "tests/lab/bench/scene.h"
 
@@ -33,9 +39,8 @@ struct ReferenceMethod {
 };
 std::vector<ReferenceMethod> reference_methods();  // two
 
-// Computes one orbit, or fetches it from the store. Errors: kSystem.
-Result<SampledRun> reference_orbit(const Scene& scene, const ReferenceMethod& method,
-                                   const Store& store);
+// Computes one orbit, or fetches it from the store. Throws a Failure as Store::get.
+SampledRun reference_orbit(const Scene& scene, const ReferenceMethod& method, const Store& store);
 
 // `one` with the horizon until which `other` agrees.
 Reference compare_references(const SampledRun& one, const SampledRun& other, double sample);
@@ -44,5 +49,11 @@ Reference compare_references(const SampledRun& one, const SampledRun& other, dou
 // infinite if q has fewer. The basis is mass-orthonormal: this is the error in the mass norm.
 double trajectory_error(const Eigen::MatrixXd& q, const Eigen::MatrixXd& reference,
                         Eigen::Index samples);
+
+// An orbit as text that gives back every bit: 16 hexadecimal digits a number, column by column.
+std::string orbit_text(const Eigen::MatrixXd& q);
+
+// rows: of the matrix. What is not such a text gives an empty matrix.
+Eigen::MatrixXd orbit_from_text(std::string_view text, Eigen::Index rows);
 
 }  // namespace tremolo::bench

@@ -7,6 +7,7 @@
 #include "common/energy_drift.h"
 #include "runtime/body.h"
 #include "runtime/energy.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::bench {
 namespace {
@@ -45,11 +46,9 @@ bool advance(Body& body, Eigen::Index count, const RunSpec& spec, SampledRun& ru
 
 }  // namespace
 
-Result<SampledRun> run_sampled(const RunSpec& spec) {
-  Result<Body> created = Body::create(spec.model, spec.integrator, spec.options);
-  if (!created) return created.error();
-  Body& body = *created;
-  if (Status status = body.add_load(spec.load); !status) return status.error();
+SampledRun run_sampled(const RunSpec& spec) {
+  Body body = or_fail(Body::create(spec.model, spec.integrator, spec.options));
+  or_fail(body.add_load(spec.load));
   const Eigen::Index samples = std::llround(spec.duration / spec.sample);
   const Eigen::Index steps = std::llround(spec.sample / spec.options.step);
   SampledRun run;

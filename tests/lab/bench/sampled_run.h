@@ -1,4 +1,4 @@
-// One run of one model from rest, seen at equal intervals of time whatever its step.
+// One run of one model from rest, sampled at equal intervals of time whatever its step is.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,6 @@
 
 #include <Eigen/Core>
 
-#include "common/result.h"
 #include "runtime/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
@@ -44,7 +43,7 @@ struct SampledRun : Ending {
   double reached = 0.0;  // s
 };
 
-// Errors: what making the integrator gives. A run that broke off is a result.
-Result<SampledRun> run_sampled(const RunSpec& spec);
+// Throws a Failure where the integrator cannot be made. A run that broke off is a result.
+SampledRun run_sampled(const RunSpec& spec);
 
 }  // namespace tremolo::bench

@@ -4,10 +4,9 @@
 
 #include <string>
 
-#include "common/result.h"
 #include "tests/lab/bench/sampled_run.h"
-#include "tests/lab/report/store.h"
 #include "tests/lab/samples/sample_models.h"
+#include "tests/lab/work/store.h"
 
 namespace tremolo::bench {
 
@@ -24,8 +23,8 @@ struct Subject {
   Eigen::Index band = 0;
 };
 
-// Errors: what reading the vertex and the load gives.
-Result<Subject> make_subject(SampleModel sample);
+// Throws a Failure where the vertex or the load cannot be read.
+Subject make_subject(SampleModel sample);
 
 // load: "square", "impulse" or "sine". amplitude: see Options. scale: of the default load; zero if
 // none was found, `trouble` says why.
@@ -44,7 +43,7 @@ struct Scene {
 };
 
 // Sets scale or trouble. The largest displacement is within 1 % of the amplitude; the scale has
-// four digits. Errors: kSystem for the store.
-Status find_scale(Scene& scene, const Store& store);
+// four digits. Throws a Failure (kSystem) for the store.
+void find_scale(Scene& scene, const Store& store);
 
 }  // namespace tremolo::bench

@@ -1,23 +1,34 @@
 #include "tests/lab/bench/stability.h"
 
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
-#include "runtime/program/output/progress.h"
 #include "tests/lab/bench/measure.h"
+#include "tests/lab/work/progress.h"
 
 namespace tremolo::bench {
+
+// What the store keeps of a cell.
+template <class Archive>
+void fields(Archive& archive, StabilityCell& cell) {
+  archive("scale", cell.scale);
+  archive("step", cell.step);
+  archive("outcome", cell.outcome);
+  archive("reached", cell.reached);
+  archive("drift", cell.drift);
+  archive("reason", cell.reason);
+}
+
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kSeen = 30e-3;  // s, from one look at the energy to the next
+constexpr double kSampleInterval = 30e-3;  // s, wanted between two samples of the energy
 
-// The multiple of the step next to kSeen.
+// The multiple of the step next to kSampleInterval.
 double sample_of(double step) {
-  return step * std::max(1.0, std::round(kSeen / step));
+  return step * std::max(1.0, std::round(kSampleInterval / step));
 }
 
 Outcome outcome_of(const SampledRun& run) {
@@ -26,23 +37,48 @@ Outcome outcome_of(const SampledRun& run) {
   return run.energy_end < run.energy_reference ? Outcome::kDecays : Outcome::kGrows;
 }
 
-Result<Json> run_grid(const Subject& subject, const std::string& integrator,
-                      const Options& options) {
-  Json cells = Json::array();
+std::vector<StabilityCell> run_grid(const Subject& subject, const std::string& integrator,
+                                    const Options& options) {
+  std::vector<StabilityCell> cells;
   for (const double scale : options.stability_scales)
     for (const double ms : options.stability_steps_ms) {
       Scene scene{&subject, "square", 0.0, options.stability_duration, scale, ""};
       RunSpec spec = scene.run(integrator, 1e-3 * ms);
       spec.sample = sample_of(spec.options.step);
-      Result<SampledRun> run = run_sampled(spec);
-      if (!run) return run.error();
-      cells.push_back({{"scale", scale},
-                       {"step", spec.options.step},
-                       {"outcome", static_cast<int>(outcome_of(*run))},
-                       {"reached", run->reached},
-                       {"drift", run->drift},
-                       {"reason", run->reason}});
+      const SampledRun run = run_sampled(spec);
+      cells.push_back({.scale = scale,
+                       .step = spec.options.step,
+                       .outcome = outcome_of(run),
+                       .reached = run.reached,
+                       .drift = run.drift,
+                       .reason = run.reason});
     }
+  return cells;
+}
+
+// The same from the store, with model and integrator.
+std::vector<StabilityCell> stored_grid(const Subject& subject, const std::string& integrator,
+                                       const Options& options, const Store& store) {
+  const Scene probe{&subject, "square", 0.0, 1.0, options.stability_scales.back(), ""};
+  const Json key = {
+      {"model", subject.sample.checksum},
+      {"integrator", integrator},
+      {"scales", options.stability_scales},
+      {"steps", options.stability_steps_ms},
+      {"duration", options.stability_duration},
+      {"fingerprint", fingerprint(probe, integrator, 1e-3 * options.stability_steps_ms.back())}};
+  const Json stored = store.get("stability-" + subject.sample.name + "-" + integrator, key, [&] {
+    Json cells = Json::array();
+    for (const StabilityCell& cell : run_grid(subject, integrator, options))
+      cells.push_back(fields_to_json(cell));
+    return cells;
+  });
+  std::vector<StabilityCell> cells;
+  for (const Json& one : stored) {
+    cells.push_back(fields_from_json<StabilityCell>(one));
+    cells.back().model = subject.sample.name;
+    cells.back().integrator = integrator;
+  }
   return cells;
 }
 
@@ -53,35 +89,14 @@ const char* name_of(Outcome outcome) {
   return kNames[static_cast<int>(outcome)];
 }
 
-Result<std::vector<StabilityCell>> measure_stability(const Options& options,
-                                                     const std::vector<Subject>& subjects,
-                                                     const Store& store) {
+std::vector<StabilityCell> measure_stability(const Options& options,
+                                             const std::vector<Subject>& subjects,
+                                             const Store& store) {
   const std::size_t methods = options.integrators.size();
   std::vector<std::vector<StabilityCell>> grids(subjects.size() * methods);
-  const auto work = [&](std::size_t k) -> Status {
-    const Subject& subject = subjects[k / methods];
-    const std::string& integrator = options.integrators[k % methods];
-    const Scene probe{&subject, "square", 0.0, 1.0, options.stability_scales.back(), ""};
-    Result<std::string> print =
-        fingerprint(probe, integrator, 1e-3 * options.stability_steps_ms.back());
-    if (!print) return print.error();
-    const Json key = {
-        {"model", subject.sample.checksum},       {"integrator", integrator},
-        {"scales", options.stability_scales},     {"steps", options.stability_steps_ms},
-        {"duration", options.stability_duration}, {"fingerprint", *print}};
-    Result<Json> json = store.get("stability-" + subject.sample.name + "-" + integrator, key,
-                                  [&] { return run_grid(subject, integrator, options); });
-    if (!json) return json.error();
-    for (const Json& cell : *json)
-      grids[k].push_back({subject.sample.name, integrator, cell.at("scale"), cell.at("step"),
-                          static_cast<Outcome>(cell.at("outcome").get<int>()), cell.at("reached"),
-                          cell.at("drift").is_number() ? cell.at("drift").get<double>()
-                                                       : std::numeric_limits<double>::quiet_NaN(),
-                          cell.at("reason")});
-    return Success{};
-  };
-  Status status = for_all("stability", grids.size(), thread_count(options.threads), work);
-  if (!status) return status.error();
+  for_all("stability", grids.size(), thread_count(options.threads), [&](std::size_t k) {
+    grids[k] = stored_grid(subjects[k / methods], options.integrators[k % methods], options, store);
+  });
   std::vector<StabilityCell> cells;
   for (const auto& grid : grids) cells.insert(cells.end(), grid.begin(), grid.end());
   return cells;

@@ -1,4 +1,4 @@
-// Where each method survives: load against step.
+// The stability of each method over load and step.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 #include "tests/lab/bench/options.h"
 #include "tests/lab/bench/scene.h"
-#include "tests/lab/report/page.h"
+#include "tests/lab/report/report.h"
 
 namespace tremolo::bench {
 
@@ -20,24 +20,24 @@ const char* name_of(Outcome outcome);
 
 // One run of the square load times `scale`. drift: energy_drift_max, seen every 30 ms.
 struct StabilityCell {
-  std::string model;
-  std::string integrator;
+  std::string model = {};
+  std::string integrator = {};
   double scale = 0.0;
   double step = 0.0;  // s
   Outcome outcome = Outcome::kDies;
   double reached = 0.0;  // s
   double drift = 0.0;
-  std::string reason;
+  std::string reason = {};
 };
 
 // For each model, each integrator, each scale (ascending), each step (from long to short), in that
-// order. Does not depend on the number of threads. Errors: kSystem, what making integrators gives.
-Result<std::vector<StabilityCell>> measure_stability(const Options& options,
-                                                     const std::vector<Subject>& subjects,
-                                                     const Store& store);
+// order. Does not depend on the number of threads. Throws a Failure as run_sampled and the store.
+std::vector<StabilityCell> measure_stability(const Options& options,
+                                             const std::vector<Subject>& subjects,
+                                             const Store& store);
 
-// stability.csv in `directory`, maps and counts on the page. Errors: kSystem.
-Status report_stability(const std::vector<StabilityCell>& cells, const Options& options,
-                        const std::string& directory, Page& page);
+// A section with maps and counts, and stability.csv. Throws a Failure (kSystem).
+void report_stability(const std::vector<StabilityCell>& cells, const Options& options,
+                      Report& report);
 
 }  // namespace tremolo::bench

@@ -1,12 +1,9 @@
 #include <algorithm>
 #include <array>
-#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "tests/lab/bench/stability.h"
-#include "tests/lab/report/chart.h"
-#include "tests/lab/report/table.h"
 
 namespace tremolo::bench {
 namespace {
@@ -62,34 +59,28 @@ Table counts(const std::vector<StabilityCell>& cells, const Options& options) {
 
 }  // namespace
 
-Status report_stability(const std::vector<StabilityCell>& cells, const Options& options,
-                        const std::string& directory, Page& page) {
-  const std::string csv = (std::filesystem::path(directory) / "stability.csv").string();
-  if (Status status = write_csv(all_rows(cells), csv); !status) return status;
-  page.section("Stability: load against step");
-  page.paragraph(fmt::format(
+void report_stability(const std::vector<StabilityCell>& cells, const Options& options,
+                      Report& report) {
+  report.file(all_rows(cells), "stability.csv");
+  report.section("Stability: load against step");
+  report.paragraph(fmt::format(
       "The model's default square load (0.3 s) times a factor, {:g} s of motion without damping. A "
       "run survives if the energy of the free motion stays within {:.0f} % of what it was when the "
       "load had ended; it grows or decays if it reaches the end with more or less; it dies if the "
       "solver gives up or the energy exceeds ten times all that was put in, at the time that "
-      "stands "
-      "in the cell. The figures in other cells are the largest drift, x for multiples of the "
-      "energy. "
-      "All of it is in `stability.csv`.",
+      "stands in the cell. The figures in other cells are the largest drift, x for multiples of "
+      "the energy. All of it is in `stability.csv`.",
       options.stability_duration, 100.0 * kSurvives));
-  page.table(counts(cells, options), "Runs of all models.");
+  report.table(counts(cells, options), "Runs of all models.");
   const std::size_t grid = options.stability_scales.size() * options.stability_steps_ms.size();
   const std::size_t methods = options.integrators.size();
   for (std::size_t first = 0; first < cells.size(); first += grid * methods) {
     std::vector<CellChart> charts;
     for (std::size_t m = 0; m < methods; ++m)
       charts.push_back(map_of(std::span(cells).subspan(first + m * grid, grid), options));
-    Result<std::string> svg = draw_svg(charts, 3);
-    if (!svg) return svg.error();
-    page.heading(cells[first].model);
-    page.figure(*svg, "Stability of the " + cells[first].model + ", one map a method.");
+    report.heading(cells[first].model);
+    report.figure(charts, "Stability of the " + cells[first].model + ", one map a method.");
   }
-  return Success{};
 }
 
 }  // namespace tremolo::bench

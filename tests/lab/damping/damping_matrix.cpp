@@ -6,14 +6,15 @@
 #include "tests/lab/bench/reference.h"
 #include "tests/lab/bench/sampled_run.h"
 #include "tests/lab/damping/stiff_orbit.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::damping {
 namespace {
 
 constexpr double kDuration = 2.0;  // s
 
-Result<double> error_of(const StiffProblem& problem, std::string_view method,
-                        const Eigen::MatrixXd& reference) {
+double error_of(const StiffProblem& problem, std::string_view method,
+                const Eigen::MatrixXd& reference) {
   bench::RunSpec spec;
   spec.model = problem.model;
   spec.integrator = method;
@@ -23,9 +24,7 @@ Result<double> error_of(const StiffProblem& problem, std::string_view method,
   spec.duration = problem.duration;
   spec.sample = problem.sample;
   spec.keep_orbit = true;
-  const Result<bench::SampledRun> run = bench::run_sampled(spec);
-  if (!run) return run.error();
-  return bench::trajectory_error(run->q, reference, reference.cols());
+  return bench::trajectory_error(bench::run_sampled(spec).q, reference, reference.cols());
 }
 
 }  // namespace
@@ -34,26 +33,22 @@ bool Entry::judged() const {
   return method != "imexv-thesis" && std::isfinite(undamped) && undamped < 1.0;
 }
 
-Result<std::vector<Entry>> damping_matrix(const reproduce::SampleModel& sample) {
-  Result<Eigen::VectorXd> force = reduce_load(*sample.model, sample.model->default_load());
-  if (!force) return force.error();
+std::vector<Entry> damping_matrix(const reproduce::SampleModel& sample) {
   StiffProblem problem;
   problem.model = sample.model;
   problem.duration = kDuration;
-  problem.load = {{.kind = SignalKind::kSquare}, std::move(*force)};
+  problem.load = {{.kind = SignalKind::kSquare},
+                  or_fail(reduce_load(*sample.model, sample.model->default_load()))};
   std::vector<Entry> entries;
   const std::size_t methods = integrator_names().size();
   for (const Rayleigh& damping : kRayleigh) {
     problem.alpha = damping.alpha;
     problem.beta = damping.beta;
-    const Result<Eigen::MatrixXd> reference = stiff_orbit(problem);
-    if (!reference) return reference.error();
+    const Eigen::MatrixXd reference = stiff_orbit(problem);
     for (std::size_t i = 0; i < methods; ++i) {
       Entry entry{sample.name, std::string(integrator_names()[i]), damping};
-      const Result<double> error = error_of(problem, entry.method, *reference);
-      if (!error) return error.error();
-      entry.error = *error;
-      entry.undamped = entries.size() < methods ? *error : entries[i].error;
+      entry.error = error_of(problem, entry.method, reference);
+      entry.undamped = entries.size() < methods ? entry.error : entries[i].error;
       entries.push_back(std::move(entry));
     }
   }

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "common/result.h"
 #include "tests/lab/report/table.h"
 #include "tests/lab/samples/sample_models.h"
 
@@ -52,9 +51,9 @@ struct Entry {
   bool holds() const { return !judged() || error <= undamped + kExcess; }
 };
 
-// All methods, in the order of integrator_names(), for each of kRayleigh. Errors: as stiff_orbit
-// and run_sampled.
-Result<std::vector<Entry>> damping_matrix(const reproduce::SampleModel& sample);
+// All methods, in the order of integrator_names(), for each of kRayleigh. Throws a Failure as
+// stiff_orbit and run_sampled.
+std::vector<Entry> damping_matrix(const reproduce::SampleModel& sample);
 
 // One row a model and a damping, one column a method.
 Table to_table(const std::vector<Entry>& entries);

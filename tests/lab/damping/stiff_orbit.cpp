@@ -8,6 +8,7 @@
 
 #include "common/number_text.h"
 #include "runtime/integrators/solve/damping.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::damping {
 namespace {
@@ -19,7 +20,7 @@ using Eigen::VectorXd;
 constexpr Index kStages = 3;
 constexpr double kTolerance =
     1e-12;  // of the stages' accelerations, relative to the largest so far
-constexpr int kMostCorrections = 30;
+constexpr int kMaxIterations = 30;
 
 const double kRoot6 = std::sqrt(6.0);
 
@@ -54,18 +55,18 @@ class Radau {
   bool step(double time) {
     sample_loads({problem_.load}, time, problem_.step, load_);
     if (!solve()) return false;
-    q_ = place(kStages - 1);
-    p_ = speed(kStages - 1);
+    q_ = position(kStages - 1);
+    p_ = velocity(kStages - 1);
     return true;
   }
   const VectorXd& q() const { return q_; }
 
  private:
-  VectorXd place(Index i) const {
+  VectorXd position(Index i) const {
     const double h = problem_.step;
     return q_ + nodes_[i] * h * p_ + (h * h) * (k_ * a2_.row(i).transpose());
   }
-  VectorXd speed(Index i) const { return p_ + problem_.step * (k_ * a_.row(i).transpose()); }
+  VectorXd velocity(Index i) const { return p_ + problem_.step * (k_ * a_.row(i).transpose()); }
 
   void factor() {
     const double h = problem_.step;
@@ -83,18 +84,18 @@ class Radau {
 
   bool solve() {
     factor();
-    for (int correction = 0; correction < kMostCorrections; ++correction) {
+    for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
       for (Index i = 0; i < kStages; ++i) {
-        potential_.evaluate(place(i), kWantForce, workspace_, evaluation_);
+        potential_.evaluate(position(i), kWantForce, workspace_, evaluation_);
         load_at(load_, nodes_[i], stage_load_);
         residual_.col(i) =
-            k_.col(i) - stage_load_ + rates_.cwiseProduct(speed(i)) + evaluation_.force;
+            k_.col(i) - stage_load_ + rates_.cwiseProduct(velocity(i)) + evaluation_.force;
       }
-      const VectorXd move = lu_.solve(residual_.reshaped());
-      k_.reshaped() -= move;
+      const VectorXd correction = lu_.solve(residual_.reshaped());
+      k_.reshaped() -= correction;
       largest_ = std::max(largest_, k_.norm());
       if (!std::isfinite(largest_)) return false;
-      if (move.norm() <= kTolerance * largest_) return true;
+      if (correction.norm() <= kTolerance * largest_) return true;
     }
     return false;
   }
@@ -119,7 +120,7 @@ class Radau {
 
 }  // namespace
 
-Result<MatrixXd> stiff_orbit(const StiffProblem& problem) {
+MatrixXd stiff_orbit(const StiffProblem& problem) {
   const auto samples = static_cast<Index>(std::llround(problem.duration / problem.sample));
   const auto steps = static_cast<Index>(std::llround(problem.sample / problem.step));
   Radau radau(problem);
@@ -128,8 +129,8 @@ Result<MatrixXd> stiff_orbit(const StiffProblem& problem) {
     for (Index i = 0; i < steps; ++i) {
       const double time = static_cast<double>(k * steps + i) * problem.step;
       if (!radau.step(time))
-        return Error{ErrorKind::kSolver,
-                     "Radau's stages could not be solved at " + number_text(time) + " s"};
+        throw Failure({ErrorKind::kSolver,
+                       "Radau's stages could not be solved at " + number_text(time) + " s"});
     }
     q.col(k) = radau.q();
   }

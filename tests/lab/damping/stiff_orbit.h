@@ -5,7 +5,6 @@
 
 #include <Eigen/Core>
 
-#include "common/result.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
 
@@ -23,8 +22,8 @@ struct StiffProblem {
   double step = 5e-4;
 };
 
-// q from rest, r x samples, column k at (k + 1) sample. Errors (kNumerical): a step whose equations
-// could not be solved to 1e-12.
-Result<Eigen::MatrixXd> stiff_orbit(const StiffProblem& problem);
+// q from rest, r x samples, column k at (k + 1) sample. Throws a Failure (kSolver) for a step whose
+// equations could not be solved to 1e-12.
+Eigen::MatrixXd stiff_orbit(const StiffProblem& problem);
 
 }  // namespace tremolo::damping

@@ -6,26 +6,24 @@
 #include "runtime/program/output/statistics.h"
 #include "tests/lab/known/quartic_model.h"
 #include "tests/lab/known/spring_chain.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::known {
 
-Result<EnergyTrend> measure_trend(std::string_view method, double tolerance, double step,
-                                  long steps, int windows) {
-  const Result<SpringChain> chain = spring_chain();
-  if (!chain) return chain.error();
+EnergyTrend measure_trend(std::string_view method, double tolerance, double step, long steps,
+                          int windows) {
+  const SpringChain chain = spring_chain();
   IntegratorOptions options{.step = step};
   options.split = {.rule = SplitRule::kCount, .count = 2};
   options.tolerance = tolerance;
-  const auto made = make_integrator(method, chain->model, options);
-  if (!made) return made.error();
-
-  const Potential& potential = chain->model->potential();
+  const auto integrator = or_fail(make_integrator(method, chain.model, options));
+  const Potential& potential = chain.model->potential();
   PotentialWorkspace workspace = potential.make_workspace();
   Evaluation evaluation = potential.make_evaluation();
-  State state = spring_chain_state(*chain, 0.5);
+  State state = spring_chain_state(chain, 0.5);
   Eigen::VectorXd momentum = state.p;
   const auto energy = [&] {
-    (*made)->synchronized_momentum(state, momentum);
+    integrator->synchronized_momentum(state, momentum);
     potential.evaluate(state.q, kWantEnergy, workspace, evaluation);
     return 0.5 * momentum.squaredNorm() + evaluation.energy;
   };
@@ -39,7 +37,7 @@ Result<EnergyTrend> measure_trend(std::string_view method, double tolerance, dou
   for (int window = 0; window < windows && trend.failure.empty(); ++window) {
     double sum = 0.0;
     for (long k = 0; k < length; ++k, ++trend.reached) {
-      const StepReport report = (*made)->step(state, none);
+      const StepReport report = integrator->step(state, none);
       if (report.iterations > 0) trend.implicit = true;
       if (!report.converged) trend.failure = "solver gave up";
       const double error = energy() / start - 1.0;

@@ -7,8 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "common/result.h"
-
 namespace tremolo::known {
 
 // slope, standard_error: relative change of H over the whole run, H1/H0 - 1 along the line.
@@ -27,8 +25,8 @@ struct EnergyTrend {
 };
 
 // `steps` of `step` seconds on the spring chain from half its strongly nonlinear state, in
-// `windows` windows. Errors: as make_integrator.
-Result<EnergyTrend> measure_trend(std::string_view method, double tolerance, double step,
-                                  long steps, int windows);
+// `windows` windows. Throws a Failure as make_integrator.
+EnergyTrend measure_trend(std::string_view method, double tolerance, double step, long steps,
+                          int windows);
 
 }  // namespace tremolo::known

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tests/lab/known/quartic_model.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::known {
 namespace {
@@ -20,7 +21,7 @@ FputEnergies spring_energies(double t, const Eigen::VectorXd& q, const Eigen::Ve
 
 }  // namespace
 
-Result<Model::Pointer> fput_model() {
+Model::Pointer fput_model() {
   Eigen::VectorXd lambda(6);
   lambda << Eigen::Vector3d::Constant(kNoStiffness), Eigen::Vector3d::Constant(kSquare);
   BasisData data = quadratic_basis(lambda);
@@ -30,7 +31,7 @@ Result<Model::Pointer> fput_model() {
       0, -1, 1, 0, -1, -1,           //
       0, 0, 1, 0, 0, 1;
   for (Eigen::Index s = 0; s < 4; ++s) add_fourth_power(data, 0.25, soft.row(s).transpose());
-  return Model::from_data(data);
+  return or_fail(Model::from_data(data));
 }
 
 State fput_start() {
@@ -50,16 +51,12 @@ double fput_hamiltonian(const State& state) {
   return 0.5 * state.p.squaredNorm() + 0.5 * kSquare * x1.squaredNorm() + 0.25 * soft;
 }
 
-Result<FputRun> run_fput(std::string_view method, double step, long every) {
-  const Result<Model::Pointer> model = fput_model();
-  if (!model) return model.error();
+FputRun run_fput(std::string_view method, double step, long every) {
   IntegratorOptions options{.step = step};
   options.split = {.rule = SplitRule::kCount, .count = 3};
   options.tolerance = 1e-10;
-  const Result<std::unique_ptr<Integrator>> made = make_integrator(method, *model, options);
-  if (!made) return made.error();
-  Integrator& integrator = **made;
-
+  const std::unique_ptr<Integrator> integrator =
+      or_fail(make_integrator(method, fput_model(), options));
   State state = fput_start();
   State synchronized = state;
   const StepLoad none = make_step_load(6);
@@ -71,7 +68,7 @@ Result<FputRun> run_fput(std::string_view method, double step, long every) {
   run.step = step;
   run.lowest = std::numeric_limits<double>::infinity();
   for (long k = 0;; ++k) {
-    integrator.synchronized_momentum(state, synchronized.p);
+    integrator->synchronized_momentum(state, synchronized.p);
     synchronized.q = state.q;
     run.reached = static_cast<double>(k) * step;
     const FputEnergies now = spring_energies(run.reached, synchronized.q, synchronized.p);
@@ -89,7 +86,7 @@ Result<FputRun> run_fput(std::string_view method, double step, long every) {
     if (!run.second && !run.lost && now.i[1] > now.i[0]) run.second = run.reached;
     if (!run.third && !run.lost && now.i[2] > now.i[0]) run.third = run.reached;
     if (k == count) return run;
-    const StepReport report = integrator.step(state, none);
+    const StepReport report = integrator->step(state, none);
     if (report.parts > 1) ++run.cut_steps;
     if (!report.converged) {
       run.failure = "solver gave up";

@@ -23,7 +23,7 @@ inline constexpr double kFputOmega = 50.0;      // rad/s
 inline constexpr double kFputDuration = 200.0;  // s
 
 // lambda of x0 is kNoStiffness.
-Result<Model::Pointer> fput_model();
+Model::Pointer fput_model();
 
 // x0 = (1,0,0), x1 = (1/omega,0,0), p = (1,0,0,1,0,0).
 State fput_start();
@@ -57,7 +57,8 @@ struct FputRun {
   std::vector<FputEnergies> series;  // every `every` steps; empty for every = 0
 };
 
-// step: s. The splitting methods take x0 explicitly, x1 implicitly. Errors: as make_integrator.
-Result<FputRun> run_fput(std::string_view method, double step, long every = 0);
+// step: s. The splitting methods take x0 explicitly, x1 implicitly. Throws a Failure as
+// make_integrator.
+FputRun run_fput(std::string_view method, double step, long every = 0);
 
 }  // namespace tremolo::known

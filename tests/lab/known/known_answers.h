@@ -5,17 +5,30 @@
 #include <string>
 #include <vector>
 
-#include "common/result.h"
-#include "tests/lab/report/page.h"
-#include "tests/lab/report/store.h"
+#include "tests/lab/report/report.h"
+#include "tests/lab/work/store.h"
 
-namespace tremolo {
+namespace tremolo::known {
 
-// Adds five sections to the page and writes known-*.csv into out_directory, which exists.
-// long_form: the energy is followed for a million steps instead of a hundred thousand. Returns what
-// was promised and measured; the page shows the same list section by section. Errors: kSystem if a
-// file cannot be written or gnuplot is missing; those of the store.
-Result<std::vector<Criterion>> add_known_answers(Page& page, const Store& store,
-                                                 const std::string& out_directory, bool long_form);
+// published: the folder of fput.csv. long_form: the energy is followed for a million steps instead
+// of a hundred thousand.
+struct Experiments {
+  Report& report;
+  const Store& store;
+  std::string published;
+  bool long_form = false;
+};
 
-}  // namespace tremolo
+// Adds the five sections below to the report, with known-*.csv. Returns what was promised and
+// measured; the page shows the same list section by section. Throws a Failure: kSystem if a file
+// cannot be written, those of PublishedTable and of the store.
+std::vector<Criterion> add_known_answers(const Experiments& experiments);
+
+// One section each, in its own file.
+std::vector<Criterion> add_fput_section(const Experiments& experiments);
+std::vector<Criterion> add_resonance_section(const Experiments& experiments);
+std::vector<Criterion> add_pendulum_section(const Experiments& experiments);
+std::vector<Criterion> add_step_section(const Experiments& experiments);
+std::vector<Criterion> add_trend_section(const Experiments& experiments);
+
+}  // namespace tremolo::known

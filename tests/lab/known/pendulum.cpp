@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "tests/lab/known/quartic_model.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::known {
 namespace {
@@ -25,7 +26,7 @@ double hanging_length(const Pendulum& pendulum) {
   return stretched_length(pendulum, pendulum.gravity);
 }
 
-Result<Model::Pointer> pendulum_model(const Pendulum& pendulum) {
+Model::Pointer pendulum_model(const Pendulum& pendulum) {
   const double l = hanging_length(pendulum);
   const double k = pendulum.stiffness;
   const double square = pendulum.length * pendulum.length;
@@ -39,7 +40,7 @@ Result<Model::Pointer> pendulum_model(const Pendulum& pendulum) {
   add_monomial(data, quartic, 0, 0, 0, 0);
   add_monomial(data, 2.0 * quartic, 0, 0, 1, 1);
   add_monomial(data, quartic, 1, 1, 1, 1);
-  return Model::from_data(data);
+  return or_fail(Model::from_data(data));
 }
 
 Eigen::Vector2d pendulum_position(const Pendulum& pendulum, const Eigen::VectorXd& q) {
@@ -62,19 +63,16 @@ double pendulum_potential(const Pendulum& pendulum, const Eigen::Vector2d& x) {
   return value(x) - value({0.0, -hanging_length(pendulum)});
 }
 
-Result<PendulumRun> run_pendulum(const Pendulum& pendulum, std::string_view method, double step,
-                                 double duration, double swings) {
-  const Result<Model::Pointer> model = pendulum_model(pendulum);
-  if (!model) return model.error();
+PendulumRun run_pendulum(const Pendulum& pendulum, std::string_view method, double step,
+                         double duration, double swings) {
+  const Model::Pointer model = pendulum_model(pendulum);
   IntegratorOptions options{.step = step};
   options.split = {.rule = SplitRule::kCount, .count = 1};
   options.tolerance = 1e-12;
-  const Result<std::unique_ptr<Integrator>> made = make_integrator(method, *model, options);
-  if (!made) return made.error();
-
+  const std::unique_ptr<Integrator> integrator = or_fail(make_integrator(method, model, options));
   State state = pendulum_start(pendulum);
   const StepLoad none = make_step_load(2);
-  const double bound = 10.0 * total_energy(**model, **made, state);
+  const double bound = 10.0 * total_energy(*model, *integrator, state);
   PendulumRun run;
   run.method = method;
   run.step = step;
@@ -85,11 +83,11 @@ Result<PendulumRun> run_pendulum(const Pendulum& pendulum, std::string_view meth
     run.angle.push_back(std::atan2(at.x(), -at.y()));
     run.x.push_back(at.x());
     run.y.push_back(at.y());
-    if (!(total_energy(**model, **made, state) <= bound)) {
+    if (!(total_energy(*model, *integrator, state) <= bound)) {
       run.failure = "energy bound left";
       break;
     }
-    if (!(*made)->step(state, none).converged) {
+    if (!integrator->step(state, none).converged) {
       run.failure = "solver gave up";
       break;
     }

@@ -28,7 +28,7 @@ struct Pendulum {
 };
 
 double hanging_length(const Pendulum& pendulum);  // l, m
-Result<Model::Pointer> pendulum_model(const Pendulum& pendulum);
+Model::Pointer pendulum_model(const Pendulum& pendulum);
 Eigen::Vector2d pendulum_position(const Pendulum& pendulum, const Eigen::VectorXd& q);  // x, m
 State pendulum_start(const Pendulum& pendulum);
 
@@ -47,8 +47,9 @@ struct PendulumRun {
   std::vector<double> t, angle, x, y;
 };
 
-// The stretch coordinate is the implicit one of the splitting methods. Errors: as make_integrator.
-Result<PendulumRun> run_pendulum(const Pendulum& pendulum, std::string_view method, double step,
-                                 double duration, double swings);
+// The stretch coordinate is the implicit one of the splitting methods. Throws a Failure as
+// make_integrator.
+PendulumRun run_pendulum(const Pendulum& pendulum, std::string_view method, double step,
+                         double duration, double swings);
 
 }  // namespace tremolo::known

@@ -1,4 +1,4 @@
-// Small models written down by hand: a quartic polynomial becomes a Model, as a basis file does.
+// Small models written by hand: a Model from a quartic polynomial instead of a basis file.
 //
 //     V(q) = 1/2 q^T Lambda q + sum of monomials of degree three and four
 #pragma once
@@ -13,8 +13,8 @@
 
 namespace tremolo::known {
 
-// What stands for zero in lambda where V has no quadratic part along a coordinate: a model demands
-// a positive number, (rad/s)^2. With |q| near 1 it adds 5e-13 to the energy.
+// The value used for zero in lambda where V has no quadratic part along a coordinate: a model
+// demands a positive number, (rad/s)^2. With |q| near 1 it adds 5e-13 to the energy.
 inline constexpr double kNoStiffness = 1e-12;
 
 // lambda: r, positive, ascending. No vertices, no cubic or quartic part yet.

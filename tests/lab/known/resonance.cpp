@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/lab/known/quartic_model.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::known {
 
@@ -23,27 +24,25 @@ Eigen::Matrix2d respa_map(double h, double k) {
   return map;
 }
 
-Result<std::optional<Eigen::Matrix2d>> linear_map(std::string_view method, double h, double k) {
+std::optional<Eigen::Matrix2d> linear_map(std::string_view method, double h, double k) {
   BasisData data = quadratic_basis(Eigen::Vector2d(kNoStiffness, 1.0));
   add_monomial(data, 0.5 * k, 0, 0, 1, 1);
-  const Result<Model::Pointer> model = Model::from_data(data);
-  if (!model) return model.error();
   IntegratorOptions options{.step = h};
   options.split = {.rule = SplitRule::kCount, .count = 1};
   options.tolerance = 1e-13;
   options.halvings = 0;  // a step in parts is another map
-  const Result<std::unique_ptr<Integrator>> made = make_integrator(method, *model, options);
-  if (!made) return made.error();
+  const std::unique_ptr<Integrator> integrator =
+      or_fail(make_integrator(method, or_fail(Model::from_data(data)), options));
   constexpr double kSmall = 1e-6;
   Eigen::Matrix2d map;
   for (int column = 0; column < 2; ++column) {
-    (*made)->reset();
+    integrator->reset();
     State state{Eigen::Vector2d(1.0, column == 0 ? kSmall : 0.0),
                 Eigen::Vector2d(0.0, column == 1 ? kSmall : 0.0)};
-    if (!(*made)->step(state, make_step_load(2)).converged) return std::optional<Eigen::Matrix2d>();
+    if (!integrator->step(state, make_step_load(2)).converged) return std::nullopt;
     map.col(column) << state.q[1] / kSmall, state.p[1] / kSmall;
   }
-  return std::optional<Eigen::Matrix2d>(map);
+  return map;
 }
 
 }  // namespace tremolo::known

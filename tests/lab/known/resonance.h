@@ -26,8 +26,6 @@
 
 #include <Eigen/Core>
 
-#include "common/result.h"
-
 namespace tremolo::known {
 
 inline constexpr double kResonanceSlow = 0.03;  // k, with omega = 1
@@ -39,7 +37,7 @@ double spectral_radius(const Eigen::Matrix2d& map);
 Eigen::Matrix2d respa_map(double h, double k);
 
 // One step of the named integrator on (q, p), omega = 1, from the model above. Empty if a solve
-// fails. Errors: as make_integrator.
-Result<std::optional<Eigen::Matrix2d>> linear_map(std::string_view method, double h, double k);
+// fails. Throws a Failure as make_integrator.
+std::optional<Eigen::Matrix2d> linear_map(std::string_view method, double h, double k);
 
 }  // namespace tremolo::known

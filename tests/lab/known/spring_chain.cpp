@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "tests/lab/known/quartic_model.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::known {
 namespace {
@@ -21,7 +22,7 @@ Eigen::Matrix<double, 4, 3> extensions() {
 
 }  // namespace
 
-Result<SpringChain> spring_chain() {
+SpringChain spring_chain() {
   const Eigen::Matrix<double, 4, 3> b = extensions();
   const Eigen::Matrix3d stiffness = b.transpose() * kStiffness.asDiagonal() * b;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(stiffness);
@@ -31,9 +32,7 @@ Result<SpringChain> spring_chain() {
     add_cube(data, 0.5 * kStiffness[s], reduced.row(s).transpose());
     add_fourth_power(data, 0.125 * kStiffness[s], reduced.row(s).transpose());
   }
-  Result<Model::Pointer> model = Model::from_data(data);
-  if (!model) return model.error();
-  return SpringChain{*model, solver.eigenvectors()};
+  return {or_fail(Model::from_data(data)), solver.eigenvectors()};
 }
 
 double spring_chain_energy(const Eigen::Vector3d& u) {

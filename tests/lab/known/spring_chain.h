@@ -15,7 +15,7 @@ struct SpringChain {
   Eigen::Matrix3d modes;  // displacements u = modes q; orthogonal
 };
 
-Result<SpringChain> spring_chain();
+SpringChain spring_chain();
 
 // The energy written out, J. u: displacements, m.
 double spring_chain_energy(const Eigen::Vector3d& u);

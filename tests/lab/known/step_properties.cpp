@@ -6,6 +6,7 @@
 
 #include "tests/lab/known/quartic_model.h"
 #include "tests/lab/known/spring_chain.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::known {
 namespace {
@@ -34,7 +35,7 @@ double middle_sigma(const Model& model) {
   return std::pow(model.lambda()[model.modes() / 2], 0.25);
 }
 
-// One step on its own, without memory of the one before.
+// One step from a reset integrator, which holds nothing of earlier steps.
 std::optional<Eigen::VectorXd> map_once(Integrator& integrator, const Eigen::VectorXd& z,
                                         double sigma) {
   State state = unscaled(z, sigma);
@@ -78,26 +79,24 @@ double fitted_order(const std::vector<double>& errors) {
 
 constexpr int kOrderSteps = 32;
 
-Status measure_order(const Model::Pointer& model, const State& start, double sigma,
-                     double order_step, StepProperties& properties) {
+void measure_order(const Model::Pointer& model, const State& start, double sigma, double order_step,
+                   StepProperties& properties) {
   // 512 steps for each coarsest one: the reference's own error is below 1e-11.
   const State exact = reference_orbit(*model, start, kOrderSteps * order_step, kOrderSteps * 512);
   const Eigen::VectorXd end = scaled(exact, sigma);
   for (int halving = 0; halving < 4; ++halving) {
     const double h = std::ldexp(order_step, -halving);
-    const auto made = make_integrator(properties.method, model, options_of(h));
-    if (!made) return made.error();
+    const auto integrator = or_fail(make_integrator(properties.method, model, options_of(h)));
     State state = start;
     const StepLoad none = make_step_load(state.q.size());
     for (int k = 0; k < kOrderSteps << halving; ++k)
-      if (!(*made)->step(state, none).converged) return Success{};
+      if (!integrator->step(state, none).converged) return;
     const Eigen::VectorXd q = state.q;
     Eigen::VectorXd momentum = state.p;
-    (*made)->synchronized_momentum(state, momentum);
+    integrator->synchronized_momentum(state, momentum);
     properties.order_errors.push_back((scaled({q, momentum}, sigma) - end).norm() / end.norm());
   }
   properties.order = fitted_order(properties.order_errors);
-  return Success{};
 }
 
 }  // namespace
@@ -184,14 +183,12 @@ std::optional<double> reversal_error(Integrator& integrator, const State& state,
   return (z - start).norm() / start.norm();
 }
 
-Result<StepProperties> measure_step(std::string_view method, double step, double order_step) {
-  const Result<SpringChain> chain = spring_chain();
-  if (!chain) return chain.error();
-  const auto made = make_integrator(method, chain->model, options_of(step));
-  if (!made) return made.error();
-  Integrator& integrator = **made;
-  const double sigma = middle_sigma(*chain->model);
-  const State start = spring_chain_state(*chain);
+StepProperties measure_step(std::string_view method, double step, double order_step) {
+  const SpringChain chain = spring_chain();
+  const auto made = or_fail(make_integrator(method, chain.model, options_of(step)));
+  Integrator& integrator = *made;
+  const double sigma = middle_sigma(*chain.model);
+  const State start = spring_chain_state(chain);
 
   StepProperties properties;
   properties.method = method;
@@ -201,25 +198,22 @@ Result<StepProperties> measure_step(std::string_view method, double step, double
   State moved = start;
   integrator.reset();
   if (integrator.step(moved, make_step_load(moved.q.size())).converged) {
-    const double before = total_energy(*chain->model, integrator, start);
-    const double after = total_energy(*chain->model, integrator, moved);
+    const double before = total_energy(*chain.model, integrator, start);
+    const double after = total_energy(*chain.model, integrator, moved);
     properties.energy = std::abs(after - before) / before;
   }
-  if (Status status = measure_order(chain->model, start, sigma, order_step, properties); !status)
-    return status.error();
+  measure_order(chain.model, start, sigma, order_step, properties);
   return properties;
 }
 
-Result<double> jacobian_accuracy(double step, double scale) {
-  const Result<SpringChain> chain = spring_chain();
-  if (!chain) return chain.error();
-  const auto made = make_integrator("verlet", chain->model, options_of(step));
-  if (!made) return made.error();
-  const double sigma = middle_sigma(*chain->model);
-  const State state = spring_chain_state(*chain, scale);
-  const auto numeric = step_jacobian(**made, state, sigma);
-  if (!numeric) return Error{ErrorKind::kSolver, "a Verlet step on the spring chain failed"};
-  return (*numeric - verlet_jacobian(*chain->model, state, step, sigma)).cwiseAbs().maxCoeff();
+double jacobian_accuracy(double step, double scale) {
+  const SpringChain chain = spring_chain();
+  const auto integrator = or_fail(make_integrator("verlet", chain.model, options_of(step)));
+  const double sigma = middle_sigma(*chain.model);
+  const State state = spring_chain_state(chain, scale);
+  const auto numeric = step_jacobian(*integrator, state, sigma);
+  if (!numeric) throw Failure({ErrorKind::kSolver, "a Verlet step on the spring chain failed"});
+  return (*numeric - verlet_jacobian(*chain.model, state, step, sigma)).cwiseAbs().maxCoeff();
 }
 
 }  // namespace tremolo::known

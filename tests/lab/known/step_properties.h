@@ -1,4 +1,4 @@
-// What one step of a method keeps: symplecticity, reversibility, energy; and its order.
+// Properties of one step of a method: symplecticity, reversibility, energy conservation, order.
 //
 // State and momentum are scaled to comparable size by a canonical change of variables, (sigma q,
 // p/sigma) with sigma^2 the middle frequency, so that the numbers are relative ones.
@@ -15,7 +15,7 @@
 
 namespace tremolo::known {
 
-// What theory promises without load and damping; for Newmark with its default numbers.
+// The properties that theory gives without load and damping; for Newmark with default parameters.
 struct Promise {
   int order = 0;
   bool symplectic = false;
@@ -52,11 +52,11 @@ struct StepProperties {
 
 // Defect, reversal and energy at a step of `step`, the order from `order_step` over 32 such steps,
 // on the spring chain at its strongly nonlinear state. The splitting methods hold the first two
-// coordinates explicit. Errors: as make_integrator.
-Result<StepProperties> measure_step(std::string_view method, double step, double order_step);
+// coordinates explicit. Throws a Failure as make_integrator.
+StepProperties measure_step(std::string_view method, double step, double order_step);
 
 // The largest entry of |step_jacobian - verlet_jacobian| for `verlet` on the spring chain; scale:
 // of the state, near 0 the model is linear.
-Result<double> jacobian_accuracy(double step, double scale);
+double jacobian_accuracy(double step, double scale);
 
 }  // namespace tremolo::known

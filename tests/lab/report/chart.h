@@ -1,4 +1,4 @@
-// Charts as SVG text, drawn by gnuplot.
+// Charts as data; the page's plotting library draws them.
 #pragma once
 
 #include <optional>
@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/result.h"
+#include <nlohmann/json.hpp>
 
 namespace tremolo {
 
@@ -14,7 +14,7 @@ enum class CurveStyle { kLines, kLinesAndPoints, kPoints, kDashes };
 
 // x, y: of equal length; a pair with a value that is not finite leaves a gap, and on a logarithmic
 // axis so does one that is not positive. colour: "#rrggbb"; empty for the next of the palette, the
-// same for the same label in all charts of one drawing.
+// same for the same label in all charts of one figure.
 struct Curve {
   std::string label = {};  // empty: not in the legend
   std::vector<double> x = {};
@@ -47,16 +47,12 @@ struct CellChart {
   std::vector<std::pair<std::string, std::string>> classes = {};  // label, colour
 };
 
-// All charts in one SVG, `columns` side by side, each width x height px, one legend below them all.
-// The text starts with <svg, its ids are its own, so that many can stand in one HTML page. Errors:
-// kSystem if gnuplot is missing or fails.
-Result<std::string> draw_svg(const std::vector<Chart>& charts, int columns, int width = 480,
-                             int height = 300);
-Result<std::string> draw_svg(const CellChart& chart);
-// The same for several; the size follows from the largest, the legend from the first.
-Result<std::string> draw_svg(const std::vector<CellChart>& charts, int columns);
+// As report.json holds them. Coordinates have nine significant digits; both coordinates of a pair
+// that leaves a gap are null.
+nlohmann::ordered_json to_json(const Chart& chart);
+nlohmann::ordered_json to_json(const CellChart& chart);
 
-// A long series without what a chart of `buckets` columns cannot show: of each bucket the first,
+// Thins a long series to what a chart of `buckets` columns can show: of each bucket the first,
 // lowest, highest and last point, in order.
 void thin(std::vector<double>& x, std::vector<double>& y, std::size_t buckets);
 

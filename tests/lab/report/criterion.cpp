@@ -1,7 +1,7 @@
 #include "tests/lab/report/criterion.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,6 +10,13 @@
 #include "runtime/program/output/tell.h"
 
 namespace tremolo {
+
+Criterion at_most(std::string what, double measured, double bound, const std::string& who,
+                  const std::string& bound_text) {
+  return {std::move(what), "<= " + (bound_text.empty() ? fmt::format("{:.3g}", bound) : bound_text),
+          fmt::format("{:.3g}", measured) + (who.empty() ? "" : " (" + who + ")"),
+          measured <= bound};
+}
 
 std::string_view verdict(const Criterion& criterion) {
   if (criterion.elsewhere) return "elsewhere";

@@ -1,4 +1,4 @@
-// What was promised beside what was measured.
+// A stated bound beside the measured value.
 #pragma once
 
 #include <string>
@@ -19,6 +19,11 @@ struct Criterion {
   bool decides = true;
   bool elsewhere = false;
 };
+
+// Met if measured is at most `bound`; never for not-a-number. who: what had that value, shown
+// behind it. bound_text: how the bound is written ("1/5"), empty for three digits.
+Criterion at_most(std::string what, double measured, double bound, const std::string& who = {},
+                  const std::string& bound_text = {});
 
 // "met", "MISSED", "shown" or "elsewhere".
 std::string_view verdict(const Criterion& criterion);

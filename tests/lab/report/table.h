@@ -1,4 +1,4 @@
-// A table that becomes CSV and HTML alike.
+// A table for CSV files and for the page.
 #pragma once
 
 #include <string>

@@ -4,9 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "tests/lab/report/chart.h"
 #include "tests/lab/reproduce/orbit.h"
-#include "tests/lab/samples/thesis.h"
 
 namespace tremolo::reproduce {
 namespace {
@@ -50,12 +48,12 @@ std::string percent(double value) {
   return fmt::format("{:+.3g} %", 100.0 * value);
 }
 
-Table total_energy_table(const std::vector<LabelledRun>& runs) {
+Table total_energy_table(const std::vector<LabelledRun>& runs, const thesis::Thesis& thesis) {
   Table table{{"method", "tolerance", "reached, s", "first 35 s, J", "last 35 s, J", "change",
                "scatter of windows", "slope of H, 1/s", "its error, 1/s", "drift max|H-H0|/H0"},
               {}};
   table.rows.push_back(
-      {"thesis, IMEXv", "", "10000", "", "", percent(thesis::kTotalChange), "", "", "", ""});
+      {"thesis, IMEXv", "", "10000", "", "", percent(thesis.total_change), "", "", "", ""});
   for (const LabelledRun& one : runs) {
     const Fit fit = fit_line(one.run.total.means, one.window_length());
     table.rows.push_back({one.label, fmt::format("{:g}", one.spec.tolerance),
@@ -68,13 +66,13 @@ Table total_energy_table(const std::vector<LabelledRun>& runs) {
   return table;
 }
 
-Table high_band_table(const std::vector<LabelledRun>& runs) {
+Table high_band_table(const std::vector<LabelledRun>& runs, const thesis::Thesis& thesis) {
   Table table{
       {"method", "tolerance", "first 35 s, J", "last 35 s, J", "change", "scatter of windows",
        "trend over the run", "of the scatter, on a line", "iterations a step"},
       {}};
   table.rows.push_back(
-      {"thesis, IMEXv", "", "", "", percent(thesis::kHighBandChange), "", "", "", ""});
+      {"thesis, IMEXv", "", "", "", percent(thesis.high_band_change), "", "", "", ""});
   for (const LabelledRun& one : runs) {
     const Fit fit = high_band_trend(one);
     table.rows.push_back(
@@ -87,7 +85,7 @@ Table high_band_table(const std::vector<LabelledRun>& runs) {
   return table;
 }
 
-Result<std::string> draw_figure17(const std::vector<LabelledRun>& runs, Table& csv) {
+std::vector<Chart> figure17_charts(const std::vector<LabelledRun>& runs, Table& csv) {
   std::vector<Chart> charts;
   for (const bool high : {false, true})
     for (const bool end : {false, true}) {
@@ -114,10 +112,10 @@ Result<std::string> draw_figure17(const std::vector<LabelledRun>& runs, Table& c
       chart.y_range = {{0.0, 1.08 * top}};
       charts.push_back(std::move(chart));
     }
-  return draw_svg(charts, 2);
+  return charts;
 }
 
-Result<std::string> draw_windows(const std::vector<LabelledRun>& runs, Table& csv) {
+std::vector<Chart> windows_charts(const std::vector<LabelledRun>& runs, Table& csv) {
   std::vector<Chart> charts;
   for (const bool high : {false, true}) {
     Chart chart{high ? "high-band energy" : "total energy", "t (1000 s)",
@@ -135,7 +133,7 @@ Result<std::string> draw_windows(const std::vector<LabelledRun>& runs, Table& cs
     }
     charts.push_back(std::move(chart));
   }
-  return draw_svg(charts, 2);
+  return charts;
 }
 
 }  // namespace tremolo::reproduce

@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "common/result.h"
 #include "runtime/program/output/statistics.h"
+#include "tests/lab/report/chart.h"
 #include "tests/lab/report/table.h"
 #include "tests/lab/reproduce/long_run.h"
+#include "tests/lab/samples/thesis.h"
 
 namespace tremolo::reproduce {
 
@@ -32,12 +33,12 @@ Fit high_band_trend(const LabelledRun& run);
 std::string percent(double value);
 
 // The thesis's row, then one a run.
-Table total_energy_table(const std::vector<LabelledRun>& runs);
-Table high_band_table(const std::vector<LabelledRun>& runs);
+Table total_energy_table(const std::vector<LabelledRun>& runs, const thesis::Thesis& thesis);
+Table high_band_table(const std::vector<LabelledRun>& runs, const thesis::Thesis& thesis);
 
 // Figure 17: the first and the last window, sample by sample, of the runs labelled imexv and ep4;
 // and all windows' means of all runs. The values go into csv as well.
-Result<std::string> draw_figure17(const std::vector<LabelledRun>& runs, Table& csv);
-Result<std::string> draw_windows(const std::vector<LabelledRun>& runs, Table& csv);
+std::vector<Chart> figure17_charts(const std::vector<LabelledRun>& runs, Table& csv);
+std::vector<Chart> windows_charts(const std::vector<LabelledRun>& runs, Table& csv);
 
 }  // namespace tremolo::reproduce

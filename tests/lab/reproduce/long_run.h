@@ -1,4 +1,4 @@
-// Experiment 3 of the thesis: one model after one impulse, left alone for millions of steps.
+// Experiment 3 of the thesis: one model after one impulse, free for millions of steps.
 //
 // The run is cut into segments of a fixed number of steps. At the start of each the body is made
 // anew from (q, p), whether or not the program was stopped there, so that a run that was stopped
@@ -8,16 +8,31 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include "common/result.h"
 #include "runtime/model.h"
 #include "runtime/program/output/ending.h"
-#include "tests/lab/reproduce/windows.h"
 
 namespace tremolo::reproduce {
+
+// Means of a series that comes value by value, cut into windows of `length` values each, from the
+// first on, and, because the end need not fall on a window's, its last `length` values once more.
+// The whole has `count` values; an unfinished window at the end counts in `last` only. Plain data:
+// what is written here and read back goes on as if it had never stopped.
+struct Windows {
+  std::int64_t length = 1;
+  std::int64_t count = 1;
+  std::int64_t taken = 0;
+  double sum = 0.0;           // of the window under way
+  std::vector<double> means;  // of the finished ones
+  std::vector<double> first;  // the values of the first window
+  std::vector<double> last;   // the last `length` values of the whole
+
+  void take(double value);
+};
 
 // step: s. steps: of the whole run. H and the high band are evaluated every `sample_every` steps;
 // `window` samples are a window. segment: steps, a multiple of sample_every. low: where the high
@@ -48,24 +63,24 @@ struct LongRun : Ending {
 };
 
 nlohmann::json to_json(const LongRun& run);
-// Errors: kContent if it is not what to_json made.
-Result<LongRun> long_run_from_json(const nlohmann::json& json);
+// Throws a Failure (kContent) if it is not what to_json made.
+LongRun long_run_from_json(const nlohmann::json& json);
 
 // The steps with the model's default load as an impulse, and one more: the two-stage method hands
-// on half of a step's load with the next step. Errors: as Body::create, add_default_load.
-Result<LongRun> start_long_run(const LongRunSpec& spec);
+// on half of a step's load with the next step. Throws a Failure as Body::create and
+// add_default_load.
+LongRun start_long_run(const LongRunSpec& spec);
 
 bool is_over(const LongRunSpec& spec, const LongRun& run);
 
 // One segment more, or what is left of it. A run that breaks off is over, no error.
-Status advance(const LongRunSpec& spec, LongRun& run);
+void advance(const LongRunSpec& spec, LongRun& run);
 
 // To the end. `checkpoint` holds the state, with `key`, and is written about every 20 s; a file
 // with another key or a damaged one is not used. It is left in place: whoever has stored the result
-// removes it. report: called after each writing. Errors: those of start_long_run; kSystem for an
-// unwritable checkpoint.
-Result<LongRun> run_to_end(const LongRunSpec& spec, const std::string& checkpoint,
-                           const nlohmann::json& key,
-                           const std::function<void(const LongRun&)>& report);
+// removes it. report: called after each writing. Throws a Failure as start_long_run, and kSystem
+// for an unwritable checkpoint.
+LongRun run_to_end(const LongRunSpec& spec, const std::string& checkpoint,
+                   const nlohmann::json& key, const std::function<void(const LongRun&)>& report);
 
 }  // namespace tremolo::reproduce

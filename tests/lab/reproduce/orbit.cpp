@@ -7,22 +7,20 @@
 #include "common/energy_drift.h"
 #include "runtime/body.h"
 #include "tests/lab/report/chart.h"
-#include "tests/lab/report/store.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::reproduce {
 namespace {
 
 constexpr std::size_t kBuckets = 240;  // of a drawn series: a panel is 480 px wide
 
-Result<Body> make_body(const OrbitSpec& spec) {
+Body make_body(const OrbitSpec& spec) {
   IntegratorOptions options;
   options.step = spec.step;
   options.alpha = spec.alpha;
   options.tolerance = spec.tolerance;
-  Result<Body> body = Body::create(spec.model, spec.integrator, options);
-  if (!body) return body;
-  if (Status status = body->add_default_load(Signal{.kind = spec.load}, spec.scale); !status)
-    return status.error();
+  Body body = or_fail(Body::create(spec.model, spec.integrator, options));
+  or_fail(body.add_default_load(Signal{.kind = spec.load}, spec.scale));
   return body;
 }
 
@@ -50,10 +48,8 @@ void store_means(const Means& means, Orbit& orbit) {
 
 }  // namespace
 
-Result<Orbit> watch_orbit(const OrbitSpec& spec) {
-  Result<Body> created = make_body(spec);
-  if (!created) return created.error();
-  Body& body = *created;
+Orbit run_orbit(const OrbitSpec& spec) {
+  Body body = make_body(spec);
   const std::int64_t steps = step_count(spec);
   const bool lasts = !std::isfinite(signal_end(Signal{.kind = spec.load}));
   Orbit orbit;
@@ -90,45 +86,12 @@ Result<Orbit> watch_orbit(const OrbitSpec& spec) {
   return orbit;
 }
 
-Result<double> time_orbit(const OrbitSpec& spec, std::int64_t steps) {
-  Result<Body> body = make_body(spec);
-  if (!body) return body.error();
+double time_orbit(const OrbitSpec& spec, std::int64_t steps) {
+  Body body = make_body(spec);
   const auto before = std::chrono::steady_clock::now();
   for (std::int64_t i = 0; i < steps; ++i)
-    if (!body->step().converged) break;
+    if (!body.step().converged) break;
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-}
-
-nlohmann::json to_json(const Orbit& orbit) {
-  return {{"steps", orbit.steps},
-          {"reached", orbit.reached},
-          {"iterations_per_step", orbit.iterations_per_step},
-          {"cut_steps", orbit.cut_steps},
-          {"energy_drift", orbit.energy_drift},
-          {"highest_energy", orbit.highest_energy},
-          {"mean_energy", orbit.mean_energy},
-          {"mean_high_band", orbit.mean_high_band},
-          {"exit_code", orbit.exit_code},
-          {"reason", orbit.reason},
-          {"t", orbit.total.t},
-          {"total", orbit.total.y}};
-}
-
-Orbit orbit_from_json(const nlohmann::json& json) {
-  Orbit orbit;
-  orbit.steps = json.at("steps");
-  orbit.reached = to_number(json.at("reached"));
-  orbit.iterations_per_step = to_number(json.at("iterations_per_step"));
-  orbit.cut_steps = json.at("cut_steps");
-  orbit.energy_drift = to_number(json.at("energy_drift"));
-  orbit.highest_energy = to_number(json.at("highest_energy"));
-  orbit.mean_energy = to_number(json.at("mean_energy"));
-  orbit.mean_high_band = to_number(json.at("mean_high_band"));
-  orbit.exit_code = json.at("exit_code");
-  orbit.reason = json.at("reason");
-  orbit.total.t = json.at("t").get<std::vector<double>>();
-  orbit.total.y = json.at("total").get<std::vector<double>>();
-  return orbit;
 }
 
 }  // namespace tremolo::reproduce

@@ -1,14 +1,11 @@
-// One run of one model from rest: how far it came, its energy over time, and, apart from that, how
-// long its steps take.
+// One run of one model from rest: the time it reached, its energy over time, and, measured
+// separately, how long its steps take.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "common/result.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
 #include "runtime/program/output/ending.h"
@@ -51,14 +48,28 @@ struct Orbit : Ending {
   Series total;
 };
 
-// H is evaluated after every step. Errors: what Body::create and add_default_load give. A run that
-// broke off is a result.
-Result<Orbit> watch_orbit(const OrbitSpec& spec);
+// H is evaluated after every step. Throws a Failure as Body::create and add_default_load. A run
+// that broke off is a result.
+Orbit run_orbit(const OrbitSpec& spec);
 
 // Seconds of `steps` calls of step() and of nothing else. Stops early where the solver gives up.
-Result<double> time_orbit(const OrbitSpec& spec, std::int64_t steps);
+double time_orbit(const OrbitSpec& spec, std::int64_t steps);
 
-nlohmann::json to_json(const Orbit& orbit);
-Orbit orbit_from_json(const nlohmann::json& json);
+// What the store keeps of an orbit.
+template <class Archive>
+void fields(Archive& archive, Orbit& orbit) {
+  archive("steps", orbit.steps);
+  archive("reached", orbit.reached);
+  archive("iterations_per_step", orbit.iterations_per_step);
+  archive("cut_steps", orbit.cut_steps);
+  archive("energy_drift", orbit.energy_drift);
+  archive("highest_energy", orbit.highest_energy);
+  archive("mean_energy", orbit.mean_energy);
+  archive("mean_high_band", orbit.mean_high_band);
+  archive("exit_code", orbit.exit_code);
+  archive("reason", orbit.reason);
+  archive("t", orbit.total.t);
+  archive("total", orbit.total.y);
+}
 
 }  // namespace tremolo::reproduce

@@ -11,19 +11,19 @@
 #include "formats/file/output_guard.h"
 #include "formats/file/whole_file.h"
 #include "tests/lab/samples/thesis.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::reproduce {
 namespace {
 
-Status check_names(const std::vector<std::string>& names) {
+void check_names(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     if (std::ranges::find(thesis::kModels, name) == thesis::kModels.end())
-      return Error{ErrorKind::kUsage, fmt::format("unknown model '{}'; there are {}", name,
-                                                  fmt::join(thesis::kModels, ", "))};
+      throw Failure({ErrorKind::kUsage, fmt::format("unknown model '{}'; there are {}", name,
+                                                    fmt::join(thesis::kModels, ", "))});
     if (std::ranges::count(names, name) > 1)
-      return Error{ErrorKind::kUsage, fmt::format("model '{}' is named twice", name)};
+      throw Failure({ErrorKind::kUsage, fmt::format("model '{}' is named twice", name)});
   }
-  return Success{};
 }
 
 std::string path_of(const std::string& directory, std::string_view name) {
@@ -35,38 +35,32 @@ bool is_of_a_report(const std::filesystem::path& file) {
   return std::ranges::find(kEndings, file.extension()) != kEndings.end();
 }
 
-Result<SampleModel> load_one(const std::string& directory, std::string_view name) {
+SampleModel load_one(const std::string& directory, std::string_view name) {
   const std::string path = path_of(directory, name);
   if (!std::filesystem::exists(path))
-    return system_error(path +
-                        ": there is no such file; ./demo makes the six sample models in "
-                        "build/models (--models-dir names another folder)");
-  Result<std::string> bytes = read_whole_file(path);
-  if (!bytes) return bytes.error();
-  Result<Model::Pointer> model = Model::load(path);
-  if (!model) return model.error();
-  if ((*model)->default_load().vertices.empty())
-    return content_error(path + ": the model has no default load");
-  return SampleModel{std::string(name), checksum(*bytes), std::move(*model)};
+    throw Failure(system_error(path + ": there is no such file; ./demo makes the six sample models "
+                                      "in build/models (--models-dir names another folder)"));
+  const std::string bytes = or_fail(read_whole_file(path));
+  Model::Pointer model = or_fail(Model::load(path));
+  if (model->default_load().vertices.empty())
+    throw Failure(content_error(path + ": the model has no default load"));
+  return {std::string(name), checksum(bytes), std::move(model)};
 }
 
 }  // namespace
 
-Result<std::vector<SampleModel>> load_sample_models(const std::string& directory,
-                                                    const std::vector<std::string>& names) {
-  if (Status status = check_names(names); !status) return status.error();
+std::vector<SampleModel> load_sample_models(const std::string& directory,
+                                            const std::vector<std::string>& names) {
+  check_names(names);
   std::vector<SampleModel> models;
-  for (const std::string_view name : thesis::kModels) {
-    if (!names.empty() && std::ranges::find(names, name) == names.end()) continue;
-    Result<SampleModel> model = load_one(directory, name);
-    if (!model) return model.error();
-    models.push_back(std::move(*model));
-  }
+  for (const std::string_view name : thesis::kModels)
+    if (names.empty() || std::ranges::find(names, name) != names.end())
+      models.push_back(load_one(directory, name));
   return models;
 }
 
-Status keep_models_apart(const std::string& out, const std::string& directory,
-                         const std::vector<std::string>& names) {
+void keep_models_apart(const std::string& out, const std::string& directory,
+                       const std::vector<std::string>& names) {
   namespace fs = std::filesystem;
   std::vector<NamedFile> inputs;
   for (const std::string_view name : thesis::kModels)
@@ -77,7 +71,7 @@ Status keep_models_apart(const std::string& out, const std::string& directory,
   for (fs::recursive_directory_iterator at(out, error), end; !error && at != end;
        at.increment(error))
     if (is_of_a_report(at->path())) outputs.push_back(at->path().string());
-  return keep_apart(outputs, inputs);
+  or_fail(keep_apart(outputs, inputs));
 }
 
 }  // namespace tremolo::reproduce

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "common/result.h"
 #include "runtime/model.h"
 
 namespace tremolo::reproduce {
@@ -17,14 +16,15 @@ struct SampleModel {
 };
 
 // names: of thesis::kModels, in any order; empty for all six. The result is in the thesis's order.
-// Errors: kUsage for an unknown or a repeated name (the message lists the known), kSystem for a
-// missing file, what Model::load gives, kContent for a model without a default load.
-Result<std::vector<SampleModel>> load_sample_models(const std::string& directory,
-                                                    const std::vector<std::string>& names);
+// Throws a Failure: kUsage for an unknown or a repeated name (the message lists the known), kSystem
+// for a missing file, what Model::load gives, kContent for a model without a default load.
+std::vector<SampleModel> load_sample_models(const std::string& directory,
+                                            const std::vector<std::string>& names);
 
-// Error (kUsage) if a file in the folder `out` that a report would write anew is one of the models:
-// of load_sample_models' arguments, through whatever links. To be asked before anything is written.
-Status keep_models_apart(const std::string& out, const std::string& directory,
-                         const std::vector<std::string>& names);
+// Throws a Failure (kUsage) if a file in the folder `out` that a report would write anew is one of
+// the models: of load_sample_models' arguments, through whatever links. To be asked before anything
+// is written.
+void keep_models_apart(const std::string& out, const std::string& directory,
+                       const std::vector<std::string>& names);
 
 }  // namespace tremolo::reproduce

@@ -1,82 +1,106 @@
 #include "tests/lab/samples/thesis.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
+
+#include "tests/lab/samples/published.h"
 
 namespace tremolo::thesis {
 namespace {
 
-constexpr std::array<Modes, 6> kModes = {{{"beam", 15, 9, 6},
-                                          {"basket", 20, 15, 5},
-                                          {"bridge", 15, 13, 2},
-                                          {"horse", 15, 9, 6},
-                                          {"tower", 20, 11, 9},
-                                          {"heart", 30, 27, 3}}};
+int count(PublishedTable& table, std::string_view what) {
+  const double value = table.number(what);
+  if (value > 1e6 || value != std::floor(value)) table.fail(fmt::format("{} is no count", what));
+  return static_cast<int>(value);
+}
 
-constexpr SignalKind kImpulse = SignalKind::kImpulse;
-constexpr SignalKind kSquare = SignalKind::kSquare;
-constexpr SignalKind kSine = SignalKind::kSine;
+std::string model(PublishedTable& table) {
+  std::string name = table.word("a model");
+  if (std::ranges::find(kModels, name) == kModels.end()) table.fail("unknown model " + name);
+  return name;
+}
 
-constexpr std::array<Run, kRuns> kAllRuns = {{
-    {5, 0.0, kImpulse, "beam", 1.89, 2.84, 1.0, 2.1, 1.50},
-    {5, 0.0, kImpulse, "basket", 2.62, 4.89, 1.0, 2.1, 1.87},
-    {5, 0.0, kImpulse, "bridge", 1.55, 2.56, 1.0, 2.1, 1.65},
-    {5, 0.0, kImpulse, "horse", 2.64, 4.16, 1.0, 2.1, 1.58},
-    {5, 0.0, kImpulse, "tower", 3.50, 4.94, 1.0, 2.1, 1.41},
-    {5, 0.0, kImpulse, "heart", 5.68, 13.44, 0.7, 2.1, 2.37},
-    {6, 0.0, kSquare, "beam", 1.89, 2.84, 1.0, 2.1, 1.50},
-    {6, 0.0, kSquare, "basket", 2.62, 4.89, 1.0, 2.1, 1.87},
-    {6, 0.0, kSquare, "bridge", 1.55, 2.56, 1.0, 2.1, 1.65},
-    {6, 0.0, kSquare, "horse", 2.64, 4.16, 1.0, 2.1, 1.58},
-    {6, 0.0, kSquare, "tower", 3.50, 4.94, 1.0, 2.1, 1.41},
-    {6, 0.0, kSquare, "heart", 5.68, 13.44, 0.7, 2.1, 2.37},
-    {7, 0.0, kSine, "beam", 2.26, 2.84, 1.1, 2.1, 1.25, 6.86},
-    {7, 0.0, kSine, "basket", 2.85, 4.89, 1.0, 2.1, 1.71},
-    {7, 0.0, kSine, "bridge", 1.93, 2.56, 1.0, 2.1, 1.33},
-    {7, 0.0, kSine, "horse", 1.99, 4.16, 1.0, 2.1, 2.09},
-    {7, 0.0, kSine, "tower", 4.78, 4.94, 1.0, 2.1, 1.03, 10.53},
-    {7, 0.0, kSine, "heart", 6.12, 13.44, 1.0, 2.1, 2.19},
-    {8, kAlpha, kImpulse, "beam", 2.26, 2.37, 2.0, 2.1, 1.05},
-    {8, kAlpha, kImpulse, "basket", 2.71, 3.78, 1.0, 2.1, 1.40},
-    {8, kAlpha, kImpulse, "bridge", 1.61, 5.57, 1.0, 2.1, 3.45},
-    {8, kAlpha, kImpulse, "horse", 1.89, 6.34, 1.0, 2.1, 3.36},
-    {8, kAlpha, kImpulse, "tower", 3.39, 5.12, 1.0, 2.1, 1.51},
-    {8, kAlpha, kImpulse, "heart", 5.39, 13.86, 0.3, 2.1, 2.57},
-    {9, kAlpha, kSquare, "beam", 1.88, 2.53, 1.0, 2.1, 1.35},
-    {9, kAlpha, kSquare, "basket", 2.96, 6.87, 1.0, 2.0, 2.32},
-    {9, kAlpha, kSquare, "bridge", 1.83, 2.60, 1.0, 1.7, 1.42},
-    {9, kAlpha, kSquare, "horse", 2.12, 3.41, 1.0, 2.1, 1.61},
-    {9, kAlpha, kSquare, "tower", 9.05, 9.98, 1.0, 2.1, 1.10},
-    {9, kAlpha, kSquare, "heart", 12.69, 22.25, 0.8, 2.1, 1.75},
-    {10, kAlpha, kSine, "beam", 2.12, 2.73, 1.0, 2.1, 1.29, 7.12},
-    {10, kAlpha, kSine, "basket", 2.88, 5.65, 1.0, 2.0, 1.96},
-    {10, kAlpha, kSine, "bridge", 1.77, 2.94, 1.0, 1.7, 1.67},
-    {10, kAlpha, kSine, "horse", 2.11, 3.36, 1.0, 2.1, 1.59},
-    {10, kAlpha, kSine, "tower", 13.59, 16.88, 1.0, 2.1, 1.24},
-    {10, kAlpha, kSine, "heart", 17.47, 25.59, 1.0, 2.1, 1.46},
-}};
+SignalKind load(PublishedTable& table) {
+  const std::string name = table.word("a load");
+  for (const SignalKind kind : kLoads)
+    if (load_name(kind) == name) return kind;
+  table.fail("unknown load " + name);
+}
+
+void read_modes(const std::string& directory, Thesis& thesis) {
+  PublishedTable table(directory, "thesis-modes.csv", "model,r,low,high");
+  while (table.next()) {
+    Modes modes{model(table)};
+    if (thesis.modes_of(modes.model)) table.fail(modes.model + " is there twice");
+    modes.r = count(table, "r");
+    modes.low = count(table, "a count of low modes");
+    modes.high = count(table, "a count of high modes");
+    if (modes.low + modes.high != modes.r) table.fail("low and high do not add up to r");
+    thesis.modes.push_back(std::move(modes));
+  }
+  if (thesis.modes.size() != kModels.size()) table.fail("a model is missing by the end");
+}
+
+void read_runs(const std::string& directory, Thesis& thesis) {
+  PublishedTable table(
+      directory, "thesis-runs.csv",
+      "table,alpha,load,model,imexv,newmark,imexv-iterations,newmark-iterations,speed-up,reached");
+  while (table.next()) {
+    Run run{.table = count(table, "a table's number"), .alpha = table.number("alpha")};
+    run.load = load(table);
+    run.model = model(table);
+    run.imexv_seconds = table.number("seconds of IMEXv");
+    run.newmark_seconds = table.number("seconds of Newmark");
+    run.imexv_iterations = table.number("iterations of IMEXv");
+    run.newmark_iterations = table.number("iterations of Newmark");
+    run.speedup = table.number("a speed-up");
+    run.reached = table.number("seconds reached");
+    if (std::ranges::find(kAlphas, run.alpha) == kAlphas.end()) table.fail("unknown alpha");
+    if (thesis.run(run.model, run.load, run.alpha)) table.fail("this run is there twice");
+    thesis.runs.push_back(std::move(run));
+  }
+  if (thesis.runs.size() != kRuns) table.fail("a run is missing by the end");
+}
+
+void read_long_run(const std::string& directory, Thesis& thesis) {
+  PublishedTable table(directory, "thesis-long-run.csv", "energy,change");
+  const auto change = [&](const char* energy) {
+    if (!table.next() || table.word(energy) != energy)
+      table.fail(fmt::format("expected the change of '{}'", energy));
+    return table.number("a change", -1.0);
+  };
+  thesis.total_change = change("total");
+  thesis.high_band_change = change("high-band");
+  if (table.next()) table.fail("expected the end of the file");
+}
 
 }  // namespace
 
 std::string_view load_name(SignalKind load) {
-  if (load == kImpulse) return "impulse";
-  return load == kSquare ? "square" : "sine";
+  if (load == SignalKind::kImpulse) return "impulse";
+  return load == SignalKind::kSquare ? "square" : "sine";
 }
 
-const Modes* modes(std::string_view model) {
-  for (const Modes& entry : kModes)
-    if (entry.model == model) return &entry;
-  return nullptr;
+const Modes* Thesis::modes_of(std::string_view model) const {
+  const auto found = std::ranges::find(modes, model, &Modes::model);
+  return found == modes.end() ? nullptr : &*found;
 }
 
-const std::array<Run, kRuns>& runs() {
-  return kAllRuns;
-}
-
-const Run* run(std::string_view model, SignalKind load, double alpha) {
-  for (const Run& entry : kAllRuns)
+const Run* Thesis::run(std::string_view model, SignalKind load, double alpha) const {
+  for (const Run& entry : runs)
     if (entry.model == model && entry.load == load && std::abs(entry.alpha - alpha) < 1e-12)
       return &entry;
   return nullptr;
+}
+
+Thesis read_thesis(const std::string& directory) {
+  Thesis thesis;
+  read_modes(directory, thesis);
+  read_runs(directory, thesis);
+  read_long_run(directory, thesis);
+  return thesis;
 }
 
 }  // namespace tremolo::thesis

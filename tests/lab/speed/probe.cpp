@@ -1,21 +1,15 @@
-// What one core of this machine does in a loop that does nothing else.
+// The peak rates of one core of this machine, measured in loops that do nothing else.
 #include <algorithm>
 #include <cstdint>
-#include <ctime>
 #include <limits>
 #include <vector>
 
 #include "common/clones.h"
 #include "tests/lab/speed/speed.h"
+#include "tests/lab/work/processor_time.h"
 
 namespace tremolo::bench {
 namespace {
-
-double processor_time() {
-  std::timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 template <class Real>
 [[gnu::always_inline]] inline Real multiply_add_chains(Real factor, int rounds) {
@@ -79,14 +73,13 @@ double read_bandwidth(std::size_t bytes) {
 
 }  // namespace
 
-std::vector<double> time_by_turns(const std::vector<void (*)(void*)>& functions,
-                                  const std::vector<void*>& arguments, int calls, int windows) {
-  std::vector<double> best(functions.size(), std::numeric_limits<double>::infinity());
+std::vector<double> by_turns(const std::vector<Work>& works, int calls, int windows) {
+  std::vector<double> best(works.size(), std::numeric_limits<double>::infinity());
   for (int window = 0; window < windows; ++window)
-    for (std::size_t f = 0; f < functions.size(); ++f) {
+    for (std::size_t w = 0; w < works.size(); ++w) {
       const double before = processor_time();
-      for (int call = 0; call < calls; ++call) functions[f](arguments[f]);
-      best[f] = std::min(best[f], (processor_time() - before) / calls);
+      for (int call = 0; call < calls; ++call) works[w]();
+      best[w] = std::min(best[w], (processor_time() - before) / calls);
     }
   return best;
 }

@@ -1,13 +1,14 @@
-// Speed: what each part costs, beside the textbook way and beside what this machine can do.
+// Speed: the cost of each part, compared with the textbook method and with the machine's limits.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "common/result.h"
 #include "tests/lab/bench/options.h"
-#include "tests/lab/report/criterion.h"
+#include "tests/lab/report/report.h"
 
 namespace tremolo::bench {
 
@@ -15,16 +16,27 @@ namespace tremolo::bench {
 // apply is not-a-number or empty.
 struct SpeedRow {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::string what;           // "force + tangent + energy, r = 30"
-  double value = kNone;       // of one operation
-  std::string unit = "us";    // us, s, bytes
-  double baseline = kNone;    // the textbook way, measured in the same run by turns
-  double bytes = kNone;       // that one operation touches
-  double operations = kNone;  // floating-point operations of it, a multiply-add counts two
-  double limit = kNone;       // the least that memory or arithmetic of this machine allows
-  std::string limited_by;     // "FMA peak", "L2 bandwidth", ...
-  std::string note;
+  std::string what;             // "force + tangent + energy, r = 30"
+  double value = kNone;         // of one operation
+  std::string unit = "us";      // us, s, bytes
+  double baseline = kNone;      // the textbook way, measured in the same run by turns
+  double bytes = kNone;         // that one operation touches
+  double operations = kNone;    // floating-point operations of it, a multiply-add counts two
+  double limit = kNone;         // the least that memory or arithmetic of this machine allows
+  std::string limited_by = {};  // "FMA peak", "L2 bandwidth", ...
+  std::string note = {};
+
+  double ratio() const { return value / baseline; }
 };
+
+// A row in microseconds of what took `seconds`, beside `baseline` seconds.
+inline SpeedRow microseconds(std::string what, double seconds, double baseline = SpeedRow::kNone,
+                             std::string note = {}) {
+  return {.what = std::move(what),
+          .value = 1e6 * seconds,
+          .baseline = 1e6 * baseline,
+          .note = std::move(note)};
+}
 
 struct SpeedSection {
   std::string title;
@@ -33,7 +45,7 @@ struct SpeedSection {
   std::vector<Criterion> criteria;
 };
 
-// What one core of this machine does in a loop that does nothing else.
+// The peak rates of one core of this machine, measured in loops that do nothing else.
 struct MachineProbe {
   std::string vectors;            // "AVX-512", "AVX2", "plain": what the kernels use
   double gflops = 0.0;            // double multiply-adds, two operations each, 1e9/s
@@ -44,16 +56,31 @@ struct MachineProbe {
 };
 MachineProbe probe_machine();
 
-// Smallest processor time of one call, s: `calls` calls a window, at least `windows` windows. The
-// functions take turns, so that a noisy moment hits all; first element: first function.
-std::vector<double> time_by_turns(const std::vector<void (*)(void*)>& functions,
-                                  const std::vector<void*>& arguments, int calls, int windows);
+// Smallest processor time of one call of each, s: `calls` calls a window, `windows` windows. They
+// take turns, so that a noisy moment hits all.
+using Work = std::function<void()>;
+std::vector<double> by_turns(const std::vector<Work>& works, int calls, int windows);
 
-// The sections, in the order of the report.
-Result<SpeedSection> measure_kernel_speed(const Options& options, const MachineProbe& probe);
-Result<SpeedSection> measure_step_speed(const Options& options, const MachineProbe& probe);
-Result<SpeedSection> measure_world_speed(const Options& options, const MachineProbe& probe);
-Result<SpeedSection> measure_surface_speed(const Options& options, const MachineProbe& probe);
-Result<SpeedSection> measure_savings_speed(const Options& options, const MachineProbe& probe);
+// The sections, in the order of the report. They throw a Failure: of loading a model, of a step.
+SpeedSection measure_kernel_speed(const Options& options, const MachineProbe& probe);
+SpeedSection measure_step_speed(const Options& options, const MachineProbe& probe);
+SpeedSection measure_world_speed(const Options& options, const MachineProbe& probe);
+SpeedSection measure_surface_speed(const Options& options, const MachineProbe& probe);
+SpeedSection measure_savings_speed(const Options& options, const MachineProbe& probe);
+
+// All sections.
+struct Speed {
+  MachineProbe machine;
+  std::vector<SpeedSection> sections;
+};
+
+// Takes a minute or two and prints each row on stderr. Throws as the sections do.
+Speed measure_speed(const Options& options);
+
+// One section, with speed.csv. Throws a Failure (kSystem).
+void report_speed(const Speed& speed, Report& report);
+
+std::vector<Criterion> speed_criteria(const Speed& speed);
+nlohmann::ordered_json to_json(const Speed& speed);
 
 }  // namespace tremolo::bench

@@ -8,6 +8,7 @@
 #include "common/packed_index.h"
 #include "tests/lab/speed/speed.h"
 #include "tests/lab/speed/textbook.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::bench {
 namespace {
@@ -15,14 +16,14 @@ namespace {
 using Eigen::VectorXd;
 
 // Random coefficients: what is timed does not depend on their values.
-Result<Potential> random_potential(std::size_t r) {
+Potential random_potential(std::size_t r) {
   std::mt19937_64 generator(r);
   std::normal_distribution<double> normal;
   std::vector<double> cubic(triple_count(r)), quartic(quad_count(r));
   for (double& value : cubic) value = normal(generator);
   for (double& value : quartic) value = normal(generator);
-  return Potential::create(VectorXd::LinSpaced(static_cast<Eigen::Index>(r), 1.0, 50.0), cubic,
-                           quartic);
+  return or_fail(Potential::create(VectorXd::LinSpaced(static_cast<Eigen::Index>(r), 1.0, 50.0),
+                                   cubic, quartic));
 }
 
 struct Bench {
@@ -38,28 +39,6 @@ struct Bench {
   void evaluate(unsigned want) { potential.evaluate(q0, want, workspace, evaluation); }
 };
 
-void textbook_force(void* bench) {
-  static_cast<Bench*>(bench)->textbook.force(static_cast<Bench*>(bench)->q0);
-}
-void textbook_all(void* bench) {
-  static_cast<Bench*>(bench)->textbook.force_and_tangent(static_cast<Bench*>(bench)->q0, true);
-}
-void our_force(void* bench) {
-  static_cast<Bench*>(bench)->evaluate(kWantForce);
-}
-void our_all(void* bench) {
-  static_cast<Bench*>(bench)->evaluate(kWantEnergy | kWantForce | kWantTangent);
-}
-void our_average(void* pointer) {
-  Bench& bench = *static_cast<Bench*>(pointer);
-  bench.potential.averaged_gradient(bench.q0, bench.q1, bench.workspace, bench.average);
-}
-void our_average_and_tangent(void* pointer) {
-  Bench& bench = *static_cast<Bench*>(pointer);
-  bench.potential.averaged_gradient(bench.q0, bench.q1, bench.workspace, bench.average,
-                                    &bench.jacobian);
-}
-
 // The least time that `bytes` and `operations` need: those of a pass over the coefficients alone.
 void set_limit(SpeedRow& row, const MachineProbe& probe) {
   const double arithmetic = 1e-3 * row.operations / probe.gflops;
@@ -72,31 +51,29 @@ void set_limit(SpeedRow& row, const MachineProbe& probe) {
 }
 
 Criterion ratio_criterion(const SpeedRow& row, double bound, std::string_view bound_text) {
-  const double ratio = row.value / row.baseline;
   return {row.what + ", over the textbook's time", fmt::format("<= {}", bound_text),
-          fmt::format("{:.3f} = 1/{:.1f}", ratio, 1.0 / ratio), ratio <= bound};
+          fmt::format("{:.3f} = 1/{:.1f}", row.ratio(), 1.0 / row.ratio()), row.ratio() <= bound};
 }
 
-Status add_rows(std::size_t r, const MachineProbe& probe, SpeedSection& section) {
-  Result<Potential> potential = random_potential(r);
-  if (!potential) return potential.error();
-  Bench bench{std::move(*potential)};
-  const std::vector<double> seconds = time_by_turns(
-      {textbook_force, our_force, textbook_all, our_all, our_average, our_average_and_tangent},
-      std::vector<void*>(6, &bench),
-      r > 40   ? 50
-      : r > 20 ? 200
-               : 500,
-      r > 40 ? 20 : 60);
+void add_rows(std::size_t r, const MachineProbe& probe, SpeedSection& section) {
+  Bench bench{random_potential(r)};
+  const int calls = r > 40 ? 50 : r > 20 ? 200 : 500;
+  const auto average = [&](Eigen::MatrixXd* jacobian) {
+    bench.potential.averaged_gradient(bench.q0, bench.q1, bench.workspace, bench.average, jacobian);
+  };
+  const std::vector<double> seconds =
+      by_turns({[&] { bench.textbook.force(bench.q0); }, [&] { bench.evaluate(kWantForce); },
+                [&] { bench.textbook.force_and_tangent(bench.q0, true); },
+                [&] { bench.evaluate(kWantEnergy | kWantForce | kWantTangent); },
+                [&] { average(nullptr); }, [&] { average(&bench.jacobian); }},
+               calls, r > 40 ? 20 : 60);
   const double unique = static_cast<double>(triple_count(r) + quad_count(r));
   const double pairs = static_cast<double>(pair_count(r));
+  const double size = static_cast<double>(r);
   const double matrix = pairs * (pairs + 1.0) / 2.0;
   const auto add = [&](const char* what, double value, double baseline, double coefficients,
                        double per_coefficient) {
-    SpeedRow row;
-    row.what = fmt::format("{}, r = {}", what, r);
-    row.value = 1e6 * value;
-    row.baseline = 1e6 * baseline;
+    SpeedRow row = microseconds(fmt::format("{}, r = {}", what, r), value, baseline);
     row.bytes = 8.0 * coefficients;
     row.operations = 2.0 * per_coefficient * coefficients;
     set_limit(row, probe);
@@ -104,17 +81,14 @@ Status add_rows(std::size_t r, const MachineProbe& probe, SpeedSection& section)
     return row;
   };
   add("textbook: force", seconds[0], SpeedRow::kNone,
-      static_cast<double>(r) *
-          (static_cast<double>(r) + pairs + static_cast<double>(triple_count(r))),
-      1.0);
-  const SpeedRow force = add("force", seconds[1], seconds[0], unique, 2.0);
+      size * (size + pairs + static_cast<double>(triple_count(r))), 1.0);
+  add("force", seconds[1], seconds[0], unique, 2.0);
   add("textbook: force + tangent + energy", seconds[2], SpeedRow::kNone,
       static_cast<double>(bench.textbook.doubles()), 1.0);
   const SpeedRow all = add("force + tangent + energy", seconds[3], seconds[2], unique, 3.0);
-  add("averaged gradient", seconds[4], SpeedRow::kNone, matrix + static_cast<double>(r) * pairs,
-      2.0);
-  add("averaged gradient + tangent", seconds[5], SpeedRow::kNone,
-      matrix + static_cast<double>(r) * pairs, 2.0);
+  for (const auto& [what, at] :
+       {std::pair{"averaged gradient", 4}, {"averaged gradient + tangent", 5}})
+    add(what, seconds[static_cast<std::size_t>(at)], SpeedRow::kNone, matrix + size * pairs, 2.0);
   if (r <= 20) section.criteria.push_back(ratio_criterion(all, 0.25, "1/4"));
   if (r == 30)
     section.criteria.push_back(probe.vectors == "AVX-512" ? ratio_criterion(all, 0.125, "1/8")
@@ -123,27 +97,21 @@ Status add_rows(std::size_t r, const MachineProbe& probe, SpeedSection& section)
     section.criteria.push_back(
         {all.what + ", over its limit (" + all.limited_by + " of the unique coefficients)", "<= 2",
          fmt::format("{:.2f}", all.value / all.limit), all.value <= 2.0 * all.limit});
-  return Success{};
 }
 
 }  // namespace
 
-Result<SpeedSection> measure_kernel_speed(const Options&, const MachineProbe& probe) {
+SpeedSection measure_kernel_speed(const Options&, const MachineProbe& probe) {
   SpeedSection section;
   section.title = "The kernel";
-  for (const std::size_t r : {15, 20, 30, 60})
-    if (Status status = add_rows(r, probe, section); !status) return status.error();
-  const Result<Potential> small = random_potential(2);
-  if (!small) return small.error();
+  for (const std::size_t r : {15, 20, 30, 60}) add_rows(r, probe, section);
   section.text =
       "Energy V, force R and tangent K of one body, warm cache, one core. The textbook keeps a "
-      "dense "
-      "table for each degree and multiplies by " +
-      Textbook(*small).blas() +
+      "dense table for each degree and multiplies by " +
+      Textbook(random_potential(2)).blas() +
       ". The limit counts a pass over the coefficients alone: unique entries, two multiply-adds "
-      "each "
-      "for the force and three with the tangent; the averaged gradient multiplies the matrix over "
-      "index pairs.";
+      "each for the force and three with the tangent; the averaged gradient multiplies the matrix "
+      "over index pairs.";
   return section;
 }
 

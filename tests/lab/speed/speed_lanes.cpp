@@ -78,31 +78,22 @@ template <class Real>
 SpeedRow force_row(const Model& model, double seconds, double baseline, double gflops,
                    double error) {
   const auto r = static_cast<std::size_t>(model.modes());
-  SpeedRow row;
-  row.what = fmt::format("force of one of {} bodies, r = {}, {} lanes", kBodies, r,
-                         sizeof(Real) == 4 ? "f32" : "f64");
-  row.value = 1e6 * seconds / kBodies;
-  row.baseline = 1e6 * baseline / kBodies;
+  SpeedRow row = microseconds(
+      fmt::format("force of one of {} bodies, r = {}, {} lanes", kBodies, r,
+                  sizeof(Real) == 4 ? "f32" : "f64"),
+      seconds / kBodies, baseline / kBodies,
+      fmt::format("against Potential::evaluate a body; force differs by <= {:.1e} of |force|",
+                  error));
   row.operations = operations_of_force(r);
   row.bytes = static_cast<double>((quad_count(r) + triple_count(r)) * sizeof(Real)) /
                   static_cast<double>(kBodiesPerBlock<Real>) +
               2.0 * static_cast<double>(r * sizeof(Real));
   row.limit = 1e-3 * row.operations / gflops;
   row.limited_by = "FMA peak";
-  row.note = fmt::format(
-      "against Potential::evaluate a body; force differs by <= {:.1e} of |force|", error);
   return row;
 }
 
 }  // namespace
-
-std::vector<double> by_turns(std::vector<Work> works, int calls, int windows) {
-  std::vector<void (*)(void*)> functions(works.size(),
-                                         [](void* work) { (*static_cast<Work*>(work))(); });
-  std::vector<void*> arguments;
-  for (Work& work : works) arguments.push_back(&work);
-  return time_by_turns(functions, arguments, calls, windows);
-}
 
 std::vector<Eigen::VectorXd> random_states(const Model& model, std::size_t count) {
   std::mt19937 random(1);
@@ -150,14 +141,12 @@ void measure_narrower_lanes(const Model& model, SpeedSection& section) {
                1, 20);
   const char* names[] = {"f32", "f64"};
   for (std::size_t w = 0; w < 2; ++w) {
-    SpeedRow row;
-    row.what = fmt::format("force of one of {} bodies, r = {}, {} lanes, AVX2", kBodies,
-                           model.modes(), names[w]);
-    row.value = 1e6 * seconds[w] / kBodies;
-    row.baseline = 1e6 * seconds[2 + w] / kBodies;
+    SpeedRow row = microseconds(fmt::format("force of one of {} bodies, r = {}, {} lanes, AVX2",
+                                            kBodies, model.modes(), names[w]),
+                                seconds[w] / kBodies, seconds[2 + w] / kBodies,
+                                "AVX2 code on this machine, against AVX-512");
     row.operations = operations_of_force(static_cast<std::size_t>(model.modes()));
-    row.note = "AVX2 code on this machine, against AVX-512";
-    section.rows.push_back(row);
+    section.rows.push_back(std::move(row));
   }
 }
 

@@ -1,25 +1,19 @@
-#include "tests/lab/speed/speed_report.h"
-
 #include <cmath>
-#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "runtime/program/output/tell.h"
-#include "tests/lab/report/table.h"
+#include "tests/lab/speed/speed.h"
 
 namespace tremolo::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-using Measure = Result<SpeedSection> (*)(const Options&, const MachineProbe&);
-
-// In the order of the report.
-std::vector<Measure> sections_to_measure() {
-  return {measure_kernel_speed, measure_step_speed, measure_world_speed, measure_surface_speed,
-          measure_savings_speed};
-}
+// The sections in the order of the report.
+constexpr SpeedSection (*kSections[])(const Options&, const MachineProbe&) = {
+    measure_kernel_speed, measure_step_speed, measure_world_speed, measure_surface_speed,
+    measure_savings_speed};
 
 std::string machine_text(const MachineProbe& probe) {
   return fmt::format(
@@ -44,7 +38,7 @@ Table to_table(const std::vector<SpeedRow>& rows) {
   for (const SpeedRow& row : rows) {
     const double seconds = seconds_of(row);
     table.rows.push_back({row.what, cell(row.value), row.unit, cell(row.baseline),
-                          cell(row.value / row.baseline, 3), cell(row.bytes, 6),
+                          cell(row.ratio(), 3), cell(row.bytes, 6),
                           cell(1e-9 * row.bytes / seconds, 3),
                           cell(1e-9 * row.operations / seconds, 3), cell(row.limit), row.limited_by,
                           cell(row.value / row.limit, 3), row.note});
@@ -61,7 +55,7 @@ Json to_json(const SpeedRow& row) {
           {"value", number(row.value)},
           {"unit", row.unit},
           {"baseline", number(row.baseline)},
-          {"ratio", number(row.value / row.baseline)},
+          {"ratio", number(row.ratio())},
           {"bytes", number(row.bytes)},
           {"operations", number(row.operations)},
           {"limit", number(row.limit)},
@@ -71,39 +65,36 @@ Json to_json(const SpeedRow& row) {
 
 }  // namespace
 
-Result<Speed> measure_speed(const Options& options) {
+Speed measure_speed(const Options& options) {
   Speed speed;
   tell("probing the machine\n");
   speed.machine = probe_machine();
-  for (const Measure measure : sections_to_measure()) {
-    Result<SpeedSection> section = measure(options, speed.machine);
-    if (!section) return section.error();
-    tell("{}\n", section->title);
-    for (const SpeedRow& row : section->rows)
+  for (const auto measure : kSections) {
+    speed.sections.push_back(measure(options, speed.machine));
+    tell("{}\n", speed.sections.back().title);
+    for (const SpeedRow& row : speed.sections.back().rows)
       tell("  {:<58} {:>10.4g} {:<5} ratio {:>8.3g}  {}\n", row.what, row.value, row.unit,
-           row.value / row.baseline, row.note);
-    speed.sections.push_back(std::move(*section));
+           row.ratio(), row.note);
   }
   return speed;
 }
 
-Status report_speed(const Speed& speed, const std::string& directory, Page& page) {
-  page.section("Speed");
-  page.paragraph(machine_text(speed.machine));
-  Table all{{"section"}, {}};
+void report_speed(const Speed& speed, Report& report) {
+  report.section("Speed");
+  report.paragraph(machine_text(speed.machine));
+  Table all = to_table({});
+  all.columns.insert(all.columns.begin(), "section");
   for (const SpeedSection& section : speed.sections) {
-    page.heading(section.title);
-    page.paragraph(section.text);
-    Table table = to_table(section.rows);
-    page.table(table);
-    all.columns.resize(1);
-    all.columns.insert(all.columns.end(), table.columns.begin(), table.columns.end());
-    for (std::vector<std::string>& row : table.rows) {
+    const Table table = to_table(section.rows);
+    report.heading(section.title);
+    report.paragraph(section.text);
+    report.table(table);
+    for (std::vector<std::string> row : table.rows) {
       row.insert(row.begin(), section.title);
       all.rows.push_back(std::move(row));
     }
   }
-  return write_csv(all, (std::filesystem::path(directory) / "speed.csv").string());
+  report.file(all, "speed.csv");
 }
 
 std::vector<Criterion> speed_criteria(const Speed& speed) {

@@ -1,4 +1,4 @@
-// What it saves to leave out what a scene does not need: one row a saving, with and without it.
+// What is saved by leaving out what a scene does not need: one row for each, with and without.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -13,6 +13,7 @@
 #include "runtime/display/surface.h"
 #include "runtime/model.h"
 #include "tests/lab/speed/speed.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::bench {
 namespace {
@@ -20,15 +21,13 @@ namespace {
 constexpr std::size_t kModes = 30;
 
 // value: with the saving; baseline: without.
-SpeedRow saving(std::string what, double value, double baseline, const char* unit,
-                std::string how) {
-  SpeedRow row;
-  row.what = std::move(what);
-  row.value = value;
-  row.baseline = baseline;
-  row.unit = unit;
-  row.note = std::move(how);
-  return row;
+void add_saving(SpeedSection& section, std::string what, double value, double baseline,
+                const char* unit, std::string how) {
+  section.rows.push_back({.what = std::move(what),
+                          .value = value,
+                          .unit = unit,
+                          .baseline = baseline,
+                          .note = std::move(how)});
 }
 
 // A model whose coefficients are all there and of no meaning: the time does not depend on them.
@@ -48,23 +47,13 @@ BasisData dense_data(std::size_t r) {
   return data;
 }
 
-struct Evaluator {
-  const Potential* potential = nullptr;
-  unsigned want = 0;
-  Eigen::VectorXd q;
-  PotentialWorkspace workspace;
-  Evaluation out;
-};
-
-Evaluator make_evaluator(const Model& model, unsigned want) {
+// What evaluates `want` of a model that outlives it.
+Work evaluation(const Model& model, unsigned want) {
   const Potential& potential = model.potential();
-  return {&potential, want, Eigen::VectorXd::Constant(model.modes(), 1e-3),
-          potential.make_workspace(), potential.make_evaluation()};
-}
-
-void evaluate(void* argument) {
-  auto& e = *static_cast<Evaluator*>(argument);
-  e.potential->evaluate(e.q, e.want, e.workspace, e.out);
+  return [&potential, want, q = Eigen::VectorXd::Constant(model.modes(), 1e-3).eval(),
+          workspace = potential.make_workspace(), out = potential.make_evaluation()]() mutable {
+    potential.evaluate(q, want, workspace, out);
+  };
 }
 
 // Force and tangent of `modes` coordinates read these unique entries.
@@ -72,43 +61,35 @@ double coefficient_bytes(std::size_t modes) {
   return 8.0 * static_cast<double>(triple_count(modes) + quad_count(modes));
 }
 
-Status add_evaluation_rows(SpeedSection& section) {
+void add_evaluation_rows(SpeedSection& section) {
   const BasisData data = dense_data(kModes);
-  const Result<Model::Pointer> full = Model::from_data(data);
-  if (!full) return full.error();
-  const Result<Model::Pointer> half = Model::from_data(data, {.modes = kModes / 2});
-  if (!half) return half.error();
-  const Result<Model::Pointer> linear = Model::from_data(data, {.linear = true});
-  if (!linear) return linear.error();
+  const Model::Pointer full = or_fail(Model::from_data(data));
+  const Model::Pointer half = or_fail(Model::from_data(data, {.modes = kModes / 2}));
+  const Model::Pointer linear = or_fail(Model::from_data(data, {.linear = true}));
   constexpr unsigned kBoth = kWantForce | kWantTangent;
-  Evaluator all[] = {
-      make_evaluator(**full, kBoth | kWantEnergy), make_evaluator(**full, kBoth),
-      make_evaluator(**full, kWantForce),          make_evaluator(**full, kWantForce | kWantEnergy),
-      make_evaluator(**half, kWantForce),          make_evaluator(**linear, kWantForce)};
-  std::vector<void*> arguments;
-  for (Evaluator& one : all) arguments.push_back(&one);
   std::vector<double> us =
-      time_by_turns(std::vector<void (*)(void*)>(std::size(all), evaluate), arguments, 60, 60);
+      by_turns({evaluation(*full, kBoth | kWantEnergy), evaluation(*full, kBoth),
+                evaluation(*full, kWantForce), evaluation(*full, kWantForce | kWantEnergy),
+                evaluation(*half, kWantForce), evaluation(*linear, kWantForce)},
+               60, 60);
   for (double& time : us) time *= 1e6;
   const double bytes = coefficient_bytes(kModes);
-  section.rows.push_back(saving("force without tangent, r = 30", us[2], us[1], "us",
-                                "automatic: explicit methods ask for the force alone"));
-  section.rows.push_back(saving("force without energy, r = 30", us[2], us[3], "us",
-                                "automatic: energy is evaluated when Body::energy is called"));
-  section.rows.push_back(
-      saving("force + tangent without energy, r = 30", us[1], us[0], "us", "automatic, as above"));
-  section.rows.push_back(saving("force of 15 of 30 coordinates", us[4], us[2], "us",
-                                "--modes 15, ModelOptions::modes"));
-  section.rows.push_back(saving("coefficients kept of 15 of 30 coordinates",
-                                coefficient_bytes(kModes / 2), bytes, "bytes",
-                                "--modes 15: the leading entries are a prefix"));
-  section.rows.push_back(saving("force of a linear scene, r = 30", us[5], us[2], "us",
-                                "run --linear, ModelOptions::linear"));
-  section.rows.push_back(
-      saving("coefficients of the file read by a linear scene, r = 30", 0.0, bytes, "bytes",
-             "run --linear does not read them; precompute --linear does not make "
-             "them, nor the derivatives"));
-  return Success{};
+  add_saving(section, "force without tangent, r = 30", us[2], us[1], "us",
+             "automatic: explicit methods ask for the force alone");
+  add_saving(section, "force without energy, r = 30", us[2], us[3], "us",
+             "automatic: energy is evaluated when Body::energy is called");
+  add_saving(section, "force + tangent without energy, r = 30", us[1], us[0], "us",
+             "automatic, as above");
+  add_saving(section, "force of 15 of 30 coordinates", us[4], us[2], "us",
+             "--modes 15, ModelOptions::modes");
+  add_saving(section, "coefficients kept of 15 of 30 coordinates", coefficient_bytes(kModes / 2),
+             bytes, "bytes", "--modes 15: the leading entries are a prefix");
+  add_saving(section, "force of a linear scene, r = 30", us[5], us[2], "us",
+             "run --linear, ModelOptions::linear");
+  add_saving(section, "coefficients of the file read by a linear scene, r = 30", 0.0, bytes,
+             "bytes",
+             "run --linear does not read them; precompute --linear does not make them, nor the "
+             "derivatives");
 }
 
 // Bytes of the file that this process has touched: what the kernel says is mapped in. Zero where it
@@ -128,22 +109,12 @@ double touched_bytes(const std::string& path) {
   return bytes;
 }
 
-struct Loading {
-  std::string path;
-  ModelOptions options;
-  VertexId inside = -1;  // a vertex to ask for, or none
-  bool all = false;      // everything in the file
-};
-
-void load(void* argument) {
-  const auto& loading = *static_cast<const Loading*>(argument);
-  if (loading.all) {
-    const Result<BasisData> data = read_basis(loading.path);
-    if (data) static_cast<void>(Model::from_data(*data));
-    return;
-  }
-  const Result<Model::Pointer> model = Model::load(loading.path, loading.options);
-  if (model && loading.inside >= 0) static_cast<void>((*model)->vertex(loading.inside));
+// Loads a model; inside: a vertex to ask for then, or none.
+Work loading(const std::string& path, const ModelOptions& options, VertexId inside = -1) {
+  return [=] {
+    const Model::Pointer model = or_fail(Model::load(path, options));
+    if (inside >= 0) or_fail(model->vertex(inside));
+  };
 }
 
 double section_bytes(const BasisReader& reader, std::initializer_list<std::string_view> names) {
@@ -154,80 +125,68 @@ double section_bytes(const BasisReader& reader, std::initializer_list<std::strin
   return bytes;
 }
 
-Status add_loading_rows(const std::string& path, SpeedSection& section) {
+void add_loading_rows(const std::string& path, SpeedSection& section) {
   namespace layout = basis_layout;
-  const Result<BasisReader> reader = BasisReader::open(path);
-  if (!reader) return reader.error();
+  const BasisReader reader = or_fail(BasisReader::open(path));
   const std::string name = std::filesystem::path(path).stem().string();
   const auto size = static_cast<double>(std::filesystem::file_size(path));
-  const Result<BasisData> data = read_basis(path);
-  if (!data) return data.error();
-  const VertexId inside = data->interior.vertex_ids.empty() ? -1 : data->interior.vertex_ids[0];
+  const BasisData data = or_fail(read_basis(path));
+  const VertexId inside = data.interior.vertex_ids.empty() ? -1 : data.interior.vertex_ids[0];
 
   // The reader has touched the head of the file; the model maps it a second time.
   const double before = touched_bytes(path);
-  const Result<Model::Pointer> model = Model::load(path);
-  if (!model) return model.error();
+  const Model::Pointer model = or_fail(Model::load(path));
   const double touched = touched_bytes(path) - before;
-  section.rows.push_back(saving(
-      name + ": bytes of the sections that loading reads",
-      size - section_bytes(*reader,
-                           {layout::kInteriorIds, layout::kInteriorRest, layout::kInteriorBasis,
-                            layout::kFixedIds, layout::kSingularValues, layout::kProvenance}),
-      size, "bytes",
-      fmt::format("automatic: a section is read on first use; the kernel has mapped in {:.0f} "
-                  "bytes, in runs of pages",
-                  touched)));
-  Loading kinds[] = {{path, {}},
-                     {path, {}, inside},
-                     {path, {}, -1, true},
-                     {path, {.linear = true}},
-                     {path, {.modes = static_cast<int>(data->lambda.size() / 2)}}};
-  std::vector<void*> arguments;
-  for (Loading& kind : kinds) arguments.push_back(&kind);
+  add_saving(section, name + ": bytes of the sections that loading reads",
+             size - section_bytes(reader, {layout::kInteriorIds, layout::kInteriorRest,
+                                           layout::kInteriorBasis, layout::kFixedIds,
+                                           layout::kSingularValues, layout::kProvenance}),
+             size, "bytes",
+             fmt::format("automatic: a section is read on first use; the kernel has mapped in "
+                         "{:.0f} bytes, in runs of pages",
+                         touched));
   std::vector<double> us =
-      time_by_turns(std::vector<void (*)(void*)>(std::size(kinds), load), arguments, 1, 15);
+      by_turns({loading(path, {}), loading(path, {}, inside),
+                [&] { or_fail(Model::from_data(or_fail(read_basis(path)))); },
+                loading(path, {.linear = true}),
+                loading(path, {.modes = static_cast<int>(data.lambda.size() / 2)})},
+               1, 15);
   for (double& time : us) time *= 1e6;
-  section.rows.push_back(saving(name + ": loading without the rows inside", us[0], us[1], "us",
-                                "automatic: read when a vertex inside is asked for"));
-  section.rows.push_back(saving(name + ": loading what is shown, not the whole file", us[0], us[2],
-                                "us", "automatic"));
-  section.rows.push_back(
-      saving(name + ": loading a linear scene", us[3], us[0], "us", "run --linear"));
-  section.rows.push_back(
-      saving(name + ": loading half of the coordinates", us[4], us[0], "us", "--modes"));
-  const double row_bytes = 8.0 * static_cast<double>(data->lambda.size());
-  section.rows.push_back(saving(
-      name + ": rows of U in memory, the surface's alone",
-      row_bytes * static_cast<double>(data->surface.rows.rows()),
-      row_bytes * static_cast<double>(data->surface.rows.rows() + data->interior.rows.rows()),
-      "bytes", "automatic, as above"));
+  add_saving(section, name + ": loading without the rows inside", us[0], us[1], "us",
+             "automatic: read when a vertex inside is asked for");
+  add_saving(section, name + ": loading what is shown, not the whole file", us[0], us[2], "us",
+             "automatic");
+  add_saving(section, name + ": loading a linear scene", us[3], us[0], "us", "run --linear");
+  add_saving(section, name + ": loading half of the coordinates", us[4], us[0], "us", "--modes");
+  const double row_bytes = 8.0 * static_cast<double>(data.lambda.size());
+  add_saving(section, name + ": rows of U in memory, the surface's alone",
+             row_bytes * static_cast<double>(data.surface.rows.rows()),
+             row_bytes * static_cast<double>(data.surface.rows.rows() + data.interior.rows.rows()),
+             "bytes", "automatic, as above");
   const double display =
-      static_cast<double>(make_surface_basis(data->surface, data->triangles).bytes());
-  section.rows.push_back(saving(name + ": rows for display of a model that is never shown", 0.0,
-                                display, "bytes", "automatic: made at the first float positions"));
-  const Result<std::vector<std::byte>> compact = encode_basis(*data, BasisEncoding::kCompact);
-  if (!compact) return compact.error();
-  section.rows.push_back(saving(name + ": file", static_cast<double>(compact->size()), size,
-                                "bytes", "tremolo-precompute --encoding compact"));
-  return Success{};
+      static_cast<double>(make_surface_basis(data.surface, data.triangles).bytes());
+  add_saving(section, name + ": rows for display of a model that is never shown", 0.0, display,
+             "bytes", "automatic: made at the first float positions");
+  const auto compact = or_fail(encode_basis(data, BasisEncoding::kCompact));
+  add_saving(section, name + ": file", static_cast<double>(compact.size()), size, "bytes",
+             "tremolo-precompute --encoding compact");
 }
 
 }  // namespace
 
-Result<SpeedSection> measure_savings_speed(const Options& options, const MachineProbe&) {
+SpeedSection measure_savings_speed(const Options& options, const MachineProbe&) {
   SpeedSection section;
   section.title = "What a scene does not need";
   section.text =
       "One row a saving: value is with it, the textbook column without it. Bodies at rest, "
-      "vertices "
-      "of bodies that did not move and coefficients that vanish by symmetry have their rows in the "
-      "sections on many bodies and on the kernel. Times of loading are of a file in the cache.";
-  if (Status status = add_evaluation_rows(section); !status) return status.error();
+      "vertices of bodies that did not move and coefficients that vanish by symmetry have their "
+      "rows in the sections on many bodies and on the kernel. Times of loading are of a file in "
+      "the cache.";
+  add_evaluation_rows(section);
   const std::string model = options.models.empty() ? "horse" : options.models.front();
   const std::filesystem::path path =
       std::filesystem::path(options.models_dir) / (model + ".tremolo");
-  if (Status status = add_loading_rows(path.string(), section); !status) return status.error();
+  add_loading_rows(path.string(), section);
   return section;
 }
 

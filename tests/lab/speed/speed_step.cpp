@@ -1,4 +1,4 @@
-// Whole steps against the textbook's Newmark method and central differences.
+// Complete steps compared with the textbook's Newmark method and central differences.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include "runtime/body.h"
 #include "tests/lab/speed/speed.h"
 #include "tests/lab/speed/textbook.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo::bench {
 namespace {
@@ -51,21 +52,12 @@ struct TextbookRunner {
 };
 
 // Pushed for 0.3 s so that the loaded vertex goes some 5 % of the size: the default load does.
-Result<State> shaken_state(const Model::Pointer& model) {
-  Result<Body> body = Body::create(model, "ep4", {.step = kStep});
-  if (!body) return body.error();
-  if (Status s = body->add_default_load(Signal{.kind = SignalKind::kSquare, .duration = 0.3}); !s)
-    return s.error();
-  while (body->time() < 0.35)
-    if (!body->step().converged) return Error{ErrorKind::kSolver, "a step did not converge"};
-  return body->state();
-}
-
-Result<OurRunner> make_runner(const Model::Pointer& model, const char* method, double step,
-                              const State& start) {
-  Result<Body> body = Body::create(model, method, {.step = step, .tolerance = kTolerance});
-  if (!body) return body.error();
-  return OurRunner{std::move(*body), start};
+State shaken_state(const Model::Pointer& model) {
+  Body body = or_fail(Body::create(model, "ep4", {.step = kStep}));
+  or_fail(body.add_default_load(Signal{.kind = SignalKind::kSquare, .duration = 0.3}));
+  while (body.time() < 0.35)
+    if (!body.step().converged) throw Failure({ErrorKind::kSolver, "a step did not converge"});
+  return body.state();
 }
 
 // Every step of the same 100 000 several times; the smallest of each is free of interruptions.
@@ -97,97 +89,105 @@ Tail measure_tail(OurRunner& runner) {
   return tail;
 }
 
-void ours(void* runner) {
-  static_cast<OurRunner*>(runner)->window();
-}
-void textbook_newmark(void* runner) {
-  static_cast<TextbookRunner*>(runner)->newmark();
-}
-void textbook_central(void* runner) {
-  static_cast<TextbookRunner*>(runner)->central_differences();
+// Half of the explicit methods' stability limit, s.
+double explicit_step(const Model& model) {
+  return 0.5 * model.explicit_step_limit();
 }
 
-Criterion at_most(const std::string& what, double value, double bound, std::string_view text) {
-  return {what, fmt::format("<= {}", text), fmt::format("{:.3g}", value), value <= bound};
-}
+// Our methods, and which of the textbook's each is compared with.
+struct Method {
+  const char* name;
+  bool implicit;
+};
+constexpr Method kMethods[] = {{"newmark", true},        {"ep4", true},     {"imexv", true},
+                               {"imexv-adaptive", true}, {"verlet", false}, {"verlet4", false}};
+constexpr std::size_t kNewmark = 0, kEp4 = 1, kVerlet = 4;  // in kMethods
 
-Status add_model(const std::string& name, const Options& options, SpeedSection& section) {
-  const Result<Model::Pointer> model = Model::load(options.models_dir + "/" + name + ".tremolo");
-  if (!model) return model.error();
-  const auto r = static_cast<int>((*model)->modes());
-  const Result<State> start = shaken_state(*model);
-  if (!start) return start.error();
-  const double small = 0.5 * (*model)->explicit_step_limit();
-  TextbookRunner newmark{Textbook((*model)->potential()), *start, {}, kStep};
-  newmark.textbook.force(start->q);
-  newmark.acceleration = -newmark.textbook.force_value();
-  TextbookRunner central{Textbook((*model)->potential()), *start, {}, small};
-  const std::vector<std::pair<const char*, double>> methods = {
-      {"newmark", kStep},        {"ep4", kStep},    {"imexv", kStep},
-      {"imexv-adaptive", kStep}, {"verlet", small}, {"verlet4", small}};
-  std::vector<OurRunner> runners;
-  for (const auto& [method, step] : methods) {
-    Result<OurRunner> runner = make_runner(*model, method, step, *start);
-    if (!runner) return runner.error();
-    runners.push_back(std::move(*runner));
-  }
-  std::vector<void (*)(void*)> functions = {textbook_newmark, textbook_central};
-  std::vector<void*> arguments = {&newmark, &central};
-  for (OurRunner& runner : runners) {
-    functions.push_back(ours);
-    arguments.push_back(&runner);
-  }
-  std::vector<double> seconds = time_by_turns(functions, arguments, 1, 40);
-  for (double& s : seconds) s /= kWindow;
-  const auto add = [&](const std::string& what, double value, double baseline,
-                       const std::string& note) {
-    SpeedRow row;
-    row.what = fmt::format("{} step, {}, r = {}", what, name, r);
-    row.value = 1e6 * value;
-    row.baseline = 1e6 * baseline;
-    row.note = note;
-    section.rows.push_back(row);
-    return row;
-  };
-  add("textbook: newmark", seconds[0], SpeedRow::kNone,
-      fmt::format("{:.2f} evaluations", static_cast<double>(newmark.evaluations) / kWindow));
-  add("textbook: central difference", seconds[1], SpeedRow::kNone, "");
+// One model and what was measured with it. rows: one a method, in their order.
+struct StepTest {
+  std::string suffix;  // ", heart, r = 30"
+  Eigen::Index modes = 0;
   std::vector<SpeedRow> rows;
-  for (std::size_t m = 0; m < methods.size(); ++m) {
-    const bool implicit = methods[m].second == kStep;
-    rows.push_back(add(methods[m].first, seconds[m + 2], implicit ? seconds[0] : seconds[1],
-                       implicit ? fmt::format("{:.2f} corrections",
-                                              static_cast<double>(runners[m].iterations) / kWindow)
-                                : ""));
+};
+
+SpeedRow& add_row(SpeedSection& section, const std::string& what, const StepTest& test,
+                  double seconds, double baseline, std::string note) {
+  section.rows.push_back(
+      microseconds(what + " step" + test.suffix, seconds, baseline, std::move(note)));
+  return section.rows.back();
+}
+
+// Times all methods by turns and adds their rows. runners: one a method.
+void time_steps(const Model::Pointer& model, const State& start, std::vector<OurRunner>& runners,
+                StepTest& test, SpeedSection& section) {
+  TextbookRunner newmark{Textbook(model->potential()), start, {}, kStep};
+  newmark.textbook.force(start.q);
+  newmark.acceleration = -newmark.textbook.force_value();
+  TextbookRunner central{Textbook(model->potential()), start, {}, explicit_step(*model)};
+  std::vector<Work> works = {[&] { newmark.newmark(); }, [&] { central.central_differences(); }};
+  for (OurRunner& runner : runners) works.push_back([&] { runner.window(); });
+  std::vector<double> seconds = by_turns(works, 1, 40);
+  for (double& s : seconds) s /= kWindow;
+  const auto a_step = [](std::int64_t count) { return static_cast<double>(count) / kWindow; };
+  add_row(section, "textbook: newmark", test, seconds[0], SpeedRow::kNone,
+          fmt::format("{:.2f} evaluations", a_step(newmark.evaluations)));
+  add_row(section, "textbook: central difference", test, seconds[1], SpeedRow::kNone, "");
+  for (std::size_t m = 0; m < runners.size(); ++m) {
+    const bool implicit = kMethods[m].implicit;
+    test.rows.push_back(
+        add_row(section, kMethods[m].name, test, seconds[m + 2], seconds[implicit ? 0 : 1],
+                implicit ? fmt::format("{:.2f} corrections", a_step(runners[m].iterations)) : ""));
   }
-  for (const std::size_t m : {std::size_t{0}, std::size_t{1}}) {
+}
+
+// The slowest of many steps of Newmark's method and of ep4.
+void add_tails(std::vector<OurRunner>& runners, const StepTest& test, SpeedSection& section) {
+  for (const std::size_t m : {kNewmark, kEp4}) {
     const Tail tail = measure_tail(runners[m]);
-    rows[m].what = fmt::format("{}, slowest of 100 000 steps over the median, {}, r = {}",
-                               methods[m].first, name, r);
-    section.criteria.push_back(at_most(rows[m].what, tail.worst, 3.0, "3"));
-    add(fmt::format("{}: median of 100 000", methods[m].first), 1e-6 * tail.median, SpeedRow::kNone,
-        fmt::format("slowest {:.2f} medians, {} steps above 3", tail.worst, tail.slow));
+    section.criteria.push_back(at_most(fmt::format("{}, slowest of 100 000 steps over the median{}",
+                                                   kMethods[m].name, test.suffix),
+                                       tail.worst, 3.0));
+    add_row(section, fmt::format("{}: median of 100 000", kMethods[m].name), test,
+            1e-6 * tail.median, SpeedRow::kNone,
+            fmt::format("slowest {:.2f} medians, {} steps above 3", tail.worst, tail.slow));
   }
-  const auto ratio = [&](std::size_t m) { return rows[m].value / rows[m].baseline; };
-  const std::string at = fmt::format(", {}, r = {}", name, r);
-  if (r == 15)
-    section.criteria.push_back(
-        at_most("newmark step over the textbook's" + at, ratio(0), 0.2, "1/5"));
-  if (r == 30) {
-    section.criteria.push_back(
-        at_most("newmark step over the textbook's" + at, ratio(0), 0.125, "1/8"));
-    section.criteria.push_back(
-        at_most("verlet step over the textbook's central difference" + at, ratio(4), 0.25, "1/4"));
-    section.criteria.push_back(at_most("ep4 step, us" + at, rows[1].value, 20.0, "20"));
+}
+
+void judge(const StepTest& test, SpeedSection& section) {
+  const auto add = [&](const char* what, double measured, double bound, const char* text) {
+    section.criteria.push_back(at_most(what + test.suffix, measured, bound, {}, text));
+  };
+  const SpeedRow &newmark = test.rows[kNewmark], &ep4 = test.rows[kEp4];
+  if (test.modes == 15) add("newmark step over the textbook's", newmark.ratio(), 0.2, "1/5");
+  if (test.modes == 30) {
+    add("newmark step over the textbook's", newmark.ratio(), 0.125, "1/8");
+    add("verlet step over the textbook's central difference", test.rows[kVerlet].ratio(), 0.25,
+        "1/4");
+    add("ep4 step, us", ep4.value, 20.0, "20");
   }
-  section.criteria.push_back(
-      at_most("ep4 step over our newmark step" + at, rows[1].value / rows[0].value, 1.3, "1.3"));
-  return Success{};
+  add("ep4 step over our newmark step", ep4.value / newmark.value, 1.3, "1.3");
+}
+
+void add_model(const std::string& name, const Options& options, SpeedSection& section) {
+  const Model::Pointer model =
+      or_fail(Model::load(fmt::format("{}/{}.tremolo", options.models_dir, name)));
+  StepTest test{fmt::format(", {}, r = {}", name, model->modes()), model->modes(), {}};
+  const State start = shaken_state(model);
+  std::vector<OurRunner> runners;
+  for (const Method& method : kMethods) {
+    const double step = method.implicit ? kStep : explicit_step(*model);
+    runners.push_back(
+        {or_fail(Body::create(model, method.name, {.step = step, .tolerance = kTolerance})),
+         start});
+  }
+  time_steps(model, start, runners, test, section);
+  add_tails(runners, test, section);
+  judge(test, section);
 }
 
 }  // namespace
 
-Result<SpeedSection> measure_step_speed(const Options& options, const MachineProbe&) {
+SpeedSection measure_step_speed(const Options& options, const MachineProbe&) {
   SpeedSection section;
   section.title = "The step";
   section.text = fmt::format(
@@ -195,8 +195,7 @@ Result<SpeedSection> measure_step_speed(const Options& options, const MachinePro
       "model's default load, tolerance {:g}; the mean of {} steps, the smallest of 40 windows. The "
       "textbook's Newmark method is full Newton on its tables with a Cholesky factor each time.",
       1e3 * kStep, kTolerance, kWindow);
-  for (const char* name : {"horse", "basket", "heart"})
-    if (Status status = add_model(name, options, section); !status) return status.error();
+  for (const char* name : {"horse", "basket", "heart"}) add_model(name, options, section);
   return section;
 }
 

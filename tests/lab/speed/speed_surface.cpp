@@ -41,54 +41,45 @@ Surface make_surface(int around, int along, Eigen::Index r) {
   return surface;
 }
 
-// One caller's buffers.
-struct Work {
+// One caller's buffers, and what is timed. old_way: a row of doubles at a time.
+struct Caller {
   const Surface* surface = nullptr;
   const SurfaceBasis* basis = nullptr;
   Eigen::VectorXd q;
   SurfaceWorkspace workspace;
   std::vector<float> positions, normals;
   std::vector<double> exact;
+
+  void old_way() { row_by_row(positions); }
+  void in_double() { row_by_row(exact); }
+  void in_float() { surface_positions(*basis, q, workspace, positions); }
+  void with_normals() {
+    surface_with_normals(*basis, surface->triangles, q, workspace, positions, normals);
+  }
+
+ private:
+  template <class Real>
+  void row_by_row(std::vector<Real>& out) const {
+    const VertexBlock& block = surface->block;
+    for (std::size_t row = 0; row < out.size(); ++row)
+      out[row] = static_cast<Real>(block.rest[row / 3][static_cast<Eigen::Index>(row % 3)] +
+                                   block.rows.row(static_cast<Eigen::Index>(row)).dot(q));
+  }
 };
 
-// The old way: a row of doubles at a time.
-template <class Real>
-void row_by_row(const Work& work, std::vector<Real>& out) {
-  const VertexBlock& block = work.surface->block;
-  for (std::size_t row = 0; row < out.size(); ++row)
-    out[row] = static_cast<Real>(block.rest[row / 3][static_cast<Eigen::Index>(row % 3)] +
-                                 block.rows.row(static_cast<Eigen::Index>(row)).dot(work.q));
-}
-
-void old_way(void* work) {
-  row_by_row(*static_cast<Work*>(work), static_cast<Work*>(work)->positions);
-}
-void in_double(void* work) {
-  row_by_row(*static_cast<Work*>(work), static_cast<Work*>(work)->exact);
-}
-void in_float(void* argument) {
-  Work& work = *static_cast<Work*>(argument);
-  surface_positions(*work.basis, work.q, work.workspace, work.positions);
-}
-void with_normals(void* argument) {
-  Work& work = *static_cast<Work*>(argument);
-  surface_with_normals(*work.basis, work.surface->triangles, work.q, work.workspace, work.positions,
-                       work.normals);
-}
-
-Work make_work(const Surface& surface, const SurfaceBasis& basis) {
-  Work work;
-  work.surface = &surface;
-  work.basis = &basis;
-  work.q = Eigen::VectorXd::Constant(surface.block.rows.cols(), 1e-3);
+Caller make_caller(const Surface& surface, const SurfaceBasis& basis) {
+  Caller caller;
+  caller.surface = &surface;
+  caller.basis = &basis;
+  caller.q = Eigen::VectorXd::Constant(surface.block.rows.cols(), 1e-3);
   const auto size = static_cast<std::size_t>(surface.block.rows.rows());
-  work.positions.resize(size);
-  work.normals.resize(size);
-  work.exact.resize(size);
-  return work;
+  caller.positions.resize(size);
+  caller.normals.resize(size);
+  caller.exact.resize(size);
+  return caller;
 }
 
-// Where `bytes` that are read again and again come from.
+// The memory level that holds `bytes` that are read repeatedly, and its bandwidth.
 void set_limit(SpeedRow& row, const MachineProbe& probe) {
   const bool l2 = row.bytes < 0.75e6, l3 = row.bytes < 12e6;
   const double bandwidth = l2   ? probe.l2_bandwidth
@@ -104,12 +95,13 @@ void measure_size(int around, int along, Eigen::Index r, const MachineProbe& pro
   const SurfaceBasis floats = make_surface_basis(surface.block, surface.triangles);
   surface.block.column_scales = Eigen::VectorXd::Constant(r, std::ldexp(1.0, -15));
   const SurfaceBasis integers = make_surface_basis(surface.block, surface.triangles);
-  Work wide = make_work(surface, floats), narrow = make_work(surface, integers);
+  Caller wide = make_caller(surface, floats), narrow = make_caller(surface, integers);
   const double rows = static_cast<double>(surface.block.rows.rows());
   const int calls = std::max(1, static_cast<int>(2e6 / (rows * static_cast<double>(r))));
-  const std::vector<double> seconds =
-      time_by_turns({old_way, in_double, in_float, in_float, with_normals, with_normals},
-                    {&wide, &wide, &wide, &narrow, &wide, &narrow}, calls, 25);
+  const std::vector<double> seconds = by_turns(
+      {[&] { wide.old_way(); }, [&] { wide.in_double(); }, [&] { wide.in_float(); },
+       [&] { narrow.in_float(); }, [&] { wide.with_normals(); }, [&] { narrow.with_normals(); }},
+      calls, 25);
   const double reals = rows * static_cast<double>(r);
   // Rest positions and results beside the rows. For normals the results once more, the corners, the
   // triangles' normals written and read three times, the lists of triangles, and the normals.
@@ -125,10 +117,8 @@ void measure_size(int around, int along, Eigen::Index r, const MachineProbe& pro
                {"positions and normals f32", 4 * reals + 8 * rows + normals},
                {"positions and normals f32 from 16-bit rows", 2 * reals + 8 * rows + normals}};
   for (std::size_t i = 0; i < std::size(kinds); ++i) {
-    SpeedRow row;
-    row.what = fmt::format("s = {}, r = {}: {}", around * along, r, kinds[i].what);
-    row.value = 1e6 * seconds[i];
-    row.baseline = 1e6 * seconds[0];
+    SpeedRow row = microseconds(fmt::format("s = {}, r = {}: {}", around * along, r, kinds[i].what),
+                                seconds[i], seconds[0]);
     row.bytes = kinds[i].bytes;
     row.operations = 2 * reals;
     set_limit(row, probe);
@@ -138,7 +128,7 @@ void measure_size(int around, int along, Eigen::Index r, const MachineProbe& pro
 
 }  // namespace
 
-Result<SpeedSection> measure_surface_speed(const Options&, const MachineProbe& probe) {
+SpeedSection measure_surface_speed(const Options&, const MachineProbe& probe) {
   SpeedSection section;
   section.title = "u = U q for display";
   section.text =

@@ -1,8 +1,7 @@
-// What the two halves of the section "Many bodies" share.
+// Declarations shared by the two files of the section "Many bodies".
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -13,11 +12,6 @@
 namespace tremolo::bench {
 
 inline constexpr std::size_t kBodies = 1000;
-
-using Work = std::function<void()>;
-
-// time_by_turns for callables.
-std::vector<double> by_turns(std::vector<Work> works, int calls, int windows);
 
 // States like those of a scene: the first mode moves its vertex by up to a twentieth of the size,
 // the others have at most its energy.

@@ -1,18 +1,14 @@
-// Pieces of work on all threads, told on stderr.
+// Pieces of work on all threads, with a line on stderr now and then.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <cstdio>
 #include <mutex>
+#include <string>
 #include <thread>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "common/parallel.h"
-#include "common/result.h"
 #include "runtime/program/output/tell.h"
 
 namespace tremolo {
@@ -22,16 +18,15 @@ inline unsigned thread_count(unsigned wanted) {
   return wanted > 0 ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
-// work(i) gives a Status. The first error, by index, is the whole's. A line every ten seconds and
-// at the end: "what: finished of count".
+// Calls work(i) for each i below count. A line every ten seconds and at the end says "what:
+// finished of count". What a piece throws is thrown here once the threads have stopped.
 template <class Work>
-Status for_all(const char* what, std::size_t count, unsigned threads, const Work& work) {
-  std::vector<Status> done(count, Success{});
+void for_all(const std::string& what, std::size_t count, unsigned threads, const Work& work) {
   std::mutex mutex;
   std::size_t finished = 0;
   auto told = std::chrono::steady_clock::now();
   parallel_for(count, threads, [&](std::size_t i) {
-    done[i] = work(i);
+    work(i);
     const std::lock_guard lock(mutex);
     ++finished;
     const auto now = std::chrono::steady_clock::now();
@@ -39,9 +34,6 @@ Status for_all(const char* what, std::size_t count, unsigned threads, const Work
     told = now;
     tell("tremolo: {}: {} of {}\n", what, finished, count);
   });
-  for (const Status& status : done)
-    if (!status) return status.error();
-  return Success{};
 }
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-#include "tests/lab/report/store.h"
+#include "tests/lab/work/store.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include "formats/file/atomic_file.h"
 #include "formats/file/checksum.h"
 #include "formats/file/whole_file.h"
+#include "tests/lab/work/failure.h"
 
 namespace tremolo {
 namespace {
@@ -52,19 +53,15 @@ Result<Store> Store::open(const std::string& directory) {
   return store;
 }
 
-Result<Json> Store::get(const std::string& name, const Json& key,
-                        const std::function<Result<Json>()>& work) const {
-  if (!is_name(name)) return Error{ErrorKind::kUsage, "no name for a stored result: " + name};
+Json Store::get(const std::string& name, const Json& key, const std::function<Json()>& work) const {
+  if (!is_name(name)) throw Failure({ErrorKind::kUsage, "no name for a stored result: " + name});
   const std::string path = (std::filesystem::path(directory_) / (name + ".json")).string();
   const std::string key_text = text_of(key);
   if (std::optional<Json> stored = read_stored(path, key_text)) return std::move(*stored);
-  Result<Json> made = work();
-  if (!made) return made;
-  const std::string result = text_of(*made);
-  const std::string text = "{\"checksum\":\"" + checksum(key_text + "\n" + result) +
-                           "\",\n\"key\":" + key_text + ",\n\"result\":" + result + "}\n";
-  if (Status status = write_file(path, text); !status) return status.error();
-  // What a later start will read: the two must not differ.
+  const std::string result = text_of(work());
+  or_fail(write_file(path, "{\"checksum\":\"" + checksum(key_text + "\n" + result) +
+                               "\",\n\"key\":" + key_text + ",\n\"result\":" + result + "}\n"));
+  // Parsed from the text, so that a first start and a later one give the same.
   return Json::parse(result);
 }
 

@@ -1,0 +1,122 @@
+#include "tests/lab/report/report.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <tremolo_page_template.h>
+#include <utility>
+
+#include "formats/file/atomic_file.h"
+#include "formats/file/whole_file.h"
+#include "tests/lab/work/failure.h"
+
+namespace tremolo {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Invalid UTF-8 in a name must not end the program.
+std::string text_of(const Json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+// Without the character <, so that no text ends the page's script element: it stands in strings
+// only, where JSON has another way to write it.
+std::string within_script(const std::string& json) {
+  std::string text;
+  for (const char c : json) c == '<' ? text += "\\u003c" : text += c;
+  return text;
+}
+
+void replace_mark(std::string& page, std::string_view mark, std::string_view text) {
+  page.replace(page.find(mark), mark.size(), text);
+}
+
+template <class Charts>
+Json all_to_json(const Charts& charts) {
+  Json all = Json::array();
+  for (const auto& chart : charts) all.push_back(to_json(chart));
+  return all;
+}
+
+}  // namespace
+
+Report::Report(std::string directory, std::string title, std::string subtitle)
+    : directory_(std::move(directory)),
+      json_{{"title", std::move(title)},
+            {"subtitle", std::move(subtitle)},
+            {"sections", Json::array()}} {}
+
+void Report::add(const char* kind, Json what) {
+  Json& sections = json_["sections"];
+  if (sections.empty()) section({});
+  sections.back()["parts"].push_back({{"kind", kind}, {kind, std::move(what)}});
+}
+
+void Report::section(std::string title) {
+  json_["sections"].push_back({{"title", std::move(title)}, {"parts", Json::array()}});
+}
+
+void Report::heading(std::string_view text) {
+  add("heading", text);
+}
+
+void Report::paragraph(std::string_view text) {
+  add("paragraph", text);
+}
+
+void Report::table(const Table& table, std::string_view caption, const std::string& csv,
+                   std::size_t repeating) {
+  add("table", {{"caption", caption},
+                {"csv", csv},
+                {"columns", table.columns},
+                {"rows", without_repeats(table, repeating).rows}});
+  if (!csv.empty()) file(table, csv);
+}
+
+void Report::file(const Table& table, const std::string& csv) const {
+  or_fail(write_csv(table, (std::filesystem::path(directory_) / csv).string()));
+}
+
+void Report::figure(const std::vector<Chart>& charts, int columns, int height,
+                    std::string_view caption) {
+  add("charts", {{"caption", caption},
+                 {"columns", columns},
+                 {"height", height},
+                 {"charts", all_to_json(charts)}});
+}
+
+void Report::figure(const std::vector<CellChart>& charts, std::string_view caption) {
+  add("cells", {{"caption", caption}, {"charts", all_to_json(charts)}});
+}
+
+void Report::criteria(const std::vector<Criterion>& criteria) {
+  Json list = to_json(criteria);
+  for (std::size_t i = 0; i < criteria.size(); ++i) list[i]["verdict"] = verdict(criteria[i]);
+  add("criteria", std::move(list));
+}
+
+void Report::last_section_first() {
+  Json& sections = json_["sections"];
+  if (!sections.empty()) std::rotate(sections.begin(), std::prev(sections.end()), sections.end());
+}
+
+std::string Report::write(const std::string& library) const {
+  const std::filesystem::path directory(directory_);
+  const std::string page = (directory / "index.html").string();
+  or_fail(write_file((directory / "report.json").string(), text_of(json_) + "\n"));
+  or_fail(write_page(json_, page, library));
+  return page;
+}
+
+Status write_page(const Json& report, const std::string& path, const std::string& library) {
+  Result<std::string> script = read_whole_file(library);
+  if (!script || script->find("</script") != script->npos) script = std::string();
+  std::string page = kPageTemplate;
+  // The library's mark stands before the report's, which may hold any text.
+  replace_mark(page, "%REPORT%", within_script(text_of(report)));
+  replace_mark(page, "%LIBRARY%", *script);
+  return write_file(path, page);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,60 @@
+// A report: sections of text, tables, charts and criteria, as report.json and as a page.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "common/result.h"
+#include "tests/lab/report/chart.h"
+#include "tests/lab/report/criterion.h"
+#include "tests/lab/report/table.h"
+
+namespace tremolo {
+
+// The plotting library of the page, where Debian's package libjs-chart.js puts it.
+inline constexpr const char* kChartLibrary = "/usr/share/javascript/chart.js/chart.min.js";
+
+// Collects what a report says and writes its CSV files on the way. In texts, `code` stands between
+// backticks; nothing is read as HTML. What cannot be written is a Failure (kSystem).
+class Report {
+ public:
+  // directory: where all files go; it exists.
+  Report(std::string directory, std::string title, std::string subtitle);
+
+  void section(std::string title);      // begins one
+  void heading(std::string_view text);  // within a section
+  void paragraph(std::string_view text);
+  // csv: the file that gets the whole table, empty for none. repeating: in so many leading columns
+  // the page leaves out what repeats the row above.
+  void table(const Table& table, std::string_view caption = {}, const std::string& csv = {},
+             std::size_t repeating = 0);
+  // A table that is a file and not on the page.
+  void file(const Table& table, const std::string& csv) const;
+  // Charts in rows of `columns`, each `height` px high, with one legend.
+  void figure(const std::vector<Chart>& charts, int columns, int height, std::string_view caption);
+  // Cell charts, with the legend of the first.
+  void figure(const std::vector<CellChart>& charts, std::string_view caption);
+  void criteria(const std::vector<Criterion>& criteria);  // each with its verdict
+  void last_section_first();                              // for what is known last and read first
+
+  const nlohmann::ordered_json& json() const { return json_; }
+  // Writes report.json and index.html; returns the path of the page.
+  std::string write(const std::string& library = kChartLibrary) const;
+
+ private:
+  void add(const char* kind, nlohmann::ordered_json what);
+
+  std::string directory_;
+  nlohmann::ordered_json json_;
+};
+
+// The page that shows `report`, one file that needs no other and no network. library: a file that
+// is copied into the page; where it is missing the page says so and shows the charts as tables.
+// Errors: kSystem.
+Status write_page(const nlohmann::ordered_json& report, const std::string& path,
+                  const std::string& library = kChartLibrary);
+
+}  // namespace tremolo
