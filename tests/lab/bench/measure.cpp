@@ -18,15 +18,9 @@ namespace tremolo::bench {
 // What the store keeps of an entry.
 template <class Archive>
 void fields(Archive& archive, Entry& entry) {
-  archive("step", entry.step);
-  archive("error", entry.error);
-  archive("below", entry.below_reference);
-  archive("drift", entry.drift);
-  archive("band", entry.band_ratio);
-  archive("iterations", entry.iterations);
-  archive("reached", entry.reached);
-  archive("exit_code", entry.exit_code);
-  archive("reason", entry.reason);
+  archive("step", entry.step, "error", entry.error, "below", entry.below_reference, "drift",
+          entry.drift, "band", entry.band_ratio, "iterations", entry.iterations, "reached",
+          entry.reached, "exit_code", entry.exit_code, "reason", entry.reason);
 }
 
 namespace {

@@ -12,12 +12,8 @@ namespace tremolo::bench {
 // What the store keeps of a cell.
 template <class Archive>
 void fields(Archive& archive, StabilityCell& cell) {
-  archive("scale", cell.scale);
-  archive("step", cell.step);
-  archive("outcome", cell.outcome);
-  archive("reached", cell.reached);
-  archive("drift", cell.drift);
-  archive("reason", cell.reason);
+  archive("scale", cell.scale, "step", cell.step, "outcome", cell.outcome, "reached", cell.reached,
+          "drift", cell.drift, "reason", cell.reason);
 }
 
 namespace {

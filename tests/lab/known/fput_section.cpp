@@ -15,16 +15,9 @@ namespace tremolo::known {
 // What the store keeps of a run; its method and step are in the name.
 template <class Archive>
 void fields(Archive& archive, FputRun& run) {
-  archive("second", run.second);
-  archive("third", run.third);
-  archive("lost", run.lost);
-  archive("lowest", run.lowest);
-  archive("highest", run.highest);
-  archive("energy_error", run.energy_error);
-  archive("reached", run.reached);
-  archive("cut_steps", run.cut_steps);
-  archive("failure", run.failure);
-  archive("series", run.series);
+  archive("second", run.second, "third", run.third, "lost", run.lost, "lowest", run.lowest,
+          "highest", run.highest, "energy_error", run.energy_error, "reached", run.reached,
+          "cut_steps", run.cut_steps, "failure", run.failure, "series", run.series);
 }
 
 inline void to_json(nlohmann::json& json, const FputEnergies& e) {

@@ -11,11 +11,8 @@ namespace tremolo::known {
 
 template <class Archive>
 void fields(Archive& archive, StepProperties& properties) {
-  archive("defect", properties.defect);
-  archive("reversal", properties.reversal);
-  archive("energy", properties.energy);
-  archive("order", properties.order);
-  archive("errors", properties.order_errors);
+  archive("defect", properties.defect, "reversal", properties.reversal, "energy", properties.energy,
+          "order", properties.order, "errors", properties.order_errors);
 }
 
 namespace {

@@ -13,13 +13,9 @@ namespace tremolo::known {
 // What the store keeps of a trend; method, tolerance and steps are in its name and key.
 template <class Archive>
 void fields(Archive& archive, EnergyTrend& trend) {
-  archive("reached", trend.reached);
-  archive("slope", trend.slope);
-  archive("error", trend.standard_error);
-  archive("largest", trend.largest);
-  archive("implicit", trend.implicit);
-  archive("failure", trend.failure);
-  archive("means", trend.window_means);
+  archive("reached", trend.reached, "slope", trend.slope, "error", trend.standard_error, "largest",
+          trend.largest, "implicit", trend.implicit, "failure", trend.failure, "means",
+          trend.window_means);
 }
 
 namespace {

@@ -17,27 +17,15 @@ namespace tremolo::reproduce {
 
 template <class Archive>
 void fields(Archive& archive, Windows& windows) {
-  archive("length", windows.length);
-  archive("count", windows.count);
-  archive("taken", windows.taken);
-  archive("sum", windows.sum);
-  archive("means", windows.means);
-  archive("first", windows.first);
-  archive("last", windows.last);
+  archive("length", windows.length, "count", windows.count, "taken", windows.taken, "sum",
+          windows.sum, "means", windows.means, "first", windows.first, "last", windows.last);
 }
 
 template <class Archive>
 void fields(Archive& archive, LongRun& run) {
-  archive("done", run.done);
-  archive("q", run.q);
-  archive("p", run.p);
-  archive("reference", run.reference);
-  archive("drift", run.drift);
-  archive("iterations", run.iterations);
-  archive("total", run.total);
-  archive("high_band", run.high_band);
-  archive("exit_code", run.exit_code);
-  archive("reason", run.reason);
+  archive("done", run.done, "q", run.q, "p", run.p, "reference", run.reference, "drift", run.drift,
+          "iterations", run.iterations, "total", run.total, "high_band", run.high_band, "exit_code",
+          run.exit_code, "reason", run.reason);
 }
 
 namespace {

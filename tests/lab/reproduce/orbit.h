@@ -58,18 +58,11 @@ double time_orbit(const OrbitSpec& spec, std::int64_t steps);
 // What the store keeps of an orbit.
 template <class Archive>
 void fields(Archive& archive, Orbit& orbit) {
-  archive("steps", orbit.steps);
-  archive("reached", orbit.reached);
-  archive("iterations_per_step", orbit.iterations_per_step);
-  archive("cut_steps", orbit.cut_steps);
-  archive("energy_drift", orbit.energy_drift);
-  archive("highest_energy", orbit.highest_energy);
-  archive("mean_energy", orbit.mean_energy);
-  archive("mean_high_band", orbit.mean_high_band);
-  archive("exit_code", orbit.exit_code);
-  archive("reason", orbit.reason);
-  archive("t", orbit.total.t);
-  archive("total", orbit.total.y);
+  archive("steps", orbit.steps, "reached", orbit.reached, "iterations_per_step",
+          orbit.iterations_per_step, "cut_steps", orbit.cut_steps, "energy_drift",
+          orbit.energy_drift, "highest_energy", orbit.highest_energy, "mean_energy",
+          orbit.mean_energy, "mean_high_band", orbit.mean_high_band, "exit_code", orbit.exit_code,
+          "reason", orbit.reason, "t", orbit.total.t, "total", orbit.total.y);
 }
 
 }  // namespace tremolo::reproduce

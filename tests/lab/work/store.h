@@ -34,8 +34,8 @@ class Store {
                      const std::function<nlohmann::json()>& work) const;
 
   // The same for a struct whose members are listed by `fields(archive, value)`, found by its
-  // argument: archive("name", value.member) for each. Members that `fields` leaves out keep their
-  // defaults, also in the first start.
+  // argument: archive("name", value.member, ...) with a name before each. Members that `fields`
+  // leaves out keep their defaults, also in the first start.
   template <class T>
   T get_as(const std::string& name, const nlohmann::json& key,
            const std::function<T()>& work) const;
@@ -66,6 +66,11 @@ struct FieldWriter {
   void operator()(const char* name, Eigen::VectorXd& value) {
     json[name] = std::vector<double>(value.begin(), value.end());
   }
+  template <class V, class... Rest>
+  requires(sizeof...(Rest) > 1) void operator()(const char* name, V& value, Rest&... rest) {
+    (*this)(name, value);
+    (*this)(rest...);
+  }
 };
 
 struct FieldReader {
@@ -92,6 +97,11 @@ struct FieldReader {
     std::vector<double> numbers;
     (*this)(name, numbers);
     value = Eigen::Map<Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
+  }
+  template <class V, class... Rest>
+  requires(sizeof...(Rest) > 1) void operator()(const char* name, V& value, Rest&... rest) const {
+    (*this)(name, value);
+    (*this)(rest...);
   }
 
  private:
