@@ -1,4 +1,5 @@
-// Boxes in a tree, for questions about what is near a point.
+// A bounding volume tree for searches around a point. It is ours because tremolo-precompute does
+// not link CGAL, whose AABB tree the mesher uses.
 #pragma once
 
 #include <algorithm>

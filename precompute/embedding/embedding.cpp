@@ -30,7 +30,7 @@ BoundingBox box_of(const TetMesh& mesh, const Tetrahedron& tet) {
   return box;
 }
 
-// The mesh, ready for questions.
+// Search trees over the tetrahedra of a mesh and the faces of its boundary.
 class Locator {
  public:
   explicit Locator(const TetMesh& mesh)
@@ -62,7 +62,7 @@ class Locator {
     return {at(t[0]), at(t[1]), at(t[2])};
   }
 
-  // Also finds whose faces they are: the boundary's triangles come by tetrahedra.
+  // Also fills owner_: the boundary's triangles are in the order of their tetrahedra.
   std::vector<BoundingBox> face_boxes() {
     std::size_t tet = 0;
     std::vector<BoundingBox> boxes;
@@ -90,7 +90,7 @@ class Locator {
     return {1.0 - w.sum(), w[0], w[1], w[2]};
   }
 
-  // Weights of zero: it is in none.
+  // All weights are zero if no tetrahedron contains x.
   Place find_inside(const Eigen::Vector3d& x) const {
     Place best;
     double least = kInside;
@@ -108,8 +108,8 @@ class Locator {
       return closest_on_triangle(x, corners(face)).squared_distance;
     };
     const BoxTree::Nearest nearest = faces_.nearest(x, squared);
-    // An edge or a corner of the boundary belongs to several: of them the one with the least
-    // extrapolation.
+    // Several faces may be equally near, at an edge or a corner; the one with the least
+    // extrapolation is taken.
     const double reach = nearest.squared_distance * (1.0 + 1e-9);
     Place best;
     std::size_t face = nearest.item;
@@ -129,7 +129,7 @@ class Locator {
     return best;
   }
 
-  // The weights of the face's point that is closest to x.
+  // Sets the weights to those of the face's point that is closest to x.
   void follow_face(const Eigen::Vector3d& x, std::size_t face, Place& place) const {
     const ClosestPoint closest = closest_on_triangle(x, corners(face));
     place.tet = owner_[face];

@@ -40,7 +40,7 @@ struct Options {
   std::string surface;
   std::string unit;
   SurfaceMeshOptions mesh;  // size and tets hold for recipes too
-  int answer = -1;          // descriptor that tremolo-precompute waits at (mesher_answer.h)
+  int answer = -1;          // descriptor that tremolo-precompute reads from (mesher_answer.h)
 };
 
 // --tets is met to this share, in at most so many tries.
@@ -74,10 +74,10 @@ Result<TetMesh> mesh_sample(Recipe recipe, const SurfaceMeshOptions& options) {
 }
 
 Result<TetMesh> mesh_file(const Options& options) {
-  Result<SurfaceInput> input = load_surface(options.input, options.unit, options.mesh);
-  if (!input) return input.error();
-  for (const std::string& note : input->notes) std::fprintf(stderr, "  %s\n", note.c_str());
-  return std::move(input->mesh);
+  Result<MesherAnswer> made = load_surface(options.input, options.unit, options.mesh);
+  if (!made) return made.error();
+  for (const std::string& note : made->notes) std::fprintf(stderr, "  %s\n", note.c_str());
+  return std::move(made->mesh);
 }
 
 Result<TetMesh> make_mesh(const Options& options) {
@@ -102,17 +102,12 @@ void print_quality(const TetMesh& mesh) {
               box.low[2], box.high[0], box.high[1], box.high[2]);
 }
 
-// For the program that started this one, with which it ends.
+// Writes the answer to the program that started this one; this one ends when that one does.
 Status answer(const Options& options) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  const auto make = [&]() -> Result<MesherAnswer> {
-    Result<SurfaceInput> input = load_surface(options.input, options.unit, options.mesh);
-    if (!input) return input.error();
-    return MesherAnswer{std::move(input->mesh), std::move(input->format), std::move(input->notes)};
-  };
   Result<MesherAnswer> made = system_error("out of memory");
   try {
-    made = make();
+    made = load_surface(options.input, options.unit, options.mesh);
   } catch (const std::bad_alloc&) {
   }
   const std::vector<std::byte> bytes = encode_answer(made);

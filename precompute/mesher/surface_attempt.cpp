@@ -9,8 +9,8 @@
 #include "common/mesh/mesh_quality.h"
 #include "precompute/mesher/cgal/cgal_mesher.h"
 #include "precompute/mesher/cgal/polyhedral_mesher.h"
-#include "precompute/mesher/surface/surface_distance.h"
-#include "precompute/mesher/surface/thinning.h"
+#include "precompute/mesher/surface/point_cells.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {
 namespace {
@@ -23,27 +23,25 @@ constexpr int kTries = 6;
 constexpr double kSharp = 45.0;
 // Sharp edges are kept if they are few: length times size over area.
 constexpr double kMostSharp = 1.2;
-constexpr double kGoodAngle = 8.0;
-// Questions that a mesh of so many tetrahedra may ask: about the size, of which 4 a tetrahedron are
-// usual, and about the solid, of which up to 80 are.
+// Queries that a mesh of so many tetrahedra may make: of the size, where 4 a tetrahedron are usual,
+// and of the side of the solid's border, where up to 80 are.
 constexpr double kSizesPerTet = 20, kSizesAtLeast = 2e5;
 constexpr double kSidesPerTet = 80, kSidesAtLeast = 1e6;
-
-// Questions about facets, of which 10 a tetrahedron are usual, and vertices.
+// Queries about facets, where 10 a tetrahedron are usual, and vertices.
 constexpr double kStepsPerTet = 200, kStepsAtLeast = 2e6;
 constexpr double kVerticesPerTet = 0.25;
-// Vertices that a surface rough below its size may ask for, over those expected, and at least.
+// Vertices that a surface rough below its size may take, over those expected, and at least.
 constexpr double kMostVertices = 2, kVerticesAtLeast = 25'000;
-// What each further try by solid angle may ask, of what the first may, and how much larger the
-// tetrahedra of the last one are at least.
+// Budgets of the second and the last attempt by solid angle, over that of the first, and the least
+// factor by which the tetrahedra of the last one are larger.
 constexpr double kSecondQueries = 0.3, kLastQueries = 0.6, kLastSize = 1.4;
-// What all questions of a try about the solid may cost (side_cost), about 12 s, and the fewest a
-// tetrahedron with which a try is worth its time.
+// What all queries of an attempt about the solid may cost (side_cost), about 12 s, and the fewest a
+// tetrahedron with which an attempt is worth its time.
 constexpr double kMostCost = 1.2e9, kFewSidesPerTet = 20;
-// Questions a tetrahedron of the last try, by which its size is chosen where they are dear.
+// Queries a tetrahedron of the last attempt, by which its size is chosen where they are expensive.
 constexpr double kLastSidesPerTet = 60;
 
-// Mean cost of asking on which side a point near the surface is.
+// The mean cost of a query on which side of the border a point near the surface lies.
 double side_cost(const SurfaceSolid& solid) {
   constexpr std::size_t kPoints = 500;
   double sum = 0;
@@ -56,31 +54,30 @@ double side_cost(const SurfaceSolid& solid) {
 // on shells that would get only a few.
 std::vector<Seed> border_points(const SurfaceSolid& solid, const SizeField& sizes) {
   constexpr double kSpacing = 1.2;
-  constexpr double kPoints = 60'000, kCost = 2e8;  // two questions each
+  constexpr double kPoints = 60'000, kCost = 2e8;  // two queries each
   const auto points =
       static_cast<std::size_t>(std::min(kPoints, 0.5 * kCost / std::max(1.0, side_cost(solid))));
   constexpr std::size_t kLeast = 12;
   constexpr double kStep = 1e-4;
   std::vector<Seed> candidates;
   std::vector<std::size_t> shell_of;
+  const auto propose = [&](const Point& x, const SurfacePoint& at) {
+    candidates.push_back({x, 0.0});
+    shell_of.push_back(solid.shell_of[at.triangle]);
+  };
   for (const SurfacePoint& at : spread_points(solid.surface, points)) {
-    const Point normal =
-        doubled_area(solid.surface, solid.surface.triangles[at.triangle]).normalized();
     if (solid.half_thickness > 0) {
       for (const double side : {1.0, -1.0}) {
-        const Point x = at.point + side * solid.half_thickness * normal;
-        if (std::abs(solid.tree.nearest(x).distance - solid.half_thickness) > 1e-9) continue;
-        candidates.push_back({x, 0.0});
-        shell_of.push_back(solid.shell_of[at.triangle]);
+        const Point x = at.point + side * solid.half_thickness * at.normal;
+        if (std::abs(solid.tree.nearest(x).distance - solid.half_thickness) <= 1e-9) propose(x, at);
       }
-    } else if (solid.closed || (!solid.inside(at.point + kStep * normal) &&
-                                solid.inside(at.point - kStep * normal))) {
-      candidates.push_back({at.point, 0.0});
-      shell_of.push_back(solid.shell_of[at.triangle]);
+    } else if (solid.closed || (!solid.inside(at.point + kStep * at.normal) &&
+                                solid.inside(at.point - kStep * at.normal))) {
+      propose(at.point, at);
     }
   }
   std::vector<Seed> kept;
-  Thinning thinning(kSpacing * sizes.coarsest());
+  PointCells cells(kSpacing * sizes.coarsest());
   std::map<std::size_t, std::size_t> count;
   double factor = kSpacing;
   for (int pass = 0; pass < 3; ++pass, factor *= 0.5)
@@ -89,7 +86,7 @@ std::vector<Seed> border_points(const SurfaceSolid& solid, const SizeField& size
       if (pass > 0 && here >= kLeast) continue;
       const Point& x = candidates[i].point;
       const double apart = factor * sizes.at(x);
-      if (!thinning.take(x, apart)) continue;
+      if (!cells.add_if_apart(x, apart)) continue;
       ++here;
       kept.push_back({x, apart});
     }
@@ -116,12 +113,9 @@ Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& pl
   request.seeds = border_points(solid, sizes);
   request.most_queries = budget(plan, kSizesPerTet, kSizesAtLeast);
   request.watch = watch_limits(plan);
-  double area = 0;
-  for (const Triangle& t : solid.surface.triangles)
-    area += 0.5 * doubled_area(solid.surface, t).norm();
   const double sharp = sharp_length(solid.surface, kSharp);
   std::optional<Result<TetMesh>> with_edges;
-  if (sharp > 0 && sharp * plan.coarse < kMostSharp * area) {
+  if (sharp > 0 && sharp * plan.coarse < kMostSharp * area(solid.surface)) {
     method = "as a polyhedron, its sharp edges kept";
     request.sharp_angle = kSharp;
     // A cube of 10 000 tetrahedra has 160.
@@ -142,8 +136,8 @@ Result<TetMesh> mesh_as_polyhedron(const SurfaceSolid& solid, const MeshPlan& pl
   return *with_edges;
 }
 
-// At the wanted sizes; where that comes to no end or is too dear, without asking for a
-// two-manifold, and at last with larger tetrahedra, which `method` tells. cost: of a question;
+// Meshes at the wanted sizes; where that exceeds its budget or would, without the demand for a
+// two-manifold, and at last with larger tetrahedra, which `method` then says. cost: of a query;
 // count: of tetrahedra that are expected.
 Result<TetMesh> mesh_in_tries(ImplicitRequest& request, const SizeField& sizes, double cost,
                               double count, std::string& method) {

@@ -9,6 +9,9 @@
 
 namespace tremolo {
 
+// A smallest dihedral angle below it, in degrees, is worth another attempt and a note.
+inline constexpr double kGoodAngle = 8.0;
+
 // method: "as a polyhedron, its sharp edges kept".
 struct MeshAttempt {
   TetMesh mesh;

@@ -11,15 +11,14 @@
 namespace tremolo {
 namespace {
 
-// Surfaces more open than that are not closed without being asked to.
-constexpr double kMostLacking = 0.09;
-// More open than that, it is a sheet.
-constexpr double kSheet = 0.4;
+// Of the solid angle: a surface that lacks more is closed only on demand, or is a sheet.
+constexpr double kMostLacking = 0.09, kSheet = 0.4;
 // A solid lies behind at least this share of its surface.
 constexpr double kLeastBacked = 0.3;
-constexpr double kGoodAngle = 8.0;
+// Further attempts where a mesh does not follow its surface and the user asked for no size.
+constexpr int kRefinements = 2;
 
-// What is no solid, and what its maker can do.
+// Refuses what is no solid, with what its maker can do.
 Status refuse_hopeless(const SurfaceSolid& solid, const SurfaceFindings& findings,
                        const SurfaceMeshOptions& options, const Scaling& scaling) {
   if (solid.half_thickness > 0) return Success{};
@@ -46,7 +45,7 @@ Status refuse_hopeless(const SurfaceSolid& solid, const SurfaceFindings& finding
                        thicken);
 }
 
-// Why no way of meshing came to an end, and what its maker can do.
+// Says why no way of meshing came to an end, and what the maker of the surface can do.
 Error no_end(const Error& error, const SurfaceSolid& solid, const SurfaceFindings& findings) {
   if (solid.half_thickness > 0 || findings.holes == 0)
     return {error.kind, error.message +
@@ -60,81 +59,103 @@ Error no_end(const Error& error, const SurfaceSolid& solid, const SurfaceFinding
            error.message.c_str(), findings.holes, 100.0 * findings.hole_share));
 }
 
-}  // namespace
-
-Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMeshOptions& options) {
-  MeshedSurface result;
-  SurfaceMeshReport& report = result.report;
-  Scaling scaling;
-  RepairedSurface repaired = repair_surface(scale(given, scaling));
-  report.findings = repaired.findings;
-  report.diagonal = scaling.diagonal;
-  if (repaired.mesh.triangles.empty())
-    return content_error(
-        "no triangle of the surface has an area: is it a drawing of points or "
-        "lines? Export faces");
-
-  const SurfaceSolid solid(std::move(repaired), options.thicken / scaling.diagonal);
-  if (Status status = refuse_hopeless(solid, report.findings, options, scaling); !status)
-    return status.error();
-  Result<MeshPlan> plan = make_plan(solid, options, scaling);
-  if (!plan) return plan.error();
-
+// A mesh before it is scaled back to metres.
+struct Outcome {
+  MeshAttempt attempt;
+  PartCounts parts;
   SurfaceDistances distances;
+};
+
+// Meshes by the plan, and by smaller sizes if the user asked for none and the surfaces are too far
+// apart.
+Result<Outcome> mesh_close_to_surface(const SurfaceSolid& solid, const SurfaceFindings& findings,
+                                      MeshPlan plan, const SurfaceMeshOptions& options) {
+  const bool asked = options.size > 0 || options.tets > 0 || options.error > 0;
   for (int pass = 0;; ++pass) {
-    Result<MeshAttempt> done = attempt_mesh_to_count(solid, *plan, options.tets);
-    if (!done) return no_end(done.error(), solid, report.findings);
+    Result<MeshAttempt> done = attempt_mesh_to_count(solid, plan, options.tets);
+    if (!done) return no_end(done.error(), solid, findings);
     if (done->mesh.tetrahedra.empty())
       return content_error(
           "no tetrahedra came out: the solid is far thinner than the size. Ask for "
           "smaller ones by --size, or for more by --tets");
-    const PartCounts parts = drop_crumbs(done->mesh, options.keep_crumbs);
-    distances = measure_distances(solid, plan->error, done->mesh);
-    report.method = done->method;
-    result.mesh = std::move(done->mesh);
-    report.notes.clear();
-    if (parts.dropped > 0)
-      report.notes.push_back(
-          text("%zu part%s of less than 1 %% of the largest one's volume left "
-               "out; --keep-crumbs keeps them",
-               parts.dropped, parts.dropped == 1 ? "" : "s"));
-    if (parts.kept > 1)
-      report.notes.push_back(
-          text("%zu separate bodies: each must be held, or none (--fix none)", parts.kept));
-    constexpr int kRefinements = 2;
-    const bool asked = options.size > 0 || options.tets > 0 || options.error > 0;
-    if (asked || distances.mesh_to_surface <= kWorstError || pass == kRefinements) break;
-    plan->error *= 0.6;
-    plan->coarse *= 0.75;
-    plan->fine *= 0.75;
+    Outcome outcome;
+    outcome.parts = drop_crumbs(done->mesh, options.keep_crumbs);
+    outcome.distances = measure_distances(solid, plan.error, done->mesh);
+    outcome.attempt = std::move(*done);
+    if (asked || outcome.distances.mesh_to_surface <= kWorstError || pass == kRefinements)
+      return outcome;
+    plan.error *= 0.6;
+    plan.coarse *= 0.75;
+    plan.fine *= 0.75;
   }
-  const double far = std::max(distances.mesh_to_surface, distances.surface_to_mesh);
+}
+
+// What the user should know about the mesh, as sentences.
+std::vector<std::string> notes_on(const Outcome& outcome, const MeshQuality& quality,
+                                  int wanted_count) {
+  std::vector<std::string> notes;
+  if (outcome.parts.dropped > 0)
+    notes.push_back(
+        text("%zu part%s of less than 1 %% of the largest one's volume left "
+             "out; --keep-crumbs keeps them",
+             outcome.parts.dropped, outcome.parts.dropped == 1 ? "" : "s"));
+  if (outcome.parts.kept > 1)
+    notes.push_back(
+        text("%zu separate bodies: each must be held, or none (--fix none)", outcome.parts.kept));
+  const double far = std::max(outcome.distances.mesh_to_surface, outcome.distances.surface_to_mesh);
   if (far > kWorstError)
-    report.notes.push_back(
+    notes.push_back(
         text("the surfaces are up to %.2g %% of the diagonal apart: details below the size; more "
              "tetrahedra (--tets) help",
              100.0 * far));
-  report.quality = mesh_quality(result.mesh);
-  if (report.quality.min_dihedral_deg < kGoodAngle)
-    report.notes.push_back(
+  if (quality.min_dihedral_deg < kGoodAngle)
+    notes.push_back(
         text("the smallest dihedral angle is %.2g degrees: thin walls or edges; "
              "more tetrahedra (--tets) help",
-             report.quality.min_dihedral_deg));
-  report.mesh_to_surface = scaling.diagonal * distances.mesh_to_surface;
-  report.surface_to_mesh = scaling.diagonal * distances.surface_to_mesh;
-  report.cap_to_surface = scaling.diagonal * distances.cap_to_surface;
-  for (Eigen::Vector3d& x : result.mesh.vertices) x = scaling.out(x);
-  report.quality = mesh_quality(result.mesh);
-  report.tetrahedra = result.mesh.tetrahedra.size();
-  const double share = static_cast<double>(report.tetrahedra) / std::max(1, options.tets);
-  if (options.tets > 0 && !is_met(share))
-    report.notes.push_back(
+             quality.min_dihedral_deg));
+  const std::size_t count = outcome.attempt.mesh.tetrahedra.size();
+  const double share = static_cast<double>(count) / std::max(1, wanted_count);
+  if (wanted_count > 0 && !is_met(share))
+    notes.push_back(
         text("%d tetrahedra were asked for, %zu came out: thin walls, sharp "
              "edges and the wanted distance to the surface %s",
-             options.tets, report.tetrahedra,
+             wanted_count, count,
              share > 1 ? "ask for more (a larger --error takes fewer)"
                        : "do not lead to more in six tries"));
-  return result;
+  return notes;
+}
+
+}  // namespace
+
+Result<MeshedSurface> mesh_surface(const RenderSurface& given, const SurfaceMeshOptions& options) {
+  Scaling scaling;
+  RepairedSurface repaired = repair_surface(scale(given, scaling));
+  if (repaired.mesh.triangles.empty())
+    return content_error(
+        "no triangle of the surface has an area: is it a drawing of points or "
+        "lines? Export faces");
+  const SurfaceFindings findings = repaired.findings;
+  const SurfaceSolid solid(std::move(repaired), options.thicken / scaling.diagonal);
+  if (Status status = refuse_hopeless(solid, findings, options, scaling); !status)
+    return status.error();
+  const Result<MeshPlan> plan = make_plan(solid, options, scaling);
+  if (!plan) return plan.error();
+  Result<Outcome> outcome = mesh_close_to_surface(solid, findings, *plan, options);
+  if (!outcome) return outcome.error();
+
+  TetMesh& mesh = outcome->attempt.mesh;
+  for (Eigen::Vector3d& x : mesh.vertices) x = scaling.out(x);
+  SurfaceMeshReport report;
+  report.findings = findings;
+  report.method = outcome->attempt.method;
+  report.quality = mesh_quality(mesh);
+  report.notes = notes_on(*outcome, report.quality, options.tets);
+  report.tetrahedra = mesh.tetrahedra.size();
+  report.diagonal = scaling.diagonal;
+  report.mesh_to_surface = scaling.diagonal * outcome->distances.mesh_to_surface;
+  report.surface_to_mesh = scaling.diagonal * outcome->distances.surface_to_mesh;
+  report.cap_to_surface = scaling.diagonal * outcome->distances.cap_to_surface;
+  return MeshedSurface{std::move(mesh), std::move(report)};
 }
 
 std::vector<std::string> describe(const SurfaceMeshReport& report) {

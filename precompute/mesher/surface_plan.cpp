@@ -4,19 +4,19 @@
 #include <cmath>
 
 #include "common/format_text.h"
-#include "precompute/mesher/surface/surface_distance.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {
 namespace {
 
 constexpr double kError = 0.003;  // unless asked
 constexpr double kDefaultTets = 10'000;
-constexpr double kMostTets = 4 * kDefaultTets;  // that thin walls may ask for
+constexpr double kMostTets = 4 * kDefaultTets;  // where walls are thin
 constexpr std::size_t kWallSamples = 6'000;
 // Thin walls that are a smaller share of the surface do not set the finest size.
 constexpr double kRareWalls = 0.03;
 
-// So large a share of the walls is thinner.
+// The thickness below which this share of the walls is.
 double thickness_quantile(const std::vector<WallSample>& walls, double share) {
   std::vector<double> values;
   for (const WallSample& wall : walls) values.push_back(wall.thickness);

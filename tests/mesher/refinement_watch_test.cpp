@@ -13,8 +13,8 @@
 namespace tremolo {
 namespace {
 
-// Questions until the watch ends it; 0 if it does not within `most`.
-std::size_t questions_until_end(RefinementWatch& watch, std::size_t most, std::size_t each_vertex) {
+// The number of queries until the watch ends it; 0 if it does not within `most`.
+std::size_t queries_until_end(RefinementWatch& watch, std::size_t most, std::size_t each_vertex) {
   for (std::size_t i = 0; i < most; ++i) try {
       watch.step(1'000 + (each_vertex == 0 ? 0 : i / each_vertex));
     } catch (const std::runtime_error&) {
@@ -25,34 +25,34 @@ std::size_t questions_until_end(RefinementWatch& watch, std::size_t most, std::s
 
 TEST(RefinementWatch, EndsWhatStandsStillAfterTheSameCountEachTime) {
   RefinementWatch first({}), second({});
-  const std::size_t end = questions_until_end(first, 1'000'000, 0);
+  const std::size_t end = queries_until_end(first, 1'000'000, 0);
   EXPECT_GT(end, 20'000U) << "scanning a mesh of 1 000 vertices is no standstill";
   EXPECT_LT(end, 100'000U);
-  EXPECT_EQ(questions_until_end(second, 1'000'000, 0), end);
+  EXPECT_EQ(queries_until_end(second, 1'000'000, 0), end);
 }
 
 TEST(RefinementWatch, LetsWhatGoesOnGoOn) {
   RefinementWatch watch({});
-  EXPECT_EQ(questions_until_end(watch, 1'000'000, 500), 0U);
+  EXPECT_EQ(queries_until_end(watch, 1'000'000, 500), 0U);
 }
 
 TEST(RefinementWatch, EndsWhatGoesOnForEver) {
   RefinementWatch watch({.most_steps = 300'000});
-  const std::size_t end = questions_until_end(watch, 1'000'000, 500);
+  const std::size_t end = queries_until_end(watch, 1'000'000, 500);
   EXPECT_GE(end, 300'000U);
   EXPECT_LT(end, 302'000U);
   RefinementWatch crowded({.most_vertices = 1'500});
-  EXPECT_GT(questions_until_end(crowded, 1'000'000, 500), 250'000U);
+  EXPECT_GT(queries_until_end(crowded, 1'000'000, 500), 250'000U);
 }
 
 TEST(RefinementWatch, TellsHowFarItIsOnceItTakesLong) {
   ::testing::internal::CaptureStderr();
   RefinementWatch quick({.expected = 4'000});
-  questions_until_end(quick, 10'000, 5);
+  queries_until_end(quick, 10'000, 5);
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
   ::testing::internal::CaptureStderr();
   RefinementWatch slow({.expected = 4'000, .seconds = 1e-9});
-  questions_until_end(slow, 10'000, 5);
+  queries_until_end(slow, 10'000, 5);
   EXPECT_NE(::testing::internal::GetCapturedStderr().find("of about 4000 vertices"),
             std::string::npos);
   EXPECT_EQ(progress_text(1'000, 4'000, 5),
@@ -63,7 +63,7 @@ TEST(RefinementWatch, TellsHowFarItIsOnceItTakesLong) {
 TEST(RefinementWatch, TellsLessAndLessOften) {
   ::testing::internal::CaptureStderr();
   RefinementWatch watch({.expected = 4'000, .seconds = 1e-9});
-  questions_until_end(watch, 1'000'000, 500);
+  queries_until_end(watch, 1'000'000, 500);
   const std::string told = ::testing::internal::GetCapturedStderr();
   // 976 looks; the time between two lines doubles.
   EXPECT_LT(std::count(told.begin(), told.end(), '\n'), 60);

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "precompute/mesher/cgal/size_field.h"
-#include "precompute/mesher/surface/surface_distance.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 #include "precompute/mesher/surface/triangle_tree.h"
 #include "precompute/mesher/surface/winding_number.h"
 #include "tests/support/surfaces.h"

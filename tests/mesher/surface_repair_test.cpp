@@ -118,6 +118,18 @@ TEST(SurfaceRepair, UnitesBodiesThatOverlap) {
   }
 }
 
+// Corefinement's own order depends on the addresses of what it allocates.
+TEST(SurfaceRepair, OrdersAUnionByPlace) {
+  const SurfaceMesh pair =
+      together(box_surface({0.3, 0.3, 0.3}), box_surface({0.3, 0.3, 0.3}, {0.15, 0.1, 0.05}));
+  const SurfaceMesh united = repair_surface(pair).mesh;
+  const auto before = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  EXPECT_TRUE(std::is_sorted(united.vertices.begin(), united.vertices.end(), before));
+  EXPECT_TRUE(std::is_sorted(united.triangles.begin(), united.triangles.end()));
+}
+
 TEST(SurfaceRepair, FindsHolesAndTheirSize) {
   // The cap over a hole of half angle a: pi sin^2 a, of a sphere's 2 pi (1 + cos a) left.
   const double a = 0.5;

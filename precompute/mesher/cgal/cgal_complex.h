@@ -1,9 +1,13 @@
-// What the two meshers share: how well, what watches over refinement, and how a result is read out
-// of CGAL.
+// What the two meshers share: quality bounds, sizes, the watch over refinement, and how a result is
+// read out of CGAL.
 #pragma once
 
+#include <functional>
 #include <unordered_map>
 #include <vector>
+
+#include <CGAL/Random.h>
+#include <CGAL/refine_mesh_3.h>
 
 #include "common/mesh/tet_mesh.h"
 #include "precompute/mesher/cgal/refinement_watch.h"
@@ -18,8 +22,23 @@ inline constexpr double kRadiusEdge = 2.2;
 // keep some below it. Higher costs time and helps little.
 inline constexpr double kSliverBound = 15.0;
 
-// A Mesh_complex_3_in_triangulation_3 that tells `watch`, if there is one, of each question whether
-// a facet is of the surface: whatever refinement does, it asks that.
+// CGAL's random numbers begin with it, so that the same input gives the same mesh.
+inline constexpr unsigned kSeed = 1;
+
+// A size as Mesh_3 asks for it: wanted edge length at a point.
+template <class Domain>
+struct Sizing {
+  using FT = double;
+  using Index = typename Domain::Index;
+  const std::function<double(const Eigen::Vector3d&)>* size;
+  template <class AnyPoint>
+  FT operator()(const AnyPoint& p, int /*dimension*/, const Index& /*index*/) const {
+    return (*size)({p.x(), p.y(), p.z()});
+  }
+};
+
+// A Mesh_complex_3_in_triangulation_3 that counts by `watch`, if there is one, each query whether a
+// facet is part of the surface: every step of refinement makes some.
 template <class Plain>
 class WatchedComplex : public Plain {
  public:
@@ -35,8 +54,18 @@ class WatchedComplex : public Plain {
   RefinementWatch* watch = nullptr;
 };
 
-// Positively oriented, in an order that depends on no address. on_edge, if given: one a vertex,
-// true where it stands on an edge or corner that the mesh must keep.
+// CGAL's exudation of slivers. It inserts no vertices and ends soon, so that nothing bounds it.
+template <class Complex>
+void exude(Complex& complex) {
+  RefinementWatch unbounded({});
+  complex.watch = &unbounded;
+  CGAL::exude_mesh_3(complex, CGAL::parameters::sliver_bound = kSliverBound,
+                     CGAL::parameters::time_limit = 0);
+  complex.watch = nullptr;
+}
+
+// The tetrahedra, positively oriented, in an order that depends on no address. on_edge, if given:
+// for each vertex whether it stands on an edge or corner that the mesh must keep.
 template <class Complex>
 TetMesh extract(const Complex& complex, std::vector<bool>* on_edge = nullptr) {
   TetMesh mesh;

@@ -10,8 +10,6 @@
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
-#include <CGAL/Random.h>
-#include <CGAL/refine_mesh_3.h>
 
 #include "common/mesh/mesh_quality.h"
 #include "precompute/mesher/cgal/cgal_complex.h"
@@ -26,11 +24,10 @@ using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
 using Complex = WatchedComplex<CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
-// The first points stand a little wider than the wanted size, so that refinement has the last word.
+// Distance of the first points over the wanted size: a little wide, so that refinement decides.
 constexpr double kFirstSpacing = 1.2;
-// Grid cells along the diagonal in which the first points are looked for.
+// Grid cells along the diagonal in which the first points are searched for.
 constexpr int kFirstCells = 220;
-constexpr unsigned kSeed = 1;
 // Where a segment meets the surface, over the radius of the bounding sphere.
 constexpr double kIntersectionError = 1e-5;
 
@@ -41,17 +38,6 @@ constexpr double kOffSurface = 0.05;
 Eigen::Vector3d plain(const Kernel::Point_3& p) {
   return {p.x(), p.y(), p.z()};
 }
-
-// The sizing field in the shape that Mesh_3 wants.
-struct Sizing {
-  using FT = Kernel::FT;
-  using Index = Domain::Index;
-  const ImplicitRequest* request;
-  template <class AnyPoint>
-  FT operator()(const AnyPoint& p, int /*dimension*/, const Index& /*index*/) const {
-    return request->size({p.x(), p.y(), p.z()});
-  }
-};
 
 Domain make_domain(const ImplicitRequest& request, CGAL::Random& random, std::size_t& queries) {
   const Eigen::Vector3d& low = request.bounds.low;
@@ -80,23 +66,18 @@ void insert_first_points(const ImplicitRequest& request, const Domain& domain, C
 
 void refine(const ImplicitRequest& request, const Domain& domain, Complex& complex) {
   using namespace CGAL::parameters;
-  const Sizing sizing{&request};
+  const Sizing<Domain> sizing{&request.size};
   const Criteria criteria(facet_angle = kFacetAngle, facet_size = sizing,
                           facet_distance = request.surface_error,
                           cell_radius_edge_ratio = kRadiusEdge, cell_size = sizing);
   RefinementWatch watch(request.watch);
   complex.watch = &watch;
-  if (request.manifold)
-    CGAL::refine_mesh_3(complex, domain, criteria, manifold(), no_perturb(), no_exude());
-  else
-    CGAL::refine_mesh_3(complex, domain, criteria, non_manifold(), no_perturb(), no_exude());
+  CGAL::refine_mesh_3(complex, domain, criteria, request.manifold ? manifold() : non_manifold(),
+                      no_perturb(), no_exude());
   complex.watch = nullptr;
   if (request.perturb)
     CGAL::perturb_mesh_3(complex, domain, sliver_bound = kSliverBound, time_limit = 0);
-  // Exudation sets no vertices, and ends soon.
-  RefinementWatch exuding({});
-  complex.watch = &exuding;
-  CGAL::exude_mesh_3(complex, sliver_bound = kSliverBound, time_limit = 0);
+  exude(complex);
 }
 
 // Newton's steps along the gradient of the distance; false if they do not arrive.

@@ -24,7 +24,7 @@ struct ImplicitRequest {
   std::vector<Eigen::Vector3d> first_points;
   OntoSurface onto_surface;
   WatchLimits watch;
-  std::size_t most_queries = 0;  // of `inside`; the mesher gives up behind them
+  std::size_t most_queries = 0;  // of `inside`, beyond which the mesher gives up
   // CGAL's perturbation of slivers before ours: up to thirty times the time for the same angles.
   bool perturb = false;
   // Whether the boundary must be a two-manifold. Where a solid touches itself in an edge or a point

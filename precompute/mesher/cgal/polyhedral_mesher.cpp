@@ -1,17 +1,15 @@
 #include "precompute/mesher/cgal/polyhedral_mesher.h"
 
-#include <cmath>
 #include <exception>
-#include <map>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
+#include <CGAL/Polygon_mesh_processing/detect_features.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polyhedral_mesh_domain_with_features_3.h>
-#include <CGAL/Random.h>
 #include <CGAL/make_mesh_3.h>
 
 #include "precompute/mesher/cgal/cgal_complex.h"
@@ -29,24 +27,10 @@ using Complex =
                                                            Domain::Curve_index>>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
-constexpr unsigned kSeed = 1;
 // Seeds keep this share of their distance from vertices on sharp edges.
 constexpr double kNearSeed = 0.8;
 // Half the length of the segment that finds a seed's place on the surface, over that distance.
 constexpr double kProbe = 0.05;
-
-struct Sizing {
-  using FT = Kernel::FT;
-  using Index = Domain::Index;
-  const PolyhedralRequest* request;
-  std::size_t* queries;
-  template <class AnyPoint>
-  FT operator()(const AnyPoint& p, int /*dimension*/, const Index& /*index*/) const {
-    if (++*queries > request->most_queries)
-      throw std::runtime_error("refinement does not come to an end");
-    return request->size({p.x(), p.y(), p.z()});
-  }
-};
 
 // Whether a point is too near to a vertex that is there, or in the ball that keeps a sharp edge.
 bool is_taken(const Triangulation& triangulation, const Kernel::Point_3& p, double apart) {
@@ -89,7 +73,12 @@ TetMesh refine(const cgal::SurfaceMesh& polyhedron, const PolyhedralRequest& req
   const bool edges = request.sharp_angle > 0;
   domain.detect_features(edges ? request.sharp_angle : 180.0);
   std::size_t queries = 0;
-  const Sizing sizing{&request, &queries};
+  const std::function<double(const Eigen::Vector3d&)> size = [&](const Eigen::Vector3d& x) {
+    if (++queries > request.most_queries)
+      throw std::runtime_error("refinement does not come to an end");
+    return request.size(x);
+  };
+  const Sizing<Domain> sizing{&size};
   const Criteria criteria(edge_size = sizing, facet_angle = kFacetAngle, facet_size = sizing,
                           facet_distance = request.surface_error,
                           cell_radius_edge_ratio = kRadiusEdge, cell_size = sizing);
@@ -106,10 +95,7 @@ TetMesh refine(const cgal::SurfaceMesh& polyhedron, const PolyhedralRequest& req
   RefinementWatch watch(request.watch);
   complex.watch = &watch;
   CGAL::refine_mesh_3(complex, domain, criteria, manifold(), no_perturb(), no_exude());
-  // Exudation sets no vertices, and ends soon.
-  RefinementWatch exuding({});
-  complex.watch = &exuding;
-  CGAL::exude_mesh_3(complex, sliver_bound = kSliverBound, time_limit = 0);
+  exude(complex);
   return extract(complex, &on_edge);
 }
 
@@ -137,20 +123,14 @@ Result<TetMesh> mesh_polyhedron(const SurfaceMesh& surface, const TriangleTree& 
 }
 
 double sharp_length(const SurfaceMesh& surface, double angle) {
-  std::map<std::pair<VertexId, VertexId>, Eigen::Vector3d> first;
-  const double bound = std::cos(angle * std::numbers::pi / 180.0);
+  namespace PMP = CGAL::Polygon_mesh_processing;
+  cgal::SurfaceMesh polyhedron;
+  if (!cgal::copy(surface, polyhedron)) return 0;
+  const auto sharp = polyhedron.add_property_map<cgal::SurfaceMesh::Edge_index, bool>().first;
+  PMP::detect_sharp_edges(polyhedron, angle, sharp);
   double length = 0;
-  for (const Triangle& t : surface.triangles) {
-    const auto corner = [&](std::size_t i) -> const Eigen::Vector3d& {
-      return surface.vertices[static_cast<std::size_t>(t[i % 3])];
-    };
-    const Eigen::Vector3d normal =
-        (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto [at, fresh] = first.try_emplace(std::minmax({t[i], t[(i + 1) % 3]}), normal);
-      if (!fresh && at->second.dot(normal) < bound) length += (corner(i) - corner(i + 1)).norm();
-    }
-  }
+  for (const auto edge : polyhedron.edges())
+    if (sharp[edge]) length += PMP::edge_length(edge, polyhedron);
   return length;
 }
 

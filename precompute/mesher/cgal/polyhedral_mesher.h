@@ -18,8 +18,8 @@ struct Seed {
 
 // size: wanted edge length at a point. surface_error: wanted distance to the surface.
 // sharp_angle: edges at which the surface bends by more degrees are kept as edges of the mesh; 0:
-// none are. seeds: first points, some on every shell. most_queries: of the size; the mesher gives
-// up behind them.
+// none are. seeds: first points, some on every shell. most_queries: of the size, beyond
+// which the mesher gives up.
 struct PolyhedralRequest {
   std::function<double(const Eigen::Vector3d&)> size;
   double surface_error = 0;
@@ -27,7 +27,7 @@ struct PolyhedralRequest {
   std::vector<Seed> seeds;
   std::size_t most_queries = 0;
   WatchLimits watch;
-  std::size_t most_on_edges = 0;  // vertices on sharp edges; the mesher gives up behind them
+  std::size_t most_on_edges = 0;  // vertices on sharp edges, likewise
 };
 
 // surface: a closed two-manifold, oriented outwards, without crossings; tree: over it. The same
@@ -35,7 +35,8 @@ struct PolyhedralRequest {
 Result<TetMesh> mesh_polyhedron(const SurfaceMesh& surface, const TriangleTree& tree,
                                 const PolyhedralRequest& request);
 
-// Total length of the edges at which the surface bends by more than `angle` degrees.
+// Total length of the edges at which the surface bends by more than `angle` degrees; 0 for one that
+// is no two-manifold.
 double sharp_length(const SurfaceMesh& surface, double angle);
 
 }  // namespace tremolo

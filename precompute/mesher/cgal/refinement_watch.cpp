@@ -8,17 +8,17 @@
 namespace tremolo {
 namespace {
 
-// Questions without a new vertex. Of 300 surfaces none that could be meshed asked more than 3 700
-// at once, or seven for each vertex.
+// Queries without a new vertex before refinement counts as stuck. Of 300 surfaces none that could
+// be meshed made more than 3 700 in a row, or seven for each vertex.
 constexpr std::uint64_t kStillAtLeast = 20'000;
 constexpr std::uint64_t kStillPerVertex = 60;
 
 }  // namespace
 
 RefinementWatch::RefinementWatch(const WatchLimits& limits)
-    : limits_(limits), start_(std::chrono::steady_clock::now()), tell_at_(limits.seconds) {}
+    : limits_(limits), start_(std::chrono::steady_clock::now()), next_report_(limits.seconds) {}
 
-void RefinementWatch::look() {
+void RefinementWatch::check() {
   if (steps_ - still_since_ > kStillAtLeast + kStillPerVertex * vertices_)
     throw std::runtime_error("refinement stands still");
   if ((limits_.most_steps > 0 && steps_ > limits_.most_steps) ||
@@ -26,8 +26,8 @@ void RefinementWatch::look() {
     throw std::runtime_error("refinement does not come to an end");
   const auto passed = std::chrono::steady_clock::now() - start_;
   const double seconds = std::chrono::duration<double>(passed).count();
-  if (seconds < tell_at_) return;
-  tell_at_ = 2 * seconds;
+  if (seconds < next_report_) return;
+  next_report_ = 2 * seconds;
   std::fprintf(stderr, "  %s\n", progress_text(vertices_, limits_.expected, seconds).c_str());
 }
 

@@ -1,4 +1,4 @@
-// Keeps refinement from going on for ever, and tells how far it is.
+// Bounds the work of refinement, and reports its progress.
 #pragma once
 
 #include <chrono>
@@ -8,10 +8,10 @@
 
 namespace tremolo {
 
-// most_steps: questions about facets that refinement may ask in all; most_vertices: that it may
-// set; 0: no bound on their number.
-// expected: vertices that the mesh is likely to get, 0: not known. seconds: by the clock, until
-// the first line on stderr; the next comes after twice as long. It has no say in what comes out.
+// most_steps: queries about facets that refinement may make in all; most_vertices: those that it
+// may insert; 0: no bound. expected: vertices that the mesh is likely to get, 0 if unknown.
+// seconds: of wall-clock time until the first line on stderr; each further one comes after twice as
+// long. Time has no influence on the mesh.
 struct WatchLimits {
   std::size_t most_steps = 0;
   std::size_t most_vertices = 0;
@@ -19,36 +19,37 @@ struct WatchLimits {
   double seconds = 5;
 };
 
-// Mesh_3 (CGAL 5.5) may ask about the same facets again and again without a new vertex, or set
-// vertices ever nearer to a corner whose neighbours grow in number; both end here after the same
-// count of questions on every machine.
+// Mesh_3 (CGAL 5.5) may query the same facets again and again without a new vertex, or insert
+// vertices ever nearer to a corner whose neighbours grow in number; the watch ends both after a
+// count of queries that is the same on every machine.
 class RefinementWatch {
  public:
   explicit RefinementWatch(const WatchLimits& limits);
 
-  // One question, while there are so many vertices. Throws std::runtime_error behind the bounds.
+  // Counts one query while the mesh has so many vertices. Throws std::runtime_error beyond the
+  // bounds.
   void step(std::size_t vertices) {
     ++steps_;
     if (vertices != vertices_) {
       vertices_ = vertices;
       still_since_ = steps_;
     }
-    if ((steps_ & kLook) == 0) look();
+    if ((steps_ & kCheckMask) == 0) check();
   }
 
   std::uint64_t steps() const { return steps_; }
 
  private:
-  // Questions between two looks at the bounds, less one; a power of two, less one.
-  static constexpr std::uint64_t kLook = 1023;
-  void look();
+  // A mask: the bounds are checked at every 1024th query.
+  static constexpr std::uint64_t kCheckMask = 1023;
+  void check();
 
   WatchLimits limits_;
   std::uint64_t steps_ = 0;
   std::uint64_t still_since_ = 0;
   std::size_t vertices_ = 0;
   std::chrono::steady_clock::time_point start_;
-  double tell_at_;  // s behind start_
+  double next_report_;  // s after start_
 };
 
 // "meshing: 1200 of about 4000 vertices, 5 s, about 12 s more"

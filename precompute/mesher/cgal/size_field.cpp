@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "precompute/mesher/surface/surface_distance.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {
 namespace {
@@ -13,7 +13,8 @@ using Point = Eigen::Vector3d;
 
 constexpr double kGrowth = 0.5;
 constexpr int kCells = 72;  // along the longest side
-// Rays behind a sample: one straight in, the others on a cone, so that a nick does not count.
+// Rays behind a sample besides the one straight in; they lie on a cone, so that a nick does not
+// count.
 constexpr int kConeRays = 4;
 // Cosine between the normals of two sides of a wall.
 constexpr double kParallel = 0.8;
@@ -26,7 +27,7 @@ constexpr int kMostHits = 8;
 constexpr double kStep = 1e-6;
 constexpr std::size_t kNoTriangle = static_cast<std::size_t>(-1);
 
-// Where a ray leaves the solid: it goes on behind triangles that lie within.
+// Finds where a ray leaves the solid; it passes triangles that lie within the solid.
 Hit way_out(const TriangleTree& tree, const Inside& inside, const Point& x, const Point& direction,
             std::size_t triangle) {
   Hit way = tree.first_hit(x, direction, triangle);
@@ -39,10 +40,11 @@ Hit way_out(const TriangleTree& tree, const Inside& inside, const Point& x, cons
   return way;
 }
 
-// Infinite where the solid does not end behind the point, or ends at no wall: at the edge of a
-// wedge the two sides are near each other but not parallel.
+// The thickness of the solid behind a point; infinite where the solid does not end there or ends at
+// no wall: at the edge of a wedge the two sides are near each other but not parallel.
 double thickness_behind(const SurfaceMesh& surface, const TriangleTree& tree, const Inside& inside,
-                        const SurfacePoint& at, const Point& inwards) {
+                        const SurfacePoint& at) {
+  const Point inwards = -at.normal;
   const Hit straight = way_out(tree, inside, at.point, inwards, at.triangle);
   if (!std::isfinite(straight.distance)) return straight.distance;
   const Point far = doubled_area(surface, surface.triangles[straight.triangle]).normalized();
@@ -61,20 +63,22 @@ double thickness_behind(const SurfaceMesh& surface, const TriangleTree& tree, co
   return lengths[2];
 }
 
+// From the lowest corner of a cell to one of its eight.
+Eigen::Vector3i corner_offset(int corner) {
+  return {corner % 2, corner / 2 % 2, corner / 4};
+}
+
 }  // namespace
 
 std::vector<WallSample> wall_samples(const SurfaceMesh& surface, const TriangleTree& tree,
                                      const Inside& inside, std::size_t count) {
-  double area = 0;
-  for (const Triangle& t : surface.triangles) area += 0.5 * doubled_area(surface, t).norm();
+  const double share = area(surface) / static_cast<double>(count);
   std::vector<WallSample> samples;
   for (const SurfacePoint& at : spread_points(surface, count)) {
-    const Point normal = doubled_area(surface, surface.triangles[at.triangle]).normalized();
-    if (inside && (inside(at.point + kStep * normal) || !inside(at.point - kStep * normal)))
+    if (inside && (inside(at.point + kStep * at.normal) || !inside(at.point - kStep * at.normal)))
       continue;
-    const double thickness = thickness_behind(surface, tree, inside, at, -normal);
-    if (std::isfinite(thickness) && thickness > 0)
-      samples.push_back({at.point, thickness, area / static_cast<double>(count)});
+    const double thickness = thickness_behind(surface, tree, inside, at);
+    if (std::isfinite(thickness) && thickness > 0) samples.push_back({at.point, thickness, share});
   }
   return samples;
 }
@@ -86,22 +90,15 @@ SizeField::SizeField(const BoundingBox& box, const std::vector<WallSample>& wall
   low_ = box.low - Point::Constant(step_);
   count_ = ((box.high - box.low) / step_).array().ceil().cast<int>() + 4;
   values_.assign(static_cast<std::size_t>(count_.prod()), static_cast<float>(coarse));
-  const auto index = [this](int i, int j, int k) {
-    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(count_[1]) +
-            static_cast<std::size_t>(j)) *
-               static_cast<std::size_t>(count_[0]) +
-           static_cast<std::size_t>(i);
-  };
   for (const WallSample& wall : walls) {
     const double size = std::clamp(wall.thickness, fine, coarse);
     const Eigen::Vector3i cell = ((wall.point - low_) / step_).array().floor().cast<int>();
     for (int corner = 0; corner < 8; ++corner) {
-      float& value =
-          values_[index(cell[0] + corner % 2, cell[1] + corner / 2 % 2, cell[2] + corner / 4)];
+      float& value = values_[index(cell + corner_offset(corner))];
       value = std::min(value, static_cast<float>(size));
     }
   }
-  // Sweeps in all eight directions: the distance to a cell's neighbours along the axes.
+  // Sweeps in all eight directions bound the growth from a node to its neighbours along the axes.
   const auto slope = static_cast<float>(kGrowth * step_);
   for (int sweep = 0; sweep < 8; ++sweep) {
     const Eigen::Vector3i sign(sweep & 1 ? -1 : 1, sweep & 2 ? -1 : 1, sweep & 4 ? -1 : 1);
@@ -111,12 +108,12 @@ SizeField::SizeField(const BoundingBox& box, const std::vector<WallSample>& wall
         for (int i = 0; i < count_[0]; ++i) {
           at = {sign[0] > 0 ? i : count_[0] - 1 - i, sign[1] > 0 ? j : count_[1] - 1 - j,
                 sign[2] > 0 ? k : count_[2] - 1 - k};
-          float& value = values_[index(at[0], at[1], at[2])];
+          float& value = values_[index(at)];
           for (int axis = 0; axis < 3; ++axis) {
             Eigen::Vector3i before = at;
             before[axis] -= sign[axis];
             if (before[axis] < 0 || before[axis] >= count_[axis]) continue;
-            value = std::min(value, values_[index(before[0], before[1], before[2])] + slope);
+            value = std::min(value, values_[index(before)] + slope);
           }
         }
   }
@@ -133,14 +130,9 @@ double SizeField::at(const Point& x) const {
   }
   double sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    const int di = corner % 2, dj = corner / 2 % 2, dk = corner / 4;
-    const double weight = (di ? share[0] : 1 - share[0]) * (dj ? share[1] : 1 - share[1]) *
-                          (dk ? share[2] : 1 - share[2]);
-    sum += weight *
-           values_[(static_cast<std::size_t>(cell[2] + dk) * static_cast<std::size_t>(count_[1]) +
-                    static_cast<std::size_t>(cell[1] + dj)) *
-                       static_cast<std::size_t>(count_[0]) +
-                   static_cast<std::size_t>(cell[0] + di)];
+    const Eigen::Vector3i offset = corner_offset(corner);
+    const auto weight = [&](int axis) { return offset[axis] ? share[axis] : 1 - share[axis]; };
+    sum += weight(0) * weight(1) * weight(2) * values_[index(cell + offset)];
   }
   return sum;
 }

@@ -1,4 +1,4 @@
-// How finely a solid is cut: coarse inside, finer where walls are thin.
+// The wanted edge length over a solid: coarse inside, finer where walls are thin.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@ struct WallSample {
   double area = 0;
 };
 
-// Whether a point lies in the solid.
+// Says whether a point lies in the solid.
 using Inside = std::function<bool(const Eigen::Vector3d&)>;
 
 // About `count` samples spread by area; those behind which no wall is found are left out. `inside`
@@ -27,8 +27,8 @@ using Inside = std::function<bool(const Eigen::Vector3d&)>;
 std::vector<WallSample> wall_samples(const SurfaceMesh& surface, const TriangleTree& tree,
                                      const Inside& inside, std::size_t count);
 
-// Wanted edge length: at most `coarse`, at a wall its thickness but not below `fine`, growing by a
-// half of the way from there.
+// Wanted edge length on a grid, trilinear between its nodes: at most `coarse`, at a wall the wall's
+// thickness but not below `fine`, and growing by half of the distance from there.
 class SizeField {
  public:
   SizeField(const BoundingBox& box, const std::vector<WallSample>& walls, double coarse,
@@ -37,6 +37,11 @@ class SizeField {
   double coarsest() const { return coarse_; }
 
  private:
+  std::size_t index(const Eigen::Vector3i& node) const {
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    return (at(node[2]) * at(count_[1]) + at(node[1])) * at(count_[0]) + at(node[0]);
+  }
+
   Eigen::Vector3d low_;
   double step_ = 0;
   double coarse_ = 0;
@@ -44,7 +49,7 @@ class SizeField {
   std::vector<float> values_;  // x fastest
 };
 
-// The size everywhere with which a compact solid of that volume becomes so many tetrahedra.
+// The uniform edge length with which a compact solid of that volume becomes so many tetrahedra.
 double size_for_count(double volume, double count);
 
 // Tetrahedra that a solid of that volume would be cut into, to a factor of two or so.

@@ -1,23 +1,95 @@
 #include "precompute/mesher/surface/crossings.h"
 
-#include <vector>
+#include <algorithm>
+#include <exception>
+#include <numeric>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/corefinement.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
-#include <CGAL/Surface_mesh.h>
 
 #include "precompute/mesher/surface/cgal_surface.h"
+#include "precompute/mesher/surface/surface_weld.h"
 
 namespace tremolo {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+
+// More would take too long: each is united with all before it.
+constexpr std::size_t kMostShells = 200;
+
+// The union of the shells; throws what CGAL does.
+std::optional<cgal::SurfaceMesh> unite(const std::vector<SurfaceMesh>& shells) {
+  cgal::SurfaceMesh all;
+  for (const SurfaceMesh& shell : shells) {
+    if (shell.triangles.empty()) continue;
+    cgal::SurfaceMesh mesh;
+    if (!cgal::copy(shell, mesh) || !CGAL::is_closed(mesh) || PMP::does_self_intersect(mesh) ||
+        PMP::volume(mesh) <= 0)
+      return std::nullopt;
+    if (all.is_empty())
+      all = mesh;
+    else if (!PMP::corefine_and_compute_union(all, mesh, all))
+      return std::nullopt;
+  }
+  return all;
+}
+
+// Orders vertices and triangles by their place, since corefinement's order depends on addresses,
+// and the mesh on that order.
+void sort_by_place(SurfaceMesh& surface) {
+  std::vector<std::size_t> order(surface.vertices.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&surface](std::size_t i, std::size_t j) {
+    const Eigen::Vector3d &a = surface.vertices[i], &b = surface.vertices[j];
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  });
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<VertexId> new_ids(order.size());
+  for (const std::size_t v : order) {
+    new_ids[v] = static_cast<VertexId>(vertices.size());
+    vertices.push_back(surface.vertices[v]);
+  }
+  surface.vertices = std::move(vertices);
+  for (Triangle& t : surface.triangles) {
+    for (VertexId& v : t) v = new_ids[static_cast<std::size_t>(v)];
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  }
+  std::sort(surface.triangles.begin(), surface.triangles.end());
+}
+
+}  // namespace
 
 std::size_t count_crossings(const SurfaceMesh& surface) {
   cgal::SurfaceMesh mesh;
-  // A vertex where several fans meet is split by the caller of CGAL; a triangle it refuses shares a
-  // corner in a way that only a self-touching surface does.
+  // CGAL refuses triangles that meet in a corner alone, where the surface touches itself.
   if (!cgal::copy(surface, mesh)) return 1;
   std::vector<std::pair<cgal::SurfaceMesh::Face_index, cgal::SurfaceMesh::Face_index>> pairs;
-  CGAL::Polygon_mesh_processing::self_intersections(mesh, std::back_inserter(pairs));
+  PMP::self_intersections(mesh, std::back_inserter(pairs));
   return pairs.size();
+}
+
+std::optional<SurfaceMesh> unite_shells(const SurfaceMesh& surface,
+                                        const std::vector<std::size_t>& shell_of) {
+  std::size_t count = 0;
+  for (const std::size_t shell : shell_of) count = std::max(count, shell + 1);
+  if (count < 2 || count > kMostShells) return std::nullopt;
+  std::vector<SurfaceMesh> shells(count, {surface.vertices, {}});
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    shells[shell_of[t]].triangles.push_back(surface.triangles[t]);
+  for (SurfaceMesh& shell : shells) drop_unused_vertices(shell);
+  try {
+    const std::optional<cgal::SurfaceMesh> all = unite(shells);
+    if (!all) return std::nullopt;
+    SurfaceMesh united = cgal::copy(*all);
+    weld(united);
+    sort_by_place(united);
+    if (odd_edges(united) > 0 || count_crossings(united) > 0) return std::nullopt;
+    return united;
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace tremolo

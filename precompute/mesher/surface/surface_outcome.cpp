@@ -5,19 +5,18 @@
 #include <map>
 
 #include "common/mesh/mesh_parts.h"
-#include "precompute/mesher/surface/surface_distance.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {
 namespace {
-
-using Point = Eigen::Vector3d;
 
 constexpr std::size_t kDistanceSamples = 20'000;
 // A part with less than this share of the largest one's volume is a crumb.
 constexpr double kCrumb = 0.01;
 
 // The largest distance from the mesh's boundary to the surface. Where a hole was closed there is no
-// surface: there the solid angle goes steadily through one half, and only there.
+// surface, and only there the solid angle passes one half gradually; those distances count for
+// largest_cap.
 double mesh_to_surface(const SurfaceSolid& solid, const SurfaceMesh& boundary, double error,
                        double& largest_cap) {
   const double step = 3.0 * error;
@@ -25,9 +24,8 @@ double mesh_to_surface(const SurfaceSolid& solid, const SurfaceMesh& boundary, d
   for (const SurfacePoint& at : spread_points(boundary, kDistanceSamples)) {
     const double distance = solid.tree.nearest(at.point).distance;
     if (!solid.closed && distance > error) {
-      const Point normal = doubled_area(boundary, boundary.triangles[at.triangle]).normalized();
-      const double before = solid.winding.at(at.point + step * normal);
-      const double behind = solid.winding.at(at.point - step * normal);
+      const double before = solid.winding.at(at.point + step * at.normal);
+      const double behind = solid.winding.at(at.point - step * at.normal);
       constexpr double kSteady = 0.25;
       if (std::abs(before - 0.5) < kSteady && std::abs(behind - 0.5) < kSteady) {
         largest_cap = std::max(largest_cap, distance);
@@ -39,18 +37,17 @@ double mesh_to_surface(const SurfaceSolid& solid, const SurfaceMesh& boundary, d
   return largest;
 }
 
-// Whether a point parts inside from outside. A fin has a half of a turn on either side.
+// Whether a point of the surface lies between inside and outside. On either side of a fin the
+// winding number is one half.
 bool is_border(const SurfaceSolid& solid, const SurfacePoint& at) {
   constexpr double kStep = 1e-4;
   constexpr double kBacked = 0.65;
-  const Point normal =
-      doubled_area(solid.surface, solid.surface.triangles[at.triangle]).normalized();
-  return solid.winding.at(at.point - kStep * normal) > kBacked &&
-         !solid.inside(at.point + kStep * normal);
+  return solid.winding.at(at.point - kStep * at.normal) > kBacked &&
+         !solid.inside(at.point + kStep * at.normal);
 }
 
-// The way back, from those points of the surface that part inside from outside. Shells that were
-// left out as a whole do not count.
+// The largest distance from the surface, where it lies between inside and outside, to the mesh's
+// boundary. Shells that were left out as a whole do not count.
 double surface_to_mesh(const SurfaceSolid& solid, const TriangleTree& boundary) {
   struct Range {
     double least = HUGE_VAL, most = 0;

@@ -1,4 +1,4 @@
-// What came out of meshing a surface: parts, and how far mesh and surface are apart.
+// The result of meshing a surface: its parts, and the distances between mesh and surface.
 #pragma once
 
 #include "common/mesh/tet_mesh.h"
@@ -6,14 +6,14 @@
 
 namespace tremolo {
 
-// Farther apart than that, in units of the diagonal, a mesh does not follow its surface.
+// A mesh farther from its surface than this, in units of the diagonal, does not follow it.
 inline constexpr double kWorstError = 0.01;
 
 struct PartCounts {
   std::size_t kept = 0, dropped = 0;
 };
 
-// Takes parts out that have less than 1 % of the largest one's volume, unless they are to be kept.
+// Removes parts of less than 1 % of the largest one's volume, unless they are to be kept.
 PartCounts drop_crumbs(TetMesh& mesh, bool keep);
 
 // In units of the diagonal; see SurfaceMeshReport. error: the wanted distance.

@@ -8,7 +8,7 @@
 #include <span>
 #include <tuple>
 
-#include "precompute/mesher/surface/surface_distance.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 #include "precompute/mesher/surface/triangle_tree.h"
 
 namespace tremolo {
@@ -16,12 +16,12 @@ namespace {
 
 using Point = Eigen::Vector3d;
 
-// Rays in all to tell the outside of patches, and the most and least samples a patch.
+// Samples over all patches from which rays find the outside, and the most and least of one patch.
 constexpr std::size_t kSamples = 40'000;
 constexpr std::size_t kMostSamples = 64;
 constexpr std::size_t kLeastSamples = 2;
-constexpr int kRays = 4;  // a side of a sample
-constexpr double kOff = 1e-6;
+constexpr int kRays = 4;       // on each side of a sample
+constexpr double kOff = 1e-6;  // of their origins from the surface
 
 struct Edge {
   VertexId low, high;
@@ -45,7 +45,7 @@ std::vector<Edge> sorted_edges(const std::vector<Triangle>& triangles) {
   return edges;
 }
 
-// Visits the edges with all their triangles.
+// Calls visit(uses) for each edge with a span of its uses, one for each of its triangles.
 template <class Visit>
 void for_each_edge(const std::vector<Edge>& edges, const Visit& visit) {
   for (std::size_t i = 0; i < edges.size();) {
@@ -64,28 +64,22 @@ struct Votes {
   int front = 0, back = 0;  // rays that reach infinity
 };
 
-// A side from which rays escape is outside.
+// Counts the rays that escape from either side; the outside is where they do.
 Votes vote(const SurfaceMesh& surface, const TriangleTree& tree, const SurfacePatch& patch,
            std::size_t samples, std::mt19937_64& random) {
   std::vector<double> areas;
   for (const std::size_t t : patch.triangles) areas.push_back(area(surface, t));
   std::discrete_distribution<std::size_t> pick(areas.begin(), areas.end());
-  std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::normal_distribution<double> normal;
   Votes votes;
   for (std::size_t s = 0; s < samples; ++s) {
     const std::size_t t = patch.triangles[pick(random)];
-    double u = uniform(random), v = uniform(random);
-    if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
-    const auto corner = [&](std::size_t i) -> const Point& {
-      return surface.vertices[static_cast<std::size_t>(surface.triangles[t][i])];
-    };
-    const Point x = corner(0) + u * (corner(1) - corner(0)) + v * (corner(2) - corner(0));
+    const Point x = random_point(surface, surface.triangles[t], random);
     const Point up = doubled_area(surface, surface.triangles[t]).normalized();
     for (int ray = 0; ray < kRays; ++ray) {
       Point direction = Point(normal(random), normal(random), normal(random)).normalized();
       if (direction.dot(up) < 0) direction = -direction;
-      // Off the surface: another triangle may lie in the same plane.
+      // Rays start off the surface, since another triangle may lie in the same plane.
       votes.front += std::isinf(tree.first_hit(x + kOff * direction, direction, t).distance);
       votes.back += std::isinf(tree.first_hit(x - kOff * direction, -direction, t).distance);
     }

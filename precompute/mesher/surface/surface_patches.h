@@ -1,4 +1,8 @@
-// Parts of a surface that hang together by edges, and which way they face.
+// Parts of a surface that are connected by edges, and which way they face. CGAL's
+// orient_polygon_soup() orients by the first triangle of a part, not by the larger area, so that
+// one turned triangle makes a cavity a superfluous shell, and cuts the surface open where a sheet
+// is one-sided or three triangles meet; the numbers of both are findings. Its boundary cycles are
+// those of a two-manifold.
 #pragma once
 
 #include <vector>

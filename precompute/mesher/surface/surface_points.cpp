@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "precompute/mesher/surface/thinning.h"
+#include "precompute/mesher/surface/point_cells.h"
 
 namespace tremolo {
 namespace {
@@ -66,11 +66,9 @@ std::vector<Point> surface_points(const Recipe& recipe, double spacing, int cell
   const std::vector<Point> all = crossings(recipe, grid);
   double widest = step;
   for (const Point& x : all) widest = std::max(widest, spacing * recipe.size(x));
-  Thinning thinning(widest);
-  std::vector<Point> kept;
-  for (const Point& x : all)
-    if (thinning.take(x, spacing * recipe.size(x))) kept.push_back(x);
-  return kept;
+  PointCells kept(widest);
+  for (const Point& x : all) kept.add_if_apart(x, spacing * recipe.size(x));
+  return kept.points();
 }
 
 }  // namespace tremolo

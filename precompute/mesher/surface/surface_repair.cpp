@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <memory>
 #include <optional>
 
 #include "precompute/mesher/surface/crossings.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 #include "precompute/mesher/surface/surface_patches.h"
-#include "precompute/mesher/surface/surface_union.h"
 #include "precompute/mesher/surface/surface_weld.h"
 #include "precompute/mesher/surface/winding_number.h"
 
@@ -17,18 +16,19 @@ namespace {
 
 using Point = Eigen::Vector3d;
 
-// Six times the volume between a patch and the origin.
-double volume_below(const SurfaceMesh& surface, const Triangle& t) {
-  return surface.vertices[static_cast<std::size_t>(t[0])].dot(
-      surface.vertices[static_cast<std::size_t>(t[1])].cross(
-          surface.vertices[static_cast<std::size_t>(t[2])]));
+double signed_volume(const SurfaceMesh& surface, const SurfacePatch& patch) {
+  double volume = 0;
+  for (const std::size_t t : patch.triangles) volume += volume_below(surface, surface.triangles[t]);
+  return volume;
 }
 
+// A closed patch. parent: the smallest shell around it, an index of shells.
 struct Shell {
-  std::size_t patch;
-  BoundingBox box;
-  double volume = 0;  // m^3, unsigned
-  int depth = 0;      // how many others it lies in
+  std::size_t patch = 0;
+  BoundingBox box = {};
+  double volume = 0;  // over the diagonal cubed; negative if the shell faces inwards
+  bool cavity = false;
+  std::optional<std::size_t> parent = {};
 };
 
 bool contains(const BoundingBox& outer, const BoundingBox& inner) {
@@ -43,57 +43,55 @@ SurfaceMesh part_of(const SurfaceMesh& surface, const SurfacePatch& patch) {
   return part;
 }
 
-// Closed shells: outermost ones face outwards. One inside another is a cavity if it faces the other
-// way than the one around it did in the file, and superfluous if it faces the same way.
-void settle_closed_shells(SurfaceMesh& surface, const std::vector<SurfacePatch>& patches,
-                          SurfaceFindings& findings, std::vector<bool>& dropped) {
+// The closed patches, the largest one first, and which of them lies in which. CGAL's
+// volume_connected_components() takes neither open patches beside them nor shells that touch.
+std::vector<Shell> nested_shells(const SurfaceMesh& surface,
+                                 const std::vector<SurfacePatch>& patches) {
   std::vector<Shell> shells;
-  std::vector<bool> inverted(patches.size(), false);
   for (std::size_t p = 0; p < patches.size(); ++p) {
     if (patches[p].open || patches[p].branching) continue;
-    double volume = 0;
-    std::vector<Point> corners;
-    for (const std::size_t t : patches[p].triangles) {
-      volume += volume_below(surface, surface.triangles[t]) / 6.0;
-      for (const VertexId v : surface.triangles[t])
-        corners.push_back(surface.vertices[static_cast<std::size_t>(v)]);
-    }
-    inverted[p] = volume < 0;
-    shells.push_back({p, bounding_box(corners), std::abs(volume)});
+    std::vector<Point> points;
+    for (const std::size_t t : patches[p].triangles)
+      for (const Point& x : corners(surface, surface.triangles[t])) points.push_back(x);
+    shells.push_back({p, bounding_box(points), signed_volume(surface, patches[p])});
   }
   std::sort(shells.begin(), shells.end(),
-            [](const Shell& a, const Shell& b) { return a.volume > b.volume; });
-  std::vector<std::size_t> parent(shells.size());
+            [](const Shell& a, const Shell& b) { return std::abs(a.volume) > std::abs(b.volume); });
   for (std::size_t outer = 0; outer < shells.size(); ++outer) {
-    std::unique_ptr<WindingNumber> winding;
+    std::optional<WindingNumber> winding;
     for (std::size_t inner = outer + 1; inner < shells.size(); ++inner) {
       if (!contains(shells[outer].box, shells[inner].box)) continue;
-      if (!winding)
-        winding = std::make_unique<WindingNumber>(part_of(surface, patches[shells[outer].patch]));
-      const Triangle& t = surface.triangles[patches[shells[inner].patch].triangles.front()];
-      if (std::abs(winding->at(surface.vertices[static_cast<std::size_t>(t[0])])) > 0.5) {
-        ++shells[inner].depth;
-        parent[inner] = outer;  // the smallest one around comes last
-      }
+      if (!winding) winding.emplace(part_of(surface, patches[shells[outer].patch]));
+      const std::size_t first = patches[shells[inner].patch].triangles.front();
+      const Point x = corners(surface, surface.triangles[first])[0];
+      if (std::abs(winding->at(x)) > 0.5) shells[inner].parent = outer;
     }
   }
-  std::vector<bool> as_cavity(shells.size(), false);
-  for (std::size_t s = 0; s < shells.size(); ++s) {
-    const std::size_t p = shells[s].patch;
-    const bool inside = shells[s].depth > 0;
-    if (inside && dropped[shells[parent[s]].patch]) {
-      dropped[p] = true;  // what lies in a superfluous shell
-    } else if (inside && inverted[p] == inverted[shells[parent[s]].patch]) {
-      dropped[p] = !as_cavity[parent[s]];
-    } else {
-      as_cavity[s] = inside && !as_cavity[parent[s]];
+  return shells;
+}
+
+// Outermost shells face outwards. One inside another is a cavity if it faces the other way than the
+// one around it did in the file, and superfluous if it faces the same way.
+void settle_closed_shells(SurfaceMesh& surface, const std::vector<SurfacePatch>& patches,
+                          SurfaceFindings& findings, std::vector<bool>& dropped) {
+  std::vector<Shell> shells = nested_shells(surface, patches);
+  for (Shell& shell : shells) {
+    const bool inverted = shell.volume < 0;
+    if (shell.parent) {
+      const Shell& parent = shells[*shell.parent];
+      if (dropped[parent.patch])
+        dropped[shell.patch] = true;
+      else if (inverted == (parent.volume < 0))
+        dropped[shell.patch] = !parent.cavity;
+      else
+        shell.cavity = !parent.cavity;
     }
-    if (dropped[p]) {
+    if (dropped[shell.patch]) {
       ++findings.inner_shells;
       continue;
     }
-    findings.cavities += as_cavity[s];
-    if (inverted[p] != as_cavity[s]) turn_patch(surface, patches[p], findings);
+    findings.cavities += shell.cavity;
+    if (inverted != shell.cavity) turn_patch(surface, patches[shell.patch], findings);
   }
 }
 
@@ -104,11 +102,9 @@ bool unite(SurfaceMesh& surface, const std::vector<SurfacePatch>& patches,
   SurfaceFindings turned = findings;
   std::size_t inwards = 0;
   for (const SurfacePatch& patch : patches) {
-    double volume = 0;
-    for (const std::size_t t : patch.triangles)
-      volume += volume_below(surface, surface.triangles[t]);
-    inwards += volume < 0;
-    if (volume < 0) turn_patch(outwards, patch, turned);
+    if (signed_volume(surface, patch) >= 0) continue;
+    ++inwards;
+    turn_patch(outwards, patch, turned);
   }
   // Some of each: cavities, perhaps.
   if (inwards > 0 && inwards < patches.size()) return false;

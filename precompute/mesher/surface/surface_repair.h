@@ -1,4 +1,6 @@
-// What is wrong with a surface, and what can be mended without guessing.
+// What is wrong with a surface, and what can be mended without guessing. CGAL's
+// orient_to_bound_a_volume() makes every inner shell a cavity; here one that faces the same way as
+// the shell around it is superfluous and left out.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +32,7 @@ struct SurfaceFindings {
   std::size_t cavities = 0;
   double open_share = 0;  // area of shells that have a hole over the whole area
 
-  // Nothing is left that only a solid angle can judge.
+  // Whether the surface is closed and free of crossings, so that no solid angle is needed.
   bool clean() const {
     return holes == 0 && branching_edges == 0 && one_sided_edges == 0 && crossings == 0;
   }
@@ -48,7 +50,7 @@ struct RepairedSurface {
 // closed as gaps. Inner shells are taken out, cavities stay.
 RepairedSurface repair_surface(const SurfaceMesh& surface);
 
-// One sentence for each finding, "welded 120 vertices"; empty for a sound surface.
+// One sentence for each finding, "welded 120 vertices"; none for a sound surface.
 std::vector<std::string> describe(const SurfaceFindings& findings);
 
 }  // namespace tremolo

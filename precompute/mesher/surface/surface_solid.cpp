@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <random>
 
-#include "precompute/mesher/surface/surface_distance.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {
 namespace {
@@ -46,9 +46,7 @@ Openness openness(const SurfaceSolid& solid) {
   constexpr double kStep = 1e-5;
   Openness result;
   for (const SurfacePoint& at : spread_points(solid.surface, kPoints)) {
-    const Point normal =
-        doubled_area(solid.surface, solid.surface.triangles[at.triangle]).normalized();
-    const double behind = solid.winding.at(at.point - kStep * normal);
+    const double behind = solid.winding.at(at.point - kStep * at.normal);
     result.backed += behind > 0.5;
     result.lacking += std::clamp(1.0 - behind, 0.0, 1.0);
   }
@@ -60,12 +58,7 @@ Openness openness(const SurfaceSolid& solid) {
 double volume(const SurfaceSolid& solid) {
   if (solid.closed && solid.half_thickness == 0) {
     double sum = 0;
-    for (const Triangle& t : solid.surface.triangles) {
-      const auto at = [&](std::size_t i) -> const Point& {
-        return solid.surface.vertices[static_cast<std::size_t>(t[i])];
-      };
-      sum += at(0).dot(at(1).cross(at(2))) / 6.0;
-    }
+    for (const Triangle& t : solid.surface.triangles) sum += volume_below(solid.surface, t);
     return sum;
   }
   const BoundingBox box = bounding_box(solid.surface.vertices);

@@ -1,111 +1,93 @@
 #include "precompute/mesher/surface/surface_weld.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <map>
-#include <numeric>
-#include <unordered_map>
 #include <vector>
+
+#include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
+
+#include "precompute/mesher/surface/point_cells.h"
+#include "precompute/mesher/surface/surface_geometry.h"
 
 namespace tremolo {
 namespace {
 
 using Point = Eigen::Vector3d;
 
+// Vertices of a gap that is closed lie at most so far apart, over the diagonal, and at most this
+// share of the short edges' length.
 constexpr double kGap = 3e-5;
-// A gap that is closed is at most this share of the short edges.
 constexpr double kGapOverEdge = 0.1;
 // Height over the longest edge of a triangle that counts as flat.
 constexpr double kFlat = 1e-9;
 
-std::uint64_t cell_key(const Eigen::Vector3i& cell) {
-  std::uint64_t value = 0;
-  for (const int c : cell) value = (value << 21) | (static_cast<std::uint64_t>(c) & 0x1fffffu);
-  return value;
-}
+// What CGAL's functions for soups of triangles need to know of a point.
+struct SoupTraits {
+  using Point_3 = Point;
+  struct Less_xyz_3 {
+    bool operator()(const Point& a, const Point& b) const {
+      return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+    }
+  };
+  Less_xyz_3 less_xyz_3_object() const { return {}; }
+};
 
-void renumber(SurfaceMesh& surface, const std::vector<VertexId>& place_of) {
+void renumber(SurfaceMesh& surface, const std::vector<VertexId>& new_ids) {
   for (Triangle& t : surface.triangles)
-    for (VertexId& v : t) v = place_of[static_cast<std::size_t>(v)];
+    for (VertexId& v : t) v = new_ids[static_cast<std::size_t>(v)];
 }
 
-std::size_t merge_equal(SurfaceMesh& surface) {
-  std::map<std::array<double, 3>, VertexId> first;
-  std::vector<VertexId> place_of(surface.vertices.size());
-  std::vector<Point> kept;
-  for (std::size_t v = 0; v < place_of.size(); ++v) {
-    const Point& x = surface.vertices[v];
-    const auto [at, fresh] =
-        first.try_emplace({x[0] + 0.0, x[1] + 0.0, x[2] + 0.0}, static_cast<VertexId>(kept.size()));
-    if (fresh) kept.push_back(x);
-    place_of[v] = at->second;
-  }
-  const std::size_t merged = surface.vertices.size() - kept.size();
-  surface.vertices = std::move(kept);
-  renumber(surface, place_of);
-  return merged;
-}
-
-// Each vertex goes to the first one within `gap` that itself stays.
+// Moves each vertex to the first one nearer than `gap` that itself stays.
 std::size_t merge_near(SurfaceMesh& surface, double gap) {
-  std::unordered_map<std::uint64_t, std::vector<VertexId>> cells;
-  std::vector<VertexId> place_of(surface.vertices.size());
-  std::vector<Point> kept;
-  for (std::size_t v = 0; v < place_of.size(); ++v) {
-    const Point& x = surface.vertices[v];
-    const Eigen::Vector3i cell = (x / gap).array().floor().cast<int>();
-    VertexId found = -1;
-    for (int i = 0; i < 27 && found < 0; ++i) {
-      const auto at =
-          cells.find(cell_key(cell + Eigen::Vector3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
-      if (at == cells.end()) continue;
-      for (const VertexId other : at->second)
-        if ((kept[static_cast<std::size_t>(other)] - x).norm() <= gap) {
-          found = other;
-          break;
-        }
-    }
-    if (found < 0) {
-      found = static_cast<VertexId>(kept.size());
-      kept.push_back(x);
-      cells[cell_key(cell)].push_back(found);
-    }
-    place_of[v] = found;
+  PointCells cells(gap);
+  std::vector<VertexId> new_ids;
+  for (const Point& x : surface.vertices) {
+    const VertexId found = cells.near(x, gap);
+    new_ids.push_back(found < 0 ? cells.add(x) : found);
   }
-  const std::size_t merged = surface.vertices.size() - kept.size();
-  surface.vertices = std::move(kept);
-  renumber(surface, place_of);
+  const std::size_t merged = surface.vertices.size() - cells.points().size();
+  surface.vertices = cells.points();
+  renumber(surface, new_ids);
   return merged;
 }
 
 bool is_flat(const SurfaceMesh& surface, const Triangle& t) {
   if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
-  const auto at = [&](std::size_t i) -> const Point& {
-    return surface.vertices[static_cast<std::size_t>(t[i])];
-  };
-  const Point a = at(1) - at(0), b = at(2) - at(0), c = at(2) - at(1);
-  const double longest = std::max({a.norm(), b.norm(), c.norm()});
-  return !(a.cross(b).norm() > kFlat * longest * longest);
+  const auto [a, b, c] = corners(surface, t);
+  const double longest = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()});
+  return !(doubled_area(surface, t).norm() > kFlat * longest * longest);
 }
 
 std::size_t drop_flat(SurfaceMesh& surface) {
   return std::erase_if(surface.triangles, [&](const Triangle& t) { return is_flat(surface, t); });
 }
 
-// A fifth percentile of the edges' lengths: one bad edge must not decide.
+// The fifth percentile of the edges' lengths, so that one bad edge does not decide; 0 without
+// edges.
 double short_edge(const SurfaceMesh& surface) {
   std::vector<double> lengths;
-  for (const Triangle& t : surface.triangles)
-    for (std::size_t i = 0; i < 3; ++i)
-      lengths.push_back((surface.vertices[static_cast<std::size_t>(t[i])] -
-                         surface.vertices[static_cast<std::size_t>(t[(i + 1) % 3])])
-                            .norm());
+  for (const Triangle& t : surface.triangles) {
+    const auto [a, b, c] = corners(surface, t);
+    lengths.insert(lengths.end(), {(a - b).norm(), (b - c).norm(), (c - a).norm()});
+  }
   if (lengths.empty()) return 0.0;
   const auto at = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 20);
   std::nth_element(lengths.begin(), at, lengths.end());
   return *at;
+}
+
+// Merges vertices that lie close to each other where that leaves fewer open edges.
+void close_gaps(SurfaceMesh& surface, WeldCounts& counts) {
+  const std::size_t open = odd_edges(surface);
+  if (open == 0) return;
+  SurfaceMesh closed = surface;
+  const double gap = std::min(kGap, kGapOverEdge * short_edge(surface));
+  const std::size_t merged = gap > 0 ? merge_near(closed, gap) : 0;
+  const std::size_t flat = drop_flat(closed);
+  if (merged == 0 || odd_edges(closed) >= open) return;
+  surface = std::move(closed);
+  counts.welded += merged;
+  counts.degenerate += flat;
 }
 
 Triangle sorted(Triangle t) {
@@ -117,47 +99,46 @@ bool is_even(const Triangle& t) {
   return ((t[0] < t[1]) + (t[1] < t[2]) + (t[2] < t[0])) == 2;
 }
 
-struct Faces {
-  std::vector<Triangle> alone;         // each once
-  std::vector<Triangle> back_to_back;  // one of each pair
-  std::size_t repeated = 0;
-};
-
-Faces sort_out(const SurfaceMesh& surface) {
-  struct Seen {
-    Triangle first;
+// Leaves the first of several equal triangles; of those back to back with another one of each pair,
+// at the end, or neither where that leaves fewer open edges.
+void drop_repeats(SurfaceMesh& surface, WeldCounts& counts) {
+  struct Uses {
     std::size_t even = 0, odd = 0;
   };
-  std::map<Triangle, std::size_t> place_of;
-  std::vector<Seen> seen;
-  for (const Triangle& t : surface.triangles) {
-    const auto [at, fresh] = place_of.try_emplace(sorted(t), seen.size());
-    if (fresh) seen.push_back({t});
-    ++(is_even(t) ? seen[at->second].even : seen[at->second].odd);
-  }
-  Faces faces;
-  for (const Seen& face : seen) {
-    const bool both = face.even > 0 && face.odd > 0;
-    (both ? faces.back_to_back : faces.alone).push_back(face.first);
-    faces.repeated += face.even + face.odd - (both ? 2 : 1);
-  }
-  return faces;
+  std::map<Triangle, Uses> uses;
+  auto& triangles = surface.triangles;
+  counts.repeated = std::erase_if(triangles, [&uses](const Triangle& t) {
+    Uses& of_these = uses[sorted(t)];
+    ++(is_even(t) ? of_these.even : of_these.odd);
+    return of_these.even + of_these.odd > 1;
+  });
+  const auto pairs = std::stable_partition(triangles.begin(), triangles.end(), [&](auto& t) {
+    const Uses& of_these = uses[sorted(t)];
+    return of_these.even == 0 || of_these.odd == 0;
+  });
+  if (pairs == triangles.end()) return;
+  SurfaceMesh without{surface.vertices, {triangles.begin(), pairs}};
+  if (without.triangles.empty() || odd_edges(surface) <= odd_edges(without)) return;
+  const auto count = static_cast<std::size_t>(triangles.end() - pairs);
+  counts.repeated -= count;
+  counts.cancelled = 2 * count;
+  surface = std::move(without);
 }
 
 }  // namespace
 
 void drop_unused_vertices(SurfaceMesh& surface) {
-  std::vector<VertexId> place_of(surface.vertices.size(), -1);
+  std::vector<VertexId> new_ids(surface.vertices.size(), -1);
   for (const Triangle& t : surface.triangles)
-    for (const VertexId v : t) place_of[static_cast<std::size_t>(v)] = 0;
+    for (const VertexId v : t) new_ids[static_cast<std::size_t>(v)] = 0;
   std::vector<Point> kept;
-  for (std::size_t v = 0; v < place_of.size(); ++v)
-    if (place_of[v] == 0) {
-      place_of[v] = static_cast<VertexId>(kept.size());
+  for (std::size_t v = 0; v < new_ids.size(); ++v)
+    if (new_ids[v] == 0) {
+      new_ids[v] = static_cast<VertexId>(kept.size());
       kept.push_back(surface.vertices[v]);
     }
   surface.vertices = std::move(kept);
-  renumber(surface, place_of);
+  renumber(surface, new_ids);
 }
 
 std::size_t odd_edges(const SurfaceMesh& surface) {
@@ -179,35 +160,12 @@ std::size_t odd_edges(const SurfaceMesh& surface) {
 WeldCounts weld(SurfaceMesh& surface) {
   WeldCounts counts;
   drop_unused_vertices(surface);
-  counts.welded = merge_equal(surface);
+  counts.welded = CGAL::Polygon_mesh_processing::merge_duplicate_points_in_polygon_soup(
+      surface.vertices, surface.triangles, CGAL::parameters::geom_traits(SoupTraits{}));
   counts.degenerate = drop_flat(surface);
   drop_unused_vertices(surface);
-  const std::size_t open = odd_edges(surface);
-  if (open > 0) {
-    SurfaceMesh closed = surface;
-    const double gap = std::min(kGap, kGapOverEdge * short_edge(surface));
-    const std::size_t merged = gap > 0 ? merge_near(closed, gap) : 0;
-    const std::size_t flat = drop_flat(closed);
-    if (merged > 0 && odd_edges(closed) < open) {
-      surface = std::move(closed);
-      counts.welded += merged;
-      counts.degenerate += flat;
-    }
-  }
-  Faces faces = sort_out(surface);
-  counts.repeated = faces.repeated;
-  surface.triangles = faces.alone;
-  if (!faces.back_to_back.empty()) {
-    SurfaceMesh with = surface;
-    with.triangles.insert(with.triangles.end(), faces.back_to_back.begin(),
-                          faces.back_to_back.end());
-    if (surface.triangles.empty() || odd_edges(with) <= odd_edges(surface)) {
-      surface = std::move(with);
-      counts.repeated += faces.back_to_back.size();
-    } else {
-      counts.cancelled = 2 * faces.back_to_back.size();
-    }
-  }
+  close_gaps(surface, counts);
+  drop_repeats(surface, counts);
   drop_unused_vertices(surface);
   return counts;
 }

@@ -1,4 +1,7 @@
-// Triangles that share corners, from triangles that only touch.
+// Triangles that share corners, from triangles that only touch. CGAL merges equal
+// points. Equal triangles are ours, since merge_duplicate_polygons_in_polygon_soup() changes the
+// order of the others and with it the mesh, and so are gaps: stitch_borders() joins only what lies
+// at the same place.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +22,8 @@ struct WeldCounts {
 // are both taken out if that leaves fewer open edges than keeping one of them.
 WeldCounts weld(SurfaceMesh& surface);
 
-// Vertices that no triangle uses go; the order of the others stays.
+// Removes the vertices that no triangle uses. The order of the others, and with it the mesh, stays
+// as it was; CGAL's remove_isolated_points_in_polygon_soup() swaps the last ones into the gaps.
 void drop_unused_vertices(SurfaceMesh& surface);
 
 // Edges with an odd number of triangles.

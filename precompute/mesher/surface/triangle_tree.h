@@ -1,4 +1,4 @@
-// Nearest points and rays against a set of triangles.
+// Nearest points and ray intersections of a set of triangles, by CGAL's AABB tree.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ struct Hit {
   std::size_t triangle = 0;
 };
 
-// Over CGAL's AABB tree. Copies the triangles, of which none may be degenerate. Queries may run in
+// Copies the triangles, of which none may be degenerate. Queries may run in
 // several threads.
 class TriangleTree {
  public:

@@ -1,6 +1,7 @@
 // How often a set of triangles goes round a point: 1 inside a closed surface that is oriented
 // outwards, 0 outside, something between where there are holes (Jacobson, Kavan and Sorkine-Hornung
 // 2013, eq. 4). Far triangles are taken together by their dipole (Barill et al. 2018, eq. 6).
+// CGAL's Side_of_triangle_mesh answers for closed surfaces only.
 #pragma once
 
 #include <vector>

@@ -1,0 +1,46 @@
+// Corners, areas, volumes, spread points and distances of triangulated surfaces.
+#pragma once
+
+#include <array>
+#include <random>
+
+#include "common/mesh/surface_mesh.h"
+#include "precompute/mesher/surface/triangle_tree.h"
+
+namespace tremolo {
+
+inline std::array<Eigen::Vector3d, 3> corners(const SurfaceMesh& surface, const Triangle& t) {
+  const auto at = [&surface](VertexId v) { return surface.vertices[static_cast<std::size_t>(v)]; };
+  return {at(t[0]), at(t[1]), at(t[2])};
+}
+
+// Twice the area of a triangle times its normal.
+Eigen::Vector3d doubled_area(const SurfaceMesh& surface, const Triangle& triangle);
+
+// Areas of all triangles together.
+double area(const SurfaceMesh& surface);
+
+// Signed volume between a triangle and the origin; over a closed surface they sum to its volume.
+double volume_below(const SurfaceMesh& surface, const Triangle& triangle);
+
+// Draws a point of a triangle, each with the same likelihood.
+Eigen::Vector3d random_point(const SurfaceMesh& surface, const Triangle& triangle,
+                             std::mt19937_64& random);
+
+// A point of a surface, and the unit normal of the triangle that it lies in.
+struct SurfacePoint {
+  Eigen::Vector3d point;
+  Eigen::Vector3d normal;
+  std::size_t triangle = 0;
+};
+
+// Points spread by area, at random; the same surface gives the same points. CGAL's
+// sample_triangle_soup() does not say which triangle a point belongs to.
+std::vector<SurfacePoint> spread_points(const SurfaceMesh& surface, std::size_t count);
+
+// The largest distance from a point of `from` to the triangles in `to` (the one-sided Hausdorff
+// distance), over all vertices and about `samples` points spread by area: a lower bound that
+// misses at most the distance between neighbouring samples.
+double distance_from(const SurfaceMesh& from, const TriangleTree& to, std::size_t samples);
+
+}  // namespace tremolo
