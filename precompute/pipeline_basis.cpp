@@ -24,10 +24,10 @@ double amplitude_of_first_mode(const BasisRows& psi, double reach) {
 }
 
 // Before minutes of work.
-void tell_cost(const Columns& columns, unsigned threads, const Tell& tell) {
+void report_cost(const Columns& columns, unsigned threads, const Progress& progress) {
   const ManyColumnsCost cost = cost_of_many_columns(columns.rows(), columns.cols(), threads);
-  tell(text("%d columns will take about %.2g s and %.2g GB", static_cast<int>(columns.cols()),
-            cost.seconds, 1e-9 * cost.bytes));
+  progress(text("%d columns will take about %.2g s and %.2g GB", static_cast<int>(columns.cols()),
+                cost.seconds, 1e-9 * cost.bytes));
 }
 
 // Modes and derivatives as directions in the order of their singular values; takes the columns.
@@ -37,10 +37,10 @@ PrincipalColumns order_directions(const Run& run, const System& system, const Mo
   constexpr double kReach = 0.1;
   const double amplitude = amplitude_of_first_mode(psi, kReach * body_size(run.result.problem));
   const unsigned threads = run.request.threads;
-  const Tell tell = [&run](const std::string& what) { run.log.note("basis: " + what); };
-  if (columns.cols() >= kLarge) tell_cost(columns, threads, tell);
+  const Progress progress = [&run](const std::string& what) { run.log.note("basis: " + what); };
+  if (columns.cols() >= kLarge) report_cost(columns, threads, progress);
   return principal_columns(system.matrices, std::move(columns), modes.squared_frequencies,
-                           amplitude, threads, tell);
+                           amplitude, threads, progress);
 }
 
 // Two Gram matrices by half their entries and one change of the columns.

@@ -12,7 +12,8 @@ Eigen::VectorXd polynomial_force(const Eigen::VectorXd& lambda, const std::vecto
                                  const std::vector<double>& quartic, const Eigen::VectorXd& q) {
   const auto r = static_cast<std::size_t>(lambda.size());
   Eigen::VectorXd force = lambda.cwiseProduct(q);
-  // d/dq of one monomial c q_i q_j q_k (q_l), one factor at a time; repeated indices add up.
+  // Derivative of one monomial c q_i q_j q_k (q_l), one factor at a time; repeated indices
+  // accumulate.
   for (std::size_t k = 0; k < r; ++k)
     for (std::size_t j = 0; j <= k; ++j)
       for (std::size_t i = 0; i <= j; ++i) {
@@ -37,7 +38,7 @@ double polynomial_error(const Solid& solid, std::size_t counted, const BasisRows
   std::mt19937 engine(20110101);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   Eigen::VectorXd q(lambda.size());
-  // Softer coordinates move more, as they do in a real motion.
+  // Softer coordinates are given larger values, as in a real motion.
   for (Eigen::Index i = 0; i < q.size(); ++i) q[i] = uniform(engine) / std::sqrt(lambda[i]);
   Eigen::VectorXd u = basis * q;
   double largest = 0;
