@@ -32,7 +32,7 @@ Json material_json(const Material& material) {
   return json;
 }
 
-// `material` if there is one, else `materials`; `point_masses` if there are any.
+// Adds `material` or, for several, `materials`; adds `point_masses` if there are any.
 void add_materials(const Problem& problem, Json& json) {
   const MaterialTable& table = problem.materials;
   if (table.materials.size() == 1) {
@@ -107,7 +107,7 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
       {"petsc", petsc_version()},
       {"slepc", slepc_version()},
       {"metis", version_text(METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR)}};
-  // A file name need not be UTF-8; the provenance is.
+  // File names need not be UTF-8, but the provenance must be.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
