@@ -1,4 +1,4 @@
-// Numbers that describe the whole body before anything is solved.
+// Quantities of the whole body that are known before solving.
 #pragma once
 
 #include <string>
@@ -9,19 +9,20 @@
 
 namespace tremolo {
 
-// kg, point masses included.
+// Returns the mass with point masses, kg.
 double total_mass(const Problem& problem);
 
-// The diagonal of the box around what vibrates, m: vertices of no tetrahedron may lie anywhere.
+// Returns the diagonal of the bounding box, m, over vertices of tetrahedra; others may lie
+// anywhere.
 double body_size(const Problem& problem);
 
-// A negative shift of the pencil, (rad/s)^2, far below the first elastic mode of a compact body: it
-// makes a free body's singular K definite. Of several materials the softest and the densest count,
-// and point masses as if the densest carried them.
+// Returns a negative shift of the pencil, (rad/s)^2, far below the first elastic mode of a compact
+// body, which makes a free body's singular K definite. It uses the softest and the densest
+// material, and treats point masses as extra density of the latter.
 double small_shift(const Problem& problem, const Solid& solid);
 
-// For the user: what the parts of a body of several materials weigh, point masses, and stiffnesses
-// too far apart for double precision. One material is what was asked for: nothing.
+// Returns notes for the user: share and mass of each material if there are several, point masses,
+// and stiffnesses that differ too much for double precision.
 std::vector<std::string> material_notes(const Problem& problem, const Solid& solid);
 
 }  // namespace tremolo

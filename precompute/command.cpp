@@ -35,19 +35,19 @@ void find_encoding_error(PrecomputeResult& result, StageLog& log) {
   log.end(detail);
 }
 
-// --select: what it chooses, and nothing else.
+// --select: prints the selected vertices only.
 void print_selection(const PrecomputeOptions& options) {
   const Problem problem = load_problem(options);
   for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
   const std::vector<VertexId> ids = unwrap(resolve_selector(options.select, problem.mesh));
-  std::vector<Eigen::Vector3d> places;
-  for (const VertexId id : ids) places.push_back(problem.mesh.vertices[id]);
+  std::vector<Eigen::Vector3d> positions;
+  for (const VertexId id : ids) positions.push_back(problem.mesh.vertices[id]);
   write_preview(options, problem);
-  std::cout << describe_vertices(ids, places) << "\n";
+  std::cout << describe_vertices(ids, positions) << "\n";
   unwrap(flush_standard_output());
 }
 
-// --preview without an output: the painted surface, and nothing else.
+// --preview without an output: writes the coloured surface only.
 void preview_alone(const PrecomputeOptions& options) {
   const Problem problem = load_problem(options);
   for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
@@ -56,7 +56,7 @@ void preview_alone(const PrecomputeOptions& options) {
                problem.fixed.size(), problem.load.vertices.size());
 }
 
-// Where each vertex of the mesh has its rows, all together again.
+// Returns the rows of U in the order of the mesh's vertices.
 BasisRows rows_of_mesh(const BasisData& data) {
   BasisRows rows(3 * static_cast<Eigen::Index>(data.vertex_count), data.lambda.size());
   for (const VertexBlock* block : {&data.surface, &data.interior})
@@ -76,14 +76,14 @@ void write_vtu(const PrecomputeOptions& options, const TetMesh& mesh, const Basi
   log.end(options.modes_vtu);
 }
 
-// Outputs that cannot be written are told before the work, not after it.
+// Checks that outputs can be written before the work starts.
 void require_outputs(const PrecomputeOptions& options) {
   unwrap(AtomicFile::create(options.output_path));
   if (!options.modes_vtu.empty()) unwrap(AtomicFile::create(options.modes_vtu));
   if (!options.preview.empty()) unwrap(AtomicFile::create(options.preview));
 }
 
-// The files, on rank 0, the others handing it their rows meanwhile.
+// Writes the files on rank 0, while other ranks send their rows.
 void write_result(const CommandLine& line, PrecomputeResult& result, bool rows_are_here,
                   StageLog& log) {
   const PrecomputeOptions& options = line.options;
@@ -100,7 +100,7 @@ void write_result(const CommandLine& line, PrecomputeResult& result, bool rows_a
   write_vtu(options, result.problem.mesh, result.data, log);
 }
 
-// No output takes the place of an input or of another one.
+// Checks that no output overwrites an input or another output.
 void require_apart(const PrecomputeOptions& options) {
   std::vector<NamedFile> inputs = input_files(options, options.config_path);
   inputs.push_back({options.import_basis, "--import-basis"});
@@ -116,7 +116,7 @@ void require_known_flags(const PrecomputeOptions& options) {
                      "holds vertices with --fix only"});
 }
 
-// `work` on rank 0 alone; when it fails there all ranks throw.
+// Runs `work` on rank 0 only; if it fails there, all ranks throw.
 template <class Work>
 void on_first_rank(const Work& work) {
   on_all_ranks([&work] {
@@ -125,18 +125,18 @@ void on_first_rank(const Work& work) {
   });
 }
 
-// True when nothing is to be computed: a selection or a preview was all that was asked for.
-bool only_looked(const PrecomputeOptions& options) {
-  const bool speak = mpi_rank() == 0;
+// Returns true if only a selection or a preview was requested, so that nothing is to be computed.
+bool handled_without_computing(const PrecomputeOptions& options) {
+  const bool first_rank = mpi_rank() == 0;
   if (!options.select.empty()) {
-    if (speak && !options.output_path.empty())
+    if (first_rank && !options.output_path.empty())
       std::fprintf(stderr, "  --select computes nothing: %s is not written\n",
                    options.output_path.c_str());
-    if (speak) print_selection(options);
+    if (first_rank) print_selection(options);
     return true;
   }
   if (!options.output_path.empty()) return false;
-  if (speak) preview_alone(options);
+  if (first_rank) preview_alone(options);
   return true;
 }
 
@@ -157,7 +157,7 @@ void run_import(const CommandLine& line, StageLog& log) {
   unwrap(flush_standard_output());
 }
 
-// Ranks other than 0 hand over their rows, unless all have been collected.
+// Sends the rows of a rank other than 0, unless all rows have been collected.
 void serve_first_rank(const PrecomputeResult& result, bool rows_are_here, StageLog& log) {
   log.begin("file");
   if (!rows_are_here) serve_rows(result.basis(), result.data);
@@ -169,7 +169,7 @@ void compute(const CommandLine& line, StageLog& log) {
   const PrecomputeOptions& options = line.options;
   PrecomputeResult result =
       options.target_error ? precompute_to_target(options, log) : run_precompute(options, log);
-  // These look at all rows at once.
+  // These need all rows at once.
   const bool collect = options.encoding == BasisEncoding::kCompact || !options.modes_vtu.empty();
   if (collect) collect_rows(result.basis(), result.data);
   if (mpi_rank() != 0) return serve_first_rank(result, collect, log);
@@ -183,7 +183,7 @@ void compute(const CommandLine& line, StageLog& log) {
   const RankTable ranks = gather_stages(log);
   print_total(log, ranks);
   print_spectrum(result.data);
-  // Stages that were there have asked for none.
+  // Stages read from a checkpoint have not read their solver's options.
   if (!result.findings.resumed) warn_of_unused_options();
   if (line.json) print_json(result, log, ranks);
   unwrap(flush_standard_output());
@@ -198,7 +198,7 @@ void run_command(const CommandLine& line) {
         on_all_ranks([&line] { return facts_of_start(line.settings, line.petsc_options); }));
   require_known_flags(options);
   on_first_rank([&options] { require_apart(options); });
-  if (only_looked(options)) return;
+  if (handled_without_computing(options)) return;
   StageLog log(mpi_rank() != 0);
   on_first_rank([&options] { require_outputs(options); });
   if (options.import_basis.empty()) return compute(line, log);

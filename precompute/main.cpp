@@ -1,4 +1,4 @@
-// tremolo-precompute: mesh in, basis file out.
+// tremolo-precompute: computes a basis file from a mesh.
 #include <string_view>
 
 #include "formats/file/atomic_file.h"
@@ -33,8 +33,7 @@ void prepare_for_libraries(int, char**, char** environment) {
   require_room_for_blas(environment);
 }
 
-// The threads of OpenBLAS and their buffers are made while it is loaded: only .preinit_array comes
-// before that.
+// OpenBLAS creates its threads and buffers when it is loaded; only .preinit_array runs before that.
 [[gnu::section(".preinit_array"),
   gnu::used]] void (*const before_libraries)(int, char**, char**) = prepare_for_libraries;
 

@@ -16,7 +16,7 @@
 namespace tremolo {
 namespace {
 
-// --target-error solves on the whole mesh's factor, in one process by CHOLMOD.
+// --target-error needs a factor of the whole mesh, in one process by CHOLMOD.
 void require_factor(const SolverChoice& choice, const std::optional<LinearSolver>& asked) {
   const bool too_many = choice.solver == LinearSolver::kMumps && !asked;
   if (choice.solver != LinearSolver::kIterative && !too_many) return;
@@ -69,7 +69,7 @@ Stage<MachineLimits> machine_stage(unsigned threads) {
 SolverChoice choose(const ModelRequest& request, const PrecomputeResult& result,
                     const ModeCounts& counts, int rigid_count) {
   SolverRequest asked;
-  // Memory that is free now may be more or less than it was when the stages were made.
+  // The free memory may have changed since the stages were saved, so their solver is kept.
   asked.solver = request.solver ? request.solver : kept_solver(request.checkpoint);
   asked.memory = request.memory;
   asked.linear_modes = counts.linear;
@@ -80,14 +80,14 @@ SolverChoice choose(const ModelRequest& request, const PrecomputeResult& result,
   return choose_solver(result.map, result.local, asked);
 }
 
-// Where stiff and soft parts meet, the rounding of large forces that balance in the stiff ones
-// would drown the small ones: rows are compared in units of their own stiffness.
+// Where stiff and soft parts meet, rounding of large balanced forces in the stiff parts would
+// dominate small ones elsewhere: rows are scaled by their own stiffness.
 double residual_to_judge(const Solid& solid, const Modes& modes) {
   return solid.uniform() ? modes.residuals.maxCoeff() : modes.scaled_residual;
 }
 
-// Counts for as many linear modes as there are.
-void take_modes(const Modes& modes, Run& run, PrecomputeResult& result) {
+// Stores the findings and adapts the counts to the actual number of linear modes.
+void store_modes(const Modes& modes, Run& run, PrecomputeResult& result) {
   PrecomputeFindings& findings = result.findings;
   findings.factorisation = modes.factorisation;
   findings.mode_solver = modes.solver;
@@ -101,8 +101,8 @@ void take_modes(const Modes& modes, Run& run, PrecomputeResult& result) {
   result.data.rigid_mode_count = static_cast<std::uint64_t>(run.rigid_count);
 }
 
-// Tells when coordinates were added or left out.
-void take_basis(FinishedBasis finished, Run& run, PrecomputeResult& result) {
+// Stores the basis and notes added or dropped coordinates.
+void store_basis(FinishedBasis finished, Run& run, PrecomputeResult& result) {
   const Basis& basis = finished.basis;
   const std::string note = note_on_cut(basis.cut, run.counts.modes, basis.lambda.size());
   if (!note.empty()) run.log.note(note);
@@ -120,18 +120,18 @@ void take_basis(FinishedBasis finished, Run& run, PrecomputeResult& result) {
   run.log.note(result.problem.notes.back());
 }
 
-void take_coefficients(FinishedCoefficients coefficients, PrecomputeResult& result) {
+void store_coefficients(FinishedCoefficients coefficients, PrecomputeResult& result) {
   result.data.cubic = std::move(coefficients.cubic);
   result.data.quartic = std::move(coefficients.quartic);
   result.findings.polynomial_error = coefficients.polynomial_error;
 }
 
-void take_certificate(const InertiaCertificate& certificate, PrecomputeFindings& findings) {
+void store_certificate(const InertiaCertificate& certificate, PrecomputeFindings& findings) {
   findings.certified = certificate.complete();
   findings.inertia_count = certificate.counted;
 }
 
-// Without one, when it is there already or there are no derivatives to make.
+// Returns a source without derivatives if the basis is in the checkpoint or the model is linear.
 BasisSource find_source(const Run& run, const Modes& modes, Eigen::Index rows) {
   BasisSource source;
   source.finished = find_basis(run.checkpoint, rows, Eigen::Index{run.counts.modes});
@@ -140,7 +140,7 @@ BasisSource find_source(const Run& run, const Modes& modes, Eigen::Index rows) {
   return source;
 }
 
-// The stages from the matrices on, in their order. False when the target finds no r.
+// Runs the stages from the matrices on, in order. Returns false if the target is not reached.
 bool run_stages(Run& run, const MachineLimits& machine, StageLog& log, TargetSearch* target,
                 PrecomputeResult& result) {
   const auto stage = [&](const auto& each) { return run_stage(each, machine, log); };
@@ -151,13 +151,13 @@ bool run_stages(Run& run, const MachineLimits& machine, StageLog& log, TargetSea
   const Solved on{system, pencil, *solver};
 
   const Modes modes = stage(modes_stage(run, on)).modes;
-  take_modes(modes, run, result);
+  store_modes(modes, run, result);
   const BasisRows psi = expand_to_vertices(result.map, result.local, modes.vectors);
   BasisSource source = find_source(run, modes, psi.rows());
   if (!source.finished && !request.linear)
     source.derivatives = stage(derivatives_stage(run, on, modes, psi));
   if (request.certify && !solver->solves_unshifted())
-    take_certificate(stage(certificate_stage(run, on, modes)), result.findings);
+    store_certificate(stage(certificate_stage(run, on, modes)), result.findings);
   else if (request.certify)
     log.note("not certified: counting modes by inertia needs a factor; --solver cholmod or mumps");
   solver->release();
@@ -168,8 +168,8 @@ bool run_stages(Run& run, const MachineLimits& machine, StageLog& log, TargetSea
     run.counts.modes = choice.findings.chosen.modes;
     source.directions = std::move(choice.directions);
   }
-  take_basis(stage(basis_stage(run, system, modes, psi, source)), run, result);
-  if (!request.linear) take_coefficients(stage(coefficients_stage(run, system)), result);
+  store_basis(stage(basis_stage(run, system, modes, psi, source)), run, result);
+  if (!request.linear) store_coefficients(stage(coefficients_stage(run, system)), result);
 
   result.findings.resumed = run.checkpoint.found();
   require_accurate(result.findings, system.solid, residual_to_judge(system.solid, modes),
@@ -180,14 +180,15 @@ bool run_stages(Run& run, const MachineLimits& machine, StageLog& log, TargetSea
 }  // namespace
 
 PrecomputeResult run_precompute(const ModelRequest& request, StageLog& log, TargetSearch* target) {
-  choose_mode_counts(request, std::numeric_limits<int>::max());  // what no mesh could make right
+  choose_mode_counts(
+      request, std::numeric_limits<int>::max());  // reject counts that are wrong for every mesh
   PrecomputeResult result = run_stage(mesh_stage(request), {}, log);
   const Problem& problem = result.problem;
   const int dofs = 3 * result.map.nodes();
   const int rigid_count = problem.free_body ? 6 * static_cast<int>(problem.report.parts) : 0;
   const ModeCounts counts = choose_mode_counts(request, dofs - rigid_count);
 
-  // The fronts of a small factor are too small to share: more threads only wait for each other.
+  // Frontal matrices of a small factor are too small to share; more threads would only wait.
   constexpr int kSmall = 100'000;  // dofs
   const int blas_threads = dofs < kSmall ? 1 : static_cast<int>(request.threads);
   const BlasThreads blas(blas_threads);

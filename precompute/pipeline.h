@@ -14,25 +14,25 @@
 
 namespace tremolo {
 
-// What the run found out on the way, for the report and the file's provenance.
+// Findings of a run, for the report and the file's provenance.
 struct PrecomputeFindings {
-  std::string factorisation;           // the package that solved
-  std::string mode_solver;             // who found the modes
+  std::string factorisation;           // package of the factor
+  std::string mode_solver;             // name of the eigensolver
   std::vector<double> mode_residuals;  // k
   double derivative_residual = 0;      // largest |K Phi + H| / |H|
   double orthonormality_error = 0;     // max |U^T M U - I|
   double diagonality_error = 0;        // max |U^T K U - Lambda| / max Lambda
   double polynomial_error = 0;         // |U^T f(Uq) - grad V(q)| / |grad V(q)|
-  bool resumed = false;                // some stage came from a checkpoint
+  bool resumed = false;                // some stage was read from a checkpoint
   bool certified = false;
   int inertia_count = 0;                        // modes below the bound, by inertia
   std::optional<EncodingError> encoding_error;  // of a compact file
   std::optional<TargetFindings> target;         // of --target-error
-  Locking locking;                              // on rank 0
+  Locking locking;                              // on rank 0 only
 };
 
 struct PrecomputeResult {
-  BasisData data;  // without rows; provenance is still empty
+  BasisData data;  // without rows; provenance is empty
   Problem problem;
   PrecomputeFindings findings;
   DofMap map;
@@ -42,8 +42,8 @@ struct PrecomputeResult {
   SpreadBasis basis() const { return {problem.mesh, problem.embedding, map, local, rows}; }
 };
 
-// Runs everything; needs a PetscSession. Throws Failure. target: chooses r (target_error.h); when
-// it finds none the result is unfinished.
+// Runs all stages; needs a PetscSession. Throws Failure. target: if given, chooses r
+// (target_error.h); if it finds none the result is incomplete.
 struct TargetSearch;
 PrecomputeResult run_precompute(const ModelRequest& request, StageLog& log,
                                 TargetSearch* target = nullptr);

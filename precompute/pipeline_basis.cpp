@@ -15,7 +15,7 @@
 namespace tremolo {
 namespace {
 
-// The first mode's coordinate when it moves some vertex by `reach` metres.
+// Returns the first mode's coordinate at which some vertex moves by `reach`, m.
 double amplitude_of_first_mode(const BasisRows& psi, double reach) {
   double largest = 0;
   for (Eigen::Index row = 0; row < psi.rows(); row += 3)
@@ -23,27 +23,29 @@ double amplitude_of_first_mode(const BasisRows& psi, double reach) {
   return reach / over_ranks(largest, MPI_MAX);
 }
 
-// Before minutes of work.
-void tell_cost(const Columns& columns, unsigned threads, const Tell& tell) {
+// Reports the expected cost, as the work may take minutes.
+void report_cost(const Columns& columns, unsigned threads, const Progress& progress) {
   const ManyColumnsCost cost = cost_of_many_columns(columns.rows(), columns.cols(), threads);
-  tell(text("%d columns will take about %.2g s and %.2g GB", static_cast<int>(columns.cols()),
-            cost.seconds, 1e-9 * cost.bytes));
+  progress(text("%d columns will take about %.2g s and %.2g GB", static_cast<int>(columns.cols()),
+                cost.seconds, 1e-9 * cost.bytes));
 }
 
-// Modes and derivatives as directions in the order of their singular values; takes the columns.
+// Returns modes and derivatives as directions in the order of their singular values; reuses the
+// columns.
 PrincipalColumns order_directions(const Run& run, const System& system, const Modes& modes,
                                   const BasisRows& psi, Columns& columns) {
-  // Motion that Tremolo is made for: a tenth of the body's size.
+  // The largest motion Tremolo is meant for is a tenth of the body's size.
   constexpr double kReach = 0.1;
   const double amplitude = amplitude_of_first_mode(psi, kReach * body_size(run.result.problem));
   const unsigned threads = run.request.threads;
-  const Tell tell = [&run](const std::string& what) { run.log.note("basis: " + what); };
-  if (columns.cols() >= kLarge) tell_cost(columns, threads, tell);
+  const Progress progress = [&run](const std::string& what) { run.log.note("basis: " + what); };
+  if (columns.cols() >= kLarge) report_cost(columns, threads, progress);
   return principal_columns(system.matrices, std::move(columns), modes.squared_frequencies,
-                           amplitude, threads, tell);
+                           amplitude, threads, progress);
 }
 
-// Two Gram matrices by half their entries and one change of the columns.
+// Counts two Gram matrices, half of whose entries are computed, and one transformation of the
+// columns.
 StageWork work_on_columns(const Run& run, Eigen::Index columns) {
   const auto rows = static_cast<double>(run.result.local.dofs());
   return {.flops = 4.0 * rows * static_cast<double>(columns) * static_cast<double>(columns)};
@@ -72,7 +74,7 @@ std::string outcome_of_basis(const FinishedBasis& finished) {
               r, basis.orthonormality_error, r < sigma.size() ? sigma[r] / sigma[0] : 0.0);
 }
 
-// Ranks share the elements; every rank ends up with the sum.
+// Ranks share the elements; all of them get the sum.
 Coefficients sum_coefficients(const Run& run, const System& system) {
   const BasisRows& rows = run.result.rows;
   Eigen::MatrixXd gram =

@@ -23,7 +23,7 @@ std::vector<double> point_mass_of_part(const Problem& problem, const LocalDofs& 
   return ours;
 }
 
-// Motions that the modes must leave out.
+// Returns the rigid motions to be kept out of the modes.
 Columns motions_of_free_body(const Problem& problem, const LocalDofs& local, Mat mass) {
   if (!problem.free_body) return Columns(local.dofs(), 0);
   return rigid_modes(problem.mesh, problem.report.part_of_vertex,
@@ -68,8 +68,8 @@ Modes held_modes(const Run& run, const Solved& on) {
   try {
     return lowest_modes(run, on, 0.0);
   } catch (const Failure& failure) {
-    // A stiffness that cannot be factorised is a mechanism's, as a rule: with a shift its motion
-    // can be found, and the place told.
+    // A stiffness that cannot be factorised usually has a mechanism: with a shift its motion can be
+    // computed, and the error can name its position.
     if (failure.error().kind != ErrorKind::kSolver || mpi_ranks() > 1) throw;
     const double shift = small_shift(run.result.problem, on.system.solid);
     require_elastic(run, on, lowest_modes(run, on, shift));
@@ -79,17 +79,18 @@ Modes held_modes(const Run& run, const Solved& on) {
 
 Modes free_modes(const Run& run, const Solved& on) {
   Modes modes = lowest_modes(run, on, small_shift(run.result.problem, on.system.solid));
-  // A thin body is far softer than a compact one: its derivatives want a smaller shift. One with a
-  // small soft part is far stiffer than that part: so near to zero, K loses its digits.
+  // The shift must suit the lowest frequency: a thin body is far softer than a compact one, and its
+  // derivatives need a smaller shift; a body with a small soft part is far stiffer than that part,
+  // and a shift so near zero would cost K its digits.
   const double lowest = modes.squared_frequencies[0], shift = modes.shift;
   const bool good = -shift <= 0.1 * lowest && -shift >= 1e-7 * lowest;
   if (good || !(lowest > 0) || on.solver.solves_unshifted()) return modes;
-  require_elastic(run, on, modes);  // its frequency, rounding, would be no measure
+  require_elastic(run, on, modes);  // for a mechanism the frequency is rounding and no measure
   modes = Modes();
   return lowest_modes(run, on, -0.02 * lowest);
 }
 
-// The runs of equals are made canonical and the signs fixed: nothing is left to the solver.
+// Clusters are made canonical and signs fixed, so that vectors do not depend on the solver.
 WholeModes elastic_modes(const Run& run, const Solved& on) {
   const PrecomputeResult& result = run.result;
   Modes modes = result.problem.free_body ? free_modes(run, on) : held_modes(run, on);
@@ -103,7 +104,8 @@ WholeModes elastic_modes(const Run& run, const Solved& on) {
   return whole;
 }
 
-// Columns solved for on the factor, `width` in one pass over it forwards and one backwards.
+// Returns the work of solving `columns` right-hand sides, `width` for each forward and backward
+// pass.
 StageWork solves_on(const ShiftedSolver& solver, int columns, int width) {
   StageWork work;
   work.flops = 4.0 * solver.entries() * columns;

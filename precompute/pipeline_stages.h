@@ -1,5 +1,5 @@
-// The stages of a precompute from the matrices on: what each computes, what is kept of it, and what
-// is said.
+// The stages of a precompute from the matrices on: computation, checkpoint data and log lines of
+// each.
 #pragma once
 
 #include <memory>
@@ -11,54 +11,54 @@
 
 namespace tremolo {
 
-// What the stages share. Borrows all but the counts.
+// Data shared by the stages. It holds references to all but the counts.
 struct Run {
   const ModelRequest& request;
   const PrecomputeResult& result;  // mesh and dofs; later the rows of the basis
   const SolverChoice& choice;
   Checkpoint& checkpoint;
-  const StageLog& log;  // for what is told while a stage is under way
-  ModeCounts counts;    // a default may become more, so as not to cut between equals
-  int rigid_count = 0;  // of a free body's motions
+  const StageLog& log;  // for messages during a stage
+  ModeCounts counts;    // a default may be extended, so that a cluster is not divided
+  int rigid_count = 0;  // number of a free body's rigid motions
 };
 
-// This rank's part of K x = lambda M x, and of where it came from.
+// This rank's part of K x = lambda M x and its origin.
 struct System {
-  std::unique_ptr<const TetMesh> part;  // of several ranks
-  Solid solid;                          // on that part, or on the whole mesh
+  std::unique_ptr<const TetMesh> part;  // with several ranks; else null
+  Solid solid;                          // of that part, or of the whole mesh
   Matrices matrices;
-  Columns rigid;  // motions of a free body, local rows; no columns if the body is held
+  Columns rigid;  // rigid motions of a free body, local rows; else no columns
   Marker marker;
 };
 Stage<System> matrices_stage(const Run& run);
 Pencil make_pencil(const Run& run, const System& system);
 
-// What the modes solve with, and them.
+// The system, its pencil and the solver used by the modes and later stages.
 struct Solved {
   const System& system;
   const Pencil& pencil;
   ShiftedSolver& solver;
 };
 
-// Fails with kContent for a mechanism.
+// Throws Failure (kContent) for a mechanism.
 Stage<WholeModes> modes_stage(const Run& run, const Solved& on);
 
 // psi: the modes at the vertices of this rank's part.
 Stage<ModalDerivatives> derivatives_stage(const Run& run, const Solved& on, const Modes& modes,
                                           const BasisRows& psi);
 
-// Takes the solver's memory. Fails with kSolver when modes were missed.
+// Releases the solver's factor. Throws Failure (kSolver) if modes were missed.
 Stage<InertiaCertificate> certificate_stage(const Run& run, const Solved& on, const Modes& modes);
 
-// What the basis is made of: a basis that is there, directions in the order of their singular
-// values, or the columns that these are made of. The stages use it up.
+// Input of the basis: a finished basis from the checkpoint, directions in the order of their
+// singular values, or the columns to compute these from. The stages consume it.
 struct BasisSource {
   std::optional<FinishedBasis> finished;
   std::optional<PrincipalColumns> directions;
   ModalDerivatives derivatives;
 };
 
-// --target-error chooses r.
+// Result of --target-error, which chooses r.
 struct TargetChoice {
   PrincipalColumns directions;
   TargetFindings findings;
@@ -69,7 +69,7 @@ Stage<TargetChoice> target_stage(const Run& run, const System& system, const Mod
 Stage<FinishedBasis> basis_stage(const Run& run, const System& system, const Modes& modes,
                                  const BasisRows& psi, BasisSource& source);
 
-// Of the result's rows.
+// Uses the rows of the result.
 Stage<FinishedCoefficients> coefficients_stage(const Run& run, const System& system);
 
 }  // namespace tremolo

@@ -33,7 +33,7 @@ Json material_json(const Material& material) {
   return json;
 }
 
-// `material` if there is one, else `materials`; `point_masses` if there are any.
+// Adds `material` or, for several, `materials`; adds `point_masses` if there are any.
 void add_materials(const Problem& problem, Json& json) {
   const MaterialTable& table = problem.materials;
   if (table.materials.size() == 1) {

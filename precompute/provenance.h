@@ -1,4 +1,4 @@
-// Where a basis file comes from.
+// Provenance of a basis file.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace tremolo {
 
-// The JSON object kept in the file. No times: the same input gives the same file.
+// Returns the JSON object stored in the file. It has no times, so the same input gives the same
+// file.
 std::string provenance_json(const PrecomputeOptions& options, const PrecomputeResult& result);
 
 }  // namespace tremolo

@@ -38,7 +38,7 @@ Json ranks_json(const RankTable& ranks) {
   return rows;
 }
 
-// One material or several, as the provenance has them.
+// Returns one material or several, as stored in the provenance.
 Json materials_json(const Json& provenance) {
   Json materials = Json::array();
   if (provenance.contains("materials")) materials = provenance["materials"];
@@ -46,7 +46,7 @@ Json materials_json(const Json& provenance) {
   return materials;
 }
 
-// The longest step of an explicit method, s.
+// Returns the largest stable step of an explicit method, s.
 double explicit_step_limit(const BasisData& data) {
   return 2.0 / std::sqrt(data.lambda[data.lambda.size() - 1]);
 }

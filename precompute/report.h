@@ -1,4 +1,4 @@
-// What a run prints when it is done.
+// Output at the end of a run.
 #pragma once
 
 #include "common/stage_log.h"
@@ -7,13 +7,13 @@
 
 namespace tremolo {
 
-// One object on stdout (docs/reference.md).
+// Prints one object on stdout (docs/reference.md).
 void print_json(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks);
 
-// Frequencies, and the step below which explicit methods are stable, on stderr.
+// Prints frequencies and the stability limit of explicit methods on stderr.
 void print_spectrum(const BasisData& data);
 
-// Time and peak memory of all stages, and of each of several ranks, on stderr.
+// Prints time and peak memory of all stages, and of each rank if there are several, on stderr.
 void print_total(const StageLog& log, const RankTable& ranks);
 
 }  // namespace tremolo

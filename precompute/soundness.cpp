@@ -10,7 +10,7 @@
 namespace tremolo {
 namespace {
 
-// By the first mode; of all ranks.
+// Returns the vertex with the largest motion in the first mode, over all ranks.
 VertexId most_moved_vertex(const LocalDofs& local, const BasisRows& psi) {
   struct {
     double motion = 0;
@@ -38,8 +38,8 @@ double stiffness_ratio(const Solid& solid) {
 
 void require_no_mechanism(const Problem& problem, const Solid& solid, const LocalDofs& local,
                           const Modes& modes, const BasisRows& psi) {
-  // psi^T K psi is a sum in which terms cancel. A double has 2e-16, the factorisation loses some; a
-  // cantilever a thousand times as long as thick keeps 1e-13.
+  // psi^T K psi is a sum of terms that cancel. A double has 2e-16 and the factorisation loses some
+  // digits; a cantilever a thousand times as long as thick keeps 1e-13.
   constexpr double kNoise = 2e-14;
   const bool finite = over_ranks(psi.allFinite() ? 0.0 : 1.0, MPI_MAX) == 0.0;
   if (modes.cancellation > kNoise && finite) return;
@@ -48,7 +48,7 @@ void require_no_mechanism(const Problem& problem, const Solid& solid, const Loca
     const Eigen::Vector3d& x = problem.mesh.vertices[static_cast<std::size_t>(v)];
     where = text(" near vertex %d at %g, %g, %g", static_cast<int>(v), x.x(), x.y(), x.z());
   }
-  // Of a stiff part on a soft one rounding leaves as little.
+  // A stiff part on a soft one cancels as much.
   if (const double ratio = stiffness_ratio(solid); ratio > kContrast)
     where += text(
         " (or: the materials differ %.0e times in stiffness, too much for this machine's numbers)",
@@ -60,10 +60,10 @@ void require_no_mechanism(const Problem& problem, const Solid& solid, const Loca
 
 void require_accurate(const PrecomputeFindings& findings, const Solid& solid, double residual,
                       double cancellation) {
-  // Far above what a sound mesh gives (1e-9, 1e-14 and 1e-12), far below what harms. Of a beam, one
-  // half a million times as stiff as the other, 4e-6 is left. The last digit of a finely meshed
-  // slender beam's shape alone makes forces beside which those of its slow bending are small: such
-  // a residual says nothing about the frequency.
+  // The bounds are far above the values of a sound mesh (1e-9, 1e-14 and 1e-12) and far below
+  // harmful ones. A beam with one half a million times as stiff as the other reaches 4e-6. In a
+  // finely meshed slender beam, rounding of the shape alone causes forces larger than those of its
+  // slow bending; such a residual does not affect the frequency.
   const double rounding = 10 * std::numeric_limits<double>::epsilon() / cancellation;
   const double tolerance = solid.uniform() ? std::max(1e-6, rounding) : 1e-4;
   if (residual <= tolerance && findings.derivative_residual <= tolerance &&

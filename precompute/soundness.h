@@ -1,4 +1,4 @@
-// Whether what was computed can be believed: a result that cannot is refused, with the reason.
+// Accuracy checks of the result; an inaccurate one is rejected with the reason.
 #pragma once
 
 #include "precompute/modes/modes.h"
@@ -6,19 +6,20 @@
 
 namespace tremolo {
 
-// From here on materials differ so much that rounding in the stiff ones is felt in the soft ones.
+// Ratio of stiffnesses above which rounding in the stiff materials affects the soft ones.
 inline constexpr double kContrast = 1e6;
 
-// How many times stiffer the stiffest material is than the softest.
+// Returns the stiffness of the stiffest material relative to the softest.
 double stiffness_ratio(const Solid& solid);
 
-// A hinge or a joint of one vertex lets a part move without strain: K is singular although enough
-// vertices are fixed, and what a factorisation then returns is noise. psi: the modes at the part's
-// vertices. All ranks together; throws Failure (kContent) on all of them.
+// Throws Failure (kContent) on all ranks if the modes show a mechanism: a hinge or a ball joint
+// lets a part move without strain, so that K is singular although enough vertices are fixed, and
+// the result of a factorisation is noise. psi: the modes at the part's vertices. Collective.
 void require_no_mechanism(const Problem& problem, const Solid& solid, const LocalDofs& local,
                           const Modes& modes, const BasisRows& psi);
 
-// residual: of the modes, what they are judged by. cancellation: Modes'. Throws Failure (kSolver).
+// residual: of the modes, as chosen for this check. cancellation: see Modes. Throws Failure
+// (kSolver).
 void require_accurate(const PrecomputeFindings& findings, const Solid& solid, double residual,
                       double cancellation);
 

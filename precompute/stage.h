@@ -1,5 +1,5 @@
-// What surrounds a stage of the pipeline: it is found in the checkpoint or made and kept, timed,
-// and told. The computations themselves see none of this.
+// Frame of a pipeline stage: reads it from the checkpoint or computes and saves it, measures its
+// time, and logs it. The computations do not depend on this.
 #pragma once
 
 #include <functional>
@@ -16,14 +16,14 @@ template <class Value>
 struct Stage {
   std::string name;
   std::function<Value()> make;
-  std::function<std::string(const Value&)> outcome;                  // for the log, one line
+  std::function<std::string(const Value&)> outcome;                  // one line for the log
   std::function<std::vector<std::string>(const Value&)> notes = {};  // further lines
-  std::function<StageWork(const Value&)> work = {};                  // of a value that was made
-  std::function<std::optional<Value>()> find = {};                   // nothing: it is not kept
+  std::function<StageWork(const Value&)> work = {};                  // of a computed value
+  std::function<std::optional<Value>()> find = {};                   // none: not in the checkpoint
   std::function<void(const Value&)> keep = {};
 };
 
-// machine: with zeros no stage has a limit.
+// machine: zeros give no limits.
 template <class Value>
 Value run_stage(const Stage<Value>& stage, const MachineLimits& machine, StageLog& log) {
   log.begin(stage.name);

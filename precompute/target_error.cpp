@@ -1,4 +1,4 @@
-// --target-error: how far k grows, and what is said.
+// --target-error: growth of k, and messages.
 #include "precompute/target_error.h"
 
 #include <algorithm>
@@ -40,7 +40,7 @@ const TargetRow* best(const std::vector<TargetRow>& rows) {
   return found == rows.end() ? nullptr : &*found;
 }
 
-[[noreturn]] void give_up(const TargetFindings& findings) {
+[[noreturn]] void throw_missed_target(const TargetFindings& findings) {
   const TargetRow* row = best(findings.rows);
   std::string reached = "no candidate has an equilibrium";
   std::string help;
@@ -115,7 +115,7 @@ PrecomputeResult precompute_to_target(const ModelRequest& request, StageLog& log
     const int now = findings.linear_modes;
     const int dofs = 3 * result.map.nodes() - static_cast<int>(result.data.rigid_mode_count);
     const int next = std::min({kMostLinearModes, dofs, now + std::max(2, now / 2)});
-    if (growths == kMostGrowths || next <= now) give_up(findings);
+    if (growths == kMostGrowths || next <= now) throw_missed_target(findings);
     log.note(text("%d linear modes are not enough: %d", now, next));
     attempt.linear_modes = next;
   }

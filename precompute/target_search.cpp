@@ -1,4 +1,4 @@
-// The measurement of --target-error: candidates against the whole mesh.
+// Measurements for --target-error: candidates against the whole mesh.
 #include <algorithm>
 #include <cmath>
 
@@ -15,8 +15,8 @@
 namespace tremolo {
 namespace {
 
-constexpr int kBatch = 15;  // coefficients cost r^4: no more of them than are looked at
-constexpr int kBeyond = 3;  // larger candidates that must keep the target, too
+constexpr int kBatch = 15;  // candidates per model; limits cost, as coefficients cost r^4
+constexpr int kBeyond = 3;  // number of larger candidates that must also meet the target
 
 void solve_exactly(const Problem& problem, FullOrderSolver& solver, TargetSearch& search) {
   const FullOrder& body = *solver.body;
@@ -32,7 +32,7 @@ void solve_exactly(const Problem& problem, FullOrderSolver& solver, TargetSearch
   if (!(search.load.dot(search.response) > 0 && search.largest > 0)) refuse();
 }
 
-// The static answer to s F is s u1 + s^2/2 u2 + ...: K u1 = F, K u2 = -H[u1, u1].
+// The static solution under s F is s u1 + s^2/2 u2 + ... with K u1 = F, K u2 = -H[u1, u1].
 Columns load_vectors(const PrecomputeResult& result, const Solid& solid, FullOrderSolver& solver,
                      TargetSearch& search) {
   if (search.second.size() == 0) {
@@ -49,12 +49,12 @@ Columns load_vectors(const PrecomputeResult& result, const Solid& solid, FullOrd
   return vectors;
 }
 
-// Candidates: each prefix of `vectors` spans what the same prefix of the principal columns does.
-// vectors^T K vectors = 1, so that a prefix's model has a unit stiffness whatever its size.
+// Candidate bases: each prefix of `vectors` spans the same space as that prefix of the principal
+// columns. vectors^T K vectors = 1, so the model of every prefix has unit stiffness.
 struct Candidates {
   Columns vectors;
-  std::vector<double> projection;  // |u - its projection| / |u| of r columns at [r]
-  std::vector<double> unseen;      // at [r]
+  std::vector<double> projection;  // |u - its projection| / |u| for r columns, at index r
+  std::vector<double> unseen;      // at index r
 };
 
 Candidates make_candidates(const FullOrder& body, const PrincipalColumns& principal,
@@ -62,11 +62,11 @@ Candidates make_candidates(const FullOrder& body, const PrincipalColumns& princi
   const auto r = std::min<Eigen::Index>(kMostTargetModes, principal.size());
   Candidates candidates{principal.first(r), {1.0}, {1.0}};
   Columns& vectors = candidates.vectors;
-  const Vector heavy = multiply(body, body.mass, search.exact);
-  const double square = search.exact.dot(heavy);
+  const Vector mass_exact = multiply(body, body.mass, search.exact);
+  const double square = search.exact.dot(mass_exact);
   double left = square;
   for (Eigen::Index i = 0; i < r; ++i) {
-    left -= std::pow(vectors.col(i).dot(heavy), 2);
+    left -= std::pow(vectors.col(i).dot(mass_exact), 2);
     candidates.projection.push_back(std::sqrt(std::max(0.0, left / square)));
   }
   Columns image(vectors.rows(), r);
@@ -113,7 +113,8 @@ TargetRow measure(const FullOrder& body, const Problem& problem, const Candidate
   return row;
 }
 
-// The first from which on so many keep the target, or all that there are.
+// Returns the first candidate that, with kBeyond larger ones or all remaining ones, meets the
+// target.
 TargetRow choose(const std::vector<TargetRow>& rows, double target, bool all_measured) {
   std::size_t good = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -123,38 +124,38 @@ TargetRow choose(const std::vector<TargetRow>& rows, double target, bool all_mea
   return all_measured && good > 0 ? rows[rows.size() - good] : TargetRow();
 }
 
-// What candidates are measured on.
-struct Bench {
+// Data on which candidates are measured.
+struct Setting {
   const FullOrder& body;
   const PrecomputeResult& result;
   const Solid& solid;
   unsigned threads;
 };
 
-// Measures until one is chosen.
-void search_prefixes(const Bench& bench, const PrincipalColumns& principal,
+// Measures candidates until one is chosen.
+void search_prefixes(const Setting& setting, const PrincipalColumns& principal,
                      const Candidates& candidates, const TargetSearch& search,
                      TargetFindings& findings) {
   const auto kept = static_cast<int>(principal.kept.cols());
   const auto most = static_cast<int>(candidates.vectors.cols());
   findings.rows.clear();
-  // At rest a few are enough; the linear modes were asked for to vibrate.
+  // Statically fewer may suffice, but the requested linear modes are needed for vibration.
   const int least = std::min(most, kept + static_cast<int>(principal.linear_modes));
   for (int first = least; first <= most; first += kBatch) {
     const int last = std::min(most, first + kBatch - 1);
     const ReducedModel model =
-        model_of(bench.result, bench.solid, candidates.vectors.leftCols(last), bench.threads);
+        model_of(setting.result, setting.solid, candidates.vectors.leftCols(last), setting.threads);
     for (int r = first; r <= last; ++r) {
-      // A cut between equals would leave to chance which of them stays.
+      // A cut within a cluster would keep an arbitrary part of it.
       if (cluster_at_cut(principal.singular_values.head(principal.rank), r - kept, {}).count > 0)
         continue;
       findings.rows.push_back(
-          measure(bench.body, bench.result.problem, candidates, model, r, search));
+          measure(setting.body, setting.result.problem, candidates, model, r, search));
       findings.chosen = choose(findings.rows, findings.asked, false);
       if (findings.kept()) return;
     }
   }
-  // The last may have been passed over, as a cut between equals.
+  // The last candidate may have been skipped because it divides a cluster.
   findings.chosen = choose(findings.rows, findings.asked, true);
 }
 
@@ -172,20 +173,20 @@ TargetFindings find_coordinates(const ModelRequest& request, const PrecomputeRes
   findings.linear_modes = static_cast<int>(principal.linear_modes);
   findings.load = request.load_at + text(", %g,%g,%g N", request.load_force.x(),
                                          request.load_force.y(), request.load_force.z());
-  const auto look = [&] {
+  const auto search_all = [&] {
     search_prefixes({body, result, solid, request.threads}, principal,
                     make_candidates(body, principal, search), search, findings);
   };
   const bool sees_load = make_candidates(body, principal, search).unseen.back() <= search.asked;
-  if (sees_load) look();
+  if (sees_load) search_all();
   if (findings.kept() && findings.chosen.unseen <= search.asked) return findings;
   TargetFindings without = findings;
-  const PrincipalColumns untouched = findings.kept() ? principal : PrincipalColumns();
+  const PrincipalColumns original = findings.kept() ? principal : PrincipalColumns();
   keep_always(matrices, load_vectors(result, solid, solver, search), request.threads, principal);
   findings.load_vectors = static_cast<int>(principal.kept.cols());
-  look();
+  search_all();
   if (findings.kept() || !without.kept()) return findings;
-  principal = untouched;
+  principal = original;
   return without;
 }
 

@@ -22,7 +22,7 @@ std::string file_name(const std::string& stage, int rank) {
   return stage + "." + std::to_string(rank);
 }
 
-// STAGE.RANK of any stage and rank.
+// Returns whether the name is STAGE.RANK for any stage and rank.
 bool is_stage_file(const std::string& name) {
   static const std::vector<std::string> stages = {"modes", "derivatives", "certificate", "basis",
                                                   "coefficients"};
@@ -33,7 +33,7 @@ bool is_stage_file(const std::string& name) {
                      [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// Of this rank.
+// Returns whether the file is one of this rank.
 bool is_own_stage_file(const std::string& name) {
   return is_stage_file(name) && name.ends_with("." + std::to_string(mpi_rank()));
 }
@@ -46,7 +46,7 @@ std::vector<std::string> names_in(const std::string& folder) {
   return names;
 }
 
-// The stages of all ranks, and what processes that were killed have left of some.
+// Removes the stages of all ranks and partial files left by killed processes.
 void remove_stages(const std::string& folder) {
   std::error_code ignored;
   for (const std::string& name : names_in(folder)) {
@@ -57,7 +57,7 @@ void remove_stages(const std::string& folder) {
   }
 }
 
-// A number that ranks have together when their files were written together.
+// Returns a hash over all ranks, which identifies files that were written together.
 std::int64_t hash_over_ranks(const std::vector<NamedArray>& arrays) {
   if (mpi_ranks() == 1) return 0;
   std::uint64_t sum = 0;
@@ -92,7 +92,7 @@ std::map<std::string, std::string> as_map(const std::string& text) {
   return entries;
 }
 
-// What a stranger's file says, for a terminal.
+// Makes text from an untrusted file safe for a terminal: at most 200 printable characters.
 std::string printable(std::string text) {
   if (text.empty()) return "nothing";
   text.resize(std::min<std::size_t>(text.size(), 200));
@@ -101,7 +101,7 @@ std::string printable(std::string text) {
   return text;
 }
 
-// "linear modes (20 there, 30 here), mesh (...)"
+// Returns for instance "linear modes (20 there, 30 here), mesh (...)".
 std::string differences(const std::string& there, const CheckpointIdentity& here) {
   std::map<std::string, std::string> kept = as_map(there);
   std::string text;
@@ -133,7 +133,8 @@ std::optional<LinearSolver> kept_solver(const CheckpointRequest& request) {
       if (as_map(*identity)[kSolverFact] == name_of(kSolvers[i])) found = i;
   }
   MPI_Bcast(&found, 1, MPI_INT, 0, PETSC_COMM_WORLD);
-  // Of a run in one process: the number of ranks will be what is told.
+  // The stages are those of a run with one process: the number of ranks is the difference to
+  // report.
   if (found >= 0 && kSolvers[found] == LinearSolver::kCholmod && mpi_ranks() > 1) found = -1;
   return found < 0 ? std::nullopt : std::optional(kSolvers[found]);
 }
@@ -156,11 +157,12 @@ void Checkpoint::require_same_identity(const CheckpointIdentity& identity) {
   std::string different;
   bool any = false;
   for (const std::string& name : names_in(folder_)) {
-    // Another rank's processor may be of another kind, and its thread count.
+    // Files of other ranks may differ in processor and thread count, which are part of the
+    // identity.
     if (!is_own_stage_file(name)) continue;
     any = true;
     const Result<CheckpointFile> file = CheckpointFile::open((fs::path(folder_) / name).string());
-    if (!file) continue;  // told when its turn comes
+    if (!file) continue;  // reported when the stage is read
     const Result<std::string> text = file->text(kIdentity);
     if (text && *text != identity_) different = differences(*text, identity);
   }
@@ -176,9 +178,9 @@ void Checkpoint::require_same_identity(const CheckpointIdentity& identity) {
 void Checkpoint::make_folder() {
   std::error_code error;
   if (mpi_rank() == 0) fs::create_directory(folder_, error);
-  std::error_code looking;
-  const bool there = true_on_all_ranks(mpi_rank() != 0 || fs::is_directory(folder_, looking));
-  if (!error) error = looking;
+  std::error_code status_error;
+  const bool there = true_on_all_ranks(mpi_rank() != 0 || fs::is_directory(folder_, status_error));
+  if (!error) error = status_error;
   if (there) return;
   log_.note("warning: " + folder_ + ": cannot make the folder" +
             (error ? ": " + error.message() : "") + "; the run goes on without checkpoints");
@@ -189,7 +191,8 @@ std::string Checkpoint::path(const std::string& stage) const {
   return (fs::path(folder_) / file_name(stage, mpi_rank())).string();
 }
 
-// This rank's file; none: `problem` tells why, empty if there is just none.
+// Opens this rank's file of a stage. Without a usable file `problem` is the reason; it is empty if
+// no file exists.
 std::optional<CheckpointFile> Checkpoint::open(const std::string& stage,
                                                std::string& problem) const {
   std::error_code ignored;
@@ -230,8 +233,8 @@ bool Checkpoint::find(const std::string& stage,
   }
   if (none) return false;
   if (!good && problem.empty()) problem = path(stage) + ": there is none";
-  const std::string told = first_text(problem);
-  log_.note((all ? folder_ + ": the files of stage '" + stage + "' are not of one run" : told) +
+  const std::string message = first_text(problem);
+  log_.note((all ? folder_ + ": the files of stage '" + stage + "' are not of one run" : message) +
             "; the stage is computed again");
   return false;
 }
@@ -260,7 +263,7 @@ void remove_checkpoint(const CheckpointRequest& request, const StageLog& log) {
   const std::string folder = request.folder;
   remove_stages(folder);
   std::error_code error;
-  // Not what stands in the folder's place: a file, or a link to where there is room.
+  // The folder's path may have been replaced by a file, or be a link to other storage: keep those.
   if (!fs::is_directory(fs::symlink_status(folder, error))) return;
   fs::remove(folder, error);
   if (error) log.note(folder + ": cannot remove the folder: " + error.message());

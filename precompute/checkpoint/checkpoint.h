@@ -1,10 +1,11 @@
-// Finished stages in the folder OUTPUT.checkpoint, so that a run that was ended goes on where it
-// was. A stage is one file a rank, STAGE.RANK, written under another name and renamed: it is there
-// whole or not at all. When the basis file is written the folder goes.
+// Checkpoints: finished stages are saved in the folder OUTPUT.checkpoint, so that an interrupted
+// run can be resumed. A stage is one file a rank, STAGE.RANK, written under another name and
+// renamed, so it is either complete or absent. The folder is removed once the basis file is
+// written.
 //
-// A run that finds its stages gives the same basis file, byte for byte, as one that makes them:
-// what goes into that file or into a later stage is in the stage's file, and nothing that differs
-// from run to run.
+// A resumed run writes the same basis file, byte for byte, as an uninterrupted one: a stage's file
+// contains everything that the basis file or a later stage needs, and nothing that varies between
+// runs.
 #pragma once
 
 #include <functional>
@@ -20,42 +21,44 @@
 
 namespace tremolo {
 
-// What a stage belongs to: everything that changes a bit of it, by names that a user understands.
+// What a stage depends on: everything that changes a bit of it, with names that a user understands.
 using CheckpointIdentity = std::vector<std::pair<std::string, std::string>>;
 
-// counts: as chosen, not as asked for. What only shapes the file at the end (the render surface,
-// the load, the encoding) or stands beside the model (the certificate) is not part of it.
+// Returns the identity of a run. counts: the numbers chosen, not requested. Left out is what
+// affects only the file at the end (render surface, load, encoding) or is kept beside the model
+// (certificate).
 CheckpointIdentity checkpoint_identity(const ModelRequest& request, const Problem& problem,
                                        const ModeCounts& counts, LinearSolver solver,
                                        int blas_threads);
 inline constexpr const char* kSolverFact = "solver";
 
-// Of a run that writes this basis file.
+// Returns the folder for a run that writes this basis file.
 std::string checkpoint_folder(const std::string& output_path);
 
-// When stages are to be resumed, who solved for those that are there; the same on all ranks. None:
-// there are none that tell.
+// Returns the solver that computed the stages in the folder, if they are to be resumed; the same on
+// all ranks. None if no stage tells.
 std::optional<LinearSolver> kept_solver(const CheckpointRequest& request);
 
-// The stages that checkpoint_stages.h reads and writes. All ranks call everything together.
+// Reads and writes the stages of checkpoint_stages.h. All members are collective.
 class Checkpoint {
  public:
-  // Unless stages are to be kept nothing is read or written. When they are to be resumed those that
-  // are there are of use; SharedFailure (kContent) if they are of another identity. Else they are
+  // Reads and writes nothing unless request.keep is set. With request.resume existing stages are
+  // used; throws SharedFailure (kContent) if their identity differs. Otherwise existing stages are
   // removed.
   Checkpoint(const CheckpointRequest& request, const CheckpointIdentity& identity, StageLog& log);
 
-  // Calls `take` with the stage's file, which may throw Failure. False when there is no such file
-  // or, with a note, when some rank's cannot be used: the stage is to be made again.
+  // Calls `take`, which may throw Failure, with the stage's file. Returns false, so that the stage
+  // must be computed, if there is no such file or, with a note, if the file of some rank cannot be
+  // used.
   bool find(const std::string& stage, const std::function<void(const CheckpointFile&)>& take);
 
-  // A failure is a warning; no further stage is kept then.
+  // Saves a stage. If that fails, a warning is noted and no further stages are saved.
   void keep(const std::string& stage, std::vector<NamedArray> arrays);
 
-  // Whether some stage was found.
+  // Returns whether any stage was found.
   bool found() const { return found_; }
 
-  // For a stage that no later one needs; frees its room on the disk.
+  // Removes a stage that no later one needs, to free disk space.
   void drop(const std::string& stage);
 
  private:
@@ -72,8 +75,8 @@ class Checkpoint {
   bool found_ = false;
 };
 
-// To be called when the run's outputs are written: removes the stages, of all ranks, and the folder
-// if nothing else is in it. A failure is a note.
+// Removes the stages of all ranks, and the folder if it is empty then; to be called when all
+// outputs are written. A failure is only noted.
 void remove_checkpoint(const CheckpointRequest& request, const StageLog& log);
 
 }  // namespace tremolo

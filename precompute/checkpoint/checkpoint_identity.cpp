@@ -1,4 +1,4 @@
-// What must be the same for a kept stage to be of use.
+// The identity of a run, on which the reuse of a stage depends.
 #include <span>
 #include <suitesparse/cholmod.h>
 
@@ -12,7 +12,7 @@
 namespace tremolo {
 namespace {
 
-// Which of the TREMOLO_CLONES the loader has chosen.
+// Returns the instruction set for which the loader has chosen the TREMOLO_CLONES.
 std::string vector_instructions() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx512vl")) return "AVX-512";
@@ -29,7 +29,7 @@ CheckpointIdentity checkpoint_identity(const ModelRequest& request, const Proble
   const std::string given = petsc_options();
   int cholmod[3] = {};
   cholmod_version(cholmod);
-  // A default number may become more, so as not to cut between equals.
+  // A default count may be extended so that the cut does not divide a cluster.
   const auto count = [](int number, bool asked) {
     return std::to_string(number) + (asked ? "" : " or more");
   };

@@ -10,7 +10,7 @@ namespace {
 
 constexpr Eigen::Index kAnyRows = -1;
 
-// Values by name into a file. They must outlive what arrays() returns, and so must the writer.
+// Collects named values for a file. The values and the writer must outlive the result of arrays().
 class StageWriter {
  public:
   void operator()(const char* name, const double& value) {
@@ -30,7 +30,7 @@ class StageWriter {
   void operator()(const char* name, const Columns& values, Eigen::Index, Eigen::Index) {
     add(name, values.data(), values.rows(), values.cols());
   }
-  // As the columns of its transpose.
+  // Stored as the columns of its transpose.
   void operator()(const char* name, const BasisRows& values, Eigen::Index, Eigen::Index) {
     add(name, values.data(), values.cols(), values.rows());
   }
@@ -51,7 +51,7 @@ class StageWriter {
   std::vector<NamedArray> arrays_;
 };
 
-// The same names out of a file, each of the shape that is asked for. Throws Failure.
+// Reads the same names from a file and checks their shapes. Throws Failure.
 class StageReader {
  public:
   explicit StageReader(const CheckpointFile& file) : file_(file) {}
@@ -78,7 +78,7 @@ class StageReader {
   [[noreturn]] static void refuse(const char* name) {
     throw Failure(content_error(std::string("'") + name + "' has another size than the stage's"));
   }
-  // Counts, all of them, that fit an int.
+  // Returns an integer that fits an int, as all stored counts do.
   std::int64_t integer(const char* name) const {
     const std::vector<std::int64_t> values = unwrap(file_.integers(name));
     if (values.size() != 1 || values[0] != static_cast<int>(values[0])) refuse(name);
@@ -93,7 +93,7 @@ class StageReader {
   const CheckpointFile& file_;
 };
 
-// How many there are where `asked` were asked for. Throws Failure.
+// Returns `found` if it is a valid number of columns for `asked`. Throws Failure.
 Eigen::Index in_range(Eigen::Index found, Eigen::Index asked) {
   if (found < asked || found > asked + kMostAdded)
     throw Failure(content_error(std::to_string(found) + " columns where " + std::to_string(asked) +
@@ -101,7 +101,8 @@ Eigen::Index in_range(Eigen::Index found, Eigen::Index asked) {
   return found;
 }
 
-// One list of names for both ways. asked: of the reader alone, as all shapes are.
+// One list of names for reading and writing. asked, dofs: for the reader; the writer ignores
+// shapes.
 template <class Archive, class Value>
 void describe_modes(Archive& archive, Value& whole, Eigen::Index dofs, Eigen::Index asked) {
   auto& modes = whole.modes;

@@ -1,6 +1,6 @@
-// What of each stage is kept, and how it comes back: all that the report, the basis file and later
-// stages want of it. find_... gives nothing when the stage is not there and is to be made; what
-// comes back has the shapes that are asked for.
+// Which data of each stage is saved: all that the report, the basis file and later stages need.
+// find_...() returns none if the stage must be computed; otherwise the data has the requested
+// shapes.
 #pragma once
 
 #include <optional>
@@ -14,21 +14,21 @@
 
 namespace tremolo {
 
-// The factor is not kept: the solver makes it again, bit for bit. count: asked for; up to
-// kMostAdded more may be there.
+// The factor is not saved; the solver recomputes it bit for bit. count: the number requested; up to
+// kMostAdded more may be stored.
 void keep_modes(Checkpoint& checkpoint, const WholeModes& whole);
 std::optional<WholeModes> find_modes(Checkpoint& checkpoint, Eigen::Index dofs, Eigen::Index count);
 
-// modes: their vectors, the first of the columns; they are kept with the modes.
+// modes: the mode vectors, i.e. the first columns; they are saved with the stage "modes".
 void keep_derivatives(Checkpoint& checkpoint, const ModalDerivatives& derivatives);
 std::optional<ModalDerivatives> find_derivatives(Checkpoint& checkpoint, const Columns& modes);
 
 void keep_certificate(Checkpoint& checkpoint, const InertiaCertificate& certificate);
 std::optional<InertiaCertificate> find_certificate(Checkpoint& checkpoint);
 
-// basis: without its vectors. rows: of the vertices that this rank has, rows x r, up to kMostAdded
-// more columns than asked for.
-// derivative_residual: the derivatives are of no further use, and dropped.
+// basis: without vectors. rows: at this rank's vertices, rows x r, with up to kMostAdded more
+// columns than requested. derivative_residual: saved here, since the stage "derivatives" is
+// dropped.
 struct FinishedBasis {
   Basis basis;
   BasisRows rows;

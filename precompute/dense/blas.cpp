@@ -15,7 +15,7 @@ int as_int(Eigen::Index value) {
   return static_cast<int>(value);
 }
 
-// BLAS wants a stride of at least one, also for nothing.
+// BLAS requires a leading dimension of at least one, even for empty matrices.
 int stride(Eigen::Index value) {
   return as_int(std::max<Eigen::Index>(value, 1));
 }

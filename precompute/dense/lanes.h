@@ -1,5 +1,5 @@
-// Eight elements side by side: loops over elements work on vectors that the compiler maps to what
-// the machine has. For use inside functions marked TREMOLO_CLONES.
+// SIMD over eight elements: the compiler maps the vector type to the machine's instructions. For
+// use in functions marked TREMOLO_CLONES.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,13 @@ namespace tremolo {
 inline constexpr std::size_t kLanes = 8;
 typedef double Lanes __attribute__((vector_size(8 * kLanes)));
 
-// Code for plain x86-64 aligns a vector to 16 bytes, the clones count on 64: what lies in memory
-// says so itself.
+// The alignment is explicit, since code compiled for plain x86-64 aligns a vector to 16 bytes while
+// the clones assume 64.
 struct alignas(8 * kLanes) LaneBlock {
   Lanes at;
 };
 
-// A displacement gradient of each of eight elements, G(x, d) = at[3*x + d].
+// Displacement gradients of eight elements, G(x, d) = at[3*x + d].
 struct alignas(8 * kLanes) LaneGradient {
   Lanes at[9];
 };

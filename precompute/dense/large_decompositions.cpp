@@ -34,7 +34,7 @@ int as_int(Eigen::Index value) {
   return static_cast<int>(value);
 }
 
-[[noreturn]] void give_up(const char* routine, int info) {
+[[noreturn]] void fail(const char* routine, int info) {
   throw Failure({ErrorKind::kSolver,
                  std::string("LAPACK's ") + routine + " gave up (" + std::to_string(info) + ")"});
 }
@@ -43,7 +43,7 @@ std::vector<double> workspace(double size) {
   return std::vector<double>(static_cast<std::size_t>(size));
 }
 
-// R of a = Q R without the zeros below. a: m x n, m >= n, is worked in.
+// Returns R of a = Q R with zeros below the diagonal. a: m x n, m >= n; overwritten.
 Eigen::MatrixXd upper_of_qr(Eigen::MatrixXd& a) {
   const int m = as_int(a.rows()), n = as_int(a.cols());
   std::vector<double> tau(static_cast<std::size_t>(n));
@@ -53,7 +53,7 @@ Eigen::MatrixXd upper_of_qr(Eigen::MatrixXd& a) {
   std::vector<double> work = workspace(size);
   const int length = static_cast<int>(work.size());
   dgeqrf_(&m, &n, a.data(), &m, tau.data(), work.data(), &length, &info);
-  if (info != 0) give_up("dgeqrf", info);
+  if (info != 0) fail("dgeqrf", info);
   return a.topRows(n).triangularView<Eigen::Upper>();
 }
 
@@ -96,7 +96,7 @@ SingularPairs large_left_singular_pairs(const Eigen::MatrixXd& a) {
   const int length = static_cast<int>(work.size());
   dgesdd_("S", &m, &n, square.data(), &m, pairs.values.data(), pairs.vectors.data(), &m,
           right.data(), &n, work.data(), &length, numbers.data(), &info);
-  if (info != 0) give_up("dgesdd", info);
+  if (info != 0) fail("dgesdd", info);
   return pairs;
 }
 
@@ -106,7 +106,7 @@ PivotedCholesky pivoted_cholesky(Eigen::MatrixXd a, double tolerance) {
   std::vector<double> work(2 * static_cast<std::size_t>(n));
   int rank = 0, info = 0;
   dpstrf_("U", &n, a.data(), &n, pivots.data(), &rank, &tolerance, work.data(), &info);
-  if (info < 0) give_up("dpstrf", info);
+  if (info < 0) fail("dpstrf", info);
   PivotedCholesky result;
   for (const int pivot : pivots) result.order.push_back(pivot - 1);
   result.factor = a.topRows(rank).triangularView<Eigen::Upper>();
@@ -117,7 +117,7 @@ Eigen::MatrixXd cholesky_factor(Eigen::MatrixXd a) {
   const int n = as_int(a.rows());
   int info = 0;
   dpotrf_("U", &n, a.data(), &n, &info);
-  if (info != 0) give_up("dpotrf", info);
+  if (info != 0) fail("dpotrf", info);
   a.triangularView<Eigen::StrictlyLower>().setZero();
   return a;
 }

@@ -15,7 +15,7 @@
 namespace tremolo {
 namespace {
 
-// The shortest of a few runs of `body` on all threads at once, s.
+// Returns the shortest time of five runs of `body` on all threads at once, s.
 template <class Body>
 double shortest(unsigned threads, const Body& body) {
   double best = 1e30;
@@ -53,12 +53,12 @@ MachineLimits measure_machine(unsigned threads) {
   machine.flops = threads * kProducts * 2.0 * kSize * kSize * kSize / product_seconds;
 
   machine.last_level_bytes = static_cast<double>(std::max(0L, ::sysconf(_SC_LEVEL3_CACHE_SIZE)));
-  constexpr std::size_t kBlocks = std::size_t{1} << 21;  // 128 MiB a thread: beyond the caches
+  constexpr std::size_t kBlocks = std::size_t{1} << 21;  // 128 MiB a thread: larger than the caches
   std::vector<std::vector<LaneBlock>> memory(threads, std::vector<LaneBlock>(kBlocks));
   std::vector<double> sums(threads, 0.0);
   const double read_seconds =
       shortest(threads, [&](std::size_t i) { sums[i] += sum_of(memory[i].data(), kBlocks); });
-  // The sums are used, so that the reading cannot be left out.
+  // The sums must be used, or the compiler could remove the reads.
   machine.bytes = threads * static_cast<double>(kBlocks * sizeof(LaneBlock)) / read_seconds +
                   std::accumulate(sums.begin(), sums.end(), 0.0);
   return machine;

@@ -1,4 +1,4 @@
-// Blocks of columns on several threads.
+// Parallel loop over blocks of columns.
 #pragma once
 
 #include <algorithm>

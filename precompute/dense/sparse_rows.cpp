@@ -3,7 +3,7 @@
 namespace tremolo {
 namespace {
 
-// Four columns share one pass over the matrix.
+// Multiplies `Width` columns in one pass over the matrix.
 template <int Width>
 void multiply_columns(const SparseRows& a, const double* x, Eigen::Index x_stride, double* y,
                       Eigen::Index y_stride) {
@@ -30,7 +30,7 @@ SparseRows sparse_rows(Mat matrix) {
   check_petsc(MatSeqAIJGetArrayRead(matrix, &view.value), kDoing);
   view.start = start;
   view.column = column;
-  // The arrays stay where they are; PETSc only counts who reads.
+  // The arrays remain valid; restoring only ends PETSc's read access.
   const double* value = view.value;
   PetscInt rows = view.rows;
   check_petsc(MatSeqAIJRestoreArrayRead(matrix, &value), kDoing);

@@ -1,4 +1,4 @@
-// A sparse matrix of one process as compressed rows: what threads may read side by side.
+// A sparse matrix of one process as compressed rows, which threads can read concurrently.
 #pragma once
 
 #include "precompute/dense/blas.h"
@@ -6,8 +6,8 @@
 
 namespace tremolo {
 
-// Borrowed from a sequential AIJ matrix; valid while that one is not changed.
-// Entries of row i are start[i] .. start[i+1], columns ascending.
+// Non-owning view of a sequential AIJ matrix, valid until that matrix is changed. The entries of
+// row i are start[i] .. start[i+1], columns ascending.
 struct SparseRows {
   int rows = 0;
   const int* start = nullptr;
@@ -16,11 +16,11 @@ struct SparseRows {
 };
 SparseRows sparse_rows(Mat matrix);
 
-// Y = A X in the calling thread, without a PETSc call.
+// Computes Y = A X in the calling thread, without PETSc calls.
 void multiply(const SparseRows& a, const ColumnsRef& x, ColumnsOut y);
 
-// A X over this rank's rows. In one process threads may call it side by side; on several ranks all
-// call it together.
+// Computes A X on this rank's rows. With one process, threads may call it concurrently; with
+// several ranks it is collective.
 class SparseProduct {
  public:
   explicit SparseProduct(Mat matrix);
@@ -28,7 +28,7 @@ class SparseProduct {
 
  private:
   Mat matrix_;
-  SparseRows rows_;  // in one process
+  SparseRows rows_;  // with one process; else empty
 };
 
 }  // namespace tremolo

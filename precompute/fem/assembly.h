@@ -1,4 +1,4 @@
-// Element matrices into a sparse matrix, without knowing which: entries go to a callable.
+// Element matrices, assembled through a callable, so that no sparse matrix type is named here.
 #pragma once
 
 #include "precompute/fem/dof_map.h"
@@ -6,18 +6,21 @@
 
 namespace tremolo {
 
-// One mass matrix from the elements to the file; mixing the two costs M-orthonormality.
+// The choice of mass matrix, used from the elements to the file; mixing both loses
+// M-orthonormality.
 enum class MassKind { kConsistent, kLumped };
 
-// Mass of vertex pair (a, b) of an element: rho V/20 (1 + delta_ab), or rho V/4 delta_ab lumped.
+// Returns the mass of vertex pair (a, b) of an element, kg: rho V/20 (1 + delta_ab), lumped rho V/4
+// delta_ab.
 inline double element_mass(const Solid& solid, std::size_t element, int a, int b, MassKind kind) {
   const double mass = solid.density(element) * solid.samples[element].weight;
   if (kind == MassKind::kLumped) return a == b ? mass / 4.0 : 0.0;
   return a == b ? mass / 10.0 : mass / 20.0;
 }
 
-// Calls add(row node, column node, 3x3 block) for every pair of free nodes of every element that
-// this rank has rows of; only rows of its own nodes. solid: of the rank's part of the mesh.
+// Calls add(row node, column node, 3x3 block) for every pair of free nodes of every element in
+// which this rank owns a node; row nodes are always owned by this rank. solid: this rank's part of
+// the mesh.
 template <class Add>
 void for_each_stiffness_block(const Solid& solid, const LocalDofs& local, const Add& add) {
   for (int element : local.elements) {
@@ -35,8 +38,8 @@ void for_each_stiffness_block(const Solid& solid, const LocalDofs& local, const 
   }
 }
 
-// The same for the mass, point masses included: add(row node, column node, value); the block is
-// value times identity.
+// Does the same for the mass, point masses included, with add(row node, column node, value); the
+// block is value times the identity.
 template <class Add>
 void for_each_mass_entry(const Solid& solid, const LocalDofs& local, MassKind kind,
                          const Add& add) {
@@ -57,7 +60,7 @@ void for_each_mass_entry(const Solid& solid, const LocalDofs& local, MassKind ki
       add(local.node_of_vertex[v], local.node_of_vertex[v], solid.point_mass[v]);
 }
 
-// Mass of the whole mesh with its point masses, kg.
+// Returns the mass of the whole mesh, point masses included, kg.
 double total_mass(const Solid& solid);
 
 }  // namespace tremolo

@@ -13,7 +13,7 @@ namespace {
 
 static_assert(sizeof(idx_t) == sizeof(int), "METIS is built with 32-bit indices");
 
-constexpr idx_t kSeed = 1;  // METIS draws random numbers: the same mesh must give the same order
+constexpr idx_t kSeed = 1;  // METIS uses random numbers; a fixed seed makes the order reproducible
 
 void require_metis(int status, const char* what) {
   if (status != METIS_OK)
@@ -27,8 +27,8 @@ void set_options(idx_t* options) {
   options[METIS_OPTION_NUMBERING] = 0;
 }
 
-// METIS may leave a part of a small graph empty; a rank without rows would be a case of its own
-// everywhere. There are at least as many nodes as parts.
+// METIS may leave a part of a small graph empty, and a rank without rows would need special cases
+// everywhere. There must be at least as many nodes as parts.
 void fill_empty_parts(int parts, std::vector<int>& part) {
   std::vector<int> size(static_cast<std::size_t>(parts), 0);
   for (const int p : part) ++size[p];
@@ -41,7 +41,7 @@ void fill_empty_parts(int parts, std::vector<int>& part) {
   }
 }
 
-// Which rank each node of the graph belongs to.
+// Returns the rank of each node of the graph.
 std::vector<int> partition(Graph& graph, int count, int ranks) {
   std::vector<int> part(static_cast<std::size_t>(count), 0);
   if (ranks == 1) return part;
@@ -60,7 +60,7 @@ std::vector<int> partition(Graph& graph, int count, int ranks) {
   return part;
 }
 
-// The part of the graph inside `members` (ascending), renumbered by position.
+// Returns the subgraph of `members` (ascending), renumbered by their position.
 Graph subgraph(const Graph& graph, const std::vector<int>& members, const std::vector<int>& part) {
   std::vector<int> position(graph.start.size(), -1);
   for (std::size_t i = 0; i < members.size(); ++i) position[members[i]] = static_cast<int>(i);
@@ -76,7 +76,7 @@ Graph subgraph(const Graph& graph, const std::vector<int>& members, const std::v
   return inner;
 }
 
-// Position i of the result is the member that comes i-th in nested dissection.
+// Entry i of the result is the member that comes i-th in the nested dissection order.
 std::vector<int> nested_dissection(const Graph& graph, const std::vector<int>& members,
                                    const std::vector<int>& part) {
   Graph inner = subgraph(graph, members, part);
@@ -171,7 +171,7 @@ int element_rank(const DofMap& map, const Tetrahedron& tet) {
 
 namespace {
 
-// The tetrahedra and vertices of one rank's part of the mesh.
+// Selects the tetrahedra and vertices of one rank's part of the mesh.
 void choose_part(const TetMesh& mesh, const DofMap& map, int rank, LocalDofs& local) {
   const auto ours = [&](VertexId v) {
     const int node = map.node_of_vertex[v] - local.first_node;
@@ -208,9 +208,10 @@ LocalDofs local_dofs(const TetMesh& mesh, const DofMap& map, int rank) {
   }
   for (const VertexId v : local.vertices) {
     const int node = map.node_of_vertex[v];
-    const int place = node - local.first_node;
+    const int row_node = node - local.first_node;
     local.node_of_vertex.push_back(node);
-    local.row_of_vertex.push_back(node >= 0 && place >= 0 && place < local.nodes ? 3 * place : -1);
+    local.row_of_vertex.push_back(
+        node >= 0 && row_node >= 0 && row_node < local.nodes ? 3 * row_node : -1);
   }
   for (std::size_t i = 0; i < local.tetrahedra.size(); ++i) {
     const Tetrahedron& tet = mesh.tetrahedra[local.tetrahedra[i]];
@@ -223,14 +224,14 @@ LocalDofs local_dofs(const TetMesh& mesh, const DofMap& map, int rank) {
 
 TetMesh part_mesh(const TetMesh& mesh, const LocalDofs& local) {
   TetMesh part;
-  std::vector<VertexId> place(mesh.vertices.size(), -1);
+  std::vector<VertexId> part_id(mesh.vertices.size(), -1);
   for (const VertexId v : local.vertices) {
-    place[v] = static_cast<VertexId>(part.vertices.size());
+    part_id[v] = static_cast<VertexId>(part.vertices.size());
     part.vertices.push_back(mesh.vertices[v]);
   }
   for (const std::size_t e : local.tetrahedra) {
     Tetrahedron tet = mesh.tetrahedra[e];
-    for (VertexId& v : tet) v = place[v];
+    for (VertexId& v : tet) v = part_id[v];
     part.tetrahedra.push_back(tet);
   }
   return part;

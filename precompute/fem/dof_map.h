@@ -1,9 +1,9 @@
-// Which vertices move, and the order in which the solvers see them.
+// Numbering of the free dofs.
 //
 // Free vertices become nodes 0..N-1. METIS partitions the node graph over the ranks, each rank's
-// nodes are consecutive, and within a rank nested dissection orders them for a sparse factor (the
-// node graph, each node standing for three dofs: cheaper to order than the dof graph and less
-// fill). Dof 3*node + axis.
+// nodes are consecutive, and within a rank they are in nested dissection order to reduce fill of a
+// sparse factor. Ordering the node graph, where each node stands for three dofs, is cheaper than
+// ordering the dof graph and gives less fill. Dof 3*node + axis.
 #pragma once
 
 #include <vector>
@@ -12,57 +12,58 @@
 
 namespace tremolo {
 
-// Neighbours of each vertex or node in compressed rows: those of i are
-// neighbours[start[i] .. start[i+1]), ascending, without i itself.
+// An adjacency list in compressed rows: the neighbours of i are neighbours[start[i] .. start[i+1]),
+// ascending, without i itself.
 struct Graph {
   std::vector<int> start;
   std::vector<int> neighbours;
 };
 
-// The graph of the vertices that have a `number` 0..count-1 (others -1), by those numbers: two are
-// neighbours when a tetrahedron has both.
+// Returns the graph of the vertices that have a `number` 0..count-1 (others have -1), in that
+// numbering; two are adjacent if they share a tetrahedron.
 Graph node_graph(const TetMesh& mesh, const std::vector<int>& number, int count);
 
-// A nested dissection of the whole graph: the node that comes i-th. Throws Failure (kSystem).
+// Returns a nested dissection order: entry i is the node that comes i-th. Throws Failure (kSystem).
 std::vector<int> dissection_order(const Graph& graph);
 
 struct DofMap {
   std::vector<int> vertex_of_node;  // N
-  std::vector<int> node_of_vertex;  // n; -1: fixed, or no tetrahedron has it
-  std::vector<int> rank_begin;      // ranks + 1 node numbers
+  std::vector<int> node_of_vertex;  // n; -1: fixed, or in no tetrahedron
+  std::vector<int> rank_begin;      // ranks + 1 offsets into the nodes
   Graph graph;                      // of the nodes
 
   int nodes() const { return static_cast<int>(vertex_of_node.size()); }
 };
 
-// fixed: ascending vertex ids. Throws Failure (kContent) when no vertex is left to move, (kSystem)
-// when METIS fails.
+// fixed: ascending vertex ids. Throws Failure: kContent if every vertex is fixed, kSystem if METIS
+// fails.
 DofMap make_dof_map(const TetMesh& mesh, const std::vector<VertexId>& fixed, int ranks);
 
-// The rank whose node this is; -1 for what is no node (-1).
+// Returns the rank that owns the node; -1 for node -1.
 int rank_of_node(const DofMap& map, int node);
 
-// Who counts an element, which may have nodes of several ranks: its lowest free corner's rank; -1:
-// every corner is fixed.
+// Returns the rank that owns an element: that of its lowest free node; -1 if every corner is fixed.
 int element_rank(const DofMap& map, const Tetrahedron& tet);
 
-// This rank's share. Its part of the mesh are the tetrahedra with at least one of its nodes and
-// their vertices, some of which are other ranks' nodes; a single rank's part is the whole mesh,
-// with the same numbers.
+// The dofs of this rank. Its part of the mesh consists of the tetrahedra with at least one of its
+// nodes, and of their vertices, some of which are nodes of other ranks. A single rank's part is the
+// whole mesh in the same numbering.
 struct LocalDofs {
   int first_node = 0;
   int nodes = 0;
-  std::vector<VertexId> vertices;       // of the part: ids in the whole mesh, ascending
-  std::vector<std::size_t> tetrahedra;  // of the part: the `counted` ones first, both ascending
-  std::size_t counted = 0;              // each tetrahedron is counted by one rank
-  std::vector<int> node_of_vertex;      // of the part's vertices; -1: no node
-  std::vector<int> row_of_vertex;       // first of the vertex's three rows here, or -1: not ours
-  std::vector<int> elements;            // of the part, with at least one node of this rank
+  std::vector<VertexId> vertices;  // of the part: ids in the whole mesh, ascending
+  std::vector<std::size_t>
+      tetrahedra;                   // of the part: first the `counted` ones, both groups ascending
+  std::size_t counted = 0;          // tetrahedra owned by this rank (element_rank)
+  std::vector<int> node_of_vertex;  // of the part's vertices; -1: no node
+  std::vector<int>
+      row_of_vertex;          // first of the vertex's three local rows; -1: not owned by this rank
+  std::vector<int> elements;  // in the part's numbering, those with at least one node of this rank
   int dofs() const { return 3 * nodes; }
 };
 LocalDofs local_dofs(const TetMesh& mesh, const DofMap& map, int rank);
 
-// The part's vertices and tetrahedra, in its numbers; no sets, no regions.
+// Returns the part's vertices and tetrahedra in the part's numbering; without sets and regions.
 TetMesh part_mesh(const TetMesh& mesh, const LocalDofs& local);
 
 }  // namespace tremolo

@@ -39,8 +39,8 @@ Matrix6 isotropic_tensor(double lambda, double mu) {
   return c;
 }
 
-// The inverse of the compliance, in the frame of the axes: its shear entries are 1 / (2 G), since
-// both stress and strain carry the root of two.
+// Inverts the compliance, in the frame of the axes. The shear entries are 2 G, since both stress
+// and strain carry a factor sqrt(2).
 Matrix6 orthotropic_tensor(const OrthotropicElasticity& constants) {
   Eigen::Matrix3d compliance;
   for (int i = 0; i < 3; ++i) {

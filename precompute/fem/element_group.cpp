@@ -5,12 +5,12 @@
 namespace tremolo {
 namespace {
 
-// sym(G) and its stress, entries xx yy zz yz xz xy.
+// Stress of sym(G), entries xx yy zz yz xz xy.
 struct LaneStress {
   Lanes at[6];
 };
 
-// One isotropic material.
+// The law of one isotropic material for all elements.
 struct UniformLaw {
   double lambda, mu;
 
@@ -26,8 +26,8 @@ struct UniformLaw {
   }
 };
 
-// Each of the eight elements has its own tensor; on entries of strains and stresses, without
-// Mandel's roots, it is not symmetric.
+// A law in which each of the eight elements has its own tensor. It acts on plain entries of strains
+// and stresses, without Mandel's factors, and is therefore not symmetric.
 struct alignas(8 * kLanes) GeneralLaw {
   Lanes tensor[6][6] = {};
 
@@ -52,9 +52,9 @@ struct alignas(8 * kLanes) GeneralLaw {
   }
 };
 
-// A group's geometry. rows: of the four corners in `out`, or -1.
+// Geometry of a group of elements. rows: offsets of the four corners in `out`; -1 if there is none.
 struct Corners {
-  Lanes gradients[3][3];  // [axis][corner 1..3] times the negative volume; corner 0 balances them
+  Lanes gradients[3][3];  // [axis][corner 1..3], times -volume; corner 0 is minus their sum
   int rows[4][kLanes];
 };
 
@@ -132,7 +132,7 @@ template <class Law>
       const Lanes* b = gradients[static_cast<std::size_t>(pairs[p].j)].at;
       const Lanes* sa = stresses[static_cast<std::size_t>(pairs[p].i)].at;
       const Lanes* sb = stresses[static_cast<std::size_t>(pairs[p].j)].at;
-      // S(sym(A^T B)), then + A S(sym B) + B S(sym A).
+      // S(sym(A^T B)); the loop below adds A S(sym B) + B S(sym A).
       const LaneStress s = law.stress(
           a[0] * b[0] + a[3] * b[3] + a[6] * b[6], a[1] * b[1] + a[4] * b[4] + a[7] * b[7],
           a[2] * b[2] + a[5] * b[5] + a[8] * b[8],
@@ -140,7 +140,7 @@ template <class Law>
           0.5 * (a[0] * b[2] + a[3] * b[5] + a[6] * b[8] + a[2] * b[0] + a[5] * b[3] + a[8] * b[6]),
           0.5 *
               (a[0] * b[1] + a[3] * b[4] + a[6] * b[7] + a[1] * b[0] + a[4] * b[3] + a[7] * b[6]));
-      // Entry (row, column) of a symmetric matrix in the order xx yy zz yz xz xy.
+      // Index of entry (row, column) of a symmetric matrix in the order xx yy zz yz xz xy.
       constexpr int kAt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
       alignas(8 * kLanes) double forces[3][3][kLanes];  // [corner 1..3][axis]
       for (int x = 0; x < 3; ++x) {

@@ -12,14 +12,14 @@ void require(PetscErrorCode code) {
   check_petsc(code, "assemble the matrices");
 }
 
-// The rows of this rank in compressed form, in the pattern of the node graph: each node and
-// neighbour stand for three rows and `per_node` columns (3: a full block, 1: the diagonal of one).
+// The rows of this rank in compressed form, with the pattern of the node graph: each node and
+// neighbour stand for three rows and `per_node` columns (3: a full block, 1: its diagonal).
 struct Rows {
   std::vector<PetscInt> start, column;
   std::vector<double> value;
 };
 
-// Neighbours of a node with the node itself, ascending: where its blocks lie.
+// Returns the neighbours of a node and the node itself, ascending: the columns of its blocks.
 std::vector<int> row_nodes(const DofMap& map, int node) {
   std::vector<int> nodes(map.graph.neighbours.begin() + map.graph.start[node],
                          map.graph.neighbours.begin() + map.graph.start[node + 1]);
@@ -47,7 +47,7 @@ Rows make_pattern(const DofMap& map, const LocalDofs& local, int per_node) {
   return rows;
 }
 
-// Position of `other` among the nodes of node's row.
+// Returns the position of `other` among the nodes of the row.
 int position(const DofMap& map, int node, int other) {
   const auto begin = map.graph.neighbours.begin() + map.graph.start[node];
   const auto end = map.graph.neighbours.begin() + map.graph.start[node + 1];
@@ -55,7 +55,7 @@ int position(const DofMap& map, int node, int other) {
   return static_cast<int>(found - begin) + (other > node ? 1 : 0);
 }
 
-// PETSc keeps its own copy.
+// Creates a distributed matrix; PETSc copies the rows.
 PetscMatrix make_sparse(const LocalDofs& local, Rows rows) {
   PetscMatrix matrix;
   require(MatCreate(PETSC_COMM_WORLD, matrix.out()));
@@ -99,7 +99,7 @@ Matrices assemble(const Solid& solid, const DofMap& map, const LocalDofs& local,
 PetscMatrix shifted_stiffness(const Matrices& matrices, double shift) {
   PetscMatrix shifted;
   require(MatDuplicate(matrices.stiffness.get(), MAT_COPY_VALUES, shifted.out()));
-  // M's pattern lies inside K's.
+  // The pattern of M is a subset of that of K.
   require(MatAXPY(shifted.get(), -shift, matrices.mass.get(), SUBSET_NONZERO_PATTERN));
   return shifted;
 }

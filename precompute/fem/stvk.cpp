@@ -11,7 +11,7 @@ Eigen::Matrix3d symmetric_part(const Eigen::Matrix3d& a) {
   return 0.5 * (a + a.transpose());
 }
 
-// V B^T C B, where B takes the corners' displacements to the strain in Mandel's notation.
+// Returns V B^T C B, where B maps the corners' displacements to the strain in Mandel's notation.
 Eigen::Matrix<double, 12, 12> general_stiffness(const Elasticity& elasticity,
                                                 const StrainSample& sample) {
   Eigen::Matrix<double, 6, 12> b;

@@ -22,12 +22,12 @@ struct StrainSample {
   Eigen::Matrix<double, 3, 4> gradients;
 };
 
-// One sample a tetrahedron, in order. The mesh must have passed check_mesh.
+// Returns one sample a tetrahedron, in order. The mesh must have passed check_mesh.
 std::vector<StrainSample> strain_samples(const TetMesh& mesh);
 
-// The mesh with its materials, ready for element loops. Borrows the mesh. elasticities, densities
-// (kg/m^3): of each material. material_of: an index into them for each element; empty: all the
-// first. point_mass: of each vertex, kg; empty: none.
+// A mesh with its materials, ready for element loops. It holds a reference to the mesh.
+// elasticities, densities (kg/m^3): one a material. material_of: index into them for each element;
+// empty: index 0 for all. point_mass: one a vertex, kg; empty: none.
 struct Solid {
   const TetMesh& mesh;
   std::vector<StrainSample> samples;
@@ -43,38 +43,39 @@ struct Solid {
     return elasticities[material(element)];
   }
   double density(std::size_t element) const { return densities[material(element)]; }
-  // One isotropic material: the loops over elements have a shorter way for it.
+  // One isotropic material; element loops are faster for it.
   bool uniform() const { return elasticities.size() == 1 && elasticities.front().isotropic; }
 };
 Solid make_solid(const TetMesh& mesh, const Material& material);
 Solid make_solid(const TetMesh& mesh, const MaterialTable& table);
-// Of a part of a mesh: element i of `part` is element tetrahedra[i] of the table's mesh.
+// For a part of a mesh: element i of `part` is element tetrahedra[i] of the table's mesh.
 Solid make_solid(const TetMesh& part, const std::vector<std::size_t>& tetrahedra,
                  const MaterialTable& table);
 
-// Displacements and forces are 3n vectors, x y z of vertex 0 first.
+// Displacements and forces are vectors of length 3n: x, y, z of vertex 0, then of vertex 1 and so
+// on.
 using Field = Eigen::VectorXd;
 using FieldRef = Eigen::Ref<const Eigen::VectorXd>;
 
 Eigen::Matrix3d displacement_gradient(const Solid& solid, std::size_t element, const FieldRef& u);
 
-// Of a displacement gradient.
+// g: displacement gradient.
 Eigen::Matrix3d green_strain(const Eigen::Matrix3d& g);
 
 double strain_energy(const Solid& solid, const FieldRef& u);  // J
 Field internal_force(const Solid& solid, const FieldRef& u);  // N, the gradient of the energy
-// The part of it that the first `count` elements contribute.
+// Returns the internal force of the first `count` elements only.
 Field internal_force(const Solid& solid, const FieldRef& u, std::size_t count);
 
-// The second derivative of the force at rest, H[a, b] (thesis section 4.1.3; Barbic & James 2005).
-// StVK's force is cubic; the part of F S that is bilinear in two displacement gradients A, B is
-//   S(sym(A^T B)) + A S(sym B) + B S(sym A).
-// Adds H[a, b] to rows row_of_vertex[v] .. +2 of `out`; vertices with a negative row are skipped.
-// `elements` lists the tetrahedra to visit.
+// Adds H[a, b], the second derivative of the internal force at rest (thesis section 4.1.3; Barbic &
+// James 2005), over the tetrahedra in `elements`. The StVK force is cubic in the displacement; the
+// part of F S that is bilinear in two displacement gradients A, B is
+// S(sym(A^T B)) + A S(sym B) + B S(sym A).
+// The values go to rows row_of_vertex[v] .. +2 of `out`; vertices with a negative row are skipped.
 void add_second_derivative(const Solid& solid, const std::vector<int>& elements, const FieldRef& a,
                            const FieldRef& b, const std::vector<int>& row_of_vertex, double* out);
 
-// 12x12 stiffness at rest, rows and columns 3*a + axis.
+// Returns the 12x12 stiffness at rest, N/m, rows and columns 3*a + axis.
 Eigen::Matrix<double, 12, 12> rest_stiffness(const Elasticity& elasticity,
                                              const StrainSample& sample);
 

@@ -12,14 +12,14 @@ namespace {
 
 constexpr Eigen::Index kBlock = kLanczosBlock;
 
-// X^T Y, the same bits on all ranks.
+// Returns X^T Y, bitwise the same on all ranks.
 Eigen::MatrixXd products_of(const ColumnsRef& x, const ColumnsRef& y) {
   Eigen::MatrixXd products = transposed_product(x, y);
   sum_over_ranks(products);
   return products;
 }
 
-// In one process on the pencil's threads, else on all ranks.
+// Returns M X; with one process on the pencil's threads, else on all ranks.
 Columns mass_times(const Pencil& pencil, const ColumnsRef& x) {
   if (mpi_ranks() > 1) return multiply(pencil.mass(), Columns(x));
   const SparseRows mass = sparse_rows(pencil.mass());
@@ -31,14 +31,14 @@ Columns mass_times(const Pencil& pencil, const ColumnsRef& x) {
 }
 
 Columns start_block(Eigen::Index rows, Eigen::Index columns) {
-  // Its raw numbers are the same everywhere.
+  // The raw output of the engine is the same on every platform.
   std::mt19937 engine(20110101u + static_cast<unsigned>(mpi_rank()));
   Columns block(rows, columns);
   for (double& entry : block.reshaped()) entry = static_cast<double>(engine()) / 4294967296.0 - 0.5;
   return block;
 }
 
-// Takes the part along the columns of v (M-orthonormal) out of w; returns what it was, v^T M w.
+// Removes the components of w along the columns of v (M-orthonormal); returns them, v^T M w.
 Eigen::MatrixXd project_out(const Pencil& pencil, const ColumnsRef& v, const ColumnsOut& w) {
   if (v.cols() == 0) return Eigen::MatrixXd(0, w.cols());
   Eigen::MatrixXd along = products_of(v, mass_times(pencil, w));
@@ -46,9 +46,10 @@ Eigen::MatrixXd project_out(const Pencil& pencil, const ColumnsRef& v, const Col
   return along;
 }
 
-// W = Q B with Q^T M Q = 1, in place. The first `rank` columns of w become those of Q that a Gram
-// matrix can tell from the others' rounding and that are not rounding next to `scale` themselves.
-// |B s| is the M-norm of W s, what was left out included.
+// Factorises W = Q B with Q^T M Q = 1, in place. The first `rank` columns of w become the columns
+// of Q; dropped are directions that the Gram matrix cannot distinguish from rounding of the others,
+// and those that are rounding relative to `scale`. |B s| is the M-norm of W s, dropped directions
+// included.
 struct Orthonormalised {
   Eigen::Index rank = 0;
   Eigen::MatrixXd b;
@@ -89,13 +90,12 @@ void apply_inverse(const Pencil& pencil, const ShiftedSolver& solver, ColumnsOut
 LanczosPairs block_lanczos(const Pencil& pencil, const ShiftedSolver& solver, int wanted,
                            double tolerance) {
   const Eigen::Index rows = pencil.rows();
-  // Many parts of much the same shape have as many frequencies next to each other, which only a
-  // large basis tells apart.
-  constexpr Eigen::Index kMostMore = 1500;
-  const Eigen::Index several =
-      pencil.rigid.cols() > 6 ? std::min(kMostMore, 2 * pencil.rigid.cols()) : 0;
+  // Many similar parts have as many nearly equal frequencies, which only a large basis separates.
+  constexpr Eigen::Index kMostExtra = 1500;
+  const Eigen::Index extra_for_parts =
+      pencil.rigid.cols() > 6 ? std::min(kMostExtra, 2 * pencil.rigid.cols()) : 0;
   const Eigen::Index usual = 8 * Eigen::Index{wanted} + 20 * kBlock;
-  const Eigen::Index most = std::min<Eigen::Index>(pencil.all_rows(), usual + several);
+  const Eigen::Index most = std::min<Eigen::Index>(pencil.all_rows(), usual + extra_for_parts);
   LanczosPairs pairs;
   Columns v(rows, most);
   Eigen::MatrixXd t = Eigen::MatrixXd::Zero(most, most);  // V^T M A V
@@ -113,16 +113,17 @@ LanczosPairs block_lanczos(const Pencil& pencil, const ShiftedSolver& solver, in
     t.block(0, first, size, width) = along;
     t.block(first, 0, width, size) = along.transpose();
 
-    // In a large basis to look is more work than to go on.
-    constexpr Eigen::Index kSeldom = 8 * kBlock;
-    const bool look = size <= usual || size % kSeldom < kBlock || size + kBlock > most;
+    // In a large basis a convergence test costs more than another step.
+    constexpr Eigen::Index kTestInterval = 8 * kBlock;
+    const bool test_convergence =
+        size <= usual || size % kTestInterval < kBlock || size + kBlock > most;
     EigenPairs ritz;
-    if (look) {
+    if (test_convergence) {
       ritz = eigenpairs(t.topLeftCorner(size, size));
       largest = std::max(largest, ritz.values.cwiseAbs().maxCoeff());
     }
     const auto [next, coupling] = orthonormalise(pencil, w, largest);
-    if (look && size >= wanted) {
+    if (test_convergence && size >= wanted) {
       const Eigen::MatrixXd chosen = ritz.vectors.rightCols(wanted).rowwise().reverse();
       pairs.values = ritz.values.tail(wanted).reverse();
       const Eigen::VectorXd residuals =
@@ -135,7 +136,8 @@ LanczosPairs block_lanczos(const Pencil& pencil, const ShiftedSolver& solver, in
       }
     }
     if (size + next > most) return pairs;
-    // A second time: what rounding left along the basis grew when directions were scaled up.
+    // A second orthogonalisation is needed, since normalising short columns amplifies the rounding
+    // left along the basis.
     project_out(pencil, pencil.rigid, w.leftCols(next));
     project_out(pencil, v.leftCols(size), w.leftCols(next));
     const Eigen::Index kept = orthonormalise(pencil, w.leftCols(next), 0.0).rank;

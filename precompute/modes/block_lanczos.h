@@ -1,25 +1,26 @@
-// The eigenvectors of a large symmetric pencil nearest to a shift, many solves at a time.
+// Block Lanczos for the eigenvectors of a large symmetric pencil nearest to a shift.
 //
-// Lanczos with blocks for A = (K - sigma M)^-1 M, which is self-adjoint in the inner product of M.
-// One pass over the factor serves a whole block: it is the reading of the factor that a single
-// solve spends its time on. The basis is kept orthonormal by full orthogonalisation and is not
-// restarted; the lowest modes of a solid are there before it grows large.
+// The operator A = (K - sigma M)^-1 M is self-adjoint in the inner product of M. Blocks are used
+// since a single solve is limited by reading the factor, and one pass over it serves a whole block.
+// The basis is kept orthonormal by full orthogonalisation and is not restarted; the lowest modes of
+// a solid converge before it grows large.
 #pragma once
 
 #include "precompute/solver/shifted_solver.h"
 
 namespace tremolo {
 
-inline constexpr int kLanczosBlock = 8;  // columns of a block: a vector of the triangular solves
+inline constexpr int kLanczosBlock =
+    8;  // columns of a block: the SIMD width of the triangular solves
 
-// X <- (K - sigma M)^-1 M X without the rigid part, in place; sigma is the one that the solver is
-// prepared for. Columns are divided among threads in a fixed way, so that the result does not
-// depend on their number.
+// Replaces X by (K - sigma M)^-1 M X without its rigid components; sigma is the one that the solver
+// is prepared for. Columns are assigned to threads in a fixed way, so the result does not depend on
+// the number of threads.
 void apply_inverse(const Pencil& pencil, const ShiftedSolver& solver, ColumnsOut x);
 
-// vectors: this rank's rows x wanted, M-orthonormal; values: theta = 1 / (lambda - shift), largest
-// first. converged: all residuals |A x - theta x| / theta are at most the tolerance. If not, the
-// basis reached its largest size and the rest is not filled.
+// vectors: this rank's rows x wanted, M-orthonormal; values: theta = 1 / (lambda - shift),
+// descending. converged: all residuals |A x - theta x| / theta are at most the tolerance; if false,
+// the basis has reached its largest size, and vectors and values are not valid.
 struct LanczosPairs {
   bool converged = false;
   int solves = 0;

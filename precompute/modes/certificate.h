@@ -1,4 +1,4 @@
-// The certificate that no mode was missed: Sylvester's law of inertia.
+// Certificate that no mode was missed, by Sylvester's law of inertia.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace tremolo {
 
-// What compute_modes found against a count by inertia, with the bound in the last gap, usually
-// halfway to the first mode left out.
+// Number of modes that compute_modes found below a bound, against a count by inertia. The bound
+// lies in the last gap, usually halfway to the first mode left out.
 struct InertiaCertificate {
   double bound = 0;  // (rad/s)^2
   int expected = 0;  // modes found below the bound, rigid ones included
@@ -17,7 +17,8 @@ struct InertiaCertificate {
   bool complete() const { return expected == counted; }
 };
 
-// Takes the solver's memory. rigid_count: a free body's motions, eigenvalues 0. Throws Failure.
+// Releases the solver's factor. rigid_count: rigid modes of a free body, with eigenvalue 0. Throws
+// Failure.
 InertiaCertificate certify(ShiftedSolver& solver, const Modes& modes, int rigid_count);
 
 }  // namespace tremolo

@@ -11,11 +11,11 @@
 namespace tremolo {
 namespace {
 
-// S = 1 + sum a sin(w.x + phase) d d^T, x from the middle of the box in units of its diagonal. The
-// numbers stand for nothing: whole ones of no pattern, so that no turn or reflection of a body
-// leaves S as it is. Long and short waves: modes of a ring with n waves ask for 2n of them.
+// S = 1 + sum a sin(w.x + phase) d d^T, with x from the centre of the bounding box in units of its
+// diagonal. The numbers are arbitrary, chosen so that no rotation or reflection of a body leaves S
+// unchanged. Long and short waves are both needed: modes of a ring with n waves require 2n of them.
 struct Wave {
-  Eigen::Vector3d direction;  // d, to be normalised
+  Eigen::Vector3d direction;  // d, normalised in block_at
   Eigen::Vector3d wave;       // w, radians a diagonal
   double phase;
 };
@@ -23,7 +23,7 @@ const Wave kWaves[] = {{{7, 2, -3}, {1.1, -0.7, 0.9}, 1.3},
                        {{-2, 9, 5}, {-3.1, 2.3, 4.7}, 0.8},
                        {{1, -4, 11}, {7.9, 6.1, -5.3}, 2.1},
                        {{8, 5, 6}, {-13.7, 17.3, 11.9}, 0.4}};
-constexpr double kSize = 0.4;  // of a wave: S stays definite nearly everywhere
+constexpr double kSize = 0.4;  // amplitude a of a wave: S stays definite nearly everywhere
 
 Eigen::Matrix3d block_at(const Eigen::Vector3d& x) {
   Eigen::Matrix3d block = Eigen::Matrix3d::Identity();
@@ -46,13 +46,13 @@ Columns marked(const Marker& marker, const Columns& vectors) {
 }  // namespace
 
 bool Nearness::operator()(double a, double b) const {
-  constexpr double kMost = 1e-3;  // relative: what differs by more is told apart by its vectors
+  constexpr double kMost = 1e-3;  // relative; values farther apart have well-determined vectors
   const double distance = std::abs(a - b), larger = std::max(std::abs(a), std::abs(b));
   return distance <= std::min(std::max(relative * larger, absolute), kMost * larger);
 }
 
 Nearness nearness(double lowest, double cancellation) {
-  // Measured noise is a tenth of eps / c: equals are found with a thousandfold margin.
+  // Measured noise is a tenth of eps / c, so this bound leaves a margin of a thousand.
   constexpr double kNoise = 100.0 * std::numeric_limits<double>::epsilon();
   return {kClusterGap, cancellation > 0 ? kNoise * lowest / cancellation : 0.0};
 }
@@ -93,7 +93,7 @@ Eigen::MatrixXd canonical_rotation(Mat mass, const Marker& marker, const Columns
   const Columns x = marked(marker, vectors);
   const Eigen::MatrixXd products = inner_products(x, multiply(mass, x));
   Eigen::MatrixXd rotation = eigenpairs(products).vectors;
-  // Processors of different kinds may round differently: one rank speaks.
+  // Processors of different kinds may round differently, so all ranks use the result of rank 0.
   MPI_Bcast(rotation.data(), static_cast<int>(rotation.size()), MPI_DOUBLE, 0, PETSC_COMM_WORLD);
   return rotation;
 }
@@ -108,7 +108,7 @@ void make_canonical(Mat mass, const Marker& marker, const std::vector<Cluster>& 
 
 namespace {
 
-// With the first one that has no vector.
+// Returns the squared frequencies and the first one without a vector, if there is one.
 Eigen::VectorXd all_values(const Modes& modes) {
   Eigen::VectorXd values = modes.squared_frequencies;
   if (modes.next_squared_frequency > 0) {
@@ -118,7 +118,7 @@ Eigen::VectorXd all_values(const Modes& modes) {
   return values;
 }
 
-// A solver's residuals belong to the span.
+// The eigensolver's residuals hold for the span of a cluster: each member gets the largest.
 void share_residuals(const std::vector<Cluster>& clusters, Eigen::VectorXd& residuals) {
   for (const Cluster& cluster : clusters) {
     auto own = residuals.segment(cluster.first, cluster.count);

@@ -1,22 +1,22 @@
-// Modes of equal frequency, as every symmetric body has them, made the same on every run.
+// Canonical vectors for clusters of equal frequencies, which every symmetric body has.
 //
-// Of such modes only their span is determined: a solver returns its columns turned by chance (the
-// order of sums, the number of ranks). They are turned to the eigenvectors of V^T S M S V, in
-// ascending order, where S is a symmetric operator that depends on the places of the vertices only
-// and has no symmetry itself.
+// Only the span of a cluster is determined; an eigensolver returns an arbitrary orthonormal basis
+// of it, which depends on the order of sums and on the number of ranks. The basis is rotated to the
+// eigenvectors of V^T S M S V, in ascending order, where S is a symmetric operator that depends on
+// the vertex positions only and has no symmetry itself.
 #pragma once
 
 #include "precompute/modes/modes.h"
 
 namespace tremolo {
 
-// Neighbouring squared frequencies nearer than this, relative, are taken for equal. Rounding in K
-// turns two solvers' vectors by up to 0.1 eps / (c * distance), c = Modes::cancellation (measured
-// on beams of nearly square section, docs/theory.md): a compact body's that are told apart are the
-// same to 1e-6 and better.
+// Neighbouring squared frequencies closer than this, relative, count as equal. Rounding in K
+// rotates the vectors of two solvers against each other by up to 0.1 eps / (c * distance), c =
+// Modes::cancellation (measured on beams of nearly square section, docs/theory.md): in a compact
+// body, modes that count as distinct agree to 1e-6 or better.
 inline constexpr double kClusterGap = 1e-6;
 
-// Which values are taken for equal: neighbours within `relative` of the larger one, or nearer than
+// Decides which values count as equal: neighbours within `relative` of the larger one or within
 // `absolute`, but never more than a thousandth apart.
 struct Nearness {
   double relative = kClusterGap;
@@ -24,44 +24,45 @@ struct Nearness {
   bool operator()(double a, double b) const;
 };
 
-// Of squared frequencies of which the lowest is given, with its Modes::cancellation: a slender
-// body's rounding is told from what differs.
+// Returns the tolerances for squared frequencies with the given lowest one and its
+// Modes::cancellation, so that in a slender body rounding is distinguished from real differences.
 Nearness nearness(double lowest, double cancellation);
 
-// Columns first .. first + count - 1.
+// A run of columns, first .. first + count - 1.
 struct Cluster {
   Eigen::Index first = 0;
   Eigen::Index count = 0;
 };
 
-// Runs of two and more values, each near the one before. values: positive, sorted either way.
+// Returns the runs of two or more values, each near the previous one. values: positive, sorted
+// either way.
 std::vector<Cluster> find_clusters(const Eigen::VectorXd& values, const Nearness& near);
 
-// The run that the cut after `count` values goes through; a count of 0 when it goes through none.
+// Returns the cluster that the cut after `count` values divides; its count is 0 if there is none.
 Cluster cluster_at_cut(const Eigen::VectorXd& values, Eigen::Index count, const Nearness& near);
 
-// S: a symmetric 3x3 block for each of this rank's nodes, in their order; dimensionless. Depends on
-// the mesh by the places of its vertices relative to the box around them.
+// The operator S: a symmetric 3x3 block for each of this rank's nodes, in their order,
+// dimensionless. It depends on the mesh through the vertex positions relative to the bounding box.
 struct Marker {
   std::vector<Eigen::Matrix3d> blocks;
 };
 Marker make_marker(const TetMesh& mesh, const std::vector<int>& part_of_vertex,
                    const LocalDofs& local);
 
-// The orthogonal matrix by which columns that are orthonormal in `mass` become canonical. vectors:
-// local rows. Signs are left to fix_signs. On all ranks together.
+// Returns the orthogonal matrix that rotates M-orthonormal columns (local rows) to canonical ones.
+// Signs are left to fix_signs. Collective.
 Eigen::MatrixXd canonical_rotation(Mat mass, const Marker& marker, const Columns& vectors);
 
-// Turns the columns of each cluster by it.
+// Applies canonical_rotation to the columns of each cluster.
 void make_canonical(Mat mass, const Marker& marker, const std::vector<Cluster>& clusters,
                     Columns& vectors);
 
-// At most so many columns are added to a default so that it does not cut between equals.
+// Most columns added to a default count so that the cut does not divide a cluster.
 inline constexpr Eigen::Index kMostAdded = 4;
 
-// What the cut after `count` modes goes through, among values that are known: the modes' own and
-// the first one left out. whole: the run of equals ends within them. available: eigenpairs there
-// are.
+// The cluster divided by the cut after `count` modes. values: the known squared frequencies, i.e.
+// those of the modes and the first one left out. whole: the cluster ends within them. available:
+// number of eigenpairs of the pencil.
 struct ModeCut {
   Eigen::VectorXd values;
   Nearness near;
@@ -70,15 +71,16 @@ struct ModeCut {
 };
 ModeCut cut_of(const Modes& modes, int count, int available);
 
-// Modes whose runs of equals are canonical. note: for the user, what was cut or added; empty:
-// nothing.
+// Modes whose clusters are canonical. note: for the user, on a divided or extended cluster; may be
+// empty.
 struct WholeModes {
   Modes modes;
   std::string note;
 };
 
-// Turns runs of equals to their canonical vectors and cuts after `count` modes; with `extend` up to
-// kMostAdded equals beyond the cut stay, else the first ones in the canonical order.
+// Rotates clusters to their canonical vectors and keeps `count` modes. With `extend`, up to
+// kMostAdded members of a divided cluster beyond the cut are kept too; else its first ones in
+// canonical order.
 WholeModes make_whole(Mat mass, const Marker& marker, int count, int available, bool extend,
                       Modes modes);
 

@@ -38,7 +38,7 @@ void measure_residuals(const Matrices& matrices, Modes& modes) {
   squares.row(1) = inertia.colwise().squaredNorm();
   squares.row(2) = (scale.asDiagonal() * residual).colwise().squaredNorm();
   squares.row(3) = (scale.asDiagonal() * inertia).colwise().squaredNorm();
-  // Of the first mode: the terms that cancel each other in psi^T K psi.
+  // For the first mode: the sum of the terms that cancel each other in psi^T K psi.
   squares.row(4).setConstant((diagonal * modes.vectors.col(0).array().square()).sum());
   sum_over_ranks(squares);
   modes.residuals = (squares.row(0).array() / squares.row(1).array()).sqrt().matrix().transpose();
@@ -46,8 +46,8 @@ void measure_residuals(const Matrices& matrices, Modes& modes) {
   modes.cancellation = modes.squared_frequencies[0] / squares(4, 0);
 }
 
-// The best values and vectors in the span of what a last inverse iteration left; that takes out
-// what rounding has left of stiff motion.
+// A Rayleigh-Ritz step in the span of the last inverse iteration; it removes rounding errors along
+// stiff modes.
 void rotate_to_modes(const Matrices& matrices, Modes& modes) {
   const auto gram = [&](Mat matrix) {
     return inner_products(modes.vectors, multiply(matrix, modes.vectors));
@@ -59,7 +59,7 @@ void rotate_to_modes(const Matrices& matrices, Modes& modes) {
   modes.vectors = std::move(rotated);
 }
 
-void keep_the_lowest(const Matrices& matrices, int count, Modes& modes) {
+void keep_lowest(const Matrices& matrices, int count, Modes& modes) {
   if (modes.squared_frequencies.size() > count)
     modes.next_squared_frequency = modes.squared_frequencies[count];
   modes.squared_frequencies.conservativeResize(count);
@@ -67,9 +67,9 @@ void keep_the_lowest(const Matrices& matrices, int count, Modes& modes) {
   measure_residuals(matrices, modes);
 }
 
-// False when the spectrum is not fit for it: SLEPc may try.
+// Returns false if block Lanczos does not converge; SLEPc may still succeed.
 bool solve_by_blocks(const Pencil& pencil, const ShiftedSolver& solver, int wanted, Modes& modes) {
-  constexpr double kTolerance = 1e-10;  // the refinement squares it
+  constexpr double kTolerance = 1e-10;  // the inverse iteration that follows squares it
   LanczosPairs pairs = block_lanczos(pencil, solver, wanted, kTolerance);
   if (!pairs.converged) return false;
   modes.vectors = std::move(pairs.vectors);
@@ -78,10 +78,10 @@ bool solve_by_blocks(const Pencil& pencil, const ShiftedSolver& solver, int want
   return true;
 }
 
-// `wanted` columns on a factor, refined by one inverse iteration.
+// Computes `wanted` columns with a factor and refines them by one inverse iteration.
 void solve_on_factor(const Pencil& pencil, ShiftedSolver& solver, int wanted, Modes& modes) {
   modes.factorisation = solver.package();
-  // A basis that fills the space has no room for blocks.
+  // On a small mesh the basis would fill the space before blocks pay off.
   const bool by_blocks = !slepc_options_given() && pencil.all_rows() > 40 * wanted;
   if (by_blocks) solver.prepare(modes.shift);
   if (!by_blocks || !solve_by_blocks(pencil, solver, wanted, modes)) {
@@ -113,7 +113,8 @@ Modes compute_modes(const Pencil& pencil, ShiftedSolver& solver, double shift, i
   if (count < 1 || count > available)
     throw Failure(content_error(std::to_string(count) + " linear modes asked for, the mesh has " +
                                 std::to_string(available) + " free dofs"));
-  const int wanted = std::min(count + 1, available);  // one more tells how far the next one is
+  const int wanted =
+      std::min(count + 1, available);  // one extra mode gives the distance to the next one
   Modes modes;
   modes.shift = shift;
   if (solver.solves_unshifted())
@@ -121,7 +122,7 @@ Modes compute_modes(const Pencil& pencil, ShiftedSolver& solver, double shift, i
   else
     solve_on_factor(pencil, solver, wanted, modes);
   rotate_to_modes(pencil.matrices, modes);
-  keep_the_lowest(pencil.matrices, count, modes);
+  keep_lowest(pencil.matrices, count, modes);
   return modes;
 }
 
@@ -129,7 +130,7 @@ Modes compute_modes_and_equals(const Pencil& pencil, ShiftedSolver& solver, doub
                                int count) {
   const int available = available_modes(pencil);
   Modes modes;
-  // One more shows where a pair ends; only what is larger is computed again.
+  // One extra mode shows whether a pair ends at the cut; only larger clusters need another run.
   for (int more : {1, 8, 32}) {
     modes = Modes();
     modes =

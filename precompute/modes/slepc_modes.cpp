@@ -30,7 +30,8 @@ InnerSolver inner_solver(EPS eps) {
   return inner;
 }
 
-// X = (K - sigma M)^-1 B as a preconditioner that PETSc calls; no exception crosses PETSc.
+// Applies X = (K - sigma M)^-1 B as PETSc's shell preconditioner. Exceptions must not pass through
+// PETSc and become an error code.
 PetscErrorCode apply_shifted_solver(PC shell, Vec b, Vec x) {
   try {
     void* context = nullptr;
@@ -51,13 +52,14 @@ PetscErrorCode apply_shifted_solver(PC shell, Vec b, Vec x) {
   }
 }
 
-// Shift-invert with the shifted solver, or with a factor of PETSc's that the user's options shape.
+// Sets up shift-invert with the shifted solver, or with a factor of PETSc's own if options ask for
+// one.
 void set_shift_invert(EPS eps, ShiftedSolver& solver) {
   require(EPSSetType(eps, EPSKRYLOVSCHUR));
   require(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
   const InnerSolver first = inner_solver(eps);
   require(STSetType(first.transform, STSINVERT));
-  // M's pattern lies inside K's.
+  // The pattern of M is a subset of that of K.
   require(STSetMatStructure(first.transform, SUBSET_NONZERO_PATTERN));
   const InnerSolver inner = inner_solver(eps);
   require(KSPSetType(inner.linear, KSPPREONLY));
@@ -74,14 +76,14 @@ void set_shift_invert(EPS eps, ShiftedSolver& solver) {
   }
 }
 
-// A start vector without chance in it: the same mesh gives the same modes.
+// A deterministic start vector, so that the same mesh gives the same modes.
 Columns start_vector(Eigen::Index rows, PetscInt first) {
   return Columns::NullaryExpr(rows, 1, [first](Eigen::Index row, Eigen::Index) {
     return 1.0 + 0.5 * std::sin(1.0 + 0.7 * static_cast<double>(first + row));
   });
 }
 
-// sqrt of the mean diagonal entry of M: |M x| of an M-normalised x, about.
+// Returns the square root of M's mean diagonal entry, an estimate of |M x| for an M-normalised x.
 double mass_scale(Mat mass) {
   PetscVector diagonal;
   require(MatCreateVecs(mass, diagonal.out(), nullptr));
@@ -99,7 +101,7 @@ PetscErrorCode relative_to_inertia(EPS, PetscScalar value, PetscScalar, PetscRea
   return 0;
 }
 
-// Nodes start from smooth and rough motions alike, without chance.
+// A deterministic start block that contains smooth and rough motions.
 Columns start_block(Eigen::Index rows, PetscInt first, Eigen::Index columns) {
   Columns block(rows, columns);
   for (Eigen::Index c = 0; c < columns; ++c)
@@ -110,7 +112,7 @@ Columns start_block(Eigen::Index rows, PetscInt first, Eigen::Index columns) {
   return block;
 }
 
-// SLEPc keeps what it is given.
+// Sets start vectors and deflation space; SLEPc keeps references to both.
 void set_spaces(EPS eps, const Columns& start, const Columns& deflated) {
   const std::vector<PetscVector> starts = copied_vectors(start), away = copied_vectors(deflated);
   std::vector<Vec> from = handles_of(starts), rigid = handles_of(away);
@@ -167,7 +169,7 @@ bool slepc_options_given() {
 SlepcModes krylov_schur_modes(const Pencil& pencil, ShiftedSolver& solver, double sigma,
                               int wanted) {
   if (inner_options_given())
-    solver.release();  // there are never two factors
+    solver.release();  // only one factor is kept at a time
   else
     solver.prepare(sigma);
   SlepcModes modes;
@@ -178,7 +180,7 @@ SlepcModes krylov_schur_modes(const Pencil& pencil, ShiftedSolver& solver, doubl
     set_pencil(eps, pencil, wanted);
     set_shift_invert(eps, solver);
     require(EPSSetTarget(eps, sigma));
-    // Of the shift-inverted problem; leaves residuals of the pencil near rounding.
+    // A tolerance of the shift-inverted problem; it gives residuals of the pencil near rounding.
     require(EPSSetTolerances(eps, 1e-13, 500));
     set_spaces(eps, start_vector(pencil.rows(), first_row(pencil)), pencil.rigid);
     modes = solve_and_copy(eps, pencil, wanted);

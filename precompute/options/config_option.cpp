@@ -10,7 +10,7 @@ namespace {
 
 std::string require_regular(const std::string& path) {
   std::error_code ignored;
-  // A file that is missing is told by CLI11, which looks for it next.
+  // CLI11 reports a missing file, as it opens the file next.
   if (!std::filesystem::exists(path, ignored)) return {};
   const Result<struct stat> status = examine_input(path);
   if (!status) throw Failure(status.error());

@@ -1,4 +1,4 @@
-// --config FILE of tremolo-precompute.
+// The option --config FILE of tremolo-precompute.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace tremolo {
 
-// CLI11 opens the file by itself: parsing throws Failure (kSystem) if it is there and is no regular
-// file, of which the end may never come.
+// Adds the option. Since CLI11 opens the file itself, parsing throws Failure (kSystem) if it exists
+// but is not a regular file, which might never end.
 void add_config_option(CLI::App& app, const std::string& description);
 
-// What the option was given; empty: nothing. After parsing.
+// Returns the option's value after parsing; empty if it was not given.
 std::string config_path(const CLI::App& app);
 
 }  // namespace tremolo

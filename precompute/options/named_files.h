@@ -1,4 +1,4 @@
-// The files that a command line of tremolo-precompute names.
+// Files named on the command line of tremolo-precompute.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace tremolo {
 
-// All that is read of a solid: mesh, --render, and the lists of ids of all selectors. config_path:
-// of --config, may be empty.
+// Returns all input files of a solid: mesh, --render, and the id lists in selectors. config_path:
+// value of --config, may be empty.
 std::vector<NamedFile> input_files(const ProblemRequest& request, const std::string& config_path);
 
-// Adds the lists of ids that a selector (or, for a probe, a vertex id) names.
+// Adds the id lists that a selector (or, for a probe, a vertex id) names.
 void add_files_of_selector(const std::string& text, const std::string& option,
                            std::vector<NamedFile>& files);
 

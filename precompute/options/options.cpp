@@ -14,9 +14,9 @@
 namespace tremolo {
 namespace {
 
-// What shaped the result: where it went, how many threads worked and what was printed is left out,
-// so that the same model gives the same file.
-std::string essential(const std::vector<std::string>& words) {
+// Returns the words that affect the result. Output paths, threads and printing options are left
+// out, so that the same model gives the same file.
+std::string without_output_options(const std::vector<std::string>& words) {
   std::string line;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
@@ -44,7 +44,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   std::vector<std::string> own;
   int at = 1;
   for (; at < count && std::string(words[at]) != "--"; ++at) own.emplace_back(words[at]);
-  options.command_line = essential(own);
+  options.command_line = without_output_options(own);
   for (++at; at < count; ++at) line.petsc_options.emplace_back(words[at]);
 
   CLI::App app{
@@ -104,7 +104,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
                  "VegaFEM's polynomials of the reduced forces, .cub; the stiffness is theirs")
       ->needs("--import-basis");
   app.get_option("--import-basis")->needs("--import-cubic");
-  // Its rows are along the axes of the mesh's file.
+  // The rows of an imported basis refer to the axes of the mesh's file.
   app.get_option("--import-basis")->excludes("--up");
   app.add_option("--modes-vtu", options.modes_vtu,
                  "also write the modes on the tetrahedra, .vtu, for ParaView and meshio");
@@ -156,7 +156,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
           << "tremolo-precompute: --target-error chooses the coordinates: leave --modes out\n";
       return exit_code({ErrorKind::kUsage, ""});
     }
-    options.modes.reset();  // of a config file
+    options.modes.reset();  // set in a config file
   }
   for (const LinearSolver each :
        {LinearSolver::kCholmod, LinearSolver::kMumps, LinearSolver::kIterative})

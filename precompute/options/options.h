@@ -1,4 +1,4 @@
-// The command line of tremolo-precompute.
+// Parser of tremolo-precompute's command line.
 #pragma once
 
 #include <string>
@@ -12,11 +12,11 @@ namespace tremolo {
 struct CommandLine {
   PrecomputeOptions options;
   bool json = false;
-  std::string settings;                    // what all options came out as, key=value lines
-  std::vector<std::string> petsc_options;  // what stood behind --
+  std::string settings;                    // final values of all options, key=value lines
+  std::vector<std::string> petsc_options;  // words after --
 };
 
-// The command line, or the exit code when there is nothing more to do (--help, --version, wrong
+// Returns the command line, or the exit code if the program ends here (--help, --version, wrong
 // usage; the text has been printed).
 std::variant<CommandLine, int> parse_command_line(int count, char** words);
 

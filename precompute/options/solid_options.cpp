@@ -27,7 +27,7 @@ bool parse_vector(const std::string& text, Eigen::Vector3d& vector) {
 }
 
 bool vectors_are_words(const std::vector<std::string>& words, const std::string& flag) {
-  // "0," is what a comma with a blank behind it leaves.
+  // A trailing comma is what remains of "0, " after the shell has split the words.
   const auto number = [](std::string word) {
     if (word.ends_with(',')) word.pop_back();
     double value = 0;

@@ -1,4 +1,4 @@
-// The command line flags that say what solid it is, for the precompute and its reference alike.
+// Command line options that describe the solid, shared by the precompute and its reference.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,24 +7,25 @@
 
 namespace tremolo {
 
-// What is read as text first.
+// Options that are parsed as text first.
 struct SolidTexts {
   std::string force;
   std::string mass = "consistent";
   std::string up = "z";
 };
 
-// X,Y,Z; false when it is not three numbers.
+// Parses X,Y,Z; returns false if the text is not three numbers.
 bool parse_vector(const std::string& text, Eigen::Vector3d& vector);
 
-// False when some `flag` is followed by several numbers instead of one word X,Y,Z: the rest would
-// be taken for the mesh's name (the text has been printed).
+// Returns false if `flag` is followed by several numbers instead of one word X,Y,Z, whose rest
+// would be taken for the mesh's name. The error has been printed then.
 bool vectors_are_words(const std::vector<std::string>& words, const std::string& flag);
 
-// Mesh, materials, what is held and what is loaded. Both are borrowed until the line is parsed.
+// Adds the options for mesh, materials, fixed vertices and loads. Both references must stay valid
+// until the line is parsed.
 void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts);
 
-// Texts to values; false when one is wrong (the text has been printed).
+// Converts the texts; returns false if one is invalid (the error has been printed).
 bool finish_solid_options(const SolidTexts& texts, ProblemRequest& request);
 
 }  // namespace tremolo

@@ -22,9 +22,9 @@
 namespace tremolo {
 namespace {
 
-constexpr int kAnswer = 3;  // the child's descriptor for it
+constexpr int kAnswerDescriptor = 3;  // file descriptor on which the child writes its answer
 
-// A file in memory that vanishes with its descriptor.
+// An anonymous file in memory; it is freed when its descriptor closes.
 class MemoryFile {
  public:
   MemoryFile() : descriptor_(::memfd_create("tremolo-mesh", MFD_CLOEXEC)) {
@@ -59,23 +59,23 @@ std::string number(double value) {
   return text;
 }
 
-// The command line of the child; what was not asked for is left out.
-std::vector<std::string> words_for(const ProblemRequest& request) {
+// Builds the child's command line; options that were not given are left out.
+std::vector<std::string> mesher_arguments(const ProblemRequest& request) {
   const SurfaceMeshOptions& meshing = request.meshing;
-  std::vector<std::string> words = {"tremolo-mesh", request.mesh_path, "--answer",
-                                    std::to_string(kAnswer)};
-  const auto add = [&words](const char* flag, const std::string& value) {
-    words.emplace_back(flag);
-    words.push_back(value);
+  std::vector<std::string> arguments = {"tremolo-mesh", request.mesh_path, "--answer",
+                                        std::to_string(kAnswerDescriptor)};
+  const auto add = [&arguments](const char* flag, const std::string& value) {
+    arguments.emplace_back(flag);
+    arguments.push_back(value);
   };
   if (meshing.size > 0) add("--size", number(meshing.size));
   if (meshing.tets > 0) add("--tets", std::to_string(meshing.tets));
   if (meshing.error > 0) add("--error", number(meshing.error));
   if (meshing.thicken > 0) add("--thicken", number(meshing.thicken));
   if (!request.unit.empty()) add("--unit", request.unit);
-  if (meshing.fill_holes) words.emplace_back("--fill-holes");
-  if (meshing.keep_crumbs) words.emplace_back("--keep-crumbs");
-  return words;
+  if (meshing.fill_holes) arguments.emplace_back("--fill-holes");
+  if (meshing.keep_crumbs) arguments.emplace_back("--keep-crumbs");
+  return arguments;
 }
 
 std::string mesher_program(const std::string& path) {
@@ -89,16 +89,16 @@ std::string mesher_program(const std::string& path) {
   return program;
 }
 
-// The child's exit status.
+// Returns the child's wait status.
 int run_mesher(const ProblemRequest& request, const MemoryFile& answer) {
   const std::string program = mesher_program(request.mesh_path);
-  std::vector<std::string> words = words_for(request);
+  std::vector<std::string> arguments = mesher_arguments(request);
   std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawn_file_actions_adddup2(&actions, answer.descriptor(), kAnswer);
+  ::posix_spawn_file_actions_adddup2(&actions, answer.descriptor(), kAnswerDescriptor);
   ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   pid_t child = 0;
   const int error =

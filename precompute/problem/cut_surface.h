@@ -1,4 +1,4 @@
-// A surface file as a tetrahedral mesh, for the stage "mesh": tremolo-mesh cuts it.
+// Reads a surface file and has the program tremolo-mesh turn it into a tetrahedral mesh.
 #pragma once
 
 #include "common/mesh/render_surface.h"
@@ -7,16 +7,16 @@
 
 namespace tremolo {
 
-// render: the surface as its author made it, m. cut: the mesh, and what was told.
+// render: the surface as read, m. cut: the tetrahedral mesh and the mesher's notes.
 struct CutSurface {
   RenderSurface render;
   MesherAnswer cut;
 };
 
-// Of request.mesh_path. The program tremolo-mesh, which stands beside this one, is a child that
-// ends with this process; what it tells of its progress goes to stderr. Throws Failure: what
-// read_surface(), metres_per_unit() and mesh_surface() give, with the path; kSystem if the child
-// cannot be started, or ends without an answer.
+// Meshes request.mesh_path. The program tremolo-mesh, which must lie beside this one, runs as a
+// child that ends with this process; its progress messages go to stderr. Throws Failure: the errors
+// of read_surface(), metres_per_unit() and mesh_surface(), with the path; kSystem if the child
+// cannot be started or ends without an answer.
 CutSurface cut_surface(const ProblemRequest& request);
 
 }  // namespace tremolo

@@ -22,7 +22,7 @@ Error malformed(const std::string& text, const std::string& what) {
           "--material `" + text + "`: expected " + what + "; a material is " + kMaterialGrammar};
 }
 
-// Numbers separated by blanks, all of the text.
+// Reads the whole text as numbers separated by blanks; returns false if anything else stands in it.
 bool read_numbers(std::string_view text, std::vector<double>& numbers) {
   for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
     double value = 0;
@@ -99,7 +99,7 @@ Result<OrthotropicElasticity> orthotropic_of(const std::string& text, const Cons
 
 Result<MaterialRule> parse_material_rule(const std::string& text, const Material& usual) {
   if (trimmed(text) == kFile) return MaterialRule{};
-  // No constant holds a colon, but selectors do.
+  // Selectors may contain colons, constants never do: the last colon separates them.
   const std::size_t colon = text.rfind(':');
   if (colon == std::string::npos) return malformed(text, "a colon behind the region");
   MaterialRule rule{std::string(trimmed(std::string_view(text).substr(0, colon))), usual};

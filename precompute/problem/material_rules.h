@@ -1,4 +1,4 @@
-// Which tetrahedra are of which material: what --material says, onto the regions of the mesh.
+// Assignment of materials to tetrahedra: the option --material, applied to the mesh's regions.
 #pragma once
 
 #include <string>
@@ -11,36 +11,37 @@
 
 namespace tremolo {
 
-// One line, for help and error messages.
+// Grammar of --material in one line, for help and error messages.
 inline constexpr const char* kMaterialGrammar =
     "REGION: young=PA, poisson=NU, density=KG/M3 or, orthotropic, REGION: e1=, e2=, e3=, nu12=, "
     "nu23=, nu31=, g12=, g23=, g31=, axis1=X Y Z, axis2=X Y Z, density=; a selector may stand for "
     "the region; file: the materials of the mesh's file";
 
-// One --material. where: a region's name or a selector; empty: `file`, the file's own materials.
+// One --material option. where: a region's name or a selector; empty for `file`, which stands for
+// the materials in the mesh file.
 struct MaterialRule {
   std::string where;
   Material material;
 };
 
-// What the text leaves out is taken from `usual` (--young, --poisson, --density); an orthotropic
-// material needs its nine constants, its axes are x and y unless told. Errors: kUsage for what is
-// malformed, kContent for values that are no material.
+// Parses one --material option. Constants that the text omits are taken from `usual` (--young,
+// --poisson, --density); an orthotropic material needs all nine constants, and its axes default to
+// x and y. Errors: kUsage for malformed text, kContent for constants that are not admissible.
 Result<MaterialRule> parse_material_rule(const std::string& text, const Material& usual);
 
-// All tetrahedra are of `usual`, called "default"; then the rules in their order, the later one
-// deciding. A selector takes the tetrahedra all of whose vertices it selects. Materials without a
-// tetrahedron are left out. Errors: a name that is neither region nor set (kUsage) lists the
-// regions; a rule without a tetrahedron is kContent, as are materials of the file that are not
-// there or cannot be used.
+// Every tetrahedron starts with `usual`, named "default"; the rules are then applied in order, and
+// a later rule overrides an earlier one. A selector covers the tetrahedra all of whose vertices it
+// selects. Materials that end up without a tetrahedron are dropped. Errors: kUsage for a name that
+// is neither a region nor a set (the message lists the regions); kContent for a rule that covers no
+// tetrahedron and for materials of the file that are missing or cannot be used.
 Result<MaterialTable> assign_materials(const std::vector<MaterialRule>& rules,
                                        const Material& usual, const TetMesh& mesh,
                                        const std::vector<FileMaterial>& of_file);
 
-// "the regions of the mesh are `grip`, `blade`", the first twenty by name.
+// Returns for instance "the regions of the mesh are `grip`, `blade`"; names at most twenty.
 std::string list_regions(const TetMesh& mesh);
 
-// What a material of the table is of.
+// Number of tetrahedra and volume that a material of the table covers.
 struct MaterialShare {
   std::size_t tetrahedra = 0;
   double volume = 0;  // m^3

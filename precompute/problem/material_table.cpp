@@ -1,4 +1,3 @@
-// Which tetrahedron is of which material.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,7 +9,7 @@
 namespace tremolo {
 namespace {
 
-// The tetrahedra all of whose vertices a selector selects.
+// Returns the tetrahedra all of whose vertices the selector selects; an error if there are none.
 Result<std::vector<std::size_t>> covered(const std::string& where, const TetMesh& mesh) {
   const Result<std::vector<VertexId>> vertices = resolve_selector(where, mesh);
   if (!vertices) {
@@ -37,7 +36,7 @@ Result<std::vector<std::size_t>> covered(const std::string& where, const TetMesh
 
 using RegionIndex = std::map<std::string, std::size_t>;
 
-// The rules that `file` stands for.
+// Returns the rules that the option value `file` stands for.
 Result<std::vector<MaterialRule>> rules_of_file(const RegionIndex& regions,
                                                 const std::vector<FileMaterial>& of_file) {
   std::vector<MaterialRule> rules;
@@ -55,17 +54,18 @@ Result<std::vector<MaterialRule>> rules_of_file(const RegionIndex& regions,
 
 // Drops the materials that have no tetrahedron left.
 MaterialTable compacted(MaterialTable table) {
-  std::vector<std::int32_t> place(table.materials.size(), -1);
+  std::vector<std::int32_t> new_index(table.materials.size(), -1);
   std::vector<bool> used(table.materials.size(), false);
   for (std::int32_t of : table.of_tet) used[static_cast<std::size_t>(of)] = true;
   MaterialTable result;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
-    place[i] = static_cast<std::int32_t>(result.materials.size());
+    new_index[i] = static_cast<std::int32_t>(result.materials.size());
     result.materials.push_back(std::move(table.materials[i]));
   }
   if (result.materials.size() == 1) return result;
-  for (std::int32_t of : table.of_tet) result.of_tet.push_back(place[static_cast<std::size_t>(of)]);
+  for (std::int32_t of : table.of_tet)
+    result.of_tet.push_back(new_index[static_cast<std::size_t>(of)]);
   return result;
 }
 
@@ -104,7 +104,7 @@ Result<MaterialTable> assign_materials(const std::vector<MaterialRule>& rules,
     if (!found) return found.error();
     all.insert(all.end(), found->begin(), found->end());
   }
-  // Rules of regions wait for each other: one pass over the mesh for all that stand together.
+  // Consecutive rules for regions are collected, so that one pass over the mesh applies them all.
   std::vector<std::int32_t> of_region(regions.size(), -1);
   const auto flush = [&] {
     for (std::size_t t = 0; t < mesh.region_of.size(); ++t) {

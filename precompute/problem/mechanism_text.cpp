@@ -1,4 +1,4 @@
-// What is loose, in words.
+// Messages about parts and pieces that can still move.
 #include <algorithm>
 
 #include "common/format_text.h"
@@ -21,7 +21,7 @@ std::string motions(int count) {
   return text(count == 1 ? "%d motion" : "%d motions", count);
 }
 
-// "the line through vertex 3 at ... and vertex 8 at ..." or "vertex 3 at ..."
+// Returns "the line through vertex 3 at ... and vertex 8 at ..." or "vertex 3 at ...".
 std::string axis(const TetMesh& mesh, const std::vector<VertexId>& vertices) {
   if (vertices.size() == 1) return vertex_at(mesh, vertices[0]);
   return (vertices.size() == 2 ? "the edge between " : "the line through ") +
@@ -77,7 +77,8 @@ Failure mechanism_failure(const TetMesh& mesh, const Pieces& pieces,
                                ". Join the pieces by faces, or hold the loose ones with --fix"));
 }
 
-// What a part that is not held can still do. freedom: 1 to 6 motions; held: its fixed vertices.
+// Describes the rigid motions that a part still has. freedom: their number, 1 to 6; held: the
+// part's fixed vertices.
 std::string describe_freedom(const TetMesh& mesh, int freedom, std::vector<VertexId> held) {
   if (held.empty()) return "3 translations and 3 rotations, as nothing of it is fixed";
   const auto farthest = [&](VertexId from) {

@@ -11,7 +11,7 @@
 namespace tremolo {
 namespace {
 
-// A piece as a rigid body: a point moves with t + w x (x - middle) / size.
+// A piece as a rigid body: a point x moves with velocity t + w x (x - middle) / size.
 struct Body {
   int piece = 0;
   int tetrahedra = 0;
@@ -27,7 +27,7 @@ struct Body {
   }
 };
 
-// tetrahedra: the piece's own.
+// tetrahedra: those of the piece.
 Body make_body(const TetMesh& mesh, int piece, const std::vector<int>& tetrahedra) {
   Body body;
   body.piece = piece;
@@ -44,9 +44,10 @@ Body make_body(const TetMesh& mesh, int piece, const std::vector<int>& tetrahedr
 }
 
 constexpr int kGround = -1;
-using Contacts = std::map<std::pair<int, int>, std::vector<VertexId>>;  // of bodies a < b
+using Contacts = std::map<std::pair<int, int>, std::vector<VertexId>>;  // key: bodies a < b; value:
+                                                                        // their shared vertices
 
-// Which bodies share which vertices; the ground has the fixed ones.
+// Finds the vertices that bodies share; the fixed vertices count as shared with the ground.
 Contacts find_contacts(const std::vector<Body>& bodies, const std::vector<VertexId>& fixed) {
   std::map<VertexId, std::vector<int>> owners;
   for (std::size_t b = 0; b < bodies.size(); ++b)
@@ -63,14 +64,14 @@ Contacts find_contacts(const std::vector<Body>& bodies, const std::vector<Vertex
   return contacts;
 }
 
-// Equations that say the same in no more rows than columns.
+// Returns equivalent equations with at most as many rows as columns.
 Eigen::MatrixXd compressed(const Eigen::MatrixXd& equations) {
   if (equations.rows() <= equations.cols()) return equations;
   return triangular_factor(equations);
 }
 
-// The motions (t, w of each body) that keep contacts together: 6 bodies x d, orthonormal. still: a
-// body that does not move; -1: none.
+// Returns an orthonormal basis of the motions (t, w of each body) that keep all contacts together,
+// 6 bodies x d. still: index of a body that is held; -1 if none is.
 Eigen::MatrixXd motions_left(const TetMesh& mesh, const std::vector<Body>& bodies,
                              const Contacts& contacts, int still) {
   const auto columns = 6 * static_cast<Eigen::Index>(bodies.size());
@@ -102,13 +103,13 @@ Eigen::MatrixXd motions_left(const TetMesh& mesh, const std::vector<Body>& bodie
   const Eigen::MatrixXd few = compressed(equations);
   square.topRows(few.rows()) = few;
   const SingularPairs pairs = singular_pairs(square, SingularVectors::kFullRight);
-  // A lever of less than this, relative to the piece, is rounding of its coordinates; what is held
-  // by little more is seen by the solver.
-  constexpr double kFree = 1e-7;
-  return pairs.vectors.rightCols((pairs.values.array() < kFree).count());
+  // Below this singular value a motion counts as free: a lever arm this short, relative to the
+  // piece, is rounding of its coordinates. A body held by little more appears in the eigensolver.
+  constexpr double kFreeThreshold = 1e-7;
+  return pairs.vectors.rightCols((pairs.values.array() < kFreeThreshold).count());
 }
 
-// Turns of `b` against `a`, relative to the smaller one's size; 3 x d.
+// Returns rotations of `b` relative to `a`, scaled by the smaller one's size; 3 x d.
 Eigen::MatrixXd relative_turns(const std::vector<Body>& bodies, const Eigen::MatrixXd& motions,
                                int a, int b) {
   if (a == kGround) return motions.middleRows(6 * b + 3, 3);
@@ -117,8 +118,8 @@ Eigen::MatrixXd relative_turns(const std::vector<Body>& bodies, const Eigen::Mat
          motions.middleRows(6 * a + 3, 3) * (size / bodies[a].size);
 }
 
-// The two that lie farthest apart come first: the ends, of vertices on a line.
-void ends_first(const TetMesh& mesh, std::vector<VertexId>& vertices) {
+// Moves the two vertices that lie farthest apart to the front; on a line these are its ends.
+void move_ends_to_front(const TetMesh& mesh, std::vector<VertexId>& vertices) {
   const auto farthest_from = [&](VertexId from, auto begin) {
     return std::max_element(begin, vertices.end(), [&](VertexId a, VertexId b) {
       return (mesh.vertices[a] - mesh.vertices[from]).squaredNorm() <
@@ -130,24 +131,27 @@ void ends_first(const TetMesh& mesh, std::vector<VertexId>& vertices) {
   std::iter_swap(vertices.begin() + 1, farthest_from(vertices.front(), vertices.begin() + 1));
 }
 
-constexpr double kMoves = 1e-5;  // of a unit motion: far above rounding
+constexpr double kMovingThreshold =
+    1e-5;  // threshold for components of a unit motion, far above rounding
 
 std::vector<Joint> moving_joints(const TetMesh& mesh, const std::vector<Body>& bodies,
                                  const Contacts& contacts, const Eigen::MatrixXd& motions) {
-  const auto moves = [&](int body) { return motions.middleRows(6 * body, 6).norm() > kMoves; };
+  const auto moves = [&](int body) {
+    return motions.middleRows(6 * body, 6).norm() > kMovingThreshold;
+  };
   std::vector<Joint> joints;
   for (const auto& [pair, vertices] : contacts) {
     const auto [a, b] = pair;
     const SingularPairs turns =
         singular_pairs(relative_turns(bodies, motions, a, b), SingularVectors::kNone);
-    const auto count = (turns.values.array() > kMoves).count();
+    const auto count = (turns.values.array() > kMovingThreshold).count();
     if (count == 0) continue;
     const bool a_hangs =
         a != kGround && moves(a) && (!moves(b) || bodies[a].tetrahedra < bodies[b].tetrahedra);
     const int hanging = a_hangs ? a : b, other = a_hangs ? b : a;
     joints.push_back({bodies[hanging].piece, other == kGround ? kGround : bodies[other].piece,
                       vertices, static_cast<int>(count)});
-    ends_first(mesh, joints.back().vertices);
+    move_ends_to_front(mesh, joints.back().vertices);
   }
   return joints;
 }
@@ -164,7 +168,7 @@ Pieces rigid_pieces(const TetMesh& mesh) {
   Pieces pieces;
   pieces.of_tetrahedron.resize(parent.size());
   for (int t = 0; t < static_cast<int>(parent.size()); ++t) {
-    // The root is the first of its piece, so it has its number before the others ask.
+    // The root is the first tetrahedron of its piece, so it is numbered before the others.
     const int root = root_of(parent, t);
     pieces.of_tetrahedron[t] = root == t ? pieces.count++ : pieces.of_tetrahedron[root];
   }
@@ -190,7 +194,7 @@ std::vector<Mechanism> find_mechanisms(const TetMesh& mesh, const MeshReport& re
     const auto largest =
         std::max_element(bodies.begin(), bodies.end(),
                          [](const Body& a, const Body& b) { return a.tetrahedra < b.tetrahedra; });
-    // Holding one piece takes exactly the six rigid motions off.
+    // Holding one piece removes exactly the six rigid motions.
     const int still = free_body ? static_cast<int>(largest - bodies.begin()) : -1;
     const Eigen::MatrixXd motions = motions_left(mesh, bodies, contacts, still);
     if (motions.cols() > 0)

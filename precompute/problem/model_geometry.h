@@ -1,4 +1,4 @@
-// What a file keeps of the mesh besides the model.
+// The mesh data that a basis file stores besides the model.
 #pragma once
 
 #include "formats/basis/basis_data.h"
@@ -6,8 +6,8 @@
 
 namespace tremolo {
 
-// What the file keeps of the mesh: surface, interior, triangles, counts, fixed vertices and load;
-// the blocks' rows stay empty.
+// Adds surface, interior, triangles, counts, fixed vertices and load to `data`; the rows of the
+// vertex blocks stay empty.
 void add_geometry(const Problem& problem, BasisData& data);
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// What model of a solid is asked for, and how it is to be computed.
+// Which model of a solid is requested, and how it is computed.
 #pragma once
 
 #include <optional>
@@ -9,27 +9,28 @@
 
 namespace tremolo {
 
-// Finished stages in a folder (precompute/checkpoint/checkpoint.h).
+// Checkpoints of finished stages in a folder (precompute/checkpoint/checkpoint.h).
 struct CheckpointRequest {
   std::string folder;
-  bool keep = false;    // stages as they are finished
-  bool resume = false;  // from those that are there
+  bool keep = false;    // save each stage when it finishes
+  bool resume = false;  // start from the stages saved in the folder
 };
 
 struct ModelRequest : ProblemRequest {
-  std::optional<int> linear_modes;     // k; default 20 or what the mesh has
-  std::optional<int> modes;            // r; default 30 or what k allows, all k of a linear model
-  std::optional<double> target_error;  // r so that this is kept (target_error.h), dimensionless
-  bool linear = false;                 // the linear modes are the basis; no derivatives, no C, no Q
+  std::optional<int> linear_modes;  // k; default 20, or the number of free dofs if smaller
+  std::optional<int> modes;         // r; default 30 or the most that k allows; k for a linear model
+  std::optional<double>
+      target_error;     // choose the smallest r that reaches it (target_error.h), dimensionless
+  bool linear = false;  // the basis is the linear modes; no derivatives, no C, no Q
   bool certify = true;
-  std::optional<LinearSolver> solver;  // none: what fits (solver_choice.h)
-  std::optional<double> memory;        // bytes a rank may use; none: what is free
-  bool limits = false;  // measure the machine, print each stage's shortest possible time
+  std::optional<LinearSolver> solver;  // none: chosen automatically (solver_choice.h)
+  std::optional<double> memory;        // bytes a rank may use; none: the free memory
+  bool limits = false;  // measure the machine and print a lower bound for each stage's time
   CheckpointRequest checkpoint;
 };
 
-// k and r, defaults cut to what `free_dofs` (rigid motions taken off) allows; what was asked for
-// explicitly and is not there is a Failure (kContent).
+// Returns k and r. Defaults are reduced to what `free_dofs` (rigid motions subtracted) allows;
+// throws Failure (kContent) if an explicit request exceeds it.
 struct ModeCounts {
   int linear = 0;
   int modes = 0;

@@ -11,7 +11,7 @@
 namespace tremolo {
 
 Result<PointMass> parse_point_mass(const std::string& text) {
-  // A selector may hold the sign as well: x>=1.2=0.5.
+  // The selector may contain `=` as well, as in x>=1.2=0.5.
   const std::size_t equals = text.rfind('=');
   const std::string digits = equals == std::string::npos ? "" : text.substr(equals + 1);
   PointMass mass;

@@ -1,4 +1,4 @@
-// Masses that sit on vertices: --point-mass SELECTOR=KG.
+// Point masses on vertices: --point-mass SELECTOR=KG.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace tremolo {
 
-// kilograms: of all of them together, in equal parts on `vertices` (ascending). fixed: how many of
-// those do not move, so that their part does nothing but weigh.
+// kilograms: total mass, distributed equally over `vertices` (ascending). fixed: the number of
+// those that are fixed, where the mass has no effect on the dynamics.
 struct PointMass {
   std::string selector;
   double kilograms = 0;
@@ -18,16 +18,17 @@ struct PointMass {
   std::size_t fixed = 0;
 };
 
-// Of the text alone; no vertices yet. Errors: kUsage for a malformed text and what parse_selector
-// refuses, kContent for a mass that is not positive and finite.
+// Parses the text alone; `vertices` stays empty. Errors: kUsage for malformed text and whatever
+// parse_selector refuses, kContent for a mass that is not positive and finite.
 Result<PointMass> parse_point_mass(const std::string& text);
 
-// fixed: ascending. Errors: kUsage for a malformed text and what parse_selector refuses, kContent
-// for a mass that is not positive and finite and for what select_vertices refuses.
+// Parses the text and selects the vertices. fixed: ascending. Errors: kUsage for malformed text and
+// whatever parse_selector refuses, kContent for a mass that is not positive and finite and whatever
+// select_vertices refuses.
 Result<PointMass> read_point_mass(const std::string& text, const TetMesh& mesh,
                                   const std::vector<VertexId>& fixed);
 
-// kg of each vertex; empty without point masses.
+// Returns the point mass of each vertex, kg; empty if there are no point masses.
 std::vector<double> mass_of_vertices(const std::vector<PointMass>& masses, std::size_t vertices);
 
 }  // namespace tremolo

@@ -10,21 +10,21 @@
 namespace tremolo {
 namespace {
 
-constexpr double kArrowLength = 0.25;                            // over the body's diagonal
-constexpr double kShaft = 0.04, kHead = 0.1, kHeadLength = 0.3;  // over the arrow's length
+constexpr double kArrowLength = 0.25;  // relative to the diagonal of the body's bounding box
+constexpr double kShaft = 0.04, kHead = 0.1, kHeadLength = 0.3;  // relative to the arrow's length
 constexpr int kSides = 16;
 
 void paint(const std::vector<VertexId>& ids, const Colour& colour, std::vector<Colour>& of_mesh) {
   for (const VertexId id : ids) of_mesh[static_cast<std::size_t>(id)] = colour;
 }
 
-// Closed, turned about the line from tail to tip.
+// Returns a closed surface of revolution about the line from tail to tip.
 SurfaceMesh arrow(const Eigen::Vector3d& tail, const Eigen::Vector3d& tip) {
   const Eigen::Vector3d along = tip - tail;
   const double length = along.norm();
   const Eigen::Vector3d u = along.unitOrthogonal();
   const Eigen::Vector3d v = along.normalized().cross(u);
-  // Distance from the tail and radius of each ring, over the length.
+  // Distance from the tail and radius of each ring, relative to the length.
   const double rings[][2] = {
       {0.0, kShaft}, {1.0 - kHeadLength, kShaft}, {1.0 - kHeadLength, kHead}};
   SurfaceMesh mesh;
@@ -58,7 +58,7 @@ void add_arrow(const Problem& problem, const BoundingBox& box, Preview& preview)
   }
   middle /= static_cast<double>(problem.load.vertices.size());
   const Eigen::Vector3d reach = kArrowLength * box.diagonal() * force.stableNormalized();
-  // A load across the body pulls, whichever way its share along the body is rounded.
+  // A load perpendicular to the body counts as pulling, so that rounding cannot decide.
   const double outwards =
       force.stableNormalized().dot(middle - 0.5 * (box.low + box.high)) / box.diagonal();
   const bool pulls = outwards > -1e-6;

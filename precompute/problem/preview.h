@@ -1,4 +1,4 @@
-// --preview: what is held and what is pushed, to be looked at before anything is computed.
+// --preview: writes the fixed and loaded vertices as a coloured surface, before any computation.
 #pragma once
 
 #include <string>
@@ -8,24 +8,24 @@
 
 namespace tremolo {
 
-// Blue: held; light blue: held along single axes; red: loaded; green: what --select chooses; grey:
-// the rest.
+// Blue: fixed; light blue: held along single axes; red: loaded; green: selected by --select; grey:
+// all others.
 inline constexpr Colour kHeldColour = {40, 90, 220, 255};
 inline constexpr Colour kPartlyHeldColour = {120, 190, 255, 255};
 inline constexpr Colour kLoadedColour = {220, 40, 30, 255};
 inline constexpr Colour kSelectedColour = {40, 170, 60, 255};
 inline constexpr Colour kFreeColour = {200, 200, 200, 255};
 
-// The boundary of the mesh, painted, and a red arrow a quarter as long as the body is large, which
-// points along the load: with its head on the loaded vertices' middle where the load pushes into
-// the body, with its tail there where it pulls.
+// The boundary of the mesh, coloured, with a red arrow along the load, a quarter of the body's
+// diagonal long. Its head lies at the centre of the loaded vertices if the load pushes into the
+// body, its tail if the load pulls.
 struct Preview {
   SurfaceMesh surface;
-  std::vector<Colour> colours;  // a vertex
+  std::vector<Colour> colours;  // one a vertex
 };
 Preview make_preview(const ProblemRequest& request, const Problem& problem);
 
-// Writes request.preview, if it is asked for. Throws Failure.
+// Writes request.preview if it is set. Throws Failure.
 void write_preview(const ProblemRequest& request, const Problem& problem);
 
 }  // namespace tremolo

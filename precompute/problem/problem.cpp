@@ -50,7 +50,7 @@ void require_selector(const std::string& text) {
   if (!text.empty()) unwrap(parse_selector(text));
 }
 
-// What no mesh could make right is told before one is made.
+// Rejects options that are wrong for every mesh before a mesh is read.
 void require_well_formed(const ProblemRequest& request) {
   for (const std::string& text : request.fix) require_selector(text);
   for (const auto& selectors : request.fix_axis)
@@ -63,7 +63,7 @@ void require_well_formed(const ProblemRequest& request) {
   require_force(request);
 }
 
-// Which vertices a `near:` took.
+// Adds notes that name the vertices chosen by `near:` selectors.
 void note_near(const ProblemRequest& request, Problem& problem) {
   const auto note = [&](const char* flag, const std::string& text) {
     for (const std::string& each : near_notes(text, problem.mesh))
@@ -77,16 +77,16 @@ void note_near(const ProblemRequest& request, Problem& problem) {
   for (const PointMass& mass : problem.point_masses) note("--point-mass", mass.selector);
 }
 
-// Who has turned the body knows what is up. Empty: there is nothing to say.
-std::string hint_of_side(const ProblemRequest& request, const Problem& problem) {
+// Returns a hint about the up axis, or an empty string; with --up y the user has already decided.
+std::string up_axis_hint(const ProblemRequest& request, const Problem& problem) {
   if (request.y_up) return {};
   std::vector<std::string> selectors = request.fix;
   selectors.push_back(request.select);
   return side_hint(selectors, problem.mesh, has_y_up(request.mesh_path));
 }
 
-// A part that can still move rigidly would make K singular. Where single axes are held, joints of
-// pieces are not looked at.
+// Throws if a part can still move rigidly, which would make K singular. Joints between pieces are
+// not checked when vertices are held along single axes.
 void require_held(const Problem& problem) {
   const std::vector<int> freedom =
       rigid_freedom(problem.mesh, problem.report.part_of_vertex,
@@ -176,7 +176,7 @@ void attach_render(Problem& problem, RenderSurface surface, unsigned threads) {
 
 namespace {
 
-// Contradictions among the request that no file need be read for.
+// Rejects contradictory options that can be recognised without reading a file.
 void require_consistent(const ProblemRequest& request) {
   const auto refuse = [](const std::string& text) { throw Failure({ErrorKind::kUsage, text}); };
   if (request.fix.size() > 1 &&
@@ -187,7 +187,8 @@ void require_consistent(const ProblemRequest& request) {
       refuse("--fix none and --fix-x, --fix-y or --fix-z contradict each other");
 }
 
-// Of either kind. meshed: the surface that was cut; of_file: the mesh file's own materials.
+// Reads a surface or a tetrahedral mesh. meshed: the surface that was meshed; of_file: the
+// materials of the mesh file.
 void read_solid(const ProblemRequest& request, Problem& problem,
                 std::optional<RenderSurface>& meshed, std::vector<FileMaterial>& of_file) {
   if (is_surface_file(request.mesh_path)) {
@@ -208,7 +209,7 @@ void read_solid(const ProblemRequest& request, Problem& problem,
   of_file = std::move(file.materials);
 }
 
-// What is held, and whether that is enough.
+// Selects the fixed vertices and checks that they suffice.
 void hold(const ProblemRequest& request, Problem& problem) {
   problem.free_body = request.fix.size() == 1 && request.fix.front() == "none";
   if (!problem.free_body) {
@@ -218,7 +219,7 @@ void hold(const ProblemRequest& request, Problem& problem) {
   }
   const bool along_axes = std::any_of(problem.held.begin(), problem.held.end(),
                                       [](const auto& held) { return !held.empty(); });
-  // An imported basis says itself what it holds.
+  // An imported basis defines its own fixed vertices.
   if (!request.imported && along_axes) require_held(problem);
   if (!request.imported && !along_axes)
     require_no_loose_piece(problem.mesh, problem.report, problem.fixed, problem.free_body);
@@ -263,9 +264,9 @@ Problem load_problem(const ProblemRequest& request) {
     read_render(request, problem);
   else if (meshed)
     attach_render(problem, std::move(*meshed), request.threads);
-  // Behind the render surface: its objects and colours may choose a material.
+  // This follows the render surface, since its objects and colours may select a material.
   problem.materials = make_materials(request, rules, of_file, problem);
-  const std::string hint = hint_of_side(request, problem);
+  const std::string hint = up_axis_hint(request, problem);
   if (!hint.empty()) problem.notes.push_back(hint);
   if (!request.select.empty()) {
     for (std::string& note : near_notes(request.select, problem.mesh))

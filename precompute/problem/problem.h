@@ -1,4 +1,4 @@
-// Stage "mesh": what the user asked for, read and checked, before any matrix is made.
+// Stage "mesh": reads and checks the user's input before any matrix is assembled.
 #pragma once
 
 #include <array>
@@ -14,37 +14,37 @@
 
 namespace tremolo {
 
-// Free parts that do not touch: every one has six rigid motions to be kept out of the modes, and as
-// many frequencies as there are parts may lie at one place.
+// Most disconnected parts of a free body: each has six rigid motions to be kept out of the modes,
+// and a frequency may be repeated as often as there are parts.
 inline constexpr std::size_t kMostFreeParts = 1'000;
 
 struct Problem {
   TetMesh mesh;
   MeshReport report;
   std::vector<VertexId> fixed;                // ascending
-  std::array<std::vector<VertexId>, 3> held;  // ascending; do not move along x, y, z
+  std::array<std::vector<VertexId>, 3> held;  // held along x, y, z only; ascending
   bool free_body = false;
   DefaultLoad load;
-  std::optional<RenderSurface> render;  // what is drawn; none: the boundary of the tetrahedra
-  Embedding embedding;                  // of its vertices
+  std::optional<RenderSurface>
+      render;           // the surface that is drawn; none: the boundary of the tetrahedra
+  Embedding embedding;  // of the render surface's vertices in the tetrahedra
   MaterialTable materials;
   std::vector<PointMass> point_masses;
   std::string mesh_format;
   std::string mesh_hash;           // XXH3-64 of vertices and tetrahedra, after repair
-  std::vector<std::string> notes;  // for the user: repairs, oddities
+  std::vector<std::string> notes;  // for the user: repairs and peculiarities
 };
 
-// Reads, checks and selects; with request.select nothing is fixed or loaded yet. Throws Failure:
-// kSystem for unreadable files, kContent and kUsage for everything that is wrong in them or in the
-// options.
+// Reads and checks the input and selects vertices; with request.select nothing is fixed or loaded.
+// Throws Failure: kSystem for unreadable files, kContent and kUsage for wrong content and options.
 Problem load_problem(const ProblemRequest& request);
 
-// Makes the surface (m, in the mesh's place) what is drawn: embeds its vertices, adds its colours,
-// objects and materials to the mesh for selectors, and tells in problem.notes. To be called once
-// the mesh is checked and before anything is selected; load_problem does.
+// Sets the render surface (m, in the mesh's coordinates): embeds its vertices, adds its colours,
+// objects and materials to the mesh for selectors, and appends to problem.notes. load_problem calls
+// it after the mesh is checked and before anything is selected.
 void attach_render(Problem& problem, RenderSurface surface, unsigned threads);
 
-// The default load that is asked for; free vertices only. Throws Failure (kContent).
+// Returns the default load, on free vertices only. Throws Failure (kContent).
 DefaultLoad make_load(const ProblemRequest& request, const Problem& problem);
 
 }  // namespace tremolo

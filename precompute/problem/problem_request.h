@@ -1,4 +1,4 @@
-// What solid it is: asked for on the command line, not yet read. Units SI.
+// The solid as requested on the command line, before anything is read. SI units.
 #pragma once
 
 #include <array>
@@ -12,23 +12,24 @@ namespace tremolo {
 
 struct ProblemRequest {
   std::string mesh_path;
-  std::string unit;                       // of surfaces' coordinates; empty: what their files say.
-                                          // Where no surface is read, of the tetrahedral mesh's
-  std::string mesh_unit;                  // of a tetrahedral mesh's, whatever `unit` says
-  SurfaceMeshOptions meshing;             // of a surface
-  Material material;                      // of what no entry of `materials` is of
-  std::vector<std::string> materials;     // material_rules.h, in order
+  std::string unit;  // of surface coordinates, or of the tetrahedral mesh if no surface is read;
+                     // empty: as the files say
+  std::string mesh_unit;       // of the tetrahedral mesh, overrides `unit`
+  SurfaceMeshOptions meshing;  // options for meshing a surface
+  Material material;           // the default, for tetrahedra that no entry of `materials` covers
+  std::vector<std::string> materials;     // see material_rules.h, in order
   std::vector<std::string> point_masses;  // SELECTOR=KG
   MassKind mass = MassKind::kConsistent;
-  std::vector<std::string> fix;                          // selectors; {"none"} asks for a free body
-  std::array<std::vector<std::string>, 3> fix_axis;      // selectors: held along x, y, z only
-  std::string load_at;                                   // selector; empty: no default load
-  Eigen::Vector3d load_force = Eigen::Vector3d::Zero();  // N, shared by the selected vertices
-  std::string render_path;  // surface that is drawn; empty: the one that was meshed, if one was
-  std::string preview;      // .ply of what is held and loaded; empty: not written
-  std::string select;       // selector to be shown; nothing is fixed or loaded then
-  bool y_up = false;        // of the files: turned so that z is up (up_axis.h)
-  bool imported = false;    // a basis that is read, not solved for, says itself what is held
+  std::vector<std::string> fix;                      // selectors; {"none"}: a free body
+  std::array<std::vector<std::string>, 3> fix_axis;  // selectors; held along x, y, z only
+  std::string load_at;                               // selector; empty: no default load
+  Eigen::Vector3d load_force =
+      Eigen::Vector3d::Zero();  // N, distributed over the selected vertices
+  std::string render_path;      // surface to be drawn; empty: the surface that was meshed, if any
+  std::string preview;          // .ply of the fixed and loaded vertices; empty: not written
+  std::string select;           // selector to be shown; nothing is fixed or loaded then
+  bool y_up = false;            // the files have y up: rotate them to z up (up_axis.h)
+  bool imported = false;  // the basis is imported, not computed, and defines the fixed vertices
   unsigned threads = 1;
 };
 

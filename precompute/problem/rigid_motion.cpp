@@ -8,8 +8,8 @@
 namespace tremolo {
 namespace {
 
-// Velocity of a point at x (relative to the part's centre) under the six unit motions: three
-// translations, three rotations scaled to the size of the part.
+// Returns the velocity of a point at x (relative to the part's centre) under the six unit motions:
+// three translations and three rotations, scaled by the part's size.
 Eigen::Matrix<double, 3, 6> motions_at(const Eigen::Vector3d& x) {
   Eigen::Matrix<double, 3, 6> motions;
   motions.leftCols<3>().setIdentity();
@@ -39,12 +39,13 @@ std::vector<Part> measure(const TetMesh& mesh, const std::vector<int>& part_of_v
   return measured;
 }
 
-// In the mass matrix, which couples no two parts: the motions of all are multiplied by it at once,
-// as six columns, and each part's made orthonormal by themselves.
+// Makes the rigid modes M-orthonormal. M couples no two parts, so one product with six columns
+// serves all parts at once, and each part's six modes are orthonormalised separately.
 void orthonormalise(Mat mass, const std::vector<int>& part_of_row, Columns& modes) {
   const Eigen::Index rows = modes.rows(), parts = modes.cols() / 6;
   Columns together(rows, 6);
-  // Twice is enough: the first pass leaves errors of the Gram matrix's condition times rounding.
+  // Two passes suffice: after the first one the error is the Gram matrix's condition number times
+  // rounding.
   for (int pass = 0; pass < 2; ++pass) {
     for (Eigen::Index row = 0; row < rows; ++row)
       together.row(row) =
@@ -60,7 +61,7 @@ void orthonormalise(Mat mass, const std::vector<int>& part_of_row, Columns& mode
       factors.emplace_back(grams.middleCols<6>(6 * part));
     for (Eigen::Index row = 0; row < rows; ++row) {
       const auto part = static_cast<std::size_t>(part_of_row[static_cast<std::size_t>(row)]);
-      // x U^-1 as the solution of U^T y = x^T.
+      // x U^-1 is the solution y of U^T y = x^T.
       const Eigen::Matrix<double, 6, 1> turned =
           factors[part].matrixL().solve(together.row(row).transpose());
       modes.row(row).segment<6>(6 * static_cast<Eigen::Index>(part)) = turned.transpose();
@@ -93,7 +94,7 @@ std::vector<int> rigid_freedom(const TetMesh& mesh, const std::vector<int>& part
   std::vector<int> freedom;
   for (const auto& matrix : held) {
     const Eigen::VectorXd values = matrix.jacobiSvd().singularValues();
-    // Relative to one fully held vertex; a lever of 1e-5 of the part's size holds nothing.
+    // Relative to one fully fixed vertex; a lever arm of 1e-5 of the part's size counts as zero.
     constexpr double kHeld = 1e-10;
     freedom.push_back(static_cast<int>((values.array() < kHeld).count()));
   }

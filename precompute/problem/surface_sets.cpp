@@ -12,7 +12,7 @@ namespace {
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 
-// Where a vertex of the mesh meets the surface.
+// The point of the surface that is closest to a vertex of the mesh.
 struct Contact {
   VertexId vertex = 0;
   std::size_t triangle = 0;

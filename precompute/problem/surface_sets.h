@@ -1,4 +1,4 @@
-// What an author painted and named on a surface -> colours and sets of the mesh's vertices.
+// Transfers colours and names from a surface to colours and node sets of the mesh.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace tremolo {
 
-// Each vertex on the mesh's boundary looks at the point of the surface that is nearest to it: it
-// takes its colour (if the surface has colours and the mesh has none; vertices inside stay bare),
-// and joins the sets named after that triangle's object and material. An object or material that is
-// nearest to no vertex gets those that are nearest to its own vertices. Names that are sets of the
-// mesh already keep what they have. Returns notes for the user.
+// Each boundary vertex of the mesh takes the colour of the closest point on the surface (if the
+// surface has colours and the mesh has none; interior vertices get none) and joins the node sets
+// named after that triangle's object and material. An object or material that is closest to no
+// vertex gets the mesh vertices closest to its own. Existing sets of the mesh are not changed.
+// Returns notes for the user.
 std::vector<std::string> add_surface_sets(const RenderSurface& surface, TetMesh& mesh);
 
 }  // namespace tremolo

@@ -9,11 +9,11 @@
 namespace tremolo {
 namespace {
 
-// An extent beyond these is more likely a unit that was not said, m; as of surfaces.
+// Extents outside these bounds, in m, suggest a missing unit; surfaces use the same bounds.
 constexpr double kLarge = 100;
 constexpr double kSmall = 1e-3;
 
-// What would be passed over in silence.
+// Rejects options for surfaces, which would otherwise be ignored silently.
 void refuse_surface_options(const ProblemRequest& request) {
   const SurfaceMeshOptions& meshing = request.meshing;
   const std::pair<bool, const char*> given[] = {
@@ -37,7 +37,8 @@ void to_metres(const ProblemRequest& request, const std::string& unit, TetMesh& 
   }
 }
 
-// What belongs to no tetrahedron may lie anywhere. Indices are not checked yet.
+// Considers vertices of tetrahedra only, as unused ones may lie anywhere. Indices are not yet
+// checked.
 double extent(const TetMesh& mesh) {
   std::vector<Eigen::Vector3d> used;
   for (const Tetrahedron& tet : mesh.tetrahedra)

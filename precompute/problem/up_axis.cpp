@@ -12,8 +12,9 @@
 namespace tremolo {
 namespace {
 
-// A foot is plane within this share of the extent, within 18 degrees of level, and covers at least
-// this share of the body's box; whatever else there is must be less than a quarter of it.
+// A plane foot lies within kPlane of the extent, is level to within 18 degrees (cosine kLevel) and
+// covers at least kLeastFoot of the bounding box's section; competing ends must be below kClearly
+// of it.
 constexpr double kPlane = 0.01;
 constexpr double kLevel = 0.95;
 constexpr double kLeastFoot = 0.01;
@@ -24,7 +25,7 @@ Vector turned(const Vector& x) {
   return {x[0], -x[2], x[1]};
 }
 
-// The selector, or a part of it, that takes what is low along z; none if it says anything of y.
+// Returns whether the selector, or a part of it, takes the low end of z and none of it mentions y.
 bool takes_low_z(const std::string& text) {
   const Result<Selector> selector = parse_selector(text);
   if (!selector) return false;
@@ -42,7 +43,7 @@ bool takes_low_z(const std::string& text) {
   return low_z && !other;
 }
 
-// Share of the body's box that is covered by a plane end along an axis.
+// Returns the area of the plane end along an axis, as a share of the bounding box's section.
 double plane_end(const SurfaceMesh& surface, const BoundingBox& box, int axis, bool low) {
   const Eigen::Vector3d extent = box.high - box.low;
   const double section = extent.prod() / extent[axis];

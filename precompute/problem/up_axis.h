@@ -1,4 +1,4 @@
-// --up: which axis of the files points up.
+// --up: the axis of the input files that points up.
 #pragma once
 
 #include <string>
@@ -10,19 +10,18 @@
 
 namespace tremolo {
 
-// Turns what has y up so that z is up, about the x axis: (x, y, z) -> (x, -z, y), without rounding.
+// Rotates from y up to z up about the x axis: (x, y, z) -> (x, -z, y), without rounding.
 void turn_y_to_z(TetMesh& mesh);
 void turn_y_to_z(RenderSurface& surface);
-void turn_y_to_z(std::vector<FileMaterial>& materials);  // their axes
+void turn_y_to_z(std::vector<FileMaterial>& materials);  // rotates their axes
 
-// What a user should know who takes the lowest slice along z of a body that has y up, by one of
-// these selectors; empty if there is no sign of it. y_by_format: the file's format says that y is
-// up. Else the body must stand on a plane foot along y, with nothing like it at y's other end and
-// at z's low end.
+// Returns a hint for a user who selects the low end of z of a body that appears to have y up; empty
+// if nothing suggests that. y_by_format: the file's format defines y as up. Otherwise the body must
+// stand on a plane foot along y, with no comparable plane at the high end of y or the low end of z.
 std::string side_hint(const std::vector<std::string>& selectors, const TetMesh& mesh,
                       bool y_by_format);
 
-// Whether files of this name have y up by the definition of their format: glTF, X3D.
+// Returns whether the file's format defines y as up: glTF, X3D.
 bool has_y_up(const std::string& path);
 
 }  // namespace tremolo

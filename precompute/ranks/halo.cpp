@@ -8,11 +8,11 @@
 namespace tremolo {
 namespace {
 
-// For each rank a stretch of one list.
-struct Stretches {
+// Sections of one array, one for each rank.
+struct Sections {
   std::vector<int> count, start;
 
-  explicit Stretches(std::vector<int> counts) : count(std::move(counts)) {
+  explicit Sections(std::vector<int> counts) : count(std::move(counts)) {
     start.resize(count.size(), 0);
     std::partial_sum(count.begin(), count.end() - 1, start.begin() + 1);
   }
@@ -21,18 +21,18 @@ struct Stretches {
   }
 };
 
-// nodes: those of other ranks that this one wants, ascending, so that each rank's come together;
-// asked: those that the others want of this one.
+// A communication plan. nodes: nodes of other ranks whose values this rank needs, ascending and
+// therefore grouped by rank; requested: nodes whose values other ranks need from this one.
 struct Exchange {
   std::vector<int> nodes;
-  Stretches wanted;
-  std::vector<int> asked;
-  Stretches given;
+  Sections received;
+  std::vector<int> requested;
+  Sections sent;
 };
 
-Exchange agree(const DofMap& map, const LocalDofs& local) {
+Exchange plan_exchange(const DofMap& map, const LocalDofs& local) {
   const auto ranks = static_cast<std::size_t>(mpi_ranks());
-  std::vector<int> nodes, wanted(ranks, 0), given(ranks, 0);
+  std::vector<int> nodes, received(ranks, 0), sent(ranks, 0);
   for (std::size_t v = 0; v < local.vertices.size(); ++v)
     if (local.node_of_vertex[v] >= 0 && local.row_of_vertex[v] < 0)
       nodes.push_back(local.node_of_vertex[v]);
@@ -40,18 +40,18 @@ Exchange agree(const DofMap& map, const LocalDofs& local) {
   std::size_t rank = 0;
   for (const int node : nodes) {
     while (node >= map.rank_begin[rank + 1]) ++rank;
-    ++wanted[rank];
+    ++received[rank];
   }
-  MPI_Alltoall(wanted.data(), 1, MPI_INT, given.data(), 1, MPI_INT, PETSC_COMM_WORLD);
-  Exchange exchange{std::move(nodes), Stretches(wanted), {}, Stretches(given)};
-  exchange.asked.resize(exchange.given.total());
-  MPI_Alltoallv(exchange.nodes.data(), exchange.wanted.count.data(), exchange.wanted.start.data(),
-                MPI_INT, exchange.asked.data(), exchange.given.count.data(),
-                exchange.given.start.data(), MPI_INT, PETSC_COMM_WORLD);
+  MPI_Alltoall(received.data(), 1, MPI_INT, sent.data(), 1, MPI_INT, PETSC_COMM_WORLD);
+  Exchange exchange{std::move(nodes), Sections(received), {}, Sections(sent)};
+  exchange.requested.resize(exchange.sent.total());
+  MPI_Alltoallv(exchange.nodes.data(), exchange.received.count.data(),
+                exchange.received.start.data(), MPI_INT, exchange.requested.data(),
+                exchange.sent.count.data(), exchange.sent.start.data(), MPI_INT, PETSC_COMM_WORLD);
   return exchange;
 }
 
-// The three rows of a node, one after the other, as one message.
+// MPI type for the three rows of a node, contiguous.
 class RowType {
  public:
   explicit RowType(Eigen::Index columns) {
@@ -83,16 +83,16 @@ BasisRows expand_to_vertices(const DofMap& map, const LocalDofs& local, const Co
   }
   if (mpi_ranks() == 1) return expanded;
 
-  const Exchange exchange = agree(map, local);
-  BasisRows out(3 * static_cast<Eigen::Index>(exchange.asked.size()), columns.cols());
-  for (std::size_t i = 0; i < exchange.asked.size(); ++i)
+  const Exchange exchange = plan_exchange(map, local);
+  BasisRows out(3 * static_cast<Eigen::Index>(exchange.requested.size()), columns.cols());
+  for (std::size_t i = 0; i < exchange.requested.size(); ++i)
     out.middleRows<3>(3 * static_cast<Eigen::Index>(i)) =
-        columns.middleRows<3>(3 * Eigen::Index{exchange.asked[i] - local.first_node});
+        columns.middleRows<3>(3 * Eigen::Index{exchange.requested[i] - local.first_node});
   BasisRows in(3 * static_cast<Eigen::Index>(exchange.nodes.size()), columns.cols());
   const RowType rows(columns.cols());
-  MPI_Alltoallv(out.data(), exchange.given.count.data(), exchange.given.start.data(), rows.get(),
-                in.data(), exchange.wanted.count.data(), exchange.wanted.start.data(), rows.get(),
-                PETSC_COMM_WORLD);
+  MPI_Alltoallv(out.data(), exchange.sent.count.data(), exchange.sent.start.data(), rows.get(),
+                in.data(), exchange.received.count.data(), exchange.received.start.data(),
+                rows.get(), PETSC_COMM_WORLD);
   for (std::size_t v = 0; v < local.vertices.size(); ++v) {
     const int node = local.node_of_vertex[v];
     if (node < 0 || local.row_of_vertex[v] >= 0) continue;
@@ -108,21 +108,21 @@ void fix_signs(const LocalDofs& local, Columns& vectors, BasisRows& expanded) {
   if (expanded.rows() > 0) largest = expanded.cwiseAbs().colwise().maxCoeff().transpose();
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(count), MPI_DOUBLE, MPI_MAX,
                 PETSC_COMM_WORLD);
-  // Where the entry is, in the whole mesh; odd: it is negative.
+  // Encodes the index of the entry in the whole mesh, doubled; odd if the entry is negative.
   std::vector<long long> first(static_cast<std::size_t>(count),
                                std::numeric_limits<long long>::max() - 1);
   for (Eigen::Index c = 0; c < count; ++c) {
     Eigen::Index row = 0;
     while (row < expanded.rows() && std::abs(expanded(row, c)) < 0.5 * largest[c]) ++row;
     if (row == expanded.rows()) continue;
-    const long long place = 3LL * local.vertices[static_cast<std::size_t>(row / 3)] + row % 3;
-    first[static_cast<std::size_t>(c)] = 2 * place + (expanded(row, c) < 0 ? 1 : 0);
+    const long long entry = 3LL * local.vertices[static_cast<std::size_t>(row / 3)] + row % 3;
+    first[static_cast<std::size_t>(c)] = 2 * entry + (expanded(row, c) < 0 ? 1 : 0);
   }
   MPI_Allreduce(MPI_IN_PLACE, first.data(), static_cast<int>(count), MPI_LONG_LONG, MPI_MIN,
                 PETSC_COMM_WORLD);
   for (Eigen::Index c = 0; c < count; ++c) {
     if (first[static_cast<std::size_t>(c)] % 2 == 0) continue;
-    // No zero becomes negative: vectors that are expanded again give the same bits.
+    // Subtraction avoids negative zeros, so that vectors expanded again have the same bits.
     expanded.col(c) = 0.0 - expanded.col(c).array();
     vectors.col(c) = 0.0 - vectors.col(c).array();
   }

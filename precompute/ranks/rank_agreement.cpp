@@ -14,7 +14,7 @@
 namespace tremolo {
 namespace {
 
-// `text` of the rank `root`, on all ranks.
+// Returns `text` of rank `root` on all ranks.
 std::string broadcast(std::string text, int root) {
   auto size = static_cast<unsigned long long>(text.size());
   MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG_LONG, root, PETSC_COMM_WORLD);
@@ -23,7 +23,7 @@ std::string broadcast(std::string text, int root) {
   return text;
 }
 
-// Between names and values, which have none.
+// Separator of names and values, which never contain it.
 constexpr char kEnd = '\0';
 
 std::string pack(const std::vector<Fact>& facts) {
@@ -54,7 +54,7 @@ std::optional<Error> difference(const std::vector<Fact>& own, const std::vector<
   return std::nullopt;
 }
 
-// Numbers and indices, one after the other, as one number.
+// A hash over several arrays.
 class Digest {
  public:
   template <class T>
@@ -86,7 +86,7 @@ std::string digest(const MaterialTable& table) {
          Digest().add(numbers).add(table.of_tet).text();
 }
 
-// Where files lie, how many threads a host has, and what rank 0 alone does.
+// Settings that may differ between ranks: paths, thread counts of a host, and work of rank 0 only.
 bool may_differ(const std::string& key) {
   constexpr std::array kKeys{"mesh",   "output",       "modes-vtu",   "preview",
                              "render", "threads",      "json",        "limits",

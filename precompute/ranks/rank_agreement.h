@@ -1,5 +1,5 @@
-// Several ranks that start with different input, or of which one alone fails, must not wait for
-// each other for ever: all of them end, with one message.
+// Agreement between ranks: if ranks start with different input or one of them fails, all of them
+// end with one message instead of waiting for each other for ever.
 #pragma once
 
 #include <optional>
@@ -12,23 +12,24 @@
 
 namespace tremolo {
 
-// A Failure that every rank throws: one rank tells it, nobody need be aborted.
+// A Failure that every rank throws: one rank reports it, and no abort is needed.
 class SharedFailure : public Failure {
  public:
   using Failure::Failure;
 };
 
-// When some rank has an error all ranks throw the lowest such rank's, which is named unless all
-// have one. own: this rank's. To be called on all ranks together, as all that follows.
+// Throws on all ranks if any rank has an error: that of the lowest such rank, which the message
+// names unless all ranks have one. own: this rank's error. Collective, as is all that follows it.
 void fail_together(const std::optional<Error>& own);
 
-// The lowest rank's text that is not empty, on all of them; of several ranks, that one is named.
+// Returns the non-empty text of the lowest rank that has one, on all ranks; with several ranks it
+// names that rank.
 std::string first_text(const std::string& own);
 
-// What the work threw on this rank, as an error. To be called in a catch block.
+// Returns the current exception as an error. Must be called in a catch block.
 Error current_error();
 
-// The work's result; when it throws on some rank, all ranks throw.
+// Returns the result of `work`; if it throws on some rank, all ranks throw.
 template <class Work>
 auto on_all_ranks(const Work& work) -> decltype(work()) {
   std::optional<decltype(work())> result;
@@ -42,37 +43,38 @@ auto on_all_ranks(const Work& work) -> decltype(work()) {
   return std::move(*result);
 }
 
-// Whether all ranks call this within two seconds. An error that every rank met alike, as a solver
-// that gives up, need be told by one only; an error of one rank leaves the others in the midst of
-// something.
+// Returns whether all ranks call this within two seconds. Then they failed alike, as in a solver
+// that does not converge, and one report suffices; otherwise the other ranks are still at work.
 bool all_ranks_failed();
 
-// What is compared: a name that the user knows, and a value.
+// A value to be compared, with a name that the user knows.
 struct Fact {
   std::string name;
   std::string value;
 };
 
-// Throws SharedFailure (kContent) when a rank has other facts than rank 0: it names the first one
-// that differs with both values.
+// Throws SharedFailure (kContent) if a rank's facts differ from those of rank 0. The message names
+// the first difference with both values.
 void require_agreement(const std::vector<Fact>& facts);
 
-// Of this program's very file: another build may number its versions alike and compute otherwise.
+// Returns the version with a checksum of the program file, since builds of the same version may
+// compute differently.
 std::string program_version();
 
-// Version of the program and its libraries, PETSc's options, and what the command line and its file
-// say; paths, threads and what only shapes the output may differ. settings: lines key=value.
+// Returns the versions of the program and its libraries, PETSc's options, and the settings from
+// command line and config file; paths, thread counts and settings of the output only are left out.
+// settings: lines key=value.
 std::vector<Fact> facts_of_start(const std::string& settings,
                                  const std::vector<std::string>& petsc_options);
 
-// Mesh, materials, masses, what is fixed: by content, wherever it was read from.
+// Returns mesh, materials, point masses and fixed vertices, by content.
 std::vector<Fact> facts_of(const Problem& problem);
 
-// The surface that is drawn: it shapes the file, no stage.
+// The render surface is a separate fact, since it affects the file but no stage.
 Fact render_fact(const Problem& problem);
 
-// load_problem on all ranks, which then agree. Throws SharedFailure (kContent) also when there are
-// more ranks than tetrahedra.
+// Calls load_problem on all ranks and compares the results. Throws SharedFailure (kContent) also if
+// there are more ranks than tetrahedra.
 Problem load_problem_together(const ProblemRequest& request);
 
 }  // namespace tremolo

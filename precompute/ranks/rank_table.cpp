@@ -8,7 +8,7 @@
 namespace tremolo {
 namespace {
 
-// What every rank goes through when it is not skipped.
+// Stages that every rank executes unless they are skipped.
 constexpr const char* kShared[] = {"mesh",        "matrices", "modes",        "derivatives",
                                    "certificate", "basis",    "coefficients", "file"};
 

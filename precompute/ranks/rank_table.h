@@ -1,4 +1,4 @@
-// How the stages' time and memory split over the ranks.
+// Time and memory of the stages on each rank.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace tremolo {
 
-// One row a stage that all ranks went through, in order; one entry a rank.
+// One row for each stage that all ranks executed, in order, with one entry a rank; s and bytes.
 struct RankTable {
   struct Row {
     std::string stage;
@@ -17,11 +17,11 @@ struct RankTable {
   std::vector<Row> rows;
 };
 
-// Complete on rank 0. All ranks together, with the same stages in their logs but for what rank 0
-// did alone.
+// Returns the table, complete on rank 0 only. Collective; the logs must hold the same stages apart
+// from those that rank 0 executed alone.
 RankTable gather_stages(const StageLog& log);
 
-// For the terminal: peak megabytes and processor seconds of each rank.
+// Returns the table as text: processor seconds and peak megabytes of each rank.
 std::string table_text(const RankTable& table);
 
 }  // namespace tremolo

@@ -8,15 +8,15 @@
 namespace tremolo {
 namespace {
 
-// One block of the file. owner(i): the rank that has the three rows of item i, -1: nobody, they are
-// zero. fill(i, out): puts them there, row-major; asked of the owner only.
+// One block of the file. owner(i): rank that holds the three rows of item i; -1 if they are zero.
+// fill(i, out): writes them row-major; called on the owner only.
 struct SpreadRows {
   std::size_t items = 0;
   std::function<int(std::size_t)> owner;
   std::function<void(std::size_t, double*)> fill;
 };
 
-// Rows of a vertex that the part has.
+// Returns the rows of a vertex of this rank's part.
 auto rows_of(const SpreadBasis& basis, VertexId vertex) {
   const std::vector<VertexId>& ids = basis.local.vertices;
   return basis.rows.middleRows<3>(3 *
@@ -47,7 +47,7 @@ SpreadRows rows_of_render(const SpreadBasis& basis) {
   return {embedding.tetrahedra.size(), owner, fill};
 }
 
-// Items first .. first+count-1 to rank 0's `out`; what it is elsewhere does not matter.
+// Gathers items first .. first+count-1 into `out` on rank 0; `out` is not used on other ranks.
 void gather(const SpreadRows& rows, Eigen::Index columns, std::size_t first, std::size_t count,
             double* out) {
   const auto numbers = static_cast<std::size_t>(3 * columns);
@@ -72,18 +72,18 @@ void gather(const SpreadRows& rows, Eigen::Index columns, std::size_t first, std
   MPI_Type_free(&item);
   if (rank != 0) return;
   for (std::size_t i = 0; i < count; ++i) {
-    double* place = out + i * numbers;
+    double* target = out + i * numbers;
     if (owners[i] < 0) {
-      std::fill(place, place + numbers, 0.0);
+      std::fill(target, target + numbers, 0.0);
       continue;
     }
     const double* from = all.data() + numbers * static_cast<std::size_t>(
                                                     starts[static_cast<std::size_t>(owners[i])]++);
-    std::copy(from, from + numbers, place);
+    std::copy(from, from + numbers, target);
   }
 }
 
-// The blocks in the order of the file.
+// Returns the blocks in the order of the file.
 std::vector<SpreadRows> blocks_of(const SpreadBasis& basis, const BasisData& data) {
   return {rows_of_vertices(basis, data.surface.vertex_ids), rows_of_render(basis),
           rows_of_vertices(basis, data.interior.vertex_ids)};

@@ -1,5 +1,5 @@
-// The basis on its way to the file: rows lie with the ranks whose nodes they belong to, rank 0
-// writes, and no rank ever holds them all.
+// Gathering of the basis for the file: each rank holds the rows of its nodes, rank 0 writes, and no
+// rank holds all rows at once.
 #pragma once
 
 #include "formats/basis/basis_writer.h"
@@ -8,22 +8,24 @@
 
 namespace tremolo {
 
-// rows: of the part's vertices, 3 a vertex x r (expand_to_vertices). Borrowed, all of it.
+// References to a distributed basis. rows: at the part's vertices, 3 a vertex x r
+// (expand_to_vertices).
 struct SpreadBasis {
-  const TetMesh& mesh;  // the whole one
+  const TetMesh& mesh;  // the whole mesh
   const Embedding& embedding;
   const DofMap& map;
   const LocalDofs& local;
   const BasisRows& rows;
 };
 
-// On rank 0: where the writer gets the rows of data's blocks from. Meanwhile all other ranks are in
-// serve_rows(). data: ids of the blocks' vertices, the same on all ranks.
+// gathered_rows() returns, on rank 0, the sources from which the writer reads the rows of data's
+// blocks; meanwhile all other ranks must be in serve_rows(). data: vertex ids of the blocks, the
+// same on all ranks.
 RowSources gathered_rows(const SpreadBasis& basis, const BasisData& data);
 void serve_rows(const SpreadBasis& basis, const BasisData& data);
 
-// All of them after all, into the blocks of rank 0's data: for those who need to see them at once.
-// All ranks call it together.
+// Gathers all rows into the blocks of rank 0's data, for callers that need all of them at once.
+// Collective.
 void collect_rows(const SpreadBasis& basis, BasisData& data);
 
 }  // namespace tremolo

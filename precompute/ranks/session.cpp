@@ -17,17 +17,17 @@ int report(const Error& error) {
   return exit_code(error);
 }
 
-// After an error that is not shared.
+// Handles an error that may have occurred on this rank only, and returns the exit code.
 int end_alone(const Error& error) {
-  // Errors of the input are the same on all ranks: one speaks. Others may be one rank's own, and
-  // the rest would wait for it for ever.
+  // Errors of the input are the same on all ranks, and one reports them. Other errors may be those
+  // of one rank, and the rest would wait for it for ever.
   const bool common = error.kind == ErrorKind::kContent || error.kind == ErrorKind::kUsage;
   const bool alone = mpi_ranks() == 1 || (!common && !all_ranks_failed());
   if (alone || mpi_rank() == 0) {
     report(error);
     if (error.kind == ErrorKind::kSolver) warn_of_unused_options();
   } else if (!common) {
-    std::this_thread::sleep_for(std::chrono::seconds(5));  // rank 0 speaks and ends all
+    std::this_thread::sleep_for(std::chrono::seconds(5));  // rank 0 reports and ends all
   }
   if (!common && mpi_ranks() > 1) MPI_Abort(PETSC_COMM_WORLD, exit_code(error));
   return exit_code(error);

@@ -1,5 +1,5 @@
-// A program's work with MPI, PETSc and SLEPc running: errors become messages and exit codes, on one
-// rank or several.
+// Runs a program's work with MPI, PETSc and SLEPc initialised; errors become messages and exit
+// codes, on one rank or several.
 #pragma once
 
 #include <functional>
@@ -10,14 +10,14 @@
 
 namespace tremolo {
 
-// Calls `work`, whose BLAS is called by so many threads at once. Returns the exit code.
+// Calls `work`, in which up to `threads` threads call BLAS at once. Returns the exit code.
 int run_session(const char* program, const std::vector<std::string>& petsc_options,
                 unsigned threads, const std::function<void()>& work);
 
-// A typo in one of PETSc's options is a likely cause when a solver gives up.
+// Warns of PETSc options that were never read: a typo is a likely cause of a solver's failure.
 void warn_of_unused_options();
 
-// Tells the error and ends all ranks: one that failed alone would leave the others waiting.
+// Reports the error and ends all ranks, which would otherwise wait for this one.
 [[noreturn]] void stop_all_ranks(const Error& error);
 
 }  // namespace tremolo

@@ -16,8 +16,8 @@
 namespace tremolo {
 namespace {
 
-// How the columns enter a motion u = sum Psi_i p_i + 1/2 sum Phi_ij p_i p_j whose amplitudes are
-// p_i = a w2_1/w2_i, divided by a.
+// Returns the weights of the columns in a motion u = sum Psi_i p_i + 1/2 sum Phi_ij p_i p_j with
+// amplitudes p_i = a w2_1/w2_i, divided by a.
 Eigen::VectorXd weights(const Eigen::VectorXd& w2, double amplitude, Eigen::Index columns) {
   const Eigen::Index k = w2.size();
   Eigen::VectorXd weight(columns);
@@ -30,7 +30,8 @@ Eigen::VectorXd weights(const Eigen::VectorXd& w2, double amplitude, Eigen::Inde
   return weight;
 }
 
-// X <- X P, by blocks of rows: P's columns are no more than X's, the rest of X is left as it is.
+// Computes X <- X P by blocks of rows. P has at most as many columns as X; the remaining columns of
+// X are unchanged.
 void transform(ColumnsOut x, const Eigen::MatrixXd& p, unsigned threads) {
   constexpr Eigen::Index kRows = 1024;
   const BlasThreads single(1);
@@ -40,7 +41,7 @@ void transform(ColumnsOut x, const Eigen::MatrixXd& p, unsigned threads) {
   });
 }
 
-// By BLAS where there are many; fewer give the same digits as ever.
+// Uses BLAS for large products only; small ones keep the digits of earlier models.
 Eigen::MatrixXd product_of(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   if (a.cols() < kLarge) return a * b;
   Eigen::MatrixXd c(a.rows(), b.cols());
@@ -48,20 +49,20 @@ Eigen::MatrixXd product_of(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return c;
 }
 
-// W = Q T with Q^T M Q = I, W = columns * weight. A Gram matrix squares the condition, so columns
-// are first scaled to unit M-norm and compressed to the directions it can resolve; a second pass on
-// the compressed columns, now well conditioned, makes Q orthonormal to rounding. What comes back is
-// Q = columns * q, the first `rank` columns having been changed in place.
+// Factorises W = columns * weight as W = Q T with Q^T M Q = I. Since a Gram matrix squares the
+// condition number, columns are first scaled to unit M-norm and compressed to the directions it can
+// resolve. A second pass on the compressed, now well-conditioned columns makes Q orthonormal to
+// rounding. The first `rank` columns are changed in place, and Q = columns * q.
 Factored orthonormalise(Mat mass, Columns& columns, const Eigen::VectorXd& weight,
                         unsigned threads) {
   const Eigen::MatrixXd first = gram(mass, columns, threads);
-  // A column may be zero: modes of parts that do not touch have no common derivative.
+  // A column may be zero: modes of disconnected parts have no common derivative.
   const Eigen::VectorXd norms =
       first.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
   const Eigen::MatrixXd scaled =
       norms.cwiseInverse().asDiagonal() * first * norms.cwiseInverse().asDiagonal();
   const EigenPairs eigen = eigenpairs(scaled);
-  constexpr double kResolved = 1e-12;  // of the largest: what a Gram matrix holds above rounding
+  constexpr double kResolved = 1e-12;  // relative to the largest: resolution of a Gram matrix
   const double largest = eigen.values.maxCoeff();
   Factored factored;
   factored.rank = (eigen.values.array() > kResolved * largest).count();
@@ -77,7 +78,7 @@ Factored orthonormalise(Mat mass, Columns& columns, const Eigen::VectorXd& weigh
   return factored;
 }
 
-// Makes the directions canonical that the cut goes through.
+// Makes the directions of the cluster at the cut canonical.
 void choose_at_cut(Mat mass, const Marker& marker, const Cluster& cut,
                    PrincipalColumns& principal) {
   const Eigen::MatrixXd old = principal.turn.middleCols(cut.first, cut.count);
@@ -87,7 +88,8 @@ void choose_at_cut(Mat mass, const Marker& marker, const Cluster& cut,
 }
 
 void find_directions(PrincipalColumns& principal) {
-  constexpr double kRank = 1e-13;  // of the largest singular value: below is rounding
+  constexpr double kRank =
+      1e-13;  // relative to the largest singular value; smaller ones are rounding
   const SingularPairs pairs = singular_pairs(principal.t, SingularVectors::kThinLeft);
   principal.singular_values = pairs.values;
   principal.rank =
@@ -107,29 +109,30 @@ Columns PrincipalColumns::first(Eigen::Index r) const {
 
 PrincipalColumns principal_columns(const Matrices& matrices, Columns columns,
                                    const Eigen::VectorXd& w2, double amplitude, unsigned threads,
-                                   const Tell& tell) {
+                                   const Progress& progress) {
   PrincipalColumns principal;
   principal.linear_modes = w2.size();
   const Mat mass = matrices.mass.get();
   const Eigen::VectorXd weight = weights(w2, amplitude, columns.cols());
-  // Before any BLAS of its own: they go back when all is done.
+  // The thread count must be set before any other use of BLAS here; it is restored at the end.
   const bool many = columns.cols() >= kLarge;
   const BlasThreads all(many ? static_cast<int>(threads) : blas_thread_count());
-  Factored factored = many ? orthonormalise_many(mass, columns, weight, threads, tell)
+  Factored factored = many ? orthonormalise_many(mass, columns, weight, threads, progress)
                            : orthonormalise(mass, columns, weight, threads);
   columns.conservativeResize(Eigen::NoChange, factored.rank);
   principal.kept.resize(columns.rows(), 0);
   principal.columns = std::move(columns);
   principal.q = std::move(factored.q);
   principal.t = std::move(factored.t);
-  if (many && tell) tell(text("singular values of %d rows", static_cast<int>(factored.rank)));
+  if (many && progress)
+    progress(text("singular values of %d rows", static_cast<int>(factored.rank)));
   find_directions(principal);
   return principal;
 }
 
 void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
                  PrincipalColumns& principal) {
-  constexpr double kLeft = 1e-12;  // squared: of a direction that the vectors hold
+  constexpr double kLeft = 1e-12;  // squared norm left of a direction that the vectors contain
   const Mat mass = matrices.mass.get();
   const Eigen::VectorXd norms = gram(mass, vectors, threads).diagonal().cwiseSqrt();
   vectors = Columns(vectors * norms.cwiseInverse().asDiagonal());
@@ -140,7 +143,7 @@ void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
   Eigen::MatrixXd shares = transposed_product(product(mass, vectors, threads), principal.columns);
   sum_over_ranks(shares);
   add_product(-1.0, vectors, shares, 1.0, principal.columns);
-  // columns * q is no longer orthonormal: its Gram matrix is I - A^T A.
+  // columns * q is no longer orthonormal: its Gram matrix is I - A^T A, A = held.
   const Eigen::MatrixXd held = shares * principal.q;
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(held.cols(), held.cols());
   const EigenPairs left = eigenpairs(identity - held.transpose() * held);
@@ -172,7 +175,7 @@ Basis make_basis(const Matrices& matrices, PrincipalColumns principal, const Bas
         std::to_string(r) + " coordinates asked for; " + std::to_string(principal.linear_modes) +
         " linear modes with their derivatives span " + std::to_string(principal.size())));
   Basis basis;
-  // What is kept counts like the first direction.
+  // Kept vectors count as much as the first direction.
   basis.singular_values.assign(static_cast<std::size_t>(kept), sigma[0]);
   basis.singular_values.insert(basis.singular_values.end(), sigma.begin(), sigma.end());
   if (marker != nullptr) {
@@ -187,12 +190,13 @@ Basis make_basis(const Matrices& matrices, PrincipalColumns principal, const Bas
   Columns reduced = principal.first(r);
   principal.columns.resize(0, 0);
 
-  // The generalised form takes up what rounding has left of orthonormality.
+  // The generalised eigenproblem corrects the remaining deviation from orthonormality.
   const EigenPairs rotation =
       eigenpairs(gram(matrices.stiffness.get(), reduced, threads), gram(mass, reduced, threads));
   basis.lambda = rotation.values;
   transform(reduced, rotation.vectors, threads);
-  // What is turned here is off the diagonal by as much as its Lambdas differ: rounding, no more.
+  // Rotating these coordinates adds off-diagonal entries as large as their Lambdas differ, i.e.
+  // rounding.
   const Nearness equal{1e-9, 1e-12 * basis.lambda[r - 1]};
   if (marker != nullptr) make_canonical(mass, *marker, find_clusters(basis.lambda, equal), reduced);
   basis.vectors = std::move(reduced);

@@ -1,5 +1,5 @@
-// Stage "basis": modes and derivatives -> r coordinates (method of Barbic & James 2005, with the
-// rotation that makes the stiffness diagonal, so that "low" and "high" coordinates mean something).
+// Stage "basis": reduces modes and derivatives to r coordinates (method of Barbic & James 2005,
+// with a rotation that diagonalises the stiffness, so that coordinates are ordered by frequency).
 #pragma once
 
 #include "precompute/modes/mode_clusters.h"
@@ -10,43 +10,42 @@ namespace tremolo {
 struct Basis {
   Columns vectors;                      // U: local dofs x r, kg^-1/2
   Eigen::VectorXd lambda;               // r, (rad/s)^2, ascending: U^T K U
-  std::vector<double> singular_values;  // of the mass-PCA, descending, all of them
+  std::vector<double> singular_values;  // of the mass-PCA, descending, all
   double orthonormality_error = 0;      // max |U^T M U - I|
   double diagonality_error = 0;         // max |U^T K U - Lambda| / max Lambda
-  Cluster cut;                          // equal singular values on both sides of the cut
+  Cluster cut;                          // cluster of equal singular values divided by the cut
 };
 
-// The weighted columns as M-orthonormal directions in the order of their singular values, before
-// the cut: columns * turn.
+// The weighted columns as M-orthonormal directions, columns * turn, ordered by their singular
+// values, before the cut.
 struct PrincipalColumns {
-  Columns kept;                     // local x s, M-orthonormal: no cut takes them, they come first
-  Columns columns;                  // local x rank, what is left of them beyond `kept`
-  Eigen::MatrixXd q, t;             // columns * q is M-orthonormal, columns * q * t the input
-  Eigen::MatrixXd turn;             // q times the left singular vectors of t
+  Columns kept;          // local x s, M-orthonormal; exempt from the cut, they come first
+  Columns columns;       // local x rank, orthogonalised against `kept`
+  Eigen::MatrixXd q, t;  // columns * q is M-orthonormal, columns * q * t the input
+  Eigen::MatrixXd turn;  // q times the left singular vectors of t
   Eigen::VectorXd singular_values;  // of t, descending, all
   Eigen::Index linear_modes = 0;    // k
-  Eigen::Index rank = 0;            // singular values that are not rounding
+  Eigen::Index rank = 0;            // number of singular values above rounding
   Eigen::Index size() const { return kept.cols() + rank; }
 
-  // M-orthonormal: the kept ones and the first r - s directions, s <= r <= size().
+  // Returns the kept vectors and the first r - s directions, M-orthonormal; s <= r <= size().
   Columns first(Eigen::Index r) const;
 };
 
-// columns, w2, amplitude: as make_basis() has them.
-// tell: hears what is under way of many columns (many_columns.h).
+// columns, w2, amplitude: see make_basis(). progress: receives messages if there are many
+// columns (many_columns.h).
 PrincipalColumns principal_columns(const Matrices& matrices, Columns columns,
                                    const Eigen::VectorXd& w2, double amplitude, unsigned threads,
-                                   const Tell& tell = {});
+                                   const Progress& progress = {});
 
-// Takes vectors (local x s, independent) among those that no cut takes; the directions and their
-// singular values are then of what the columns hold beyond them.
+// Adds vectors (local x s, independent) to those exempt from the cut; directions and singular
+// values are recomputed from the columns orthogonalised against them.
 void keep_always(const Matrices& matrices, Columns vectors, unsigned threads,
                  PrincipalColumns& principal);
 
-// What is kept of the directions. marker: coordinates of equal Lambda, and those to keep of several
-// with equal singular values, are canonical (mode_clusters.h); without it they are what rounding
-// makes them. extend: up to kMostAdded coordinates more than r, when r would cut between equal
-// singular values.
+// How the directions are cut. marker: if set, coordinates of equal Lambda, and the selection among
+// equal singular values at the cut, are canonical (mode_clusters.h); else they depend on rounding.
+// extend: adds up to kMostAdded coordinates if r would divide equal singular values.
 struct BasisCut {
   int r = 0;
   unsigned threads = 1;
@@ -54,21 +53,21 @@ struct BasisCut {
   bool extend = false;
 };
 
-// columns: local x (k + k(k+1)/2), the modes with squared frequencies w2 (k) and their derivatives
-// (none: a linear scene); taken, its memory is worked in. amplitude: a, kg^1/2 m, how far the first
-// mode is expected to swing. Columns are weighted Psi_i * w2_1/w2_i and Phi_ij * (a/2) w2_1^2/(w2_i
-// w2_j), reduced to r by an SVD in the M inner product, and rotated by the eigenvectors of U^T K U.
-// Without a, as in the literature, the weights of Psi and Phi have different units: the basis would
-// depend on the size and the mass of the body, and a heavy one would lose its lowest modes to
-// derivatives. Throws Failure (kContent) if r exceeds the rank of the columns.
+// Computes the basis. columns: local x (k + k(k+1)/2), the modes with squared frequencies w2 (k)
+// and their derivatives (none for a linear scene); its memory is reused. amplitude: a, kg^1/2 m,
+// the expected amplitude of the first mode. Columns are weighted Psi_i * w2_1/w2_i and Phi_ij *
+// (a/2) w2_1^2/(w2_i w2_j), reduced to r by an SVD in the M inner product, and rotated by the
+// eigenvectors of U^T K U. Without a, as in the literature, the weights of Psi and Phi have
+// different units: the basis would depend on the body's size and mass, and a heavy body would lose
+// its lowest modes to derivatives. Throws Failure (kContent) if r exceeds the rank of the columns.
 Basis make_basis(const Matrices& matrices, Columns columns, const Eigen::VectorXd& w2,
                  double amplitude, const BasisCut& cut);
 
-// The same of columns already weighted; r counts the kept ones.
+// Does the same for columns already weighted; r includes the kept ones.
 Basis make_basis(const Matrices& matrices, PrincipalColumns principal, const BasisCut& cut);
 
-// What the user should know when `asked` coordinates cut between equals and `kept` were kept; empty
-// when they did not.
+// Returns a note for the user if `asked` coordinates divide a cluster and `kept` were kept; else
+// empty.
 std::string note_on_cut(const Cluster& cut, Eigen::Index asked, Eigen::Index kept);
 
 }  // namespace tremolo

@@ -19,9 +19,9 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
 namespace tremolo {
 namespace {
 
-// The square root of one isotropic elasticity tensor: sqrt(2 mu) on deviators, sqrt(2 mu +
-// 3 lambda) on the volumetric direction. On a strain in Mandel's notation (|v|^2 = E:E) it is
-// shear * (v + spread * tr(E) (1,1,1,0,0,0)).
+// The square root of an isotropic elasticity tensor: sqrt(2 mu) on deviators, sqrt(2 mu + 3 lambda)
+// on the volumetric direction. On a strain in Mandel's notation (|v|^2 = E:E) it is shear * (v +
+// spread * tr(E) (1,1,1,0,0,0)).
 struct ElasticityRoot {
   double shear;
   double spread;
@@ -31,9 +31,9 @@ struct ElasticityRoot {
         spread((std::sqrt(2.0 * elasticity.mu + 3.0 * elasticity.lambda) / shear - 1.0) / 3.0) {}
 };
 
-// At most eight consecutive elements with each basis column's displacement gradients; lanes left
-// over are zero. scale: sqrt(weight), of one isotropic material times shear. root: of each
-// element's tensor, else.
+// Up to eight consecutive elements with the displacement gradient of each basis column; unused
+// lanes are zero. scale: sqrt(weight), times shear if the material is uniform and isotropic. root:
+// square root of each element's tensor, if it is not.
 struct alignas(8 * kLanes) ElementGroup {
   std::vector<LaneGradient> gradients;  // r
   Lanes scale;
@@ -57,7 +57,7 @@ void load_group(const Solid& solid, const BasisRows& basis, std::size_t first, s
   }
 }
 
-// Strains of all columns: put(column, xx, yy, zz, twice yz, xz, xy).
+// Computes the strains of all columns and calls put(column, xx, yy, zz, 2 yz, 2 xz, 2 xy).
 template <class Put>
 [[gnu::always_inline]] inline void strain_rows_with(const ElementGroup& group, const Put& put) {
   const std::size_t r = group.gradients.size();
@@ -79,8 +79,8 @@ template <class Put>
   }
 }
 
-// Six rows of B_e for each of the group's elements: 48 rows of all columns, `stride` apart, eight
-// elements' first components first.
+// Writes six rows of B_e for each element of the group: 48 rows of all columns, `stride` apart,
+// ordered by strain component, then by element.
 TREMOLO_CLONES void strain_rows(const ElementGroup& group, const ElasticityRoot& root, double* rows,
                                 std::size_t stride) {
   const double half_root2 = std::sqrt(0.5);
@@ -92,7 +92,7 @@ TREMOLO_CLONES void strain_rows(const ElementGroup& group, const ElasticityRoot&
     out[0] = xx + mean;
     out[1] = yy + mean;
     out[2] = zz + mean;
-    out[3] = half_root2 * yz;  // Mandel: sqrt(2) times half the sum of both
+    out[3] = half_root2 * yz;  // Mandel: sqrt(2) times half of the argument
     out[4] = half_root2 * xz;
     out[5] = half_root2 * xy;
   };
@@ -120,20 +120,21 @@ TREMOLO_CLONES void general_strain_rows(const ElementGroup& group, double* rows,
 
 Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::size_t first,
                             std::size_t last, unsigned threads) {
-  constexpr std::size_t kParts = 8;   // accumulators: fixed, so that the sum is
-  constexpr std::size_t kGroups = 8;  // of elements a SYRK: rows that stay in the cache
+  constexpr std::size_t kParts =
+      8;  // accumulators; a fixed number, so that the sum is reproducible
+  constexpr std::size_t kGroups = 8;  // of elements for each SYRK: their rows fit in the cache
   constexpr std::size_t kBatch = kGroups * kLanes;
   const auto r = static_cast<std::size_t>(basis.cols());
   const auto columns = static_cast<int>(r + pair_count(r));
   const bool uniform = solid.uniform();
   const ElasticityRoot root(solid.elasticities.front());
-  const BlasThreads single(1);  // our threads are outside: BLAS's would fight them
+  const BlasThreads single(1);  // we use threads outside of BLAS
   std::array<Eigen::MatrixXd, kParts> sums;
   parallel_for(kParts, threads, [&](std::size_t part) {
     const std::size_t begin = first + (last - first) * part / kParts;
     const std::size_t end = first + (last - first) * (part + 1) / kParts;
     sums[part].setZero(columns, columns);
-    // The stride is kept off powers of two: columns would share cache sets.
+    // A stride that is a power of two would map columns to the same cache sets.
     constexpr std::size_t kStride = 6 * kBatch + kLanes;
     std::vector<LaneBlock> rows(kStride / kLanes * static_cast<std::size_t>(columns));
     auto* values = reinterpret_cast<double*>(rows.data());
@@ -170,8 +171,8 @@ Coefficients coefficients_from_gram(const Eigen::MatrixXd& gram, int r) {
   c.quadratic = gram.topLeftCorner(r, r).selfadjointView<Eigen::Lower>();
   c.cubic.assign(triple_count(modes), 0.0);
   c.quartic.assign(quad_count(modes), 0.0);
-  // 1/2 y^T G y: the linear-quadratic block appears twice, the quadratic block once off its
-  // diagonal twice. What is summed here are coefficients of monomials.
+  // 1/2 y^T G y: the linear-quadratic block appears twice, the quadratic block once with each
+  // off-diagonal entry twice. The sums below are coefficients of monomials.
   for (std::size_t j = 0; j < modes; ++j)
     for (std::size_t i = 0; i <= j; ++i) {
       const std::size_t row = modes + pair_index(i, j);
@@ -180,7 +181,7 @@ Coefficients coefficients_from_gram(const Eigen::MatrixXd& gram, int r) {
         for (std::size_t k = 0; k <= l; ++k)
           c.quartic[quad_index_any(i, j, k, l)] += 0.5 * entry(row, modes + pair_index(k, l));
     }
-  // A tensor entry is its monomial's coefficient shared among the orderings.
+  // A tensor entry is the coefficient of its monomial, divided by the number of orderings.
   for (std::size_t k = 0; k < modes; ++k)
     for (std::size_t j = 0; j <= k; ++j)
       for (std::size_t i = 0; i <= j; ++i) {

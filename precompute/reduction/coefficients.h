@@ -1,10 +1,10 @@
-// Stage "coefficients": the exact quartic energy of the basis (docs/theory.md, section "Reduced
+// Stage "coefficients": the exact quartic energy in the basis (docs/theory.md, section "Reduced
 // energy"; thesis (4.1.9)).
 //
-// With displacement gradients G_i of the basis columns the Green strain of u = Uq is exactly
-//   E = sum_i q_i sym(G_i) + sum_{i<=j} q_i q_j * { 1/2 G_i^T G_i or sym(G_i^T G_j) },
-// so with y = [q_i ; q_i q_j (i<=j)] the energy is 1/2 y^T (sum_e B_e^T B_e) y, where the six rows
-// of B_e are sqrt(weight) * sqrt(elasticity) * strain coefficients in Mandel's notation.
+// With displacement gradients G_i of the basis columns, the Green strain of u = Uq is exactly
+// E = sum_i q_i sym(G_i) + sum_{i<=j} q_i q_j * { 1/2 G_i^T G_i or sym(G_i^T G_j) }.
+// With y = [q_i ; q_i q_j (i<=j)] the energy is 1/2 y^T (sum_e B_e^T B_e) y, where the six rows of
+// B_e are sqrt(weight) * sqrt(elasticity) * strain coefficients in Mandel's notation.
 #pragma once
 
 #include <vector>
@@ -14,9 +14,9 @@
 
 namespace tremolo {
 
-// sum_e B_e^T B_e over elements first .. last-1: square, r + r(r+1)/2, lower triangle valid.
-// basis: 3n x r. One BLAS SYRK a batch of elements; `threads` threads on a fixed division of the
-// work, so the sum does not depend on their number.
+// Returns sum_e B_e^T B_e over elements first .. last-1: square, r + r(r+1)/2, lower triangle
+// valid. basis: 3n x r. Each batch of elements is one BLAS SYRK; the work is divided among threads
+// in a fixed way, so the sum does not depend on their number.
 Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::size_t first,
                             std::size_t last, unsigned threads);
 

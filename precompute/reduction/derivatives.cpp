@@ -13,10 +13,10 @@
 namespace tremolo {
 namespace {
 
-constexpr Eigen::Index kBlock = 28;  // 210 columns are eight blocks: the threads end together
+constexpr Eigen::Index kBlock = 28;  // 210 columns are eight blocks, so threads finish together
 
-// The pencil's operators on a block of columns. Where threads may share the solver each has its own
-// block and no operator calls PETSc; else all ranks call them together.
+// The pencil's operators on a block of columns. If threads may share the solver, each handles its
+// own block and no operator calls PETSc; else the operators are collective.
 struct Operators {
   SparseProduct mass;
   SparseProduct stiffness;
@@ -40,15 +40,15 @@ struct Operators {
   }
 };
 
-// Without the part along the motions, for which `mass_rigid` is M times them.
+// Removes the components along the rigid motions. mass_rigid: M times the motions.
 void remove_rigid(const Operators& on, const Columns& rigid, const Columns& mass_rigid,
                   Columns& columns) {
   if (rigid.cols() > 0)
     add_product(-1.0, rigid, on.inner_products(mass_rigid, columns), 1.0, columns);
 }
 
-// K X = B on the M-complement of the rigid motions. With the factor of K + sM, s = -sigma,
-// X <- (K + sM)^-1 (B + sM X) contracts every mode by s / (omega^2 + s).
+// Solves K X = B on the M-complement of the rigid motions. With the factor of K + sM, s = -sigma,
+// the iteration X <- (K + sM)^-1 (B + sM X) contracts every mode by s / (omega^2 + s).
 Columns solve_on_complement(const Operators& on, const Columns& rigid, const Columns& mass_rigid,
                             const Columns& loads) {
   if (rigid.cols() == 0) return on.solve(loads);
@@ -58,8 +58,9 @@ Columns solve_on_complement(const Operators& on, const Columns& rigid, const Col
     return solution;
   }
   constexpr int kMaxRounds = 200;
-  constexpr double kTolerance = 1e-13;  // of the change, relative: rounding of the solves
-  constexpr double kStalled = 1e-6;     // the residual is checked afterwards
+  constexpr double kTolerance = 1e-13;  // of the relative change: rounding of the solves
+  constexpr double kStalled =
+      1e-6;  // at a stalled change below this the residual decides (checked afterwards)
   double last = 1.0;
   Columns solution = Columns::Zero(loads.rows(), loads.cols());
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -69,10 +70,11 @@ Columns solve_on_complement(const Operators& on, const Columns& rigid, const Col
     change << (next - solution).squaredNorm(), next.squaredNorm();
     on.sum(change);
     solution = std::move(next);
-    if (change(1) == 0.0) return solution;  // of parts that do not touch
+    if (change(1) == 0.0) return solution;  // modes of disconnected parts
     const double relative = std::sqrt(change(0) / change(1));
     if (relative <= kTolerance) return solution;
-    // A thin body's solves carry more rounding than the tolerance: done when it shrinks no more.
+    // In a thin body rounding of the solves exceeds the tolerance: the iteration ends when the
+    // change stagnates.
     if (relative <= kStalled && relative > 0.5 * last) return solution;
     last = relative;
   }
@@ -81,10 +83,10 @@ Columns solve_on_complement(const Operators& on, const Columns& rigid, const Col
                  "is too close to rigid motion"});
 }
 
-// squares: 2 x columns, |residual|^2 and |load|^2.
+// squares: 2 x columns, |residual|^2 and |right-hand side|^2.
 double largest_residual(Eigen::MatrixXd squares) {
   sum_over_ranks(squares);
-  // A pair of modes of parts that do not touch has no load: against the largest one.
+  // The right-hand side of two modes of disconnected parts is zero: the largest one is the scale.
   const Eigen::ArrayXd scale =
       squares.row(1).transpose().array().max(1e-20 * squares.row(1).maxCoeff());
   return std::sqrt((squares.row(0).transpose().array() / scale).maxCoeff());
@@ -114,7 +116,7 @@ ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local, c
     subtract_second_derivatives(
         solid, local.elements, psi, {pairs.begin() + first, pairs.begin() + first + width},
         local.row_of_vertex, loads.data(), static_cast<std::size_t>(loads.rows()));
-    // The part that would set the body moving as a whole is taken out.
+    // Makes the right-hand side self-balancing, so that it does not move the body as a whole.
     if (rigid.cols() > 0)
       add_product(-1.0, mass_rigid, on.inner_products(rigid, loads), 1.0, loads);
     const Columns solution = solve_on_complement(on, rigid, mass_rigid, loads);

@@ -1,5 +1,5 @@
 // Stage "derivatives": the modal derivatives K Phi_ij = -H[Psi_i, Psi_j] (thesis (4.1.11); Barbic &
-// James 2005), all on the factorisation that shift-invert made.
+// James 2005), computed with the factor that shift-invert left.
 #pragma once
 
 #include "formats/basis/basis_data.h"
@@ -8,10 +8,10 @@
 
 namespace tremolo {
 
-// columns: local dofs x (k + k(k+1)/2), the modes and after them the derivatives, column
-// k + pair_index(i, j): together what the basis is made of. residual: largest |K Phi + H| / |H| of
-// the derivatives (made self-balancing for a free body): it also tells a factor that is not K's, as
-// PETSc options can bring about.
+// columns: local dofs x (k + k(k+1)/2), the modes followed by the derivatives, column k +
+// pair_index(i, j); together the input of the basis. residual: largest |K Phi + H| / |H| of the
+// derivatives (H self-balancing for a free body); it also reveals a factor that is not that of K,
+// as PETSc options may cause.
 struct ModalDerivatives {
   Columns columns;
   Eigen::Index modes = 0;
@@ -19,12 +19,12 @@ struct ModalDerivatives {
   auto vectors() const { return columns.rightCols(columns.cols() - modes); }
 };
 
-// modes: local dofs x k, M-orthonormal; psi: the same at all vertices, 3n x k. solver: prepared.
-// Blocks of columns are loaded, solved and checked one after the other, on CHOLMOD's factor as many
-// at a time as there are threads: only those blocks exist twice.
-// A body with rigid motions has a singular K: the load is made self-balancing, the factor of
-// K + sM is used in an iteration that converges to the solution on the complement of the motions,
-// and nothing of them is left in Phi. Throws Failure (kSolver) when that does not converge.
+// Computes the modal derivatives. modes: local dofs x k, M-orthonormal; psi: the same at all
+// vertices, 3n x k. solver: prepared. Columns are processed in blocks, with CHOLMOD as many at a
+// time as there are threads, so that only those blocks exist twice. If the body has rigid motions,
+// K is singular: the right-hand side is made self-balancing, an iteration with the factor of K + sM
+// converges to the solution on the complement of the motions, and Phi has no component along them.
+// Throws Failure (kSolver) if the iteration does not converge.
 ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local, const Pencil& pencil,
                                    const ShiftedSolver& solver, const Columns& modes,
                                    const BasisRows& psi);

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double kReach = 0.1;  // of the size
+constexpr double kReach = 0.1;  // largest displacement of the check, relative to the size
 
 double size_of(const BasisData& data) {
   std::vector<Eigen::Vector3d> vertices = data.surface.rest;
@@ -34,7 +34,7 @@ double largest_move(const BasisData& data, const VectorXd& q) {
   return std::max(largest_move(data.surface.rows, q), largest_move(data.interior.rows, q));
 }
 
-// U^T f of the default load, or a push of the first coordinate.
+// Returns U^T f of the default load, or the first unit vector.
 VectorXd reduced_load(const BasisData& data) {
   VectorXd load = VectorXd::Zero(data.lambda.size());
   for (std::size_t i = 0; i < data.load.vertices.size(); ++i)
@@ -42,12 +42,12 @@ VectorXd reduced_load(const BasisData& data) {
       const auto at = find_vertex(block->vertex_ids, data.load.vertices[i]);
       if (at) load += block->rows.middleRows(3 * *at, 3).transpose() * data.load.forces[i];
     }
-  // A load on fixed vertices only moves nothing.
+  // A load on fixed vertices only has no effect.
   if (load.isZero(0.0)) load[0] = 1.0;
   return load;
 }
 
-// For each coordinate how far it goes until it alone moves some vertex by `reach`.
+// Returns for each coordinate the value at which it alone moves some vertex by `reach`.
 VectorXd amplitudes(const BasisData& data, double reach) {
   VectorXd largest = VectorXd::Zero(data.lambda.size());
   for (const BasisRows* rows : {&data.surface.rows, &data.interior.rows})
@@ -56,7 +56,8 @@ VectorXd amplitudes(const BasisData& data, double reach) {
   return (largest.array() > 0.0).select(reach / largest.array(), 0.0);
 }
 
-// Largest over the vertices of the length whose components are sum_i |a_i| |U_c,i - U_i|.
+// Returns the largest length, over the vertices, of the vector with components sum_i |a_i| |U_c,i -
+// U_i|.
 double largest_sum(const BasisRows& a, const BasisRows& b, const VectorXd& amplitude) {
   double largest = 0.0;
   for (Index row = 0; row < a.rows(); row += 3)

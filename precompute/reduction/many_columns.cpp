@@ -20,23 +20,24 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Brings the columns order[0], order[1], ... of the first `count` to the front, in place.
+// Moves the columns order[0], order[1], ... (`count` of them) to the front, in place.
 void take_to_front(const std::vector<Eigen::Index>& order, Eigen::Index count, Columns& columns) {
-  std::vector<Eigen::Index> place(order.size()), at(order.size());  // of a column; at a place
-  std::iota(place.begin(), place.end(), 0);
-  std::iota(at.begin(), at.end(), 0);
+  std::vector<Eigen::Index> column_slot(order.size());  // slot of each column
+  std::vector<Eigen::Index> in_slot(order.size());      // column in each slot
+  std::iota(column_slot.begin(), column_slot.end(), 0);
+  std::iota(in_slot.begin(), in_slot.end(), 0);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::Index wanted = order[static_cast<std::size_t>(i)];
-    const Eigen::Index from = place[static_cast<std::size_t>(wanted)];
-    const Eigen::Index displaced = at[static_cast<std::size_t>(i)];
+    const Eigen::Index from = column_slot[static_cast<std::size_t>(wanted)];
+    const Eigen::Index displaced = in_slot[static_cast<std::size_t>(i)];
     columns.col(i).swap(columns.col(from));
-    std::swap(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(from)]);
-    place[static_cast<std::size_t>(wanted)] = i;
-    place[static_cast<std::size_t>(displaced)] = from;
+    std::swap(in_slot[static_cast<std::size_t>(i)], in_slot[static_cast<std::size_t>(from)]);
+    column_slot[static_cast<std::size_t>(wanted)] = i;
+    column_slot[static_cast<std::size_t>(displaced)] = from;
   }
 }
 
-// X <- X R^-1 by blocks of rows.
+// Computes X <- X R^-1 by blocks of rows.
 void divide(ColumnsOut x, const ColumnsRef& r, unsigned threads) {
   constexpr Eigen::Index kRows = 256;
   const BlasThreads single(1);
@@ -57,40 +58,40 @@ Columns product(Mat matrix, const ColumnsRef& x, unsigned threads) {
   return y;
 }
 
-Eigen::MatrixXd gram(Mat matrix, const ColumnsRef& x, unsigned threads, const Tell& tell) {
+Eigen::MatrixXd gram(Mat matrix, const ColumnsRef& x, unsigned threads, const Progress& progress) {
   constexpr Eigen::Index kBlock = 32;
-  constexpr double kSilence = 5;  // s
-  Clock::time_point heard = Clock::now();
+  constexpr double kReportInterval = 5;  // s
+  Clock::time_point last_report = Clock::now();
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(x.cols(), x.cols());
   for (Eigen::Index first = 0; first < x.cols(); first += kBlock) {
     const Eigen::Index count = std::min(kBlock, x.cols() - first);
     products.block(0, first, first + count, count) = transposed_product(
         x.leftCols(first + count), product(matrix, x.middleCols(first, count), threads));
-    if (!tell || seconds_since(heard) < kSilence) continue;
-    heard = Clock::now();
+    if (!progress || seconds_since(last_report) < kReportInterval) continue;
+    last_report = Clock::now();
     const double share = static_cast<double>(first + count) / static_cast<double>(x.cols());
-    tell(text("Gram matrix: %.0f %%", 100.0 * share * share));
+    progress(text("Gram matrix: %.0f %%", 100.0 * share * share));
   }
   sum_over_ranks(products);
   return products.selfadjointView<Eigen::Upper>();
 }
 
 Factored orthonormalise_many(Mat mass, Columns& columns, const Eigen::VectorXd& weight,
-                             unsigned threads, const Tell& tell) {
-  const auto say = [&tell](const std::string& what) {
-    if (tell) tell(what);
+                             unsigned threads, const Progress& progress) {
+  const auto report = [&progress](const std::string& what) {
+    if (progress) progress(what);
   };
   const Eigen::Index n = columns.cols();
-  say(text("Gram matrix of %d columns", static_cast<int>(n)));
-  Eigen::MatrixXd products = gram(mass, columns, threads, tell);
-  // A column may be zero: modes of parts that do not touch have no common derivative.
+  report(text("Gram matrix of %d columns", static_cast<int>(n)));
+  Eigen::MatrixXd products = gram(mass, columns, threads, progress);
+  // A column may be zero: modes of disconnected parts have no common derivative.
   const Eigen::VectorXd norms =
       products.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
   products = norms.cwiseInverse().asDiagonal() * products * norms.cwiseInverse().asDiagonal();
-  // What a Gram matrix holds above rounding, squared; its entries' sums grow with their number.
+  // Resolution of a Gram matrix, squared; the error of its entries grows with their number.
   const double resolved =
       std::max(1e-12, static_cast<double>(n) * std::numeric_limits<double>::epsilon());
-  say("choosing among them by a pivoted Cholesky factorisation");
+  report("choosing among them by a pivoted Cholesky factorisation");
   const PivotedCholesky chosen = pivoted_cholesky(std::move(products), resolved);
   Factored factored;
   factored.rank = chosen.factor.rows();
@@ -100,9 +101,9 @@ Factored orthonormalise_many(Mat mass, Columns& columns, const Eigen::VectorXd& 
     first.col(i) *= norms[chosen.order[static_cast<std::size_t>(i)]];
   divide(columns.leftCols(factored.rank), first, threads);
 
-  say(text("Gram matrix of the %d that hold the others", static_cast<int>(factored.rank)));
+  report(text("Gram matrix of the %d that hold the others", static_cast<int>(factored.rank)));
   const Eigen::MatrixXd second =
-      cholesky_factor(gram(mass, columns.leftCols(factored.rank), threads, tell));
+      cholesky_factor(gram(mass, columns.leftCols(factored.rank), threads, progress));
   factored.q = Eigen::MatrixXd::Identity(factored.rank, factored.rank);
   divide_by_upper(second, factored.q);
   factored.t.resize(factored.rank, n);
@@ -128,7 +129,7 @@ ManyColumnsCost cost_of_many_columns(Eigen::Index rows, Eigen::Index columns, un
   const double speed = 2.0 * kSize * kSize * kSize / shortest;
   const auto local = static_cast<double>(rows), n = static_cast<double>(columns);
   const double rank = std::min(n, over_ranks(local, MPI_SUM));
-  // Half of the singular values' reduction is bound by memory; measured.
+  // Half of the reduction to singular values is bound by memory bandwidth; measured.
   constexpr double kSingular = 40;
   const double flops = 2.0 * local * n * n + 3.0 * local * rank * rank + 4.0 * rank * rank * n +
                        kSingular * rank * rank * rank;

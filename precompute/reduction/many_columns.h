@@ -1,5 +1,5 @@
-// The stage "basis" of many columns (a hundred modes have 5 050 derivatives), by LAPACK: minutes in
-// which something is heard.
+// Stage "basis" for many columns (a hundred modes have 5 050 derivatives), by LAPACK. It takes
+// minutes and reports progress.
 #pragma once
 
 #include <functional>
@@ -10,16 +10,17 @@
 
 namespace tremolo {
 
-// Hears a line about what is under way; may be empty.
-using Tell = std::function<void(const std::string&)>;
+// Receives a progress message; may be empty.
+using Progress = std::function<void(const std::string&)>;
 
-// A X for some columns.
+// Returns A X.
 Columns product(Mat matrix, const ColumnsRef& x, unsigned threads);
 
-// X^T A X by blocks of columns, the upper triangle mirrored.
-Eigen::MatrixXd gram(Mat matrix, const ColumnsRef& x, unsigned threads, const Tell& tell = {});
+// Returns X^T A X, computed by blocks of columns; the upper triangle is mirrored.
+Eigen::MatrixXd gram(Mat matrix, const ColumnsRef& x, unsigned threads,
+                     const Progress& progress = {});
 
-// W = Q T: Q = columns * q, M-orthonormal, once the first `rank` columns have been changed in
+// W = Q T with Q = columns * q, M-orthonormal, after the first `rank` columns were changed in
 // place; T = t, rank x n.
 struct Factored {
   Eigen::Index rank;
@@ -27,15 +28,15 @@ struct Factored {
   Eigen::MatrixXd t;
 };
 
-// W = columns * weight. Of the columns, scaled to unit M-norm, a pivoted Cholesky factorisation of
-// their Gram matrix chooses those that hold all others to 1e-6: below is what such a matrix has
-// lost to rounding. A second one makes Q orthonormal to rounding. Its work is rank^2 n, so few
-// rows cost little however many columns there are.
+// Factorises W = columns * weight. A pivoted Cholesky factorisation of the Gram matrix of the
+// columns, scaled to unit M-norm, selects those that represent all others to 1e-6, the resolution
+// of a Gram matrix. A second Cholesky factorisation makes Q orthonormal to rounding. The work is
+// rank^2 n, so a low rank costs little for any number of columns.
 Factored orthonormalise_many(Mat mass, Columns& columns, const Eigen::VectorXd& weight,
-                             unsigned threads, const Tell& tell);
+                             unsigned threads, const Progress& progress);
 
-// What all that and the singular values will take: seconds, by timing one product of matrices, to a
-// factor of two or so, and bytes beside the columns themselves.
+// Estimated cost of the above with the singular values: seconds, from timing one matrix product, to
+// a factor of about two; and bytes in addition to the columns.
 struct ManyColumnsCost {
   double seconds = 0;
   double bytes = 0;

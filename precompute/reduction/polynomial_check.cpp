@@ -14,7 +14,7 @@ double polynomial_error(const Solid& solid, std::size_t counted, const BasisRows
   std::mt19937 engine(20110101);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   Eigen::VectorXd q(lambda.size());
-  // Softer coordinates move more, as they do in a real motion.
+  // Softer coordinates are given larger values, as in a real motion.
   for (Eigen::Index i = 0; i < q.size(); ++i) q[i] = uniform(engine) / std::sqrt(lambda[i]);
   Eigen::VectorXd u = basis * q;
   double largest = 0;

@@ -26,7 +26,8 @@ void require_same_mesh(const FullOrder& body, const BasisData& data, const std::
                                 "): compare it with its own"));
 }
 
-// The other way round than basis_of_unknowns, which would see zeros in the basis only.
+// The opposite case is checked in basis_of_unknowns, where a held vertex of the basis would only
+// show as zero rows.
 void require_same_fix(const FullOrder& body, const BasisData& data, const std::string& name) {
   const auto moves = [&body](VertexId v) {
     return std::any_of(body.unknowns.of_dof.begin() + 3 * std::ptrdiff_t{v},
@@ -40,7 +41,8 @@ void require_same_fix(const FullOrder& body, const BasisData& data, const std::s
                                   "made"));
 }
 
-// Rows of the basis over the body's unknowns; what does not move must not move in the basis.
+// Returns the rows of the basis at the body's unknowns; throws if a component held here moves in
+// the basis.
 Eigen::MatrixXd basis_of_unknowns(const FullOrder& body, const BasisData& data, Eigen::Index r,
                                   const std::string& name) {
   Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(body.size(), r);
@@ -59,8 +61,8 @@ Eigen::MatrixXd basis_of_unknowns(const FullOrder& body, const BasisData& data, 
   return basis;
 }
 
-// alike: how far off rounding may be.
-void require_same_body(const FullOrder& body, const ReducedBody& reduced, double alike,
+// tolerance: tolerance of both errors, dimensionless.
+void require_same_body(const FullOrder& body, const ReducedBody& reduced, double tolerance,
                        const std::string& name) {
   const Eigen::Index r = reduced.model.size();
   const double mass_error =
@@ -73,7 +75,7 @@ void require_same_body(const FullOrder& body, const ReducedBody& reduced, double
     const double value = column.dot(multiply(body, body.stiffness, column));
     stiffness_error = std::max(stiffness_error, std::abs(value / reduced.model.lambda[i] - 1));
   }
-  if (mass_error <= alike && stiffness_error <= alike) return;
+  if (mass_error <= tolerance && stiffness_error <= tolerance) return;
   throw Failure(content_error(
       name +
       text(": |U^T M U - I| is %.1e, U^T K U is off its values by %.1e: it was made with other "
@@ -120,7 +122,8 @@ Moment compare(const FullOrder& body, const ReducedBody& reduced, const Vector& 
   const double square = u.dot(mass_u), other_square = other.dot(mass_other);
   Moment moment;
   moment.norm = std::sqrt(square);
-  // Of differences, not differences of squares: what is small keeps its digits.
+  // The norm of a difference rather than a difference of squared norms, to keep digits of small
+  // errors.
   moment.difference = std::sqrt(mass_product(body, off, off));
   moment.projection = std::sqrt(mass_product(body, best, best));
   if (square > 0 && other_square > 0)

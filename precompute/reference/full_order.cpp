@@ -9,7 +9,7 @@
 namespace tremolo {
 namespace {
 
-constexpr std::size_t kChunk = 256;  // of elements, nodes or rows that a thread takes at once
+constexpr std::size_t kChunk = 256;  // elements, nodes or rows per task of a thread
 
 template <class Body>
 void in_chunks(std::size_t count, unsigned threads, const Body& body) {
@@ -19,7 +19,7 @@ void in_chunks(std::size_t count, unsigned threads, const Body& body) {
   });
 }
 
-// Adds a 3x3 block to its place in the rows of a node; components that do not move are left out.
+// Writes a 3x3 block into the rows of a node; held components are skipped.
 void write_block(const FullOrder& body, int node, int block, const Eigen::Matrix3d& sum,
                  std::vector<double>& values) {
   const Unknowns& unknowns = body.unknowns;
@@ -34,7 +34,7 @@ void write_block(const FullOrder& body, int node, int block, const Eigen::Matrix
   }
 }
 
-// Each block is the sum of `part_of(element, a, b)`.
+// Assembles a matrix: each block is the sum of its `part_of(element, a, b)`.
 template <class PartOf>
 void assemble_blocks(const FullOrder& body, const PartOf& part_of, std::vector<double>& values) {
   const Pattern& pattern = body.pattern;
@@ -67,7 +67,7 @@ void assemble_mass(FullOrder& body, MassKind kind) {
         body.mass[at] += body.solid.point_mass[body.unknowns.dof[i] / 3];
 }
 
-// A free body has all three components of every node: rows are those of the dof map.
+// In a free body all three components of each node are unknowns, so rows agree with the dof map.
 void find_rigid_motions(const Problem& problem, FullOrder& body) {
   constexpr const char* kDoing = "find the rigid motions";
   const LocalDofs local = local_dofs(problem.mesh, body.unknowns.map, 0);
@@ -186,11 +186,11 @@ double largest_displacement(const FullOrder& body, const std::vector<VertexId>& 
                             const Vector& u) {
   double largest = 0;
   for (const VertexId v : vertices) {
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
     for (int axis = 0; axis < 3; ++axis)
       if (const int unknown = body.unknowns.of_dof[3 * v + axis]; unknown >= 0)
-        place[axis] = u[unknown];
-    largest = std::max(largest, place.norm());
+        displacement[axis] = u[unknown];
+    largest = std::max(largest, displacement.norm());
   }
   return largest;
 }

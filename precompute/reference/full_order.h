@@ -1,5 +1,5 @@
-// The unreduced St. Venant-Kirchhoff body: M u'' + f(u) = load over the displacement components
-// that move. One process; loops over elements use threads, and sums do not depend on their number.
+// The full-order St. Venant-Kirchhoff body: M u'' + f(u) = load on the unknowns. It runs in one
+// process; element loops use threads, and sums do not depend on their number.
 #pragma once
 
 #include "precompute/dense/sparse_rows.h"
@@ -10,9 +10,9 @@
 
 namespace tremolo {
 
-// mass (kg), stiffness (N/m, at rest): values on `pattern`. rigid: N x 6 a part, M-orthonormal
-// rigid motions of a free body, which are left out of every motion as they are out of a reduced
-// basis; mass_rigid: M times them. Both have no columns when the body is held.
+// mass (kg), stiffness (N/m, at rest): values on `pattern`. rigid: N x 6 per part, M-orthonormal
+// rigid motions of a free body, which are removed from every motion as in a reduced basis;
+// mass_rigid: M * rigid. Both have no columns if the body is held.
 struct FullOrder {
   Solid solid;  // borrows the problem's mesh
   Unknowns unknowns;
@@ -24,39 +24,40 @@ struct FullOrder {
   Eigen::Index size() const { return unknowns.count(); }
 };
 
-// Borrows the problem's mesh. Throws Failure: kUsage on several ranks, kContent when nothing moves.
+// Creates the body, which holds a reference to the problem's mesh. Throws Failure: kUsage on
+// several ranks, kContent if every vertex is fixed.
 FullOrder make_full_order(const Problem& problem, MassKind kind, unsigned threads);
 
 SparseRows rows_of(const FullOrder& body, const std::vector<double>& values);
 
-// y = A x of a matrix on the body's pattern.
+// Returns A x for a matrix with the body's pattern.
 Vector multiply(const FullOrder& body, const std::vector<double>& values, const Vector& x);
 
 double potential_energy(const FullOrder& body, const Vector& u);  // V, J
 
-// sum_i w_i f(u + s_i d), N; u, d: size().
+// Returns sum_i w_i f(u + s_i d), N; u, d: size().
 Vector segment_force(const FullOrder& body, const std::vector<SegmentPoint>& points,
                      const Vector& u, const Vector& d);
 
-// values <- its derivative by d, N/m, on the body's pattern.
+// Computes the derivative of segment_force with respect to d, N/m, on the body's pattern.
 void segment_tangent(const FullOrder& body, const std::vector<SegmentPoint>& points,
                      const Vector& u, const Vector& d, std::vector<double>& values);
 
-// Takes the rigid motions out of a displacement, and their share out of a force.
+// Remove the rigid component of a displacement, and of a force.
 void remove_rigid_motion(const FullOrder& body, Vector& u);
 void remove_rigid_force(const FullOrder& body, Vector& force);
 
-// The load without its rigid share; zero when that is all of it but for rounding.
+// Returns the load without its rigid component; zero if the rest is rounding.
 Vector deforming_load(const FullOrder& body, const Vector& load);
 
-// Of these vertices, m; 0 of none.
+// Returns the largest displacement of these vertices, m; 0 if there are none.
 double largest_displacement(const FullOrder& body, const std::vector<VertexId>& vertices,
                             const Vector& u);
 
-// The forces of a default load on the unknowns, N.
+// Returns the forces of a default load on the unknowns, N.
 Vector point_load(const FullOrder& body, const DefaultLoad& load);
 
-// The weight of the body in a field of gravity (m/s^2), point masses included: consistent, N.
+// Returns the consistent weight of the body under gravity (m/s^2), point masses included, N.
 Vector gravity_load(const FullOrder& body, const Eigen::Vector3d& gravity);
 
 }  // namespace tremolo

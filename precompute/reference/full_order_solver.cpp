@@ -10,15 +10,15 @@
 namespace tremolo {
 namespace {
 
-// values += mass M + rest K.
+// Computes values += mass M + rest K.
 void add_constant_part(const FullOrder& body, double mass, double rest,
                        std::vector<double>& values) {
   for (std::size_t i = 0; i < values.size(); ++i)
     values[i] += mass * body.mass[i] + rest * body.stiffness[i];
 }
 
-// K of a free body is singular: what mass times M must be added for a factor. Small beside the
-// stiffness, so that only the rigid motions feel it.
+// The K of a free body is singular: returns the multiple of M to be added for a factor. It is small
+// relative to the stiffness, so that it only affects rigid motions.
 double factor_shift(const FullOrder& body, const StepEquation& equation) {
   if (body.rigid.cols() == 0 || equation.mass > 0) return 0.0;
   double stiffness = 0, mass = 0;
@@ -39,7 +39,7 @@ void factorise(FullOrderSolver& solver, const std::vector<double>& values) {
     solver.factor->factorise(rows);
 }
 
-// The factor of the tangent, or where that is indefinite, of what it was at rest.
+// Factorises the tangent or, if that is indefinite, the equation's tangent at rest.
 void renew_factor(FullOrderSolver& solver, const StepEquation& equation) {
   const FullOrder& body = *solver.body;
   const double shift = factor_shift(body, equation);
@@ -68,7 +68,7 @@ void renew_factor(FullOrderSolver& solver, const StepEquation& equation) {
   }
 }
 
-// P^-1 g on the complement of the rigid motions.
+// Returns P^-1 g on the complement of the rigid motions.
 Vector precondition(FullOrderSolver& solver, const Vector& g) {
   Vector z;
   solver.factor->solve(g, z);
@@ -76,8 +76,8 @@ Vector precondition(FullOrderSolver& solver, const Vector& g) {
   return z;
 }
 
-// H step = -g to `reduction` in the preconditioner's norm; z = P^-1 g. Stops where H is not
-// positive, with what leads downhill.
+// Solves H step = -g to the relative `reduction` in the preconditioner's norm; z = P^-1 g. At a
+// direction of non-positive curvature it stops with a descent direction.
 Direction conjugate_gradients(FullOrderSolver& solver, const Vector& g, const Vector& z,
                               double reduction, int most, int& iterations) {
   const FullOrder& body = *solver.body;
@@ -108,7 +108,8 @@ Direction conjugate_gradients(FullOrderSolver& solver, const Vector& g, const Ve
   return result;
 }
 
-// A factor costs about as much as this many solves with it; past them it is time for a new one.
+// Returns the number of solves that cost about as much as a factorisation; beyond it a new factor
+// pays off.
 int affordable_solves(const SparseCholesky& factor) {
   const double ratio = factor.flops() / (32.0 * static_cast<double>(factor.entries()));
   return static_cast<int>(std::clamp(ratio, 6.0, 40.0));
@@ -134,25 +135,26 @@ namespace {
 
 struct Iteration {
   Vector g;
-  double last = 0;  // residual before
+  double last = 0;  // previous residual
 };
 
-// Takes the residual into the report. True: there is nothing more to do. bearable: what rounding
-// may leave where the residual shrinks no more; the report says what it left.
-bool finished(const FullOrderSolver& solver, double square, double bearable, Iteration& iteration,
-              SolveReport& report) {
+// Writes the residual to the report and returns whether the iteration ends. stall_tolerance:
+// relative residual that is accepted, as rounding, once the residual stagnates; the report contains
+// its value.
+bool finished(const FullOrderSolver& solver, double square, double stall_tolerance,
+              Iteration& iteration, SolveReport& report) {
   report.residual = std::sqrt(std::max(0.0, square));
   if (report.scale == 0) report.scale = report.residual;
   if (!std::isfinite(square)) return true;
   const double relative = report.scale == 0 ? 0.0 : report.residual / report.scale;
-  const bool stalled =
-      report.iterations > 1 && relative <= bearable && report.residual > 0.5 * iteration.last;
+  const bool stalled = report.iterations > 1 && relative <= stall_tolerance &&
+                       report.residual > 0.5 * iteration.last;
   report.converged = relative <= solver.options.tolerance || stalled;
   return report.converged || report.iterations == solver.options.max_iterations;
 }
 
-// On the factor as it is, without a tangent, as long as each iteration halves the residual. True:
-// finished. Where it only went away from the solution, d and g are as they were.
+// Iterates with the frozen factor and no tangent while each iteration halves the residual. Returns
+// whether the solve is finished. If the residual has not decreased in total, d and g are restored.
 bool iterate_frozen(FullOrderSolver& solver, const StepEquation& equation, Iteration& iteration,
                     Vector& d, SolveReport& report) {
   const FullOrder& body = *solver.body;
@@ -195,8 +197,8 @@ void iterate_newton(FullOrderSolver& solver, const StepEquation& equation, Itera
     const Vector z = precondition(solver, iteration.g);
     if (finished(solver, iteration.g.dot(z), 1e-7, iteration, report)) return;
     iteration.last = report.residual;
-    // No more digits than the next iteration can use: what is nonlinear is of the order of the
-    // square of the residual.
+    // Digits beyond the next Newton step's accuracy are wasted: the nonlinear remainder is of the
+    // order of the squared residual.
     const double relative = report.residual / report.scale;
     const double reduction =
         std::max(0.3 * solver.options.tolerance / relative, std::min(0.1, relative));
@@ -214,13 +216,13 @@ void iterate_newton(FullOrderSolver& solver, const StepEquation& equation, Itera
 }  // namespace
 
 SolveReport solve(FullOrderSolver& solver, const StepEquation& equation, double energy, Vector& d) {
-  constexpr int kMany = 12;  // frozen iterations: a new factor will save some
+  constexpr int kMany = 12;  // frozen iterations from which a new factor pays off
   const FullOrder& body = *solver.body;
   SolveReport report;
   report.scale = std::sqrt(energy);
   if (solver.mass != equation.mass || solver.rest != equation.rest) solver.stale = true;
   Iteration iteration{equation_gradient(body, equation, d)};
-  // With the mass in it the tangent hardly changes from step to step; statics is another matter.
+  // With the mass term the tangent changes little from step to step; without it (statics) it does.
   for (int tries = 0; equation.mass > 0 && tries < 2; ++tries) {
     if (solver.stale || solver.factor == nullptr) {
       equation_tangent(body, equation, d, solver.tangent);

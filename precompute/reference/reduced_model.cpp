@@ -14,7 +14,7 @@ std::size_t index_of(Eigen::Index i) {
   return static_cast<std::size_t>(i);
 }
 
-// C[q] and Q[q,q] at the point of each column of q, r x r each.
+// C[q] and Q[q,q] for each column of q, r x r each.
 struct Contraction {
   Eigen::MatrixXd cubic, quartic;
 };
@@ -45,7 +45,8 @@ std::vector<Contraction> contract(const ReducedModel& model, const Eigen::Matrix
   return result;
 }
 
-Eigen::MatrixXd places(const std::vector<SegmentPoint>& points, const Vector& q, const Vector& d) {
+Eigen::MatrixXd positions(const std::vector<SegmentPoint>& points, const Vector& q,
+                          const Vector& d) {
   Eigen::MatrixXd all(q.size(), static_cast<Eigen::Index>(points.size()));
   for (std::size_t i = 0; i < points.size(); ++i)
     all.col(static_cast<Eigen::Index>(i)) = q + points[i].fraction * d;
@@ -57,7 +58,7 @@ Vector gradient_at(const ReducedModel& model, const StepEquation& equation, cons
          equation.mass * d + equation.rest * model.lambda.cwiseProduct(d);
 }
 
-// The factor of J, moved by a multiple of the identity until it is positive definite.
+// Returns a factor of J, shifted by a multiple of the identity until it is positive definite.
 Eigen::LLT<Eigen::MatrixXd> definite_factor(const Eigen::MatrixXd& jacobian) {
   Eigen::LLT<Eigen::MatrixXd> factor(jacobian);
   double shift = 1e-3 * jacobian.diagonal().cwiseAbs().maxCoeff();
@@ -130,7 +131,7 @@ double reduced_energy(const ReducedModel& model, const Vector& q) {
 
 Vector reduced_force(const ReducedModel& model, const std::vector<SegmentPoint>& points,
                      const Vector& q, const Vector& d) {
-  const Eigen::MatrixXd at = places(points, q, d);
+  const Eigen::MatrixXd at = positions(points, q, d);
   const std::vector<Contraction> contractions = contract(model, at);
   Vector force = Vector::Zero(q.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -144,7 +145,7 @@ Vector reduced_force(const ReducedModel& model, const std::vector<SegmentPoint>&
 
 Eigen::MatrixXd reduced_tangent(const ReducedModel& model, const std::vector<SegmentPoint>& points,
                                 const Vector& q, const Vector& d) {
-  const std::vector<Contraction> contractions = contract(model, places(points, q, d));
+  const std::vector<Contraction> contractions = contract(model, positions(points, q, d));
   Eigen::MatrixXd tangent = Eigen::MatrixXd::Zero(q.size(), q.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double weight = points[i].weight * points[i].fraction;

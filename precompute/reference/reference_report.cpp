@@ -39,7 +39,7 @@ void report_statics(const StaticSolution& solution, double seconds, Json& json) 
       solution.load_steps, solution.iterations, solution.residual, solution.energy, seconds);
 }
 
-void say_progress(const Motion& motion, std::int64_t steps, double seconds) {
+void print_progress(const Motion& motion, std::int64_t steps, double seconds) {
   const auto made = static_cast<double>(std::max<std::int64_t>(1, motion.steps));
   std::fprintf(stderr,
                "  t = %-10.6g step %lld of %lld, %.2f Newton and %.1f linear iterations a step, "
@@ -84,9 +84,9 @@ Json comparison_json(const std::string& file, const ReducedBody& reduced,
           {"seconds", seconds}};
 }
 
-void say_comparison(const std::string& file, const ReducedBody& reduced,
-                    const ComparisonSummary& summary, double unseen) {
-  const auto say = [](const char* format, double value) {
+void print_comparison(const std::string& file, const ReducedBody& reduced,
+                      const ComparisonSummary& summary, double unseen) {
+  const auto number = [](const char* format, double value) {
     return std::isnan(value) ? std::string("not measured") : text(format, value);
   };
   std::fprintf(stderr,
@@ -94,10 +94,10 @@ void say_comparison(const std::string& file, const ReducedBody& reduced,
                "do better than %s), the watched vertices by %s, MAC at least %s\n"
                "  of the load's linear compliance f^T K^-1 f the basis leaves out %s\n",
                file.c_str(), static_cast<int>(reduced.model.size()),
-               say("%.2e", summary.error_of_largest).c_str(),
-               say("%.2e", summary.projection_of_largest).c_str(),
-               say("%.2e", summary.tip_error_of_largest).c_str(),
-               say("%.6f", summary.mac_least).c_str(), say("%.2e", unseen).c_str());
+               number("%.2e", summary.error_of_largest).c_str(),
+               number("%.2e", summary.projection_of_largest).c_str(),
+               number("%.2e", summary.tip_error_of_largest).c_str(),
+               number("%.6f", summary.mac_least).c_str(), number("%.2e", unseen).c_str());
 }
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// What a reference run says: its JSON and its lines on stderr.
+// Output of a reference run: JSON, and lines on stderr.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,20 +12,20 @@ namespace tremolo {
 
 using Json = nlohmann::ordered_json;
 
-// The displacement (m) of each probe, and of the vertex that moved farthest. field: 3n.
+// Return the displacement (m) of each probe, and of the vertex with the largest one. field: 3n, m.
 Json probe_json(const std::vector<VertexId>& probes, const Vector& field);
 Json largest_json(const Vector& field);
 
-// Each adds its keys to the object and says the most important.
+// Add results to the object and print the most important ones.
 void report_statics(const StaticSolution& solution, double seconds, Json& json);
 void report_motion(const Motion& motion, const DriftMeter& drift, double seconds, Json& json);
 
-// unseen: unseen_load(); seconds: that the reduced model took.
+// unseen: see unseen_load(). seconds: computing time of the reduced model.
 Json comparison_json(const std::string& file, const ReducedBody& reduced,
                      const ComparisonSummary& summary, double unseen, double seconds);
 
-void say_progress(const Motion& motion, std::int64_t steps, double seconds);
-void say_comparison(const std::string& file, const ReducedBody& reduced,
-                    const ComparisonSummary& summary, double unseen);
+void print_progress(const Motion& motion, std::int64_t steps, double seconds);
+void print_comparison(const std::string& file, const ReducedBody& reduced,
+                      const ComparisonSummary& summary, double unseen);
 
 }  // namespace tremolo

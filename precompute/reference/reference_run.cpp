@@ -41,7 +41,7 @@ std::vector<VertexId> probe_vertices(const ReferenceOptions& options, const TetM
   return ids;
 }
 
-// A reduced model that goes alongside, until it breaks off.
+// A reduced model compared alongside, until its solve fails.
 struct Companion {
   std::string file;
   ReducedBody body;
@@ -56,10 +56,10 @@ struct Work {
   FullOrderSolver& solver;
   BodyLoads loads;
   std::vector<VertexId> probes;
-  std::vector<VertexId> watched;  // the probes, else where the load acts
+  std::vector<VertexId> watched;  // the probes, else the loaded vertices
   std::vector<Companion> companions;
   Json json = {};
-  std::optional<Failure> broken = {};  // why it ended before its time
+  std::optional<Failure> broken = {};  // why the run ended early
 
   SolveOptions solving() const { return {options.tolerance, options.max_iterations}; }
 };
@@ -79,14 +79,14 @@ std::string table_path(const ReferenceOptions& options) {
   return (std::filesystem::path(options.out) / "run.csv").string();
 }
 
-// What the computation has given is told even if it cannot be written.
+// Results are still reported if the table cannot be written.
 void write_table(Work& work, const ReferenceTable& table) {
   if (work.options.out.empty()) return;
   const Status written = write_file(table_path(work.options), table.text);
   if (!written && !work.broken) work.broken = Failure(written.error());
 }
 
-// A number for information is no reason to give up what has been solved.
+// This number is informative only, so a failure must not discard the results.
 Vector response_to_load(Work& work) {
   try {
     return linear_response(work.solver, work.loads.all());
@@ -107,7 +107,7 @@ void report_comparisons(Work& work) {
     Json json = comparison_json(companion.file, companion.body, summary, unseen, companion.seconds);
     json["reason"] = companion.broken ? Json(companion.broken->error().message) : Json(nullptr);
     list.push_back(std::move(json));
-    say_comparison(companion.file, companion.body, summary, unseen);
+    print_comparison(companion.file, companion.body, summary, unseen);
     if (companion.broken && !work.broken)
       work.broken = Failure({companion.broken->error().kind,
                              companion.file + ": " + companion.broken->error().message});
@@ -118,7 +118,7 @@ void report_comparisons(Work& work) {
     work.json["comparisons"] = list;
 }
 
-// reduced: a motion of each companion, of no meaning where it is broken.
+// reduced: one motion per companion; ignored if the companion is broken.
 void record(Work& work, const Motion& motion, const std::vector<const Motion*>& reduced,
             ReferenceTable& table) {
   const bool writing = !work.options.out.empty();
@@ -140,7 +140,7 @@ void record(Work& work, const Motion& motion, const std::vector<const Motion*>& 
   if (writing) add_row(motion, expand(work.body.unknowns, motion.u), rows, table);
 }
 
-// Equilibrium as a motion that stands still.
+// Returns an equilibrium as a motion with zero velocity.
 Motion at_rest(const StaticSolution& solution) {
   Motion motion;
   motion.u = solution.u;
@@ -149,7 +149,7 @@ Motion at_rest(const StaticSolution& solution) {
   return motion;
 }
 
-// Does work that may break off; returns the seconds that it took.
+// Runs `part`; stores a Failure in `broken`. Returns the elapsed time, s.
 template <class Part>
 double attempt(const Part& part, std::optional<Failure>& broken) {
   const Clock::time_point start = Clock::now();
@@ -191,7 +191,7 @@ void run_statics(Work& work) {
   write_table(work, table);
 }
 
-// A reduced model's system, load and motion.
+// System, load and motion of a reduced model.
 struct Follower {
   SecondOrderSystem system;
   LoadHistory load;
@@ -209,7 +209,7 @@ Follower make_follower(const Work& work, const ReducedBody& body) {
   return follower;
 }
 
-// An orbit with ten times all that was ever put in has left its bound, as in `tremolo run`.
+// The energy may not exceed ten times the work put in so far; `tremolo run` has the same bound.
 void require_bounded(const Motion& motion, double& most_input) {
   constexpr double kBound = 10.0;
   most_input = std::max(most_input, motion.work);
@@ -227,7 +227,7 @@ struct Course {
   std::vector<Follower> followers;
   DriftMeter drift;
   ReferenceTable table;
-  double seconds = 0;  // of the full body's steps
+  double seconds = 0;  // time of the full body's steps, s
 };
 
 void move(Work& work, const SecondOrderSystem& system, std::int64_t steps, Course& course) {
@@ -237,7 +237,7 @@ void move(Work& work, const SecondOrderSystem& system, std::int64_t steps, Cours
   Motion& motion = course.motion;
   std::vector<const Motion*> reduced;
   for (const Follower& follower : course.followers) reduced.push_back(&follower.motion);
-  double said = 0, most_input = 0;  // seconds; J
+  double last_report = 0, most_input = 0;  // seconds; J
   for (;;) {
     course.drift.observe(motion.total(), motion.work, motion.dissipated,
                          work.loads.to_come(motion.time, options.time.step));
@@ -256,11 +256,11 @@ void move(Work& work, const SecondOrderSystem& system, std::int64_t steps, Cours
           attempt([&] { advance(follower.system, options.time, follower.load, follower.motion); },
                   companion.broken);
     }
-    if (seconds_since(start) < said + 5.0) continue;
-    said = seconds_since(start);
-    say_progress(motion, steps, said);
+    if (seconds_since(start) < last_report + 5.0) continue;
+    last_report = seconds_since(start);
+    print_progress(motion, steps, last_report);
   }
-  say_progress(motion, steps, seconds_since(start));
+  print_progress(motion, steps, seconds_since(start));
 }
 
 void run_motion(Work& work) {
@@ -294,8 +294,8 @@ void make_folder(const std::string& path) {
   if (error) throw Failure(system_error(path + ": cannot create: " + error.message()));
 }
 
-// What cannot be written is told before hours of work.
-void require_place(const ReferenceOptions& options) {
+// Checks the output before hours of computation.
+void require_output(const ReferenceOptions& options) {
   if (options.out.empty()) return;
   std::vector<NamedFile> inputs = input_files(options.solid, options.config_path);
   for (const std::string& file : options.compare) inputs.push_back({file, "--compare"});
@@ -324,7 +324,7 @@ void run_reference(const ReferenceOptions& options) {
                     static_cast<char>('x' + axis)));
   const Locking locking = find_locking(problem);
   for (const std::string& note : describe(locking)) log.note(note);
-  require_place(options);
+  require_output(options);
 
   log.begin("matrices");
   const FullOrder body = make_full_order(problem, options.solid.mass, options.solid.threads);

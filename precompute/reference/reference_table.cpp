@@ -7,7 +7,7 @@
 namespace tremolo {
 namespace {
 
-// Before the probes.
+// Columns before those of the probes.
 constexpr std::array kReducedColumns = {"reduced_total", "norm", "difference",    "projection",
                                         "mac",           "tip",  "tip_difference"};
 

@@ -1,6 +1,5 @@
-// What the last few iterations have shown of an equation's derivative, as corrections of an
-// approximate inverse P^-1: the limited-memory BFGS update (Nocedal 1980, two loops). With a good P
-// it takes the place of tangents.
+// Limited-memory BFGS updates (Nocedal 1980, two-loop recursion) that correct an approximate
+// inverse P^-1 of an equation's derivative. With a good P they replace new tangents.
 #pragma once
 
 #include <deque>
@@ -11,16 +10,16 @@ namespace tremolo {
 
 struct SecantUpdates {
   struct Pair {
-    Vector step, change;  // s, and y: the gradient's change over it
+    Vector step, change;  // s, and y: the gradient's change over s
     double product = 0;   // s . y > 0
   };
   std::deque<Pair> pairs;  // oldest first
 };
 
-// Pairs along which the gradient does not grow are not kept.
+// Adds a pair; pairs with s . y <= 0 are discarded.
 void add_pair(Vector step, Vector change, SecantUpdates& updates);
 
-// The corrected inverse times g; inverse: x -> P^-1 x, symmetric and positive definite.
+// Returns the corrected inverse times g. inverse: x -> P^-1 x, symmetric and positive definite.
 Vector apply_inverse(const SecantUpdates& updates,
                      const std::function<Vector(const Vector&)>& inverse, const Vector& g);
 

@@ -14,7 +14,7 @@ Deformation deform(const Solid& solid, std::size_t element, const Eigen::Matrix3
   return {Eigen::Matrix3d::Identity() + g, stress(solid.elasticity(element), green_strain(g))};
 }
 
-// The change of the strain in Mandel's notation under a displacement of one corner: 6 x 3.
+// Returns the derivative of the strain, in Mandel's notation, with respect to one corner: 6 x 3.
 Eigen::Matrix<double, 6, 3> strain_change(const Eigen::Matrix3d& f, const Eigen::Vector3d& g) {
   constexpr double h = std::numbers::sqrt2 / 2.0;
   Eigen::Matrix<double, 6, 3> b;

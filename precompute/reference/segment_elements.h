@@ -1,5 +1,5 @@
-// Energy, force and tangent of one element (precompute/fem/stvk.h), the latter two as weighted sums
-// over points of a segment (step_equation.h).
+// Energy, force and tangent of one element (precompute/fem/stvk.h); force and tangent as weighted
+// sums over points of a segment (step_equation.h).
 #pragma once
 
 #include "precompute/fem/stvk.h"
@@ -7,7 +7,7 @@
 
 namespace tremolo {
 
-// Forces on the corners, N: 3 doubles a corner.
+// Forces on the corners, N, one column a corner.
 using ElementForce = Eigen::Matrix<double, 3, 4>;
 
 // Blocks (a, b), a <= b, of the symmetric 12 x 12 tangent, N/m, in the order of element_block().
@@ -18,11 +18,11 @@ constexpr int element_block(int a, int b) {  // a <= b
 
 double element_energy(const Solid& solid, std::size_t element, const Field& u);  // J
 
-// sum_i w_i f(u + s_i d). u, d: 3n.
+// Returns sum_i w_i f(u + s_i d). u, d: 3n.
 ElementForce element_force(const Solid& solid, std::size_t element,
                            const std::vector<SegmentPoint>& points, const Field& u, const Field& d);
 
-// sum_i w_i s_i K(u + s_i d): the derivative of element_force by d.
+// Returns sum_i w_i s_i K(u + s_i d), the derivative of element_force with respect to d.
 ElementTangent element_tangent(const Solid& solid, std::size_t element,
                                const std::vector<SegmentPoint>& points, const Field& u,
                                const Field& d);

@@ -14,10 +14,10 @@ void add(const SolveReport& report, StaticSolution& solution) {
   solution.factorisations += report.factorisations;
 }
 
-// Where the load's growth leads if nothing bends: along the last load step.
-Vector guess(const Vector& before, const Vector& now, double last_part, double part) {
-  if (last_part == 0) return now;
-  return now + (part / last_part) * (now - before);
+// Returns a linear extrapolation of the displacement along the last load step.
+Vector extrapolate(const Vector& before, const Vector& now, double last_fraction, double fraction) {
+  if (last_fraction == 0) return now;
+  return now + (fraction / last_fraction) * (now - before);
 }
 
 }  // namespace
@@ -28,17 +28,17 @@ StaticSolution static_solution(const SecondOrderSystem& system, const Vector& lo
   solution.u = Vector::Zero(system.size);
   StepEquation equation{0.0, 0.0, {{1.0, 1.0}}, Vector::Zero(system.size), Vector()};
   Vector before = solution.u;
-  double reached = 0, part = 1, last_part = 0, energy = 0;
+  double reached = 0, fraction = 1, last_fraction = 0, energy = 0;
   SolveReport report;
   while (reached < 1) {
-    part = std::min(part, 1 - reached);
-    equation.constant = -(reached + part) * load;
-    Vector u = guess(before, solution.u, last_part, part);
+    fraction = std::min(fraction, 1 - reached);
+    equation.constant = -(reached + fraction) * load;
+    Vector u = extrapolate(before, solution.u, last_fraction, fraction);
     report = system.solve(equation, energy, u);
     add(report, solution);
     if (!report.converged) {
-      part *= 0.5;
-      if (part < kSmallest)
+      fraction *= 0.5;
+      if (fraction < kSmallest)
         throw Failure(
             {ErrorKind::kSolver,
              text("the static solution did not converge beyond %.4g of the load: residual "
@@ -46,12 +46,12 @@ StaticSolution static_solution(const SecondOrderSystem& system, const Vector& lo
                   reached, report.residual / report.scale, report.iterations)});
       continue;
     }
-    // In units of the whole load's linear compliance, whatever the first part was.
-    if (energy == 0) energy = std::pow(report.scale / part, 2);
+    // The scale is the whole load's linear compliance, whatever the size of the first load step.
+    if (energy == 0) energy = std::pow(report.scale / fraction, 2);
     before = std::exchange(solution.u, std::move(u));
-    last_part = part;
-    reached = reached + part >= 1 ? 1 : reached + part;
-    part *= 2;
+    last_fraction = fraction;
+    reached = reached + fraction >= 1 ? 1 : reached + fraction;
+    fraction *= 2;
     ++solution.load_steps;
   }
   solution.residual = report.scale == 0 ? 0.0 : report.residual / report.scale;

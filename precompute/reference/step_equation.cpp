@@ -11,7 +11,7 @@ double first_minimum(double slope, double curvature, double slope_half, double s
   const double half = slope_half - slope - 0.5 * curvature;
   const double cubic = 2.0 * whole - 8.0 * half, square = 8.0 * half - whole;
   const auto at = [&](double t) { return slope + t * (curvature + t * (square + t * cubic)); };
-  // Between neighbouring extrema the slope has one sign change at most.
+  // Between neighbouring extrema the slope changes its sign at most once.
   std::vector<double> ends = {0.0};
   const double discriminant = square * square - 3.0 * cubic * curvature;
   if (discriminant > 0) {

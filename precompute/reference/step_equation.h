@@ -1,10 +1,10 @@
-// One nonlinear equation for all that the reference solves: a step of the implicit midpoint rule, a
-// step of the energy-preserving rule, statics. Of the full mesh and of the reduced model alike.
+// The nonlinear equation behind all solves of the reference: a step of the implicit midpoint rule,
+// a step of the energy-preserving rule, and statics, for the full mesh and the reduced model.
 //
 // For the change d of the displacements from `origin`:
-//   g(d) = mass M d + rest K d + sum_i w_i f(origin + s_i d) + constant = 0,   f = grad V.
-// g is the gradient of 1/2 mass d^T M d + 1/2 rest d^T K d + sum_i (w_i / s_i) V(origin + s_i d)
-// + constant . d, a quartic along every line, and its derivative is symmetric.
+// g(d) = mass M d + rest K d + sum_i w_i f(origin + s_i d) + constant = 0,   f = grad V.
+// g is the gradient of 1/2 mass d^T M d + 1/2 rest d^T K d + sum_i (w_i / s_i) V(origin + s_i d) +
+// constant . d, which is quartic along every line; the derivative of g is symmetric.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@ namespace tremolo {
 
 using Vector = Eigen::VectorXd;
 
-// Where on the segment from origin to origin + d the force is taken, and how it counts.
+// A point on the segment from origin to origin + d at which the force is evaluated, and its weight.
 struct SegmentPoint {
   double weight = 1;    // w
   double fraction = 1;  // s
@@ -31,9 +31,9 @@ struct StepEquation {
   Vector constant;
 };
 
-// How a solve ended. residual, scale: |g| at the end and what it is compared with, both in the norm
-// of the inverse of the equation's derivative, J^(1/2): what is left does not do more work than
-// residual * |d| in the derivative's norm.
+// Outcome of a solve. residual, scale: final |g| and its reference value, both in the norm of the
+// inverse of the equation's derivative, J^(1/2). The remaining force does at most the work residual
+// * |d|, with |d| in the derivative's norm.
 struct SolveReport {
   bool converged = false;
   int iterations = 0;
@@ -48,8 +48,9 @@ struct SolveOptions {
   int max_iterations = 60;
 };
 
-// A system  M u'' + f(u) = load  as what moves it needs to know. solve: d holds the guess, then the
-// solution; energy (J): its root is what the residual is compared with, 0: the first residual.
+// A system M u'' + f(u) = load, as an interface for statics and time integration. solve: d contains
+// the initial guess and receives the solution; sqrt(energy), with energy in J, is the scale of the
+// residual; 0: the first residual is.
 struct SecondOrderSystem {
   Eigen::Index size = 0;
   std::function<Vector(const Vector&)> mass_times;
@@ -58,19 +59,20 @@ struct SecondOrderSystem {
   std::function<SolveReport(const StepEquation&, double energy, Vector& d)> solve;
 };
 
-// Slope along a line: a cubic, from its values at 0, 1/2 and 1 and its derivative at 0. Returns the
-// first t > 0 at which a negative slope becomes positive, at most `most`.
+// Returns the first t > 0 at which the slope along a line changes from negative to positive, at
+// most `most`. The slope is the cubic with the given values at 0, 1/2 and 1 and derivative
+// `curvature` at 0.
 double first_minimum(double slope, double curvature, double slope_half, double slope_one,
                      double most);
 
-// A step that leads downhill, and step . J step.
+// A descent step, and its curvature step . J step.
 struct Direction {
   Vector step;
   double curvature = 0;
 };
 
-// d += t step, g = gradient(d): t = 1 where that takes at least half of the slope along the step
-// away, else the exact minimum along it.
+// Sets d += t step and g = gradient(d), with t = 1 if that at least halves the slope along the
+// step, else at the exact minimum along it.
 void move_along(const std::function<Vector(const Vector&)>& gradient, const Direction& direction,
                 Vector& d, Vector& g);
 

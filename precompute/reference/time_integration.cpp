@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kMostHalvings = 6;
 
-// The change of the displacements as the steps before let expect it: exact where it grows linearly,
-// and where it changes its sign in each step, as fast motion does that the step does not resolve.
-Vector guess(const Motion& motion, double step) {
+// Predicts the next displacement change from earlier steps. The prediction is exact for linear
+// growth and for alternating signs, as of fast motion that the step does not resolve.
+Vector predict(const Motion& motion, double step) {
   const std::vector<Vector>& last = motion.last_steps;
   if (last.size() >= 3) return last[0] + last[1] - last[2];
   return step * motion.v;
@@ -29,7 +29,7 @@ double kinetic_energy(const SecondOrderSystem& system, const Vector& v) {
   return 0.5 * v.dot(system.mass_times(v));
 }
 
-void decay(double factor, Motion& motion) {
+void apply_mass_damping(double factor, Motion& motion) {
   if (factor == 1.0) return;
   const double left = factor * factor;
   motion.dissipated += (1.0 - left) * motion.kinetic;
@@ -37,17 +37,17 @@ void decay(double factor, Motion& motion) {
   motion.v *= factor;
 }
 
-// False: the solve failed, nothing has changed.
+// Returns false, with the state unchanged, if the solve fails.
 bool take_step(const SecondOrderSystem& system, const TimeSettings& settings, double step,
                const Vector& load, Motion& motion) {
   Motion next = motion;
   const double factor = std::exp(-0.5 * settings.alpha * step);
-  decay(factor, next);
+  apply_mass_damping(factor, next);
   const Vector momentum = system.mass_times(next.v);
   const StepEquation equation{2.0 / (step * step), settings.beta / step,
                               segment_points(settings.scheme), next.u,
                               (-2.0 / step) * momentum - load};
-  Vector d = guess(next, step);
+  Vector d = predict(next, step);
   const SolveReport report = system.solve(equation, std::max(0.0, motion.total()), d);
   motion.iterations = next.iterations += report.iterations;
   motion.linear_iterations = next.linear_iterations += report.linear_iterations;
@@ -61,7 +61,7 @@ bool take_step(const SecondOrderSystem& system, const TimeSettings& settings, do
   next.v = (2.0 / step) * d - next.v;
   next.kinetic = kinetic_energy(system, next.v);
   next.potential = system.energy(next.u);
-  decay(factor, next);
+  apply_mass_damping(factor, next);
   keep_step(std::move(d), next);
   motion = std::move(next);
   return true;

@@ -1,10 +1,11 @@
-// Motion in time of the full mesh or of the reduced model, by the same step.
+// Time integration of the full mesh or of the reduced model, by the same steps.
 //
-// With d = u1 - u0 and the mean load f over the step, the momentum being M v:
-//   M (2/h) (d/h - v0) + F + beta K d/h = f,    v1 = 2 d/h - v0,
-// F = f(u0 + d/2) for the implicit midpoint rule; the mean of f(u) on the segment for the averaged
-// vector field, exact by two Gauss points since f is cubic: H1 - H0 = f . d - d . beta K d/h.
-// Damping of the mass multiplies v by exp(-alpha h/2) before and after. K is that at rest.
+// With d = u1 - u0, the mean load f over the step and momentum M v:
+// M (2/h) (d/h - v0) + F + beta K d/h = f,    v1 = 2 d/h - v0.
+// F = f(u0 + d/2) for the implicit midpoint rule, the mean of f(u) on the segment for the averaged
+// vector field (exact with two Gauss points, since f is cubic): H1 - H0 = f . d - d . beta K d/h.
+// Mass damping multiplies v by exp(-alpha h/2) before and after the step. K is the stiffness at
+// rest.
 #pragma once
 
 #include <cstdint>
@@ -25,11 +26,11 @@ struct TimeSettings {
   double beta = 0;
 };
 
-// The mean load over [time, time + step], N.
+// Returns the mean load over [time, time + step], N.
 using LoadHistory = std::function<Vector(double time, double step)>;
 
-// Energies in J. work, dissipated: since the start. last_steps: displacement changes of the steps
-// before, latest first, for the next guess.
+// State of a motion; energies in J. work, dissipated: since the start. last_steps: displacement
+// changes of earlier steps, latest first, for the prediction.
 struct Motion {
   Vector u, v;
   double time = 0;
@@ -45,8 +46,8 @@ struct Motion {
 
 Motion start_motion(const SecondOrderSystem& system, Vector u, Vector v);
 
-// One step; where its solve fails it is taken as two halves, these again, up to six times. Throws
-// Failure (kSolver) when that fails too.
+// Advances by one step. If its solve fails, the step is halved, recursively up to six times. Throws
+// Failure (kSolver) if that fails too.
 void advance(const SecondOrderSystem& system, const TimeSettings& settings, const LoadHistory& load,
              Motion& motion);
 

@@ -62,20 +62,20 @@ void for_each_part(const TetMesh& mesh, const Unknowns& unknowns, const Pattern&
 
 Unknowns make_unknowns(const TetMesh& mesh, const std::vector<VertexId>& fixed,
                        const std::array<std::vector<VertexId>, 3>& held) {
-  std::vector<int> still(3 * mesh.vertices.size(), 0);
+  std::vector<int> is_held(3 * mesh.vertices.size(), 0);
   for (VertexId v : fixed)
-    for (int axis = 0; axis < 3; ++axis) still[3 * v + axis] = 1;
+    for (int axis = 0; axis < 3; ++axis) is_held[3 * v + axis] = 1;
   for (int axis = 0; axis < 3; ++axis)
-    for (VertexId v : held[static_cast<std::size_t>(axis)]) still[3 * v + axis] = 1;
+    for (VertexId v : held[static_cast<std::size_t>(axis)]) is_held[3 * v + axis] = 1;
   std::vector<VertexId> all;
   for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertices.size()); ++v)
-    if (still[3 * v] + still[3 * v + 1] + still[3 * v + 2] == 3) all.push_back(v);
+    if (is_held[3 * v] + is_held[3 * v + 1] + is_held[3 * v + 2] == 3) all.push_back(v);
   Unknowns unknowns;
   unknowns.map = make_dof_map(mesh, all, 1);
-  unknowns.of_dof.assign(still.size(), -1);
+  unknowns.of_dof.assign(is_held.size(), -1);
   for (int vertex : unknowns.map.vertex_of_node)
     for (int dof = 3 * vertex; dof < 3 * vertex + 3; ++dof)
-      if (still[dof] == 0) {
+      if (is_held[dof] == 0) {
         unknowns.of_dof[dof] = static_cast<int>(unknowns.dof.size());
         unknowns.dof.push_back(dof);
       }

@@ -1,4 +1,4 @@
-// K - sigma M by CHOLMOD's factorisation in one process, with our own triangular solves.
+// K - sigma M by CHOLMOD's factor in one process, with our own triangular solves.
 #include <algorithm>
 
 #include "precompute/solver/shifted_solver.h"
@@ -18,8 +18,8 @@ class CholmodSolver final : public ShiftedSolver {
   bool threads_may_share() const override { return true; }
 
   InertiaCount count_negative(double sigma, double bound, double most_growth) override {
-    // A pivot that is small by chance, one of the eigenvalues of a part of the mesh being next to
-    // the bound, leaves far less than that.
+    // A pivot that is small by chance, since an eigenvalue of a submatrix lies near the bound,
+    // causes far less growth than this.
     constexpr double kStable = 1e5;
     prepare(sigma);
     const PetscMatrix shifted = shifted_stiffness(pencil_.matrices, bound);

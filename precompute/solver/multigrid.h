@@ -1,4 +1,4 @@
-// PETSc's smoothed aggregation multigrid, GAMG, as a preconditioner for elasticity.
+// Smoothed aggregation multigrid (PETSc's GAMG) as a preconditioner for elasticity.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace tremolo {
 
-// Of `definite`, which must be positive definite and learns the six rigid motions. positions: of
-// this rank's nodes, m.
+// Sets up multigrid for `definite`, a positive definite matrix, whose near null space becomes the
+// six rigid motions. positions: of this rank's nodes, m.
 void set_multigrid(PC preconditioner, Mat definite, const std::vector<Eigen::Vector3d>& positions);
 
 }  // namespace tremolo

@@ -1,5 +1,5 @@
-// K^-1 by conjugate gradients with PETSc's smoothed aggregation multigrid (GAMG, told the rigid
-// motions) as the preconditioner. Memory grows with the mesh and no faster.
+// K^-1 by conjugate gradients, preconditioned with smoothed aggregation multigrid (PETSc's GAMG,
+// with the rigid motions as near null space). Memory grows linearly with the mesh.
 #include <algorithm>
 
 #include <Eigen/Cholesky>
@@ -13,14 +13,14 @@ namespace {
 
 using PetscLinearSolver = PetscHandle<KSP, KSPDestroy>;
 
-constexpr double kSolveTolerance = 1e-11;  // of |b|, in the preconditioned norm
+constexpr double kSolveTolerance = 1e-11;  // relative to |b|, in the preconditioned norm
 constexpr int kMostIterations = 1000;
 
 void require(PetscErrorCode code) {
   check_petsc(code, "solve by iteration");
 }
 
-// Orthonormal in the plain inner product, the same span.
+// Returns a basis of the same span that is orthonormal in the Euclidean inner product.
 Columns plainly_orthonormal(Columns columns) {
   for (int pass = 0; pass < 2; ++pass) {
     const Eigen::MatrixXd gram = inner_products(columns, columns);
@@ -40,7 +40,7 @@ void set_null_space(Mat stiffness, const Columns& rigid) {
   require(MatNullSpaceDestroy(&space));
 }
 
-// Coarse grids will represent the six rigid motions.
+// With the rigid motions as near null space, coarse grids represent them.
 void set_near_null_space(Mat matrix, const std::vector<Eigen::Vector3d>& positions) {
   PetscVector coordinates;
   require(MatCreateVecs(matrix, coordinates.out(), nullptr));
@@ -60,8 +60,8 @@ class MultigridSolver final : public ShiftedSolver {
  public:
   explicit MultigridSolver(const Pencil& pencil) : pencil_(pencil) {}
 
-  // A free body's K is singular: loads are self-balancing, and the preconditioner is that of
-  // K - sigma M.
+  // The K of a free body is singular: right-hand sides must be self-balancing, and the
+  // preconditioner is built from K - sigma M.
   void solve(const ColumnsRef& b, ColumnsOut x) const override {
     const Columns loads = b;
     Columns solution(loads.rows(), loads.cols());
@@ -118,7 +118,7 @@ class MultigridSolver final : public ShiftedSolver {
   }
 
   const Pencil& pencil_;
-  PetscMatrix shifted_;  // K - sigma M; empty when sigma = 0
+  PetscMatrix shifted_;  // K - sigma M; empty if sigma = 0
   PetscLinearSolver gradients_;
 };
 

@@ -1,4 +1,4 @@
-// K - sigma M by MUMPS's factorisation, spread over the ranks.
+// K - sigma M by MUMPS's factor, distributed over the ranks.
 #include "precompute/solver/shifted_solver.h"
 #include "precompute/system/failure.h"
 
@@ -62,12 +62,13 @@ std::unique_ptr<ShiftedSolver> make_mumps_solver(const Pencil& pencil) {
 
 InertiaCount count_negative_by_mumps(const Matrices& matrices, double bound) {
   const PetscMatrix shifted = shifted_stiffness(matrices, bound);
-  // Symmetric but indefinite: MUMPS must not take it for positive definite.
+  // The matrix is symmetric but indefinite, and MUMPS must not treat it as positive definite.
   require(MatSetOption(shifted.get(), MAT_SPD, PETSC_FALSE));
   require(MatSetOption(shifted.get(), MAT_SYMMETRIC, PETSC_TRUE));
   const PetscMatrix factor = mumps_factor(shifted.get());
   require(MatMumpsSetIcntl(factor.get(), 24, 1));  // detect null pivots
-  require(MatMumpsSetIcntl(factor.get(), 13, 1));  // a ScaLAPACK root would hide its inertia
+  require(MatMumpsSetIcntl(factor.get(), 13,
+                           1));  // the inertia of a ScaLAPACK root node is not reported
   factorise(shifted.get(), factor.get());
   PetscInt negative = 0, zero = 0, positive = 0;
   require(MatGetInertia(factor.get(), &negative, &zero, &positive));

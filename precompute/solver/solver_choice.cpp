@@ -15,7 +15,7 @@
 namespace tremolo {
 namespace {
 
-// First number of a file, or of the line that starts with `key`; none if it is not there.
+// Returns the first number of a file, or of its line that starts with `key`; none if it is missing.
 std::optional<double> number_in(const std::string& path, const std::string& key = "") {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {
@@ -29,7 +29,7 @@ std::optional<double> number_in(const std::string& path, const std::string& key 
   return std::nullopt;
 }
 
-// Files of one kind of control group. cache: of what is used, given back when it is wanted.
+// File names of one cgroup version. cache: reclaimable part of the used memory.
 struct ControlGroupFiles {
   std::string root, limit, used, cache;
 };
@@ -38,7 +38,7 @@ const ControlGroupFiles kUnified{"/sys/fs/cgroup", "/memory.max", "/memory.curre
 const ControlGroupFiles kMemoryOnly{"/sys/fs/cgroup/memory", "/memory.limit_in_bytes",
                                     "/memory.usage_in_bytes", "total_inactive_file "};
 
-// Bytes that the group `path` and those around it leave; infinite without a limit.
+// Returns the bytes left in the group `path` and its ancestors; infinite without a limit.
 double rest_of_group(const ControlGroupFiles& files, std::string path) {
   double rest = std::numeric_limits<double>::infinity();
   for (;; path.resize(path.find_last_of('/'))) {
@@ -50,8 +50,8 @@ double rest_of_group(const ControlGroupFiles& files, std::string path) {
   }
 }
 
-// Of this process: lines "0::/path" and "NUMBER:memory:/path". Inside a container the path may be
-// the host's: the root is looked at in any case.
+// Returns the bytes left in this process's groups, from lines "0::/path" and "NUMBER:memory:/path".
+// Inside a container the path may be the host's, so the root group is always checked.
 double control_group_rest() {
   double rest = std::min(rest_of_group(kUnified, ""), rest_of_group(kMemoryOnly, ""));
   std::ifstream file("/proc/self/cgroup");
@@ -76,9 +76,9 @@ int ranks_on_this_machine() {
 }
 
 constexpr double kNumber = 8;
-constexpr double kEntry = 12;  // of a sparse matrix: a number and a column
+constexpr double kEntry = 12;  // of a sparse matrix: a value and a column index
 
-// cholmod: who would factorise.
+// cholmod: whether CHOLMOD would factorise, else MUMPS.
 MemoryEstimate estimate(const DofMap& map, const LocalDofs& local, const SolverRequest& request,
                         double factor_entries, bool cholmod) {
   MemoryEstimate bytes;
@@ -88,16 +88,16 @@ MemoryEstimate estimate(const DofMap& map, const LocalDofs& local, const SolverR
                         map.graph.start[static_cast<std::size_t>(local.first_node)] + local.nodes;
   const double stiffness = 9 * kEntry * blocks;
   bytes.matrices = (1.0 + 1.0 / 3.0) * stiffness;
-  // CHOLMOD copies the matrix, a shift copies it again; MUMPS gathers triplets and keeps a stack of
-  // fronts beside the factor.
+  // CHOLMOD copies the matrix, and a shift copies it again; MUMPS gathers triplets and keeps a
+  // stack of frontal matrices beside the factor.
   bytes.factor = cholmod
                      ? kNumber * factor_entries + (request.rigid_modes > 0 ? 2.0 : 1.0) * stiffness
                      : 1.6 * kNumber * factor_entries / ranks + 1.5 * stiffness;
-  bytes.multigrid = 2.2 * stiffness;  // coarser grids and the prolongations, measured
+  bytes.multigrid = 2.2 * stiffness;  // coarser grids and prolongations, measured
   const double k = request.linear_modes, column = kNumber * local.dofs();
   const double derivatives =
       request.derivatives ? static_cast<double>(pair_count(static_cast<std::size_t>(k))) : 0.0;
-  const double rigid = 3.0 * request.rigid_modes;  // the motions, M times them, and on the way
+  const double rigid = 3.0 * request.rigid_modes;  // the motions, M times them, and temporaries
   const double while_modes = 8.0 * k + 100.0;
   const double while_iterating = 15.0 * (k + 2.0);  // LOBPCG's blocks
   const double while_derivatives = 2.0 * k + derivatives + 4.0 * 28.0 * request.threads;
@@ -123,7 +123,8 @@ std::string allowance(const SolverRequest& request, const SolverChoice& choice) 
          (request.memory ? " are allowed by --memory" : " are free");
 }
 
-// The most linear modes whose arrays would fit without a factor; 0: not even one.
+// Returns the largest number of linear modes that would fit without a factor; 0 if not even one
+// would.
 int modes_that_fit(const DofMap& map, const LocalDofs& local, SolverRequest request,
                    double available) {
   for (; request.linear_modes > 0; --request.linear_modes) {
@@ -181,7 +182,8 @@ double count_factor_entries(const DofMap& map) {
   common.method[0].ordering = CHOLMOD_GIVEN;
   common.postorder = 1;
   common.supernodal = CHOLMOD_SUPERNODAL;
-  // Small supernodes are merged by their columns, of which a node stands for three.
+  // CHOLMOD merges small supernodes by their number of columns; here a node stands for three
+  // columns.
   common.nrelax[0] /= 3;
   common.nrelax[1] /= 3;
   common.nrelax[2] /= 3;
@@ -209,7 +211,8 @@ SolverChoice choose_solver(const DofMap& map, const LocalDofs& local,
   SolverChoice choice;
   double entries = mpi_rank() == 0 ? count_factor_entries(map) : 0.0;
   entries = over_ranks(entries, MPI_MAX);
-  // CHOLMOD counts entries in 32 bits, and the count here may be off: near the limit it is tried.
+  // CHOLMOD counts entries in 32 bits, and this estimate may be off: near the limit it is still
+  // tried.
   constexpr double kMostEntries = 2147483648.0, kMargin = 1.25;
   const bool fits_cholmod = mpi_ranks() == 1 && entries < kMostEntries;
   const bool cholmod =

@@ -1,4 +1,4 @@
-// Who solves with the stiffness: chosen before anything large is allocated.
+// Choice of the solver for the stiffness, made before anything large is allocated.
 #pragma once
 
 #include <optional>
@@ -8,27 +8,27 @@
 
 namespace tremolo {
 
-// kCholmod: a factor in one process's memory. kMumps: a factor spread over the ranks. kIterative:
-// no factor, multigrid.
+// kCholmod: a factor in one process's memory. kMumps: a factor distributed over the ranks.
+// kIterative: multigrid without a factor.
 enum class LinearSolver { kCholmod, kMumps, kIterative };
 const char* name_of(LinearSolver solver);
 
-// What the largest arrays of a run will take, bytes on the rank that needs most, from counting
-// entries and columns; the stages' own peaks, which are measured, lie some 10 % around it.
+// Estimated bytes of the largest arrays of a run, on the rank that needs most, from counts of
+// entries and columns. Measured peaks of the stages lie within about 10 %.
 struct MemoryEstimate {
   double matrices = 0;  // M and K
-  double factor = 0;    // with what its making takes
+  double factor = 0;    // including its workspace
   double multigrid = 0;
-  double columns = 0;            // modes, derivatives, basis, of the rank's own rows
-  double iterative_columns = 0;  // the same where LOBPCG finds the modes
+  double columns = 0;            // modes, derivatives and basis, the rank's own rows
+  double iterative_columns = 0;  // the same if LOBPCG computes the modes
   double rest = 0;               // the mesh with its graph, the program
   double direct() const { return matrices + factor + columns + rest; }
   double iterative() const { return matrices + multigrid + iterative_columns + rest; }
 };
 
 struct SolverRequest {
-  std::optional<LinearSolver> solver;  // what the user asked for
-  std::optional<double> memory;        // bytes a rank may use; none: what the machine has free
+  std::optional<LinearSolver> solver;  // explicit request; none: automatic
+  std::optional<double> memory;        // bytes a rank may use; none: the free memory
   int linear_modes = 0;
   int modes = 0;
   bool derivatives = true;
@@ -40,20 +40,22 @@ struct SolverChoice {
   LinearSolver solver = LinearSolver::kCholmod;
   MemoryEstimate estimate;
   double available = 0;  // bytes a rank may use
-  std::string reason;    // for the user, one line
+  std::string reason;    // one line for the user
 };
 
-// Bytes that this process may take in all, what it has included: its share, among `ranks_here` of
-// one machine, of the memory that is free there or that the limits of its control groups leave.
+// Returns the bytes that this process may use in total, including those it uses now: its share,
+// among `ranks_here` on one machine, of the free memory or of what the limits of its cgroups leave.
 double available_memory(int ranks_here);
 
-// Cholesky factor of the nodes' 3x3 blocks in the map's order, entries, by symbolic analysis; on
-// several ranks in a nested dissection of the whole. Deterministic.
+// Returns the number of entries of the Cholesky factor for the nodes' 3x3 blocks, by symbolic
+// analysis in the map's order; on several ranks in a nested dissection of the whole graph.
+// Deterministic.
 double count_factor_entries(const DofMap& map);
 
-// The factor where it fits, else multigrid; what the user asked for in any case, with a warning in
-// `reason` when it may not fit. Throws Failure: kSystem when neither fits, naming what would,
-// kUsage for CHOLMOD on several ranks. All ranks together; they all get the same answer.
+// Returns a solver with a factor if it fits, else multigrid. An explicit request is always
+// followed, with a warning in `reason` if it may not fit. Throws Failure: kSystem if neither fits,
+// with a remedy in the message; kUsage for CHOLMOD on several ranks. Collective; the same result on
+// all ranks.
 SolverChoice choose_solver(const DofMap& map, const LocalDofs& local, const SolverRequest& request);
 
 }  // namespace tremolo

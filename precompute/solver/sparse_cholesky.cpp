@@ -26,7 +26,8 @@ namespace {
 struct SparseCholesky::Factor {
   cholmod_common common = {};
   cholmod_factor* l = nullptr;
-  cholmod_dense *solution = nullptr, *scratch = nullptr, *more_scratch = nullptr;  // of one vector
+  cholmod_dense *solution = nullptr, *scratch = nullptr,
+                *more_scratch = nullptr;  // for one right-hand side
   Supernodes supernodes;
   Factor() {
     cholmod_start(&common);
@@ -34,7 +35,7 @@ struct SparseCholesky::Factor {
     common.nmethods = 1;
     common.method[0].ordering = CHOLMOD_NATURAL;
     common.postorder = 1;
-    common.supernodal = CHOLMOD_SUPERNODAL;  // a simplicial one is no better for small matrices
+    common.supernodal = CHOLMOD_SUPERNODAL;  // a simplicial factor is no better for small matrices
     common.quick_return_if_not_posdef = 1;
   }
   ~Factor() {
@@ -55,7 +56,7 @@ cholmod_sparse as_cholmod(const SparseRows& matrix) {
   a.p = const_cast<int*>(matrix.start);
   a.i = const_cast<int*>(matrix.column);
   a.x = const_cast<double*>(matrix.value);
-  a.stype = 1;  // both triangles are there; the upper one is read
+  a.stype = 1;  // both triangles are stored; the upper one is read
   a.itype = CHOLMOD_INT;
   a.xtype = CHOLMOD_REAL;
   a.dtype = CHOLMOD_DOUBLE;

@@ -1,5 +1,5 @@
-// The Cholesky factor of a symmetric positive definite matrix in the memory of one process
-// (CHOLMOD's supernodal one), used by several threads at once.
+// A Cholesky factor of a symmetric positive definite matrix in one process (CHOLMOD's supernodal
+// factor), usable by several threads at once.
 #pragma once
 
 #include <memory>
@@ -14,32 +14,33 @@ namespace tremolo {
 
 class SparseCholesky {
  public:
-  // Factorises; the order of the rows is kept but for a postorder of the elimination tree, so they
-  // should come in nested dissection. BLAS uses as many threads as BlasThreads says. Throws
-  // Failure: kSolver when the matrix is not positive definite, kSystem when memory runs out.
+  // Factorises the matrix. Its row order is kept apart from a postorder of the elimination tree, so
+  // it should be a nested dissection. The number of BLAS threads is that of BlasThreads. Throws
+  // Failure: kSolver if the matrix is not positive definite, kSystem if memory runs out.
   explicit SparseCholesky(const SparseRows& matrix);
   ~SparseCholesky();
   SparseCholesky(const SparseCholesky&) = delete;
   SparseCholesky& operator=(const SparseCholesky&) = delete;
 
-  // What one thread needs for its solves; it may serve many.
+  // Buffers for the solves of one thread; they can be reused.
   struct Workspace {
     std::vector<LaneBlock> rows, scratch;
   };
 
-  // x <- A^-1 b, n x columns each; b and x may be the same. Threads with a workspace each may call
-  // it side by side. Sixteen columns take one pass over the factor forwards and one backwards.
+  // Computes x = A^-1 b, n x columns each; b and x may be the same. Threads may call it
+  // concurrently with a workspace each. Sixteen columns take one forward and one backward pass over
+  // the factor.
   void solve(const ColumnsRef& b, ColumnsOut x, Workspace& workspace) const;
 
-  // Factorises another matrix of the same pattern, definite or not, into the same memory and counts
-  // its negative eigenvalues. The factor that was there is lost: solve() may not be called again.
+  // Factorises another matrix of the same pattern, definite or not, in place and counts its
+  // negative eigenvalues. The old factor is lost: solve() must not be called again.
   LdlReport count_negative(const SparseRows& matrix, unsigned threads);
 
-  // The factor of another matrix of the same pattern, in the same memory. Throws as the constructor
+  // Computes the factor of another matrix of the same pattern in place. Throws as the constructor
   // does; there is no factor then.
   void factorise(const SparseRows& matrix);
 
-  // x <- A^-1 b for one vector, n; one thread at a time.
+  // Computes x = A^-1 b for one vector of length n; one thread at a time.
   void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x);
 
   double flops() const;  // of the factorisation

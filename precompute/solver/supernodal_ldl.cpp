@@ -25,16 +25,17 @@ namespace {
 
 constexpr double kOne = 1.0, kZero = 0.0, kMinusOne = -1.0;
 
-// The panels and what they wait for.
+// State of a left-looking factorisation: panels and lists of pending updates.
 struct Factorisation {
   const Supernodes& f;
   const SparseRows& a;
   const int* order;
-  std::vector<int> place;                        // inverse of order
-  std::vector<int> node_of;                      // supernode of a column
-  std::vector<int> parent;                       // -1: a root
-  std::vector<int> first_waiting, next_waiting;  // lists of panels that update a supernode next
-  std::vector<int> next_row;  // of a panel: its first row that still has to be passed on
+  std::vector<int> inverse_order;  // inverse of order
+  std::vector<int> node_of;        // supernode of each column
+  std::vector<int> parent;         // in the elimination tree; -1: root
+  std::vector<int> first_pending,
+      next_pending;           // linked lists, for each supernode, of panels that update it next
+  std::vector<int> next_row;  // of each panel: its first row whose update is still pending
   double* values;
 
   int columns(int s) const { return f.first_column[s + 1] - f.first_column[s]; }
@@ -43,10 +44,10 @@ struct Factorisation {
   double* panel(int s) const { return values + f.panel[s]; }
 };
 
-// One thread's.
+// Buffers of one thread.
 struct Scratch {
-  std::vector<int> at;         // row of the factor -> row of the panel in work
-  std::vector<double> scaled;  // L D of the rows that meet the panel's columns
+  std::vector<int> at;         // row of the factor -> row of the current panel
+  std::vector<double> scaled;  // L D of the rows that are columns of the panel
   std::vector<double> product;
 };
 
@@ -59,13 +60,13 @@ void assemble_panel(const Factorisation& w, int s, Scratch& scratch) {
     double* column = panel + static_cast<std::size_t>(c) * rows;
     const int source = w.order[first + c];
     for (int at = w.a.start[source]; at < w.a.start[source + 1]; ++at) {
-      const int row = w.place[w.a.column[at]];
+      const int row = w.inverse_order[w.a.column[at]];
       if (row >= first + c) column[scratch.at[row]] = w.a.value[at];
     }
   }
 }
 
-// Takes L_d D_d L_d^T out of panel s, where panel d's next rows are columns of s.
+// Subtracts L_d D_d L_d^T from panel s, where the next rows of panel d are columns of s.
 void update_from(const Factorisation& w, int s, int d, Scratch& scratch) {
   const int rows = w.rows(d), columns = w.columns(d), begin = w.next_row[d];
   const int* row = w.row(d);
@@ -92,7 +93,7 @@ void update_from(const Factorisation& w, int s, int d, Scratch& scratch) {
   }
 }
 
-// L D L^T of a dense trapezoid in place, a few columns at a time.
+// Computes L D L^T of a dense trapezoid in place, in blocks of columns.
 void factorise_panel(double* panel, int rows, int columns, Scratch& scratch) {
   constexpr int kWidth = 48;
   const auto at = [&](int i, int c) -> double& {
@@ -111,7 +112,7 @@ void factorise_panel(double* panel, int rows, int columns, Scratch& scratch) {
     if (below == 0) continue;
     dtrsm_("R", "L", "T", "U", &below, &width, &kOne, &at(first, first), &rows, &at(end, first),
            &rows);
-    // What stands there now is L D.
+    // The rows below the block now hold L D.
     scratch.scaled.resize(static_cast<std::size_t>(later) * width);
     for (int c = first; c < end; ++c) {
       const double pivot = at(c, c);
@@ -127,46 +128,48 @@ void factorise_panel(double* panel, int rows, int columns, Scratch& scratch) {
 
 void compute_supernode(Factorisation& w, int s, Scratch& scratch) {
   assemble_panel(w, s, scratch);
-  for (int d = w.first_waiting[s]; d >= 0;) {
-    const int next = w.next_waiting[d];
+  for (int d = w.first_pending[s]; d >= 0;) {
+    const int next = w.next_pending[d];
     update_from(w, s, d, scratch);
     d = next;
   }
   factorise_panel(w.panel(s), w.rows(s), w.columns(s), scratch);
 }
 
-// Which supernode panel d updates next, after those rows that were columns of the last; -1: none.
-int move_on(Factorisation& w, int d, int last) {
+// Advances panel d past the columns of supernode `last` and returns the supernode it updates next;
+// -1 if there is none.
+int next_target(Factorisation& w, int d, int last) {
   while (w.next_row[d] < w.rows(d) && w.row(d)[w.next_row[d]] < w.f.first_column[last + 1])
     ++w.next_row[d];
   return w.next_row[d] < w.rows(d) ? w.node_of[w.row(d)[w.next_row[d]]] : -1;
 }
 
-// Computes supernodes first..last in order. Panels that wait for one beyond are handed out.
+// Computes supernodes first..last in order. Returns the panels whose next update is beyond `last`.
 std::vector<int> compute_range(Factorisation& w, int first, int last, Scratch& scratch) {
-  std::vector<int> leaving;
+  std::vector<int> outgoing;
   scratch.at.resize(w.node_of.size());
-  const auto pass_on = [&](int d, int done) {
-    const int next = move_on(w, d, done);
-    if (next > last) leaving.push_back(d);
+  const auto queue_update = [&](int d, int done) {
+    const int next = next_target(w, d, done);
+    if (next > last) outgoing.push_back(d);
     if (next < 0 || next > last) return;
-    w.next_waiting[d] = w.first_waiting[next];
-    w.first_waiting[next] = d;
+    w.next_pending[d] = w.first_pending[next];
+    w.first_pending[next] = d;
   };
   for (int s = first; s <= last; ++s) {
     compute_supernode(w, s, scratch);
-    for (int d = w.first_waiting[s]; d >= 0;) {
-      const int next = w.next_waiting[d];
-      pass_on(d, s);
+    for (int d = w.first_pending[s]; d >= 0;) {
+      const int next = w.next_pending[d];
+      queue_update(d, s);
       d = next;
     }
     w.next_row[s] = w.columns(s);
-    pass_on(s, s);
+    queue_update(s, s);
   }
-  return leaving;
+  return outgoing;
 }
 
-// Subtrees small enough to share out, as ranges of the postorder; what is in none is the top.
+// A range of the postorder that is one subtree. Subtrees are chosen small enough to balance the
+// threads; the remaining supernodes form the top of the tree.
 struct Range {
   int first, last;
 };
@@ -213,7 +216,7 @@ LdlReport examine(const Factorisation& w) {
     for (int at = w.a.start[source]; at < w.a.start[source + 1]; ++at)
       if (w.a.column[at] == source) diagonal = std::abs(w.a.value[at]);
     const double growth = magnitude[i] / diagonal;
-    // Not-a-number counts as the worst.
+    // NaN counts as infinite growth.
     if (!(growth <= report.growth)) report.growth = growth;
     if (std::isnan(growth)) report.growth = std::numeric_limits<double>::infinity();
   }
@@ -227,35 +230,35 @@ LdlReport factorise_ldl(const Supernodes& pattern, const int* order, const Spars
   const int count = static_cast<int>(pattern.count);
   const auto size = static_cast<std::size_t>(a.rows);
   Factorisation w{pattern, a, order, {}, {}, {}, {}, {}, {}, values};
-  w.place.resize(size);
+  w.inverse_order.resize(size);
   w.node_of.resize(size);
   for (std::size_t i = 0; i < size; ++i)
-    w.place[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
+    w.inverse_order[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
   for (int s = 0; s < count; ++s)
     std::fill(w.node_of.begin() + pattern.first_column[s],
               w.node_of.begin() + pattern.first_column[s + 1], s);
   for (int s = 0; s < count; ++s)
     w.parent.push_back(w.columns(s) < w.rows(s) ? w.node_of[w.row(s)[w.columns(s)]] : -1);
-  w.first_waiting.assign(pattern.count, -1);
-  w.next_waiting.assign(pattern.count, -1);
+  w.first_pending.assign(pattern.count, -1);
+  w.next_pending.assign(pattern.count, -1);
   w.next_row.assign(pattern.count, 0);
 
   const std::vector<Range> ranges = independent_subtrees(w);
-  std::vector<std::vector<int>> leaving(ranges.size());
+  std::vector<std::vector<int>> outgoing(ranges.size());
   {
     const BlasThreads single(1);
     parallel_for(ranges.size(), threads, [&](std::size_t i) {
       Scratch scratch;
-      leaving[i] = compute_range(w, ranges[i].first, ranges[i].last, scratch);
+      outgoing[i] = compute_range(w, ranges[i].first, ranges[i].last, scratch);
     });
   }
-  for (const std::vector<int>& panels : leaving)
+  for (const std::vector<int>& panels : outgoing)
     for (int d : panels) {
       const int next = w.node_of[w.row(d)[w.next_row[d]]];
-      w.next_waiting[d] = w.first_waiting[next];
-      w.first_waiting[next] = d;
+      w.next_pending[d] = w.first_pending[next];
+      w.first_pending[next] = d;
     }
-  // Small panels are not worth sharing: the threads would wait for each other.
+  // Small panels are not worth sharing, since the threads would mostly wait for each other.
   constexpr int kWorthwhile = 1500;  // rows
   const BlasThreads shared(pattern.most_rows < kWorthwhile ? 1 : static_cast<int>(threads));
   Scratch scratch;
@@ -267,20 +270,20 @@ LdlReport factorise_ldl(const Supernodes& pattern, const int* order, const Spars
       continue;
     }
     compute_supernode(w, s, scratch);
-    for (int d = w.first_waiting[s]; d >= 0;) {
-      const int after = w.next_waiting[d];
-      const int next = move_on(w, d, s);
+    for (int d = w.first_pending[s]; d >= 0;) {
+      const int after = w.next_pending[d];
+      const int next = next_target(w, d, s);
       if (next >= 0) {
-        w.next_waiting[d] = w.first_waiting[next];
-        w.first_waiting[next] = d;
+        w.next_pending[d] = w.first_pending[next];
+        w.first_pending[next] = d;
       }
       d = after;
     }
     w.next_row[s] = w.columns(s);
-    const int next = move_on(w, s, s);
+    const int next = next_target(w, s, s);
     if (next >= 0) {
-      w.next_waiting[s] = w.first_waiting[next];
-      w.first_waiting[next] = s;
+      w.next_pending[s] = w.first_pending[next];
+      w.first_pending[next] = s;
     }
   }
   return examine(w);

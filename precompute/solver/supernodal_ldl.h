@@ -1,7 +1,7 @@
-// The numeric factorisation A = L D L^T in given supernodes, without pivoting, for matrices that
-// need not be definite: by Sylvester's law D has as many negative entries as A has negative
-// eigenvalues. Independent subtrees of the elimination tree run side by side; the top, where a few
-// large panels are left, is shared by BLAS's threads.
+// Numeric factorisation A = L D L^T in given supernodes, without pivoting, for matrices that may be
+// indefinite: by Sylvester's law D has as many negative entries as A has negative eigenvalues.
+// Independent subtrees of the elimination tree run in parallel; at the top, where few large panels
+// are left, BLAS's threads share the work.
 #pragma once
 
 #include "precompute/dense/sparse_rows.h"
@@ -11,13 +11,13 @@ namespace tremolo {
 
 struct LdlReport {
   std::size_t negative = 0;
-  // Largest (|L| |D| |L^T|)_ii / |A_ii|: the factors are those of a matrix that differs from A by
-  // this times rounding. 1 for a positive definite matrix; infinite when a pivot vanished.
+  // Largest (|L| |D| |L^T|)_ii / |A_ii|: the computed factors are exact for a matrix that differs
+  // from A by this times rounding. 1 for a positive definite matrix; infinite if a pivot is zero.
   double growth = 0;
 };
 
-// order: row i of the factor is row order[i] of a. values: where the panels lie; overwritten by L
-// (below a unit diagonal) and, on the diagonal, D. The result does not depend on `threads`.
+// order: row i of the factor is row order[i] of a. values: memory of the panels, overwritten by L
+// (unit diagonal, not stored) and, on the diagonal, D. The result does not depend on `threads`.
 LdlReport factorise_ldl(const Supernodes& pattern, const int* order, const SparseRows& a,
                         double* values, unsigned threads);
 

@@ -5,8 +5,8 @@ namespace {
 
 #define TREMOLO_INLINE_LANES [[gnu::always_inline]] inline
 
-// A tile of `Columns` columns from `column` on: the rows of t that they belong to are solved for,
-// then taken out of all rows below.
+// Forward substitution for a tile of `Columns` columns from `column` on: solves for their rows of t
+// and eliminates them from all rows below.
 template <int Columns, int Vectors>
 TREMOLO_INLINE_LANES void forward_tile(const double* panel, std::size_t rows, std::size_t column,
                                        Lanes* t) {
@@ -28,7 +28,8 @@ TREMOLO_INLINE_LANES void forward_tile(const double* panel, std::size_t rows, st
     }
 }
 
-// The transpose: what is known below is taken out, then the tile is solved for.
+// Backward substitution for a tile: subtracts the known rows below, then solves for the tile's
+// rows.
 template <int Columns, int Vectors>
 TREMOLO_INLINE_LANES void backward_tile(const double* panel, std::size_t rows, std::size_t column,
                                         Lanes* t) {
@@ -84,7 +85,7 @@ TREMOLO_INLINE_LANES void solve(const Supernodes& f, Lanes* x, Lanes* t) {
     const auto columns = static_cast<std::size_t>(f.first_column[s + 1] - f.first_column[s]);
     const double* panel = f.values + f.panel[s];
     const std::size_t rows = gather(s);
-    // The tiles of the forward pass in reverse: columns that are left over come first.
+    // The tiles of the forward pass in reverse order: leftover columns come first.
     const std::size_t whole = columns / kTile * kTile;
     std::size_t c = columns;
     for (; (c - whole) % 3 != 0; --c) backward_tile<1, Vectors>(panel, rows, c - 1, t);

@@ -18,7 +18,7 @@ extern "C" {
 void* blas_memory_alloc(int) __attribute__((weak));
 void blas_memory_free(void*) __attribute__((weak));
 int openblas_get_num_threads() __attribute__((weak));
-// What `#pragma omp parallel num_threads(threads)` calls.
+// The entry point behind `#pragma omp parallel num_threads(threads)`.
 void GOMP_parallel(void (*work)(void*), void* data, unsigned threads, unsigned flags)
     __attribute__((weak));
 }
@@ -26,15 +26,17 @@ void GOMP_parallel(void (*work)(void*), void* data, unsigned threads, unsigned f
 namespace tremolo {
 namespace {
 
-constexpr std::size_t kBuffer = (std::size_t{128} << 20) + 4096;  // one of OpenBLAS's, 64-bit
-// It has no more buffers than for twice so many threads.
+constexpr std::size_t kBuffer =
+    (std::size_t{128} << 20) + 4096;  // size of one of OpenBLAS's buffers, 64-bit
+// OpenBLAS has buffers for at most twice this number of threads.
 constexpr unsigned kMostThreads = 64;
-// A thread's stack, and what the C library keeps for its own allocations.
+// A thread's stack, and its malloc arena in the C library.
 constexpr std::size_t kStack = std::size_t{8} << 20;
 constexpr std::size_t kArena = std::size_t{64} << 20;
-// CHOLMOD takes as many of OpenMP for a factor, whatever it is told; who calls is one of them.
+// CHOLMOD uses this number of OpenMP threads for a factor, whatever the settings; the caller is
+// one.
 constexpr unsigned kFactorThreads = 4;
-// What the libraries and a small mesh take besides.
+// Room for the libraries and a small mesh.
 constexpr std::size_t kRest = std::size_t{64} << 20;
 
 bool there_is_room(std::size_t bytes) {
@@ -45,8 +47,8 @@ bool there_is_room(std::size_t bytes) {
   return true;
 }
 
-// The stack of this thread grows as it is used, and where there is no room for it to grow a program
-// dies by SIGSEGV, wherever it is: so it is made as large as it may ever be asked to be.
+// Grows this thread's stack to its largest size. Stacks grow on demand, and if no address space is
+// left then, the program dies by SIGSEGV.
 void grow_stack() {
   constexpr std::size_t kDepth = std::size_t{4} << 20;
   struct rlimit most = {};
@@ -55,14 +57,14 @@ void grow_stack() {
   deep[0] = 0;
 }
 
-// Starts the threads that OpenMP would start in the middle of a factor, where it ends the program
-// if it cannot have them.
+// Starts OpenMP's threads now. If they could not be started during a factorisation, OpenMP would
+// end the program.
 void start_factor_threads() {
   if (GOMP_parallel != nullptr) GOMP_parallel([](void*) {}, nullptr, kFactorThreads, 0);
 }
 
-// Address space that the process has now, bytes. Without the C++ library, which may not be there
-// yet.
+// Returns the mapped address space, bytes. It does not use the C++ library, which may not be
+// initialised yet.
 std::size_t mapped_bytes() {
   std::FILE* file = std::fopen("/proc/self/statm", "r");
   unsigned long pages = 0;
@@ -73,8 +75,8 @@ std::size_t mapped_bytes() {
   return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// The first of the variables that OpenBLAS reads which is a number, else the processors that this
-// process may use.
+// Returns the first variable read by OpenBLAS that is a number, else the number of processors that
+// this process may use.
 int blas_threads_at_start(char** environment) {
   for (const char* name : {"OPENBLAS_NUM_THREADS=", "GOTO_NUM_THREADS=", "OMP_NUM_THREADS="})
     for (char** entry = environment; entry != nullptr && *entry != nullptr; ++entry)
@@ -85,8 +87,8 @@ int blas_threads_at_start(char** environment) {
   return std::max(1, CPU_COUNT(&processors));
 }
 
-// "..., N MB of address space" and what would do. needed, least: bytes, beyond what is mapped; with
-// one thread.
+// Writes "..., N MB of address space" with a remedy. needed: bytes beyond what is mapped; least:
+// the same with one thread.
 void describe(char* text, std::size_t size, std::size_t needed, std::size_t least) {
   const auto megabytes = [](std::size_t bytes) { return (bytes + 999'999) / 1'000'000; };
   const std::size_t mapped = mapped_bytes();
@@ -110,14 +112,14 @@ void require_room_for_blas(char** environment) {
       std::min(static_cast<unsigned>(blas_threads_at_start(environment)), kMostThreads);
   const std::size_t needed = threads * (kBuffer + kStack) + kRest;
   if (there_is_room(needed)) return;
-  // What take_room_for_blas() will ask for, if there are to be as many threads of ours.
+  // An estimate of what take_room_for_blas() will need with as many threads of our own.
   const std::size_t later = (2 * threads - 1) * (kBuffer + kStack) + (threads - 1) * kArena +
                             (kFactorThreads - 1) * kStack + kRest;
   char reason[400];
   describe(reason, sizeof(reason), later, kBuffer + kStack + kRest);
   char line[450];
   const int length = std::snprintf(line, sizeof(line), "tremolo-precompute: %s\n", reason);
-  // Who cannot even write this has no other way to say it.
+  // A failure to write is ignored: there is no other way to report it.
   [[maybe_unused]] const auto written =
       ::write(STDERR_FILENO, line, static_cast<std::size_t>(length));
   ::_exit(static_cast<int>(ErrorKind::kSystem));
@@ -127,8 +129,8 @@ void take_room_for_blas(unsigned threads) {
   grow_stack();
   if (openblas_get_num_threads == nullptr) return;
   threads = std::min(threads, kMostThreads);
-  // Each of its own threads keeps one for good, from its first work on; there is one thread less
-  // than it was told, as who calls works too.
+  // Each OpenBLAS thread keeps one buffer from its first call on; there is one thread less than
+  // requested, since the caller works too.
   const auto own = std::max(static_cast<int>(threads), openblas_get_num_threads()) - 1;
   const std::size_t count = threads + static_cast<std::size_t>(own);
   const std::size_t besides =
@@ -145,13 +147,13 @@ void take_room_for_blas(unsigned threads) {
   if (blas_memory_alloc == nullptr || blas_memory_free == nullptr) return start_factor_threads();
   std::vector<void*> buffers;
   for (std::size_t i = 0; i < count; ++i) {
-    // Threads that OpenBLAS has started meanwhile take room as well.
+    // Threads that OpenBLAS has started meanwhile use address space as well.
     require_room(count - i);
     buffers.push_back(blas_memory_alloc(0));
   }
-  // They go back to OpenBLAS, which keeps them.
+  // The buffers return to OpenBLAS, which keeps them mapped.
   for (void* buffer : buffers) blas_memory_free(buffer);
-  // Last, as the memory that they keep for themselves is room too.
+  // This comes last, since the threads' own memory counts as well.
   start_factor_threads();
 }
 

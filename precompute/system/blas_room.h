@@ -1,18 +1,18 @@
-// Room for OpenBLAS's buffers. It maps one for every thread that calls it and, where the system
-// refuses, asks again without end: under a limit of address space (ulimit -v) the program would
-// spin for ever. So the system is asked first, and the buffers are taken while there is room.
+// Address space for OpenBLAS's buffers. OpenBLAS maps a buffer for every calling thread and retries
+// endlessly if the system refuses: under a limit of address space (ulimit -v) the program would
+// hang. So the space is checked first, and the buffers are allocated while it is available.
 #pragma once
 
 namespace tremolo {
 
-// For what OpenBLAS maps while it is loaded: to be called before the constructors of the libraries,
-// with the environment as main() gets it. Without room it says what would do and ends the process
-// with exit code 1.
+// Checks the space that OpenBLAS maps while it is loaded; must be called before the libraries'
+// constructors, with the environment of main(). Without enough space it prints a remedy and ends
+// the process with exit code 1.
 void require_room_for_blas(char** environment);
 
-// Buffers for `threads` threads that call BLAS at once, the threads of a factor and the stack of
-// this thread, all kept from here on. Throws Failure (kSystem)
-// when there is no room, saying what would do.
+// Allocates buffers for `threads` concurrent callers of BLAS, the threads of a factorisation and
+// this thread's stack; all are kept. Throws Failure (kSystem), with a remedy, if there is not
+// enough space.
 void take_room_for_blas(unsigned threads);
 
 }  // namespace tremolo

@@ -33,7 +33,7 @@ void use_fast_blas_kernels(char** words) {
   if (core == nullptr) return;
   ::setenv(kVariable, core, 1);
   ::execv("/proc/self/exe", words);
-  ::unsetenv(kVariable);  // it could not be started: slower, then
+  ::unsetenv(kVariable);  // execv failed: go on with slower kernels
 }
 
 std::string blas_name() {

@@ -1,12 +1,12 @@
-// Which BLAS there is, and how many threads it uses inside one call.
+// Queries of the BLAS library, and control of its number of threads.
 #pragma once
 
 #include <string>
 
 namespace tremolo {
 
-// While this lives, BLAS uses `threads` threads; afterwards as many as before. Only OpenBLAS
-// listens; another BLAS goes on as its environment says.
+// Sets the number of BLAS threads for its lifetime, then restores it. It affects OpenBLAS only;
+// other libraries follow their environment variables.
 class BlasThreads {
  public:
   explicit BlasThreads(int threads);
@@ -18,16 +18,16 @@ class BlasThreads {
   int before_;
 };
 
-// Starts the program anew where OpenBLAS, which chooses its kernels while it is loaded, has not
-// recognised the processor (common/blas_core.h), with OPENBLAS_CORETYPE set; does not return then.
-// To be called first. What the user has set stays.
+// Restarts the program with OPENBLAS_CORETYPE set if OpenBLAS, which selects its kernels when
+// loaded, has not recognised the processor (common/blas_core.h); does not return then. Must be
+// called first. A value set by the user is kept.
 void use_fast_blas_kernels(char** words);
 
-// How many threads BLAS uses inside one call; 0 where it does not say.
+// Returns the number of threads of one BLAS call; 0 if unknown.
 int blas_thread_count();
 
-// "OpenBLAS 0.3.21 ... SkylakeX": version, and the kernels of this machine, whose last digits are
-// their own. "unknown" of another BLAS.
+// Returns for instance "OpenBLAS 0.3.21 ... SkylakeX": the version and the kernels, on which
+// rounding depends; "unknown" for other libraries.
 std::string blas_name();
 
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// How the stages of the precompute give up: main turns a Failure into a message and an exit code.
+// Exception of the precompute's stages; main turns a Failure into a message and an exit code.
 #pragma once
 
 #include <exception>
@@ -18,7 +18,7 @@ class Failure : public std::exception {
   Error error_;
 };
 
-// The value, or its error as a Failure.
+// Returns the value; throws its error as a Failure.
 template <class T>
 T unwrap(Result<T> result) {
   if (!result) throw Failure(result.error());

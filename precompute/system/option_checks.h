@@ -1,4 +1,4 @@
-// Checks of numbers on the command line: messages say what was expected and what was found.
+// Checks of numbers on the command line, with messages that name the expected and the actual value.
 #pragma once
 
 #include <charconv>
@@ -10,7 +10,7 @@
 
 namespace tremolo {
 
-// A finite number above zero.
+// Accepts finite numbers above zero.
 inline CLI::Validator above_zero() {
   return CLI::Validator(
       [](std::string& text) -> std::string {
@@ -23,7 +23,7 @@ inline CLI::Validator above_zero() {
       "");
 }
 
-// A whole number of at least one.
+// Accepts integers of at least one.
 inline CLI::Validator at_least_one() {
   return CLI::Validator(
       [](std::string& text) -> std::string {
@@ -36,7 +36,7 @@ inline CLI::Validator at_least_one() {
       "");
 }
 
-// Bytes with or without a unit, "500MB", become their number.
+// Accepts a number of bytes with or without a unit, as "500MB", and replaces it by the number.
 inline CLI::Validator byte_count() {
   return CLI::Validator(
       [](std::string& text) -> std::string {
@@ -54,7 +54,7 @@ inline CLI::Validator byte_count() {
       "BYTES");
 }
 
-// What is wrong, in one line.
+// Returns the error message on one line.
 inline std::string one_line_message(const CLI::App* app, const CLI::Error& error) {
   return app->get_name() + ": " + error.what() + " (--help shows what there is)\n";
 }

@@ -12,7 +12,7 @@ namespace {
 
 std::string last_message;
 
-// Keeps the innermost message instead of printing a traceback.
+// Keeps PETSc's innermost message instead of printing a traceback.
 PetscErrorCode keep_message(MPI_Comm, int, const char*, const char*, PetscErrorCode code,
                             PetscErrorType type, const char* message, void*) {
   if (type == PETSC_ERROR_INITIAL && message != nullptr) last_message = message;
@@ -23,10 +23,10 @@ void require(PetscErrorCode code, const char* doing) {
   check_petsc(code, doing);
 }
 
-// A process that no launcher started talks to itself only. Open MPI would start a daemon for it and
-// probe every network first: 0.35 s. Its folder under TMPDIR, which nothing would use, is shared by
-// all such processes: one that ends removes it under the feet of one that starts. What the user set
-// stays; other MPIs do not read these.
+// Isolates a process that was not started by an MPI launcher. Otherwise Open MPI would start a
+// daemon and probe all networks (0.35 s), and would use a session folder under TMPDIR that all such
+// processes share: one that ends could remove it while another starts. Variables set by the user
+// are kept; other MPIs ignore these.
 void start_alone() {
   for (const char* launched : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMIX_NAMESPACE", "PMI_RANK"})
     if (std::getenv(launched) != nullptr) return;
@@ -47,9 +47,9 @@ PetscSession::PetscSession(const char* program, const std::vector<std::string>& 
   pointers.push_back(nullptr);
   int count = static_cast<int>(words.size());
   char** arguments = pointers.data();
-  // A user's ~/.petscrc or environment must not change what the same command gives.
+  // A user's ~/.petscrc or environment must not change the results of a command.
   PetscOptionsSetValue(nullptr, "-skip_petscrc", nullptr);
-  // Signals stay with who installed a handler: an unfinished file is removed on SIGTERM.
+  // Signals must reach our handlers: one removes an unfinished file on SIGTERM.
   PetscOptionsSetValue(nullptr, "-no_signal_handler", nullptr);
   ::unsetenv("PETSC_OPTIONS");
   start_alone();
@@ -82,7 +82,7 @@ void require_factorised(Mat factor) {
   std::string codes;
   bool memory = error == MAT_FACTOR_OUTMEMORY;
   if (who == MATSOLVERMUMPS) {
-    // Allocations and work space, of the analysis and of the factorisation.
+    // Codes for failed allocations and too small workspaces, in analysis and factorisation.
     constexpr std::array<PetscInt, 8> kMemory = {-7, -8, -9, -11, -13, -17, -19, -20};
     PetscInt code = 0, detail = 0;
     require(MatMumpsGetInfog(factor, 1, &code), "ask for the factor");
@@ -161,7 +161,7 @@ bool true_on_all_ranks(bool here) {
 
 bool left_behind(void* handle) noexcept {
   if (std::uncaught_exceptions() == 0 || mpi_ranks() == 1) return false;
-  // Kept in sight, so that a search for leaks does not report what is meant.
+  // The handles stay reachable, so that leak detection does not report them.
   static std::array<void*, 64> handles{};
   static std::size_t count = 0;
   if (count < handles.size()) handles[count++] = handle;
@@ -220,8 +220,7 @@ Columns multiply(Mat a, const Columns& x) {
 
 void sum_over_ranks(Eigen::MatrixXd& matrix) {
   if (mpi_ranks() == 1) return;
-  // Not MPI_Allreduce, which may round differently on each rank: what is decided by the sum must be
-  // decided alike.
+  // MPI_Allreduce may round differently on each rank, and decisions based on the sum must agree.
   const auto size = static_cast<int>(matrix.size());
   if (mpi_rank() == 0)
     MPI_Reduce(MPI_IN_PLACE, matrix.data(), size, MPI_DOUBLE, MPI_SUM, 0, PETSC_COMM_WORLD);

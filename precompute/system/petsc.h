@@ -1,5 +1,5 @@
-// PETSc and SLEPc as C++ values: checked calls and owned handles. One of the few files with their
-// types; linear algebra on columns is done with Eigen on each rank's own rows.
+// PETSc and SLEPc in C++: checked calls and owning handles. Only few files use their types; linear
+// algebra on columns uses Eigen on each rank's own rows.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@
 
 namespace tremolo {
 
-// Initialises MPI, PETSc and SLEPc for the life of the object. `options` are PETSc's own flags.
-// PETSc's signal handlers and its printing of errors are switched off: errors become Failures.
+// Initialises MPI, PETSc and SLEPc for the lifetime of the object. options: flags for PETSc.
+// PETSc's signal handlers and error output are disabled; errors become Failures.
 class PetscSession {
  public:
   PetscSession(const char* program, const std::vector<std::string>& options);
@@ -21,40 +21,40 @@ class PetscSession {
   ~PetscSession();
 };
 
-// Throws Failure with PETSc's own message. `doing` completes "PETSc failed to ...". kSystem when
-// memory ran out, else kSolver.
+// Throws Failure with PETSc's message if `code` is an error. `doing` completes "PETSc failed to
+// ...". kSystem if memory ran out, else kSolver.
 void check_petsc(PetscErrorCode code, const char* doing);
 
-// PETSc does not fail where the package that factorises does. Throws Failure: kSystem when memory
-// ran out, else kSolver.
+// Checks the package's status, since PETSc reports success if a package fails to factorise. Throws
+// Failure: kSystem if memory ran out, else kSolver.
 void require_factorised(Mat factor);
 
-// Options given that nothing asked for: usually a typo or a missing prefix.
+// Returns options that were given but never read: usually a typo or a missing prefix.
 std::vector<std::string> unused_petsc_options();
 
-// Those given, as one line; empty: none.
+// Returns the options given, on one line; empty if there are none.
 std::string petsc_options();
 
-// "major.minor.subminor"
+// Returns "major.minor.subminor".
 std::string version_text(int major, int minor, int subminor);
 
-// Of the libraries that are loaded, which may be later than those compiled against.
+// Versions of the loaded libraries, which may be later than those compiled against.
 std::string petsc_version();
 std::string slepc_version();
 
 int mpi_rank();
 int mpi_ranks();
 
-// One value over all ranks, which call it together and all get the result.
+// Reduce one value over all ranks; collective, the same result on all ranks.
 double over_ranks(double value, MPI_Op operation);
 int over_ranks(int value, MPI_Op operation);
 bool true_on_all_ranks(bool here);
 
-// Whether a handle must be left alone: to destroy it takes all ranks (MUMPS talks to the others),
-// and an exception of this one has left them elsewhere. The program is about to end.
+// Returns whether a handle must not be destroyed: destruction is collective (MUMPS communicates),
+// and an exception on this rank means that the others are elsewhere. The program is about to end.
 bool left_behind(void* handle) noexcept;
 
-// A handle that destroys itself.
+// An owning handle.
 template <class Handle, PetscErrorCode (*Destroy)(Handle*)>
 class PetscHandle {
  public:
@@ -77,27 +77,27 @@ using PetscMatrix = PetscHandle<Mat, MatDestroy>;
 using PetscVector = PetscHandle<Vec, VecDestroy>;
 using PetscEigenSolver = PetscHandle<EPS, EPSDestroy>;
 
-// Several vectors side by side: this rank's rows (local dofs) of each, column-major.
+// A set of distributed vectors: this rank's rows (local dofs) of each, column-major.
 using Columns = Eigen::MatrixXd;
 
-// The same memory as a distributed dense matrix; it must not outlive `columns`.
+// Returns a distributed dense matrix that shares the memory of `columns` and must not outlive it.
 PetscMatrix as_dense(const Columns& columns);
 
-// The same memory as one distributed vector a column.
+// Returns one distributed vector a column, sharing the memory of `columns`.
 std::vector<PetscVector> as_vectors(const Columns& columns);
 
-// The same with memory of their own.
+// Returns one distributed vector a column, with copies of the values.
 std::vector<PetscVector> copied_vectors(const Columns& columns);
 
 std::vector<Vec> handles_of(const std::vector<PetscVector>& vectors);
 
-// A X for a sparse A.
+// Returns A X for a sparse A.
 Columns multiply(Mat a, const Columns& x);
 
-// X^T Y over all ranks.
+// Returns X^T Y over all ranks.
 Eigen::MatrixXd inner_products(const Columns& x, const Columns& y);
 
-// Sum of a matrix over all ranks, in place; the same bits everywhere.
+// Sums a matrix over all ranks, in place; bitwise the same result on all ranks.
 void sum_over_ranks(Eigen::MatrixXd& matrix);
 
 }  // namespace tremolo

@@ -1,15 +1,15 @@
-// SIGTERM and METIS. METIS installs a handler of its own for SIGTERM that longjmps back into the
-// call, out of malloc too: a process that is told to end while METIS orders may hang for ever. So
-// only the main thread takes SIGTERM, and not while METIS runs.
+// Protection of METIS against SIGTERM. METIS installs its own handler, which longjmps back into the
+// call, even out of malloc: a process that receives SIGTERM meanwhile may hang for ever. So only
+// the main thread handles SIGTERM, and not while METIS runs.
 #pragma once
 
 namespace tremolo {
 
-// Lets this thread take SIGTERM or not; threads that it makes inherit which.
+// Block or unblock SIGTERM in this thread; threads that it creates inherit the setting.
 void block_term_signal();
 void take_term_signal();
 
-// Holds SIGTERM back in this thread while it lives; one that came is delivered after.
+// Blocks SIGTERM in this thread for its lifetime; a pending signal is delivered afterwards.
 class TermHeldBack {
  public:
   TermHeldBack() { block_term_signal(); }

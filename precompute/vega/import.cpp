@@ -19,13 +19,13 @@
 namespace tremolo {
 namespace {
 
-// A mesh written with six digits and a basis in single precision stay below this; a frequency is
-// off by half of it at most.
+// Errors of a mesh written with six digits and a basis in single precision stay below this; the
+// relative error of a frequency is at most half of it.
 constexpr double kOrthonormal = 1e-4;
-// Entries of a column so much smaller than its largest are rounding: a solver leaves 1e-14 where a
-// vertex is held, and a displacement of 1e-12 of the largest can neither be seen nor felt.
+// Entries this small relative to the largest of their column are rounding: a solver leaves 1e-14 at
+// held vertices, and a displacement of 1e-12 of the largest has no visible effect.
 constexpr double kRounding = 1e-12;
-// Sums over a million tetrahedra stay far below: what is above is no rounding.
+// Rounding of sums over a million tetrahedra stays far below this.
 constexpr double kAsymmetry = 1e-9;
 
 [[noreturn]] void refuse(const std::string& message) {
@@ -40,9 +40,9 @@ std::string hash_file(const std::string& bytes) {
   return hash_text(hash_bytes(std::as_bytes(std::span(bytes))));
 }
 
-// Rows of all vertices from those of the file.
-BasisRows place_rows(const ImportRequest& request, const Problem& problem,
-                     const Eigen::MatrixXd& basis) {
+// Expands the file's rows to all vertices, with zero rows at fixed ones.
+BasisRows expand_rows(const ImportRequest& request, const Problem& problem,
+                      const Eigen::MatrixXd& basis) {
   const std::size_t n = problem.mesh.vertices.size();
   const std::size_t fixed = problem.fixed.size();
   const auto rows = static_cast<std::size_t>(basis.rows());
@@ -56,17 +56,17 @@ BasisRows place_rows(const ImportRequest& request, const Problem& problem,
   if (rows != 3 * (n - fixed))
     refuse(counts + ", or " + std::to_string(3 * (n - fixed)) + " without the " +
            std::to_string(fixed) + " fixed ones");
-  BasisRows placed = BasisRows::Zero(static_cast<Eigen::Index>(3 * n), basis.cols());
+  BasisRows expanded = BasisRows::Zero(static_cast<Eigen::Index>(3 * n), basis.cols());
   Eigen::Index next = 0;
   for (VertexId v = 0; v < static_cast<VertexId>(n); ++v) {
     if (std::binary_search(problem.fixed.begin(), problem.fixed.end(), v)) continue;
-    placed.middleRows(3 * Eigen::Index{v}, 3) = basis.middleRows(next, 3);
+    expanded.middleRows(3 * Eigen::Index{v}, 3) = basis.middleRows(next, 3);
     next += 3;
   }
-  return placed;
+  return expanded;
 }
 
-// The largest entry of a vertex's rows, each relative to the largest of its column.
+// Returns the largest entry of a vertex's rows, each relative to the largest of its column.
 double largest_share(const BasisRows& basis, const Eigen::RowVectorXd& largest, VertexId v) {
   const Eigen::Index r = basis.cols();
   double share = 0;
@@ -77,9 +77,9 @@ double largest_share(const BasisRows& basis, const Eigen::RowVectorXd& largest, 
   return share;
 }
 
-// Vertices of tetrahedra that the basis does not move are the fixed ones, and the other way round;
-// what rounding has left in their rows becomes zero.
-void settle_fixed(const ImportRequest& request, BasisRows& basis, Problem& problem) {
+// Makes basis and fixed vertices agree: vertices that the basis does not move become fixed, and
+// rounding in the rows of fixed vertices is set to zero.
+void reconcile_fixed(const ImportRequest& request, BasisRows& basis, Problem& problem) {
   const Eigen::RowVectorXd largest = basis.cwiseAbs().colwise().maxCoeff();
   double left = 0;
   const auto hold = [&](VertexId v, double share) {
@@ -121,8 +121,8 @@ std::vector<double> element_densities(const Problem& problem) {
   return densities;
 }
 
-// G where it is needed: nothing when the basis is orthonormal as it is.
-std::optional<Eigen::MatrixXd> settle_mass(const ImportRequest& request, const TetMesh& mesh,
+// Selects the mass and returns G, or none if the basis is orthonormal already.
+std::optional<Eigen::MatrixXd> choose_mass(const ImportRequest& request, const TetMesh& mesh,
                                            const std::vector<double>& density,
                                            const BasisRows& basis, ImportFindings& findings,
                                            std::vector<std::string>& notes) {
@@ -130,7 +130,7 @@ std::optional<Eigen::MatrixXd> settle_mass(const ImportRequest& request, const T
   const Eigen::MatrixXd consistent = reduced_mass(mesh, density, basis, MassKind::kConsistent);
   findings.lumped_error = distance_from_identity(lumped);
   findings.consistent_error = distance_from_identity(consistent);
-  // On a fine mesh the two masses hardly differ: the better one.
+  // On a fine mesh both masses fit: the better one is taken.
   const bool consistent_fits = findings.consistent_error <= kOrthonormal &&
                                findings.consistent_error < findings.lumped_error;
   findings.mass = request.mass_given ? request.mass
@@ -148,7 +148,7 @@ std::optional<Eigen::MatrixXd> settle_mass(const ImportRequest& request, const T
     return std::nullopt;
   }
   if (!request.mass_given) {
-    // The same basis in another density: U^T M U is a multiple of the identity.
+    // A basis for another density shows as U^T M U being a multiple of the identity.
     const double factor = lumped.trace() / static_cast<double>(lumped.rows());
     const bool scaled = factor > 0 && distance_from_identity(lumped / factor) <= kOrthonormal;
     refuse(request.basis_path +
@@ -168,7 +168,7 @@ std::optional<Eigen::MatrixXd> settle_mass(const ImportRequest& request, const T
   return gram;
 }
 
-// R and lambda. A diagonal L keeps its numbers: only their order changes.
+// The change of coordinates R, and lambda. If L is diagonal R is a permutation, so values are kept.
 struct Coordinates {
   Eigen::MatrixXd change;  // R
   Eigen::VectorXd lambda;
@@ -212,8 +212,8 @@ void require_stiff(const Eigen::VectorXd& lambda, const std::string& path) {
                      lambda[0], highest));
 }
 
-// At motions that Tremolo is made for: every coordinate has the same energy or less, some vertex
-// moves by a tenth of the size.
+// Measures the error at three motions of the size Tremolo is meant for: coordinates have at most
+// equal energy, and the largest vertex displacement is a tenth of the body's size.
 double measure_force_error(const ReducedForces& forces, const Coordinates& coordinates,
                            const ReducedTensors& tensors, const BasisRows& basis, double reach) {
   std::mt19937 generator(1);
@@ -242,7 +242,7 @@ void require_finite(const BasisData& data, const BasisRows& basis) {
     refuse("the numbers of the imported files are too large to compute with");
 }
 
-// The files as values; both also whole, for the export.
+// Parsed contents of the files; data.vega keeps the files themselves for the export.
 struct Source {
   Eigen::MatrixXd basis;
   ReducedForces forces;
@@ -261,7 +261,7 @@ Source read_source(const ImportRequest& request, BasisData& data, ImportFindings
   return source;
 }
 
-// Lambda, C and Q of `data`; `basis`, which comes in as U, becomes U R.
+// Computes Lambda, C and Q of `data`. basis: U on entry, U R on return.
 void compute_model(const ImportRequest& request, const ReducedForces& forces, BasisRows& basis,
                    ImportResult& result) {
   BasisData& data = result.data;
@@ -269,7 +269,7 @@ void compute_model(const ImportRequest& request, const ReducedForces& forces, Ba
   ImportFindings& findings = result.findings;
   const std::vector<double> density = element_densities(result.problem);
   const std::optional<Eigen::MatrixXd> mass =
-      settle_mass(request, mesh, density, basis, findings, result.problem.notes);
+      choose_mass(request, mesh, density, basis, findings, result.problem.notes);
   const SymmetrisedForces symmetric = symmetrise(forces);
   findings.asymmetry = symmetric.asymmetry;
   if (!(findings.asymmetry <= kAsymmetry))
@@ -328,8 +328,8 @@ ImportResult import_reduced(const ImportRequest& request, StageLog& log) {
 
   log.begin("import");
   const Source source = read_source(request, data, result.findings);
-  BasisRows basis = place_rows(request, problem, source.basis);
-  settle_fixed(request, basis, problem);
+  BasisRows basis = expand_rows(request, problem, source.basis);
+  reconcile_fixed(request, basis, problem);
   log.end(text("%zu coordinates, %zu fixed vertices", source.forces.size, problem.fixed.size()));
 
   log.begin("coordinates");

@@ -4,12 +4,12 @@ namespace tremolo {
 
 Eigen::MatrixXd reduced_mass(const TetMesh& mesh, const std::vector<double>& density,
                              const BasisRows& basis, MassKind kind) {
-  // Both masses are a sum over vertices, M_v I, and, consistent, one over tetrahedra: rho V/20 of
-  // the outer product of (1, 1, 1, 1) with itself.
+  // Both masses contain a sum over vertices, M_v I. The consistent mass adds one over tetrahedra:
+  // rho V/20 times the outer product of (1, 1, 1, 1) with itself.
   const auto r = basis.cols();
   Eigen::VectorXd vertex_mass = Eigen::VectorXd::Zero(basis.rows() / 3);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(r, r);
-  Eigen::MatrixXd sums(r, 0);  // sqrt(rho V/20) times the sum of the corners' rows, in batches
+  Eigen::MatrixXd sums(r, 0);  // sqrt(rho V/20) times the sum of the corners' rows, batched
   constexpr Eigen::Index kBatch = 768;
   sums.resize(r, kBatch);
   Eigen::Index filled = 0;

@@ -1,4 +1,4 @@
-// What is told about an imported model: in its file and by --json.
+// JSON of an imported model: its provenance and the report of --json.
 #include <cmath>
 #include <filesystem>
 
@@ -45,7 +45,7 @@ std::string import_provenance(const ImportRequest& request, const std::string& c
   json["mesh"] = {{"file", name(request.mesh_path)},
                   {"format", result.problem.mesh_format},
                   {"xxh3_64", result.problem.mesh_hash}};
-  // Of the materials the densities alone are used: the stiffness is the .cub's.
+  // Only the densities of the materials are used; the stiffness comes from the .cub.
   Json densities = Json::array();
   for (const NamedMaterial& named : result.problem.materials.materials)
     densities.push_back({{"name", named.name}, {"density_kg_m3", named.material.density}});

@@ -8,7 +8,7 @@
 namespace tremolo {
 namespace {
 
-// Adds up what rows say about entries, then compares each with the mean.
+// Accumulates the values that rows give for each entry and compares them with their mean.
 class Mean {
  public:
   explicit Mean(std::size_t count) : sum_(count, 0.0), low_(count), high_(count), rows_(count, 0) {}
@@ -21,14 +21,14 @@ class Mean {
   }
 
   std::vector<double> take(double& asymmetry) {
-    double largest = 0, apart = 0;
+    double largest = 0, deviation = 0;
     for (std::size_t e = 0; e < sum_.size(); ++e) {
-      // Equal rows give their own value: a mean would round it.
+      // Equal values are kept exactly; their mean could be rounded.
       sum_[e] = low_[e] == high_[e] ? low_[e] : sum_[e] / rows_[e];
       largest = std::max({largest, std::abs(low_[e]), std::abs(high_[e])});
-      apart = std::max({apart, high_[e] - sum_[e], sum_[e] - low_[e]});
+      deviation = std::max({deviation, high_[e] - sum_[e], sum_[e] - low_[e]});
     }
-    if (largest > 0) asymmetry = std::max(asymmetry, apart / largest);
+    if (largest > 0) asymmetry = std::max(asymmetry, deviation / largest);
     return std::move(sum_);
   }
 
@@ -41,7 +41,7 @@ std::size_t size_of(const ReducedTensors& tensors) {
   return static_cast<std::size_t>(tensors.quadratic.rows());
 }
 
-// A symmetric matrix whose packed entries, i <= j, are given.
+// Returns the symmetric matrix with packed entries entry(i, j), i <= j.
 template <class Entry>
 Eigen::MatrixXd unpack(std::size_t r, const Entry& entry) {
   const auto size = static_cast<Eigen::Index>(r);
@@ -57,7 +57,7 @@ Eigen::MatrixXd unpack(std::size_t r, const Entry& entry) {
 std::vector<double> change_cubic(const ReducedTensors& tensors, const Eigen::MatrixXd& change) {
   const std::size_t r = size_of(tensors);
   const auto size = change.rows();
-  // half(ab, k): both other indices changed; then the last one.
+  // half(ab, k): two indices transformed; the third follows below.
   Eigen::MatrixXd half(static_cast<Eigen::Index>(pair_count(r)), size);
   for (std::size_t k = 0; k < r; ++k) {
     const Eigen::MatrixXd slice =
@@ -83,7 +83,7 @@ std::vector<double> change_cubic(const ReducedTensors& tensors, const Eigen::Mat
 std::vector<double> change_quartic(const ReducedTensors& tensors, const Eigen::MatrixXd& change) {
   const std::size_t r = size_of(tensors);
   const auto pairs = static_cast<Eigen::Index>(pair_count(r));
-  // half(kl, ab): the first two indices changed, a column a pair of new ones.
+  // half(kl, ab): the first two indices transformed to a, b.
   Eigen::MatrixXd half(pairs, pairs);
   for (std::size_t l = 0; l < r; ++l)
     for (std::size_t k = 0; k <= l; ++k) {
@@ -122,7 +122,8 @@ SymmetrisedForces symmetrise(const ReducedForces& forces) {
   const double* linear = forces.linear.data();
   const double* quadratic = forces.quadratic.data();
   const double* cubic = forces.cubic.data();
-  // Row i holds d/dq_i of the tensors: their order times the orderings of the other indices.
+  // Row i contains d/dq_i of the tensors: the order times the number of orderings of the other
+  // indices.
   for (std::size_t i = 0; i < r; ++i)
     for (std::size_t j = 0; j < r; ++j) {
       pairs.add(pair_index_any(i, j), *linear++);

@@ -1,5 +1,5 @@
-// Reduced forces as they come in a .cub -> the symmetric tensors of their potential, in any
-// coordinates.
+// Converts the reduced forces of a .cub file to the symmetric tensors of their potential, and
+// transforms these to other coordinates.
 #pragma once
 
 #include <vector>
@@ -17,19 +17,20 @@ struct ReducedTensors {
   std::vector<double> quartic;  // Q
 };
 
-// A tensor entry stands in as many rows of the forces as it has different indices; the mean is
-// taken. asymmetry: the largest difference of a row from the mean, in parts of the largest entry of
-// its tensor: rounding in forces that have a potential.
+// A tensor entry occurs in as many rows of the forces as it has distinct indices; the mean is
+// taken. asymmetry: largest difference of a row from the mean, relative to the largest entry of the
+// tensor; rounding if the forces have a potential.
 struct SymmetrisedForces {
   ReducedTensors tensors;
   double asymmetry = 0;
 };
 SymmetrisedForces symmetrise(const ReducedForces& forces);
 
-// The same energy over q', where q = change q'. change: r x r. O(r^5), memory of r^4/4 numbers.
+// Returns the same energy as a function of q', q = change q'. change: r x r. O(r^5) operations,
+// memory for r^4/4 numbers.
 ReducedTensors change_coordinates(const ReducedTensors& tensors, const Eigen::MatrixXd& change);
 
-// dV/dq at q.
+// Returns dV/dq at q.
 Eigen::VectorXd gradient(const ReducedTensors& tensors, const Eigen::VectorXd& q);
 
 }  // namespace tremolo
