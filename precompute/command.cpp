@@ -185,7 +185,7 @@ void compute(const CommandLine& line, StageLog& log) {
   print_spectrum(result.data);
   // Stages read from a checkpoint have not read their solver's options.
   if (!result.findings.resumed) warn_of_unused_options();
-  if (line.json) print_json(result, log, ranks);
+  if (line.json) print_result(result, log, ranks);
   unwrap(flush_standard_output());
 }
 

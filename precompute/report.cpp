@@ -53,7 +53,7 @@ double explicit_step_limit(const BasisData& data) {
 
 }  // namespace
 
-void print_json(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks) {
+void print_result(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks) {
   const BasisData& data = result.data;
   const auto r = static_cast<std::size_t>(data.lambda.size());
   Json frequencies = Json::array();

@@ -8,7 +8,7 @@
 namespace tremolo {
 
 // Prints one object on stdout (docs/reference.md).
-void print_json(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks);
+void print_result(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks);
 
 // Prints frequencies and the stability limit of explicit methods on stderr.
 void print_spectrum(const BasisData& data);

@@ -104,6 +104,52 @@ TREMOLO_CLONES void load_gradients(const Solid& solid, const BasisRows& fields, 
 
 namespace {
 
+// Forces on the corners 1..3 of eight elements: [corner][axis][lane]; corner 0 has minus their sum.
+struct alignas(8 * kLanes) CornerForces {
+  double at[3][3][kLanes];
+};
+
+// S(sym(A^T B)) + A S(sym B) + B S(sym A), contracted with the corners' gradients. a, b:
+// displacement gradients; sa, sb: the stresses of their symmetric parts.
+template <class Law>
+[[gnu::always_inline]] inline void pair_forces(const Law& law, const Lanes* a, const Lanes* b,
+                                               const Lanes* sa, const Lanes* sb,
+                                               const Corners& corners, CornerForces& forces) {
+  const LaneStress s = law.stress(
+      a[0] * b[0] + a[3] * b[3] + a[6] * b[6], a[1] * b[1] + a[4] * b[4] + a[7] * b[7],
+      a[2] * b[2] + a[5] * b[5] + a[8] * b[8],
+      0.5 * (a[1] * b[2] + a[4] * b[5] + a[7] * b[8] + a[2] * b[1] + a[5] * b[4] + a[8] * b[7]),
+      0.5 * (a[0] * b[2] + a[3] * b[5] + a[6] * b[8] + a[2] * b[0] + a[5] * b[3] + a[8] * b[6]),
+      0.5 * (a[0] * b[1] + a[3] * b[4] + a[6] * b[7] + a[1] * b[0] + a[4] * b[3] + a[7] * b[6]));
+  // Index of entry (row, column) of a symmetric matrix in the order xx yy zz yz xz xy.
+  constexpr int kAt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+  for (int x = 0; x < 3; ++x) {
+    Lanes piola[3];
+    for (int d = 0; d < 3; ++d) {
+      piola[d] = s.at[kAt[x][d]];
+      for (int c = 0; c < 3; ++c)
+        piola[d] += a[3 * x + c] * sb[kAt[c][d]] + b[3 * x + c] * sa[kAt[c][d]];
+    }
+    for (int corner = 0; corner < 3; ++corner)
+      *reinterpret_cast<Lanes*>(forces.at[corner][x]) = piola[0] * corners.gradients[0][corner] +
+                                                        piola[1] * corners.gradients[1][corner] +
+                                                        piola[2] * corners.gradients[2][corner];
+  }
+}
+
+// Subtracts the forces of all four corners from `column`, the right-hand side of one pair.
+[[gnu::always_inline]] inline void subtract_forces(const CornerForces& forces,
+                                                   const Corners& corners, double* column) {
+  for (std::size_t lane = 0; lane < kLanes; ++lane)
+    for (int x = 0; x < 3; ++x) {
+      const double f[3] = {forces.at[0][x][lane], forces.at[1][x][lane], forces.at[2][x][lane]};
+      if (corners.rows[0][lane] >= 0) column[corners.rows[0][lane] + x] -= f[0] + f[1] + f[2];
+      for (int corner = 0; corner < 3; ++corner)
+        if (corners.rows[corner + 1][lane] >= 0)
+          column[corners.rows[corner + 1][lane] + x] += f[corner];
+    }
+}
+
 template <class Law>
 [[gnu::always_inline]] inline void subtract_with(const Solid& solid,
                                                  const std::vector<int>& elements,
@@ -132,38 +178,9 @@ template <class Law>
       const Lanes* b = gradients[static_cast<std::size_t>(pairs[p].j)].at;
       const Lanes* sa = stresses[static_cast<std::size_t>(pairs[p].i)].at;
       const Lanes* sb = stresses[static_cast<std::size_t>(pairs[p].j)].at;
-      // S(sym(A^T B)); the loop below adds A S(sym B) + B S(sym A).
-      const LaneStress s = law.stress(
-          a[0] * b[0] + a[3] * b[3] + a[6] * b[6], a[1] * b[1] + a[4] * b[4] + a[7] * b[7],
-          a[2] * b[2] + a[5] * b[5] + a[8] * b[8],
-          0.5 * (a[1] * b[2] + a[4] * b[5] + a[7] * b[8] + a[2] * b[1] + a[5] * b[4] + a[8] * b[7]),
-          0.5 * (a[0] * b[2] + a[3] * b[5] + a[6] * b[8] + a[2] * b[0] + a[5] * b[3] + a[8] * b[6]),
-          0.5 *
-              (a[0] * b[1] + a[3] * b[4] + a[6] * b[7] + a[1] * b[0] + a[4] * b[3] + a[7] * b[6]));
-      // Index of entry (row, column) of a symmetric matrix in the order xx yy zz yz xz xy.
-      constexpr int kAt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-      alignas(8 * kLanes) double forces[3][3][kLanes];  // [corner 1..3][axis]
-      for (int x = 0; x < 3; ++x) {
-        Lanes piola[3];
-        for (int d = 0; d < 3; ++d) {
-          piola[d] = s.at[kAt[x][d]];
-          for (int c = 0; c < 3; ++c)
-            piola[d] += a[3 * x + c] * sb[kAt[c][d]] + b[3 * x + c] * sa[kAt[c][d]];
-        }
-        for (int corner = 0; corner < 3; ++corner)
-          *reinterpret_cast<Lanes*>(forces[corner][x]) = piola[0] * corners.gradients[0][corner] +
-                                                         piola[1] * corners.gradients[1][corner] +
-                                                         piola[2] * corners.gradients[2][corner];
-      }
-      double* column = out + p * stride;
-      for (std::size_t lane = 0; lane < kLanes; ++lane)
-        for (int x = 0; x < 3; ++x) {
-          const double f[3] = {forces[0][x][lane], forces[1][x][lane], forces[2][x][lane]};
-          if (corners.rows[0][lane] >= 0) column[corners.rows[0][lane] + x] -= f[0] + f[1] + f[2];
-          for (int corner = 0; corner < 3; ++corner)
-            if (corners.rows[corner + 1][lane] >= 0)
-              column[corners.rows[corner + 1][lane] + x] += f[corner];
-        }
+      CornerForces forces;
+      pair_forces(law, a, b, sa, sb, corners, forces);
+      subtract_forces(forces, corners, out + p * stride);
     }
   }
 }

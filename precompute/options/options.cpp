@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 
+#include "precompute/checkpoint/checkpoint.h"
 #include "precompute/options/config_option.h"
 #include "precompute/options/solid_options.h"
 #include "precompute/system/failure.h"
@@ -36,11 +38,136 @@ std::string without_output_options(const std::vector<std::string>& words) {
   return line;
 }
 
+// What is read as text first.
+struct ModelTexts {
+  std::string encoding = "full";
+  std::string solver = "auto";
+  std::uint64_t memory = 0;  // bytes
+};
+
+void add_outputs(CLI::App& app, PrecomputeOptions& options, ModelTexts& texts) {
+  app.add_option("-o,--output", options.output_path, "the basis file to write");
+  app.add_option(
+      "--render", options.render_path,
+      "surface that is drawn in place of the mesh's boundary and moves with it: .obj .ply "
+      ".stl .gltf .glb .fbx ... (default: the surface that was meshed)");
+  app.add_option("--select", options.select,
+                 "print the vertices that a selector chooses, and compute nothing");
+  app.add_option("--preview", options.preview,
+                 "write the mesh's boundary, .ply, painted: blue what is held, red what is loaded, "
+                 "with an arrow, green what --select finds; without --output nothing is computed");
+  app.add_option("--modes-vtu", options.modes_vtu,
+                 "also write the modes on the tetrahedra, .vtu, for ParaView and meshio");
+  app.add_option("--encoding", texts.encoding,
+                 "full (f64), or compact: coefficients f32, basis rows 16 bits; the error is told")
+      ->check(CLI::IsMember({"full", "compact"}))
+      ->capture_default_str();
+}
+
+void add_model_options(CLI::App& app, PrecomputeOptions& options) {
+  app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)");
+  app.add_option("--modes", options.modes,
+                 "R, coordinates to keep (default 30; with --linear all linear modes)");
+  CLI::Option* target_error = app.add_option(
+      "--target-error", options.target_error,
+      "E, e.g. 0.02: as many coordinates as it takes for the static displacement under the\n"
+      "default load to be off by E at most, measured against the whole mesh");
+  app.add_flag("--certify,!--no-certify", options.certify,
+               "count the modes by inertia as well: one more factorisation (default: yes)");
+  CLI::Option* linear =
+      app.add_flag("--linear", options.linear,
+                   "the linear modes alone: no derivatives, no cubic and quartic terms");
+  target_error->excludes(linear);
+}
+
+void add_import(CLI::App& app, PrecomputeOptions& options) {
+  CLI::Option* basis = app.add_option(
+      "--import-basis", options.import_basis,
+      "VegaFEM's basis, .U, over the vertices of this mesh: nothing is solved. It is "
+      "orthonormal in the lumped mass, of which --density is part (--material file: the "
+      "mesh file's own)");
+  // --up: the rows of an imported basis refer to the axes of the mesh's file.
+  for (const char* other :
+       {"--linear-modes", "--modes", "--linear", "--target-error", "--point-mass", "--up"})
+    basis->excludes(app.get_option(other));
+  CLI::Option* cubic =
+      app.add_option("--import-cubic", options.import_cubic,
+                     "VegaFEM's polynomials of the reduced forces, .cub; the stiffness is theirs");
+  cubic->needs(basis);
+  basis->needs(cubic);
+}
+
+void add_solver_options(CLI::App& app, PrecomputeOptions& options, ModelTexts& texts) {
+  app.add_option(
+         "--solver", texts.solver,
+         "cholmod (a factor in one process), mumps (spread over ranks), iterative (multigrid,\n"
+         "no factor) or auto: a factor where memory allows")
+      ->check(CLI::IsMember({"auto", "cholmod", "mumps", "iterative"}))
+      ->capture_default_str();
+  app.add_option("--memory", texts.memory, "bytes a rank may use, e.g. 4GB (default: what is free)")
+      ->transform(byte_count());
+  CLI::Option* checkpoint = app.add_flag(
+      "--checkpoint", options.checkpoint.keep,
+      "keep every finished stage in the folder OUTPUT.checkpoint until all is written");
+  CLI::Option* resume =
+      app.add_flag("--resume", options.checkpoint.resume,
+                   "go on from the stages in OUTPUT.checkpoint, and keep the further ones there");
+  for (CLI::Option* option : {checkpoint, resume})
+    option->excludes(app.get_option("--import-basis"))->excludes(app.get_option("--target-error"));
+  app.add_flag("--limits", options.limits,
+               "measure this machine and print the shortest time each stage could take on it");
+}
+
+void finish_model_options(const ModelTexts& texts, PrecomputeOptions& options) {
+  for (const LinearSolver each :
+       {LinearSolver::kCholmod, LinearSolver::kMumps, LinearSolver::kIterative})
+    if (texts.solver == name_of(each)) options.solver = each;
+  if (texts.memory > 0) options.memory = static_cast<double>(texts.memory);
+  options.encoding = texts.encoding == "compact" ? BasisEncoding::kCompact : BasisEncoding::kFull;
+  options.checkpoint.keep = options.checkpoint.keep || options.checkpoint.resume;
+  options.checkpoint.folder = checkpoint_folder(options.output_path);
+  options.imported = !options.import_basis.empty();
+}
+
+// False when the options contradict each other (the text has been printed).
+bool check_options(const std::vector<std::string>& words, PrecomputeOptions& options) {
+  if (options.output_path.empty() && options.select.empty() && options.preview.empty()) {
+    std::cerr << "tremolo-precompute: --output is required\n";
+    return false;
+  }
+  if (!options.target_error || !options.modes) return true;
+  const auto gives_modes = [](const std::string& word) {
+    return word == "--modes" || word.starts_with("--modes=");
+  };
+  if (std::any_of(words.begin(), words.end(), gives_modes)) {
+    std::cerr << "tremolo-precompute: --target-error chooses the coordinates: leave --modes out\n";
+    return false;
+  }
+  options.modes.reset();  // set in a config file
+  return true;
+}
+
+// The exit code when the words are not a command line, or ask for help (the text has been printed).
+std::optional<int> parse(CLI::App& app, const std::vector<std::string>& words) {
+  try {
+    std::vector<std::string> reversed(words.rbegin(), words.rend());
+    app.parse(reversed);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error, std::cout, std::cerr);
+    return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});
+  } catch (const Failure& failure) {
+    std::cerr << "tremolo-precompute: " << failure.what() << "\n";
+    return exit_code(failure.error());
+  }
+}
+
 }  // namespace
 
 std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   CommandLine line;
   PrecomputeOptions& options = line.options;
+  const int wrong = exit_code({ErrorKind::kUsage, ""});
   std::vector<std::string> own;
   int at = 1;
   for (; at < count && std::string(words[at]) != "--"; ++at) own.emplace_back(words[at]);
@@ -58,115 +185,23 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   app.set_version_flag("--version", std::string("tremolo-precompute ") + TREMOLO_VERSION);
   app.allow_config_extras(CLI::config_extras_mode::error);
   add_config_option(app, "read options from a TOML file (keys are the long flag names)");
-  SolidTexts texts;
-  add_solid_options(app, options, texts);
-  app.add_option("-o,--output", options.output_path, "the basis file to write");
-  app.add_option(
-      "--render", options.render_path,
-      "surface that is drawn in place of the mesh's boundary and moves with it: .obj .ply "
-      ".stl .gltf .glb .fbx ... (default: the surface that was meshed)");
-  app.add_option("--select", options.select,
-                 "print the vertices that a selector chooses, and compute nothing");
-  app.add_option("--preview", options.preview,
-                 "write the mesh's boundary, .ply, painted: blue what is held, red what is loaded, "
-                 "with an arrow, green what --select finds; without --output nothing is computed");
-  CLI::Option* linear_modes =
-      app.add_option("--linear-modes", options.linear_modes, "K, linear modes (default 20)");
-  CLI::Option* modes =
-      app.add_option("--modes", options.modes,
-                     "R, coordinates to keep (default 30; with --linear all linear modes)");
-  CLI::Option* target_error = app.add_option(
-      "--target-error", options.target_error,
-      "E, e.g. 0.02: as many coordinates as it takes for the static displacement under the\n"
-      "default load to be off by E at most, measured against the whole mesh");
-  const CLI::Option* mass_option = app.get_option("--mass");
-  app.add_flag("--certify,!--no-certify", options.certify,
-               "count the modes by inertia as well: one more factorisation (default: yes)");
-  CLI::Option* linear =
-      app.add_flag("--linear", options.linear,
-                   "the linear modes alone: no derivatives, no cubic and quartic terms");
-  target_error->excludes(linear);
-  std::string encoding = "full";
-  app.add_option("--encoding", encoding,
-                 "full (f64), or compact: coefficients f32, basis rows 16 bits; the error is told")
-      ->check(CLI::IsMember({"full", "compact"}))
-      ->capture_default_str();
-  app.add_option("--import-basis", options.import_basis,
-                 "VegaFEM's basis, .U, over the vertices of this mesh: nothing is solved. It is "
-                 "orthonormal in the lumped mass, of which --density is part (--material file: the "
-                 "mesh file's own)")
-      ->excludes(linear_modes)
-      ->excludes(modes)
-      ->excludes(linear)
-      ->excludes(target_error)
-      ->excludes(app.get_option("--point-mass"));
-  app.add_option("--import-cubic", options.import_cubic,
-                 "VegaFEM's polynomials of the reduced forces, .cub; the stiffness is theirs")
-      ->needs("--import-basis");
-  app.get_option("--import-basis")->needs("--import-cubic");
-  // The rows of an imported basis refer to the axes of the mesh's file.
-  app.get_option("--import-basis")->excludes("--up");
-  app.add_option("--modes-vtu", options.modes_vtu,
-                 "also write the modes on the tetrahedra, .vtu, for ParaView and meshio");
-  std::string solver = "auto";
-  app.add_option(
-         "--solver", solver,
-         "cholmod (a factor in one process), mumps (spread over ranks), iterative (multigrid,\n"
-         "no factor) or auto: a factor where memory allows")
-      ->check(CLI::IsMember({"auto", "cholmod", "mumps", "iterative"}))
-      ->capture_default_str();
-  std::uint64_t memory = 0;
-  app.add_option("--memory", memory, "bytes a rank may use, e.g. 4GB (default: what is free)")
-      ->transform(byte_count());
-  CLI::Option* import = app.get_option("--import-basis");
-  app.add_flag("--checkpoint", options.checkpoint,
-               "keep every finished stage in the folder OUTPUT.checkpoint until all is written")
-      ->excludes(import)
-      ->excludes(target_error);
-  app.add_flag("--resume", options.resume,
-               "go on from the stages in OUTPUT.checkpoint, and keep the further ones there")
-      ->excludes(import)
-      ->excludes(target_error);
-  app.add_flag("--limits", options.limits,
-               "measure this machine and print the shortest time each stage could take on it");
+  SolidTexts solid_texts;
+  ModelTexts model_texts;
+  add_solid_options(app, options, solid_texts);
+  add_outputs(app, options, model_texts);
+  add_model_options(app, options);
+  add_import(app, options);
+  add_solver_options(app, options, model_texts);
   app.add_flag("--json", line.json, "print one JSON object on stdout");
 
-  if (!vectors_are_words(own, "--load-force")) return exit_code({ErrorKind::kUsage, ""});
-  try {
-    std::vector<std::string> reversed(own.rbegin(), own.rend());
-    app.parse(reversed);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error, std::cout, std::cerr);
-    return code == 0 ? 0 : exit_code({ErrorKind::kUsage, ""});
-  } catch (const Failure& failure) {
-    std::cerr << "tremolo-precompute: " << failure.what() << "\n";
-    return exit_code(failure.error());
-  }
+  if (!vectors_are_words(own, "--load-force")) return wrong;
+  if (const std::optional<int> code = parse(app, own)) return *code;
   options.config_path = config_path(app);
-  if (options.output_path.empty() && options.select.empty() && options.preview.empty()) {
-    std::cerr << "tremolo-precompute: --output is required\n";
-    return exit_code({ErrorKind::kUsage, ""});
-  }
-  if (options.target_error && options.modes) {
-    const auto gives_modes = [](const std::string& word) {
-      return word == "--modes" || word.starts_with("--modes=");
-    };
-    if (std::any_of(own.begin(), own.end(), gives_modes)) {
-      std::cerr
-          << "tremolo-precompute: --target-error chooses the coordinates: leave --modes out\n";
-      return exit_code({ErrorKind::kUsage, ""});
-    }
-    options.modes.reset();  // set in a config file
-  }
-  for (const LinearSolver each :
-       {LinearSolver::kCholmod, LinearSolver::kMumps, LinearSolver::kIterative})
-    if (solver == name_of(each)) options.solver = each;
-  if (memory > 0) options.memory = static_cast<double>(memory);
+  if (!check_options(own, options)) return wrong;
   line.settings = app.config_to_str(true);
-  options.encoding = encoding == "compact" ? BasisEncoding::kCompact : BasisEncoding::kFull;
-  options.checkpoint = options.checkpoint || options.resume;
-  options.mass_given = mass_option->count() > 0;
-  if (!finish_solid_options(texts, options)) return exit_code({ErrorKind::kUsage, ""});
+  options.mass_given = app.get_option("--mass")->count() > 0;
+  finish_model_options(model_texts, options);
+  if (!finish_solid_options(solid_texts, options)) return wrong;
   return line;
 }
 

@@ -223,10 +223,8 @@ LdlReport examine(const Factorisation& w) {
   return report;
 }
 
-}  // namespace
-
-LdlReport factorise_ldl(const Supernodes& pattern, const int* order, const SparseRows& a,
-                        double* values, unsigned threads) {
+Factorisation prepare(const Supernodes& pattern, const int* order, const SparseRows& a,
+                      double* values) {
   const int count = static_cast<int>(pattern.count);
   const auto size = static_cast<std::size_t>(a.rows);
   Factorisation w{pattern, a, order, {}, {}, {}, {}, {}, {}, values};
@@ -242,29 +240,37 @@ LdlReport factorise_ldl(const Supernodes& pattern, const int* order, const Spars
   w.first_pending.assign(pattern.count, -1);
   w.next_pending.assign(pattern.count, -1);
   w.next_row.assign(pattern.count, 0);
+  return w;
+}
 
-  const std::vector<Range> ranges = independent_subtrees(w);
+// Queues panel d as one that updates supernode `next`; -1: it updates none any more.
+void queue_update_of(Factorisation& w, int d, int next) {
+  if (next < 0) return;
+  w.next_pending[d] = w.first_pending[next];
+  w.first_pending[next] = d;
+}
+
+// Computes independent subtrees in parallel and queues the panels that reach beyond theirs.
+void compute_subtrees(Factorisation& w, const std::vector<Range>& ranges, unsigned threads) {
   std::vector<std::vector<int>> outgoing(ranges.size());
-  {
-    const BlasThreads single(1);
-    parallel_for(ranges.size(), threads, [&](std::size_t i) {
-      Scratch scratch;
-      outgoing[i] = compute_range(w, ranges[i].first, ranges[i].last, scratch);
-    });
-  }
+  const BlasThreads single(1);
+  parallel_for(ranges.size(), threads, [&](std::size_t i) {
+    Scratch scratch;
+    outgoing[i] = compute_range(w, ranges[i].first, ranges[i].last, scratch);
+  });
   for (const std::vector<int>& panels : outgoing)
-    for (int d : panels) {
-      const int next = w.node_of[w.row(d)[w.next_row[d]]];
-      w.next_pending[d] = w.first_pending[next];
-      w.first_pending[next] = d;
-    }
+    for (int d : panels) queue_update_of(w, d, w.node_of[w.row(d)[w.next_row[d]]]);
+}
+
+// Computes the supernodes above the subtrees in order; BLAS shares the large ones.
+void compute_top(Factorisation& w, const std::vector<Range>& ranges, unsigned threads) {
   // Small panels are not worth sharing, since the threads would mostly wait for each other.
   constexpr int kWorthwhile = 1500;  // rows
-  const BlasThreads shared(pattern.most_rows < kWorthwhile ? 1 : static_cast<int>(threads));
+  const BlasThreads shared(w.f.most_rows < kWorthwhile ? 1 : static_cast<int>(threads));
   Scratch scratch;
-  scratch.at.resize(size);
+  scratch.at.resize(static_cast<std::size_t>(w.a.rows));
   std::size_t range = 0;
-  for (int s = 0; s < count; ++s) {
+  for (int s = 0; s < static_cast<int>(w.f.count); ++s) {
     if (range < ranges.size() && s == ranges[range].first) {
       s = ranges[range++].last;
       continue;
@@ -272,20 +278,22 @@ LdlReport factorise_ldl(const Supernodes& pattern, const int* order, const Spars
     compute_supernode(w, s, scratch);
     for (int d = w.first_pending[s]; d >= 0;) {
       const int after = w.next_pending[d];
-      const int next = next_target(w, d, s);
-      if (next >= 0) {
-        w.next_pending[d] = w.first_pending[next];
-        w.first_pending[next] = d;
-      }
+      queue_update_of(w, d, next_target(w, d, s));
       d = after;
     }
     w.next_row[s] = w.columns(s);
-    const int next = next_target(w, s, s);
-    if (next >= 0) {
-      w.next_pending[s] = w.first_pending[next];
-      w.first_pending[next] = s;
-    }
+    queue_update_of(w, s, next_target(w, s, s));
   }
+}
+
+}  // namespace
+
+LdlReport factorise_ldl(const Supernodes& pattern, const int* order, const SparseRows& a,
+                        double* values, unsigned threads) {
+  Factorisation w = prepare(pattern, order, a, values);
+  const std::vector<Range> ranges = independent_subtrees(w);
+  compute_subtrees(w, ranges, threads);
+  compute_top(w, ranges, threads);
   return examine(w);
 }
 
