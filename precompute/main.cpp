@@ -34,7 +34,7 @@
 namespace tremolo {
 namespace {
 
-void print_json(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks) {
+void print_result(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks) {
   using Json = nlohmann::ordered_json;
   const BasisData& data = result.data;
   const auto r = static_cast<std::size_t>(data.lambda.size());
@@ -88,7 +88,7 @@ void print_json(const PrecomputeResult& result, const StageLog& log, const RankT
       {"ranks", mpi_ranks()},
       {"stages", stages},
       {"stages_of_ranks", of_ranks}};
-  std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+  print_json(json);
 }
 
 // The user sees at once what came out.
@@ -132,7 +132,7 @@ void print_selection(const PrecomputeOptions& options) {
   for (const VertexId id : ids) places.push_back(problem.mesh.vertices[id]);
   write_preview(options, problem);
   std::cout << describe_vertices(ids, places) << "\n";
-  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
+  unwrap(flush_standard_output());
 }
 
 // --preview without an output: the painted surface, and nothing else.
@@ -183,7 +183,7 @@ void run_import(const CommandLine& line, StageLog& log) {
   write_vtu(options, result.problem.mesh, result.data, log);
   print_spectrum(result.data);
   if (line.json) std::cout << import_report(result);
-  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
+  unwrap(flush_standard_output());
 }
 
 int report(const Error& error) {
@@ -288,8 +288,8 @@ void run(const CommandLine& line) {
   print_spectrum(result.data);
   // Stages that were there have asked for none.
   if (!result.findings.resumed) warn_of_unused_options();
-  if (line.json) print_json(result, log, ranks);
-  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
+  if (line.json) print_result(result, log, ranks);
+  unwrap(flush_standard_output());
 }
 
 // `work`, whose BLAS is called by so many threads at once, with PETSc running.

@@ -4,6 +4,7 @@
 #include <metis.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/file/standard_streams.h"
 #include "precompute/pipeline.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/system/petsc.h"
@@ -108,7 +109,7 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
       {"slepc", slepc_version()},
       {"metis", version_text(METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR)}};
   // A file name need not be UTF-8; the provenance is.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 }  // namespace tremolo

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 
 #include "common/format_text.h"
 #include "common/stage_log.h"
 #include "formats/basis/basis_reader.h"
 #include "formats/basis/selector_reader.h"
 #include "formats/file/atomic_file.h"
+#include "formats/file/standard_streams.h"
 #include "precompute/options/named_files.h"
 #include "precompute/problem/wall_layers.h"
 #include "precompute/reference/reference_loads.h"
@@ -358,9 +358,8 @@ void run_reference(const ReferenceOptions& options) {
     run_motion(work);
   work.json["exit_code"] = work.broken ? exit_code(work.broken->error()) : 0;
   work.json["reason"] = work.broken ? Json(work.broken->error().message) : Json(nullptr);
-  if (options.json)
-    std::cout << work.json.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
-  if (!std::cout.flush()) throw Failure(system_error("standard output cannot be written"));
+  if (options.json) print_json(work.json);
+  unwrap(flush_standard_output());
   if (work.broken) throw Failure(*work.broken);
 }
 

@@ -5,17 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "common/hertz.h"
+#include "formats/file/standard_streams.h"
 #include "precompute/vega/import.h"
 
 namespace tremolo {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// A file name need not be UTF-8; the JSON is.
-std::string dump(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
 
 Json import_json(const ImportFindings& findings) {
   return {{"mass", findings.mass == MassKind::kLumped ? "lumped" : "consistent"},
@@ -62,25 +58,26 @@ std::string import_provenance(const PrecomputeOptions& options, const ImportResu
                              {"xxh3_64", findings.cubic_hash}};
   json["mass_orthonormality_error"] = findings.orthonormality_error;
   if (findings.encoding_error) json["encoding"] = encoding_json(findings);
-  return dump(json);
+  return json_text(json);
 }
 
 std::string import_report(const ImportResult& result) {
   const BasisData& data = result.data;
   Json frequencies = Json::array();
   for (double value : data.lambda) frequencies.push_back(hertz(value));
-  return dump({{"n", data.vertex_count},
-               {"m", data.tetrahedron_count},
-               {"r", data.lambda.size()},
-               {"fixed_vertices", data.fixed_vertex_count},
-               {"rigid_modes", data.rigid_mode_count},
-               {"frequencies_hz", frequencies},
-               {"explicit_step_limit_s", 2.0 / std::sqrt(data.lambda[data.lambda.size() - 1])},
-               {"total_mass_kg", data.total_mass},
-               {"mass_orthonormality_error", result.findings.orthonormality_error},
-               {"import", import_json(result.findings)},
-               {"encoding", encoding_json(result.findings)},
-               {"notes", result.problem.notes}});
+  return json_text(
+      Json{{"n", data.vertex_count},
+           {"m", data.tetrahedron_count},
+           {"r", data.lambda.size()},
+           {"fixed_vertices", data.fixed_vertex_count},
+           {"rigid_modes", data.rigid_mode_count},
+           {"frequencies_hz", frequencies},
+           {"explicit_step_limit_s", 2.0 / std::sqrt(data.lambda[data.lambda.size() - 1])},
+           {"total_mass_kg", data.total_mass},
+           {"mass_orthonormality_error", result.findings.orthonormality_error},
+           {"import", import_json(result.findings)},
+           {"encoding", encoding_json(result.findings)},
+           {"notes", result.problem.notes}});
 }
 
 }  // namespace tremolo

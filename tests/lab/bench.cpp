@@ -1,10 +1,10 @@
 #include "tests/lab/bench.h"
 
 #include <filesystem>
-#include <iostream>
 
 #include <fmt/format.h>
 
+#include "formats/file/standard_streams.h"
 #include "runtime/program/output/tell.h"
 #include "tests/lab/bench/precision_report.h"
 #include "tests/lab/bench/stability.h"
@@ -88,8 +88,8 @@ Result<int> measure_and_report(const Options& options, std::vector<SampleModel> 
   for (const std::string& sentence : sentences) tell("{}\n", sentence);
   print(criteria);
   tell("wrote {}\n", path);
-  if (options.json) std::cout << to_json(options, criteria, sentences, speed).dump(2) << "\n";
-  if (!std::cout.flush()) return system_error("standard output cannot be written");
+  if (options.json) print_json(to_json(options, criteria, sentences, speed));
+  if (Status s = flush_standard_output(); !s) return s.error();
   return exit_code(criteria);
 }
 

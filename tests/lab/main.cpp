@@ -1,14 +1,10 @@
 // tremolo-lab: what the methods cost and how far they are from the truth. `tremolo bench` and
 // `tremolo reproduce` start it.
-#include <exception>
 #include <iostream>
-#include <new>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
-#include "formats/file/atomic_file.h"
-#include "formats/file/standard_streams.h"
 #include "runtime/program/output/tell.h"
 #include "tests/lab/bench.h"
 #include "tests/lab/reproduce.h"
@@ -76,7 +72,7 @@ int run_laboratory(int count, char** words) {
     app.parse(count, words);
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error, std::cout, std::cerr);
-    return code == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
+    return code == 0 ? 0 : exit_code(ErrorKind::kUsage);
   }
   if (reproduce) return reproduce_command(reproduce_options);
   if (quick) shorten(bench, bench_options);
@@ -87,13 +83,5 @@ int run_laboratory(int count, char** words) {
 }  // namespace tremolo
 
 int main(int count, char** words) {
-  tremolo::hold_standard_streams();
-  tremolo::remove_partial_files_on_signals();
-  try {
-    return tremolo::run_laboratory(count, words);
-  } catch (const std::bad_alloc&) {
-    return tremolo::report_error(tremolo::system_error("out of memory"));
-  } catch (const std::exception& exception) {
-    return tremolo::report_error(tremolo::system_error(exception.what()));
-  }
+  return tremolo::run_guarded([&] { return tremolo::run_laboratory(count, words); });
 }

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 
 #include <fmt/format.h>
 
 #include "formats/file/checksum.h"
+#include "formats/file/standard_streams.h"
 #include "runtime/program/output/progress.h"
 #include "runtime/program/output/tell.h"
 #include "tests/lab/damping/damping_matrix.h"
@@ -181,12 +181,8 @@ int reproduce_command(const ReproduceOptions& options) {
   print(outcome.criteria);
   note(verdict(outcome.criteria));
   note("wrote " + report);
-  if (options.json)
-    std::cout
-        << to_json(outcome, report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
-        << "\n";
-  if (!std::cout.flush()) return report_error(system_error("standard output cannot be written"));
-  return exit_code(outcome.criteria);
+  if (options.json) print_json(to_json(outcome, report));
+  return flushed(exit_code(outcome.criteria));
 }
 
 }  // namespace tremolo
