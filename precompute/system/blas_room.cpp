@@ -47,8 +47,8 @@ bool there_is_room(std::size_t bytes) {
   return true;
 }
 
-// Grows this thread's stack to its largest size. Stacks grow on demand, and if no address space is
-// left then, the program dies by SIGSEGV.
+// Grows this thread's stack to the size it may need. Stacks grow on demand, and if no address space
+// is left then, the program dies by SIGSEGV.
 void grow_stack() {
   constexpr std::size_t kDepth = std::size_t{4} << 20;
   struct rlimit most = {};
