@@ -17,10 +17,10 @@ namespace {
 std::vector<double> point_mass_of_part(const Problem& problem, const LocalDofs& local) {
   const std::vector<double> all =
       mass_of_vertices(problem.point_masses, problem.mesh.vertices.size());
-  std::vector<double> ours;
+  std::vector<double> local_mass;
   if (!all.empty())
-    for (const VertexId v : local.vertices) ours.push_back(all[static_cast<std::size_t>(v)]);
-  return ours;
+    for (const VertexId v : local.vertices) local_mass.push_back(all[static_cast<std::size_t>(v)]);
+  return local_mass;
 }
 
 // Returns the rigid motions to be kept out of the modes.

@@ -110,7 +110,7 @@ std::string differences(const std::string& there, const CheckpointIdentity& here
     text.append(text.empty() ? "" : ", ").append(name).append(" (").append(printable(kept[name]));
     text.append(" there, ").append(value).append(" here)");
   }
-  return text.empty() ? "more is said of them" : text;
+  return text.empty() ? "they have further entries" : text;
 }
 
 }  // namespace
@@ -169,7 +169,7 @@ void Checkpoint::require_same_identity(const CheckpointIdentity& identity) {
   if (!any) log_.note("nothing to resume in " + folder_ + ": all stages are computed");
   std::optional<Error> refusal;
   if (!different.empty())
-    refusal = content_error(folder_ + ": the stages there are of another run: " + different +
+    refusal = content_error(folder_ + ": the stages in it belong to another run: " + different +
                             ". Resume with that run's options, or start anew with --checkpoint in "
                             "place of --resume");
   fail_together(refusal);
@@ -204,7 +204,7 @@ std::optional<CheckpointFile> Checkpoint::open(const std::string& stage,
   }
   const Result<std::string> identity = file->text(kIdentity);
   if (identity && *identity == identity_) return std::move(*file);
-  problem = identity ? path(stage) + ": of another run" : identity.error().message;
+  problem = identity ? path(stage) + ": belongs to another run" : identity.error().message;
   return std::nullopt;
 }
 
@@ -217,7 +217,7 @@ bool Checkpoint::find(const std::string& stage,
   bool good = file.has_value();
   if (good) try {
       const std::vector<std::int64_t> one = unwrap(file->integers(kTogether));
-      if (one.size() != 1) throw Failure(content_error("not one number 'together'"));
+      if (one.size() != 1) throw Failure(content_error("expected one number 'together'"));
       together = one[0];
       take(*file);
     } catch (const Failure& failure) {
@@ -232,10 +232,11 @@ bool Checkpoint::find(const std::string& stage,
     return true;
   }
   if (none) return false;
-  if (!good && problem.empty()) problem = path(stage) + ": there is none";
+  if (!good && problem.empty()) problem = path(stage) + ": the file is missing";
   const std::string message = first_text(problem);
-  log_.note((all ? folder_ + ": the files of stage '" + stage + "' are not of one run" : message) +
-            "; the stage is computed again");
+  log_.note(
+      (all ? folder_ + ": the files of stage '" + stage + "' belong to different runs" : message) +
+      "; the stage is computed again");
   return false;
 }
 

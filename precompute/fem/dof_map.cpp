@@ -173,7 +173,7 @@ namespace {
 
 // Selects the tetrahedra and vertices of one rank's part of the mesh.
 void choose_part(const TetMesh& mesh, const DofMap& map, int rank, LocalDofs& local) {
-  const auto ours = [&](VertexId v) {
+  const auto is_owned = [&](VertexId v) {
     const int node = map.node_of_vertex[v] - local.first_node;
     return node >= 0 && node < local.nodes;
   };
@@ -181,7 +181,7 @@ void choose_part(const TetMesh& mesh, const DofMap& map, int rank, LocalDofs& lo
   std::vector<char> used(mesh.vertices.size(), 0);
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     const Tetrahedron& tet = mesh.tetrahedra[e];
-    if (std::none_of(tet.begin(), tet.end(), ours)) continue;
+    if (std::none_of(tet.begin(), tet.end(), is_owned)) continue;
     (element_rank(map, tet) == rank ? local.tetrahedra : others).push_back(e);
     for (const VertexId v : tet) used[v] = 1;
   }

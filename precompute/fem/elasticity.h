@@ -34,6 +34,7 @@ Elasticity make_elasticity(const Material& material);
 // Returns the orthogonal matrix that maps strains from the frame of `axes` (columns) to the mesh's.
 Matrix6 mandel_rotation(const Eigen::Matrix3d& axes);
 
+// Returns S = C E, Pa, for a symmetric strain E.
 Eigen::Matrix3d stress(const Elasticity& elasticity, const Eigen::Matrix3d& strain);
 
 // A material and its label for the user: a region's name, a selector or "default".

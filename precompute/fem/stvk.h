@@ -57,9 +57,10 @@ Solid make_solid(const TetMesh& part, const std::vector<std::size_t>& tetrahedra
 using Field = Eigen::VectorXd;
 using FieldRef = Eigen::Ref<const Eigen::VectorXd>;
 
+// Returns G of one element, dimensionless. u: 3n, m.
 Eigen::Matrix3d displacement_gradient(const Solid& solid, std::size_t element, const FieldRef& u);
 
-// g: displacement gradient.
+// Returns E, dimensionless. g: displacement gradient G.
 Eigen::Matrix3d green_strain(const Eigen::Matrix3d& g);
 
 double strain_energy(const Solid& solid, const FieldRef& u);  // J
@@ -70,7 +71,7 @@ Field internal_force(const Solid& solid, const FieldRef& u, std::size_t count);
 // Adds H[a, b], the second derivative of the internal force at rest (thesis section 4.1.3; Barbic &
 // James 2005), over the tetrahedra in `elements`. The StVK force is cubic in the displacement; the
 // part of F S that is bilinear in two displacement gradients A, B is
-// S(sym(A^T B)) + A S(sym B) + B S(sym A).
+//   S(sym(A^T B)) + A S(sym B) + B S(sym A).
 // The values go to rows row_of_vertex[v] .. +2 of `out`; vertices with a negative row are skipped.
 void add_second_derivative(const Solid& solid, const std::vector<int>& elements, const FieldRef& a,
                            const FieldRef& b, const std::vector<int>& row_of_vertex, double* out);

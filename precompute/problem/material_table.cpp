@@ -29,7 +29,7 @@ Result<std::vector<std::size_t>> covered(const std::string& where, const TetMesh
   }
   if (chosen.empty())
     return content_error("--material `" + where +
-                         "` is of no tetrahedron: a selector takes those all of whose vertices it "
+                         "` covers no tetrahedron: a selector takes those all of whose vertices it "
                          "selects");
   return chosen;
 }

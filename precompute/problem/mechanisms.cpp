@@ -44,8 +44,8 @@ Body make_body(const TetMesh& mesh, int piece, const std::vector<int>& tetrahedr
 }
 
 constexpr int kGround = -1;
-using Contacts = std::map<std::pair<int, int>, std::vector<VertexId>>;  // key: bodies a < b; value:
-                                                                        // their shared vertices
+// The vertices shared by each pair of bodies a < b.
+using Contacts = std::map<std::pair<int, int>, std::vector<VertexId>>;
 
 // Finds the vertices that bodies share; the fixed vertices count as shared with the ground.
 Contacts find_contacts(const std::vector<Body>& bodies, const std::vector<VertexId>& fixed) {

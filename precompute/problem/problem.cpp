@@ -193,8 +193,9 @@ void read_solid(const ProblemRequest& request, Problem& problem,
                 std::optional<RenderSurface>& meshed, std::vector<FileMaterial>& of_file) {
   if (is_surface_file(request.mesh_path)) {
     if (!request.mesh_unit.empty())
-      throw Failure({ErrorKind::kUsage, "--mesh-unit is of a tetrahedral mesh's coordinates: " +
-                                            request.mesh_path + " is a surface, see --unit"});
+      throw Failure(
+          {ErrorKind::kUsage, "--mesh-unit applies to a tetrahedral mesh's coordinates: " +
+                                  request.mesh_path + " is a surface, see --unit"});
     CutSurface surface = cut_surface(request);
     problem.mesh = std::move(surface.cut.mesh);
     problem.mesh_format = std::move(surface.cut.format);

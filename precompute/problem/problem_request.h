@@ -12,8 +12,9 @@ namespace tremolo {
 
 struct ProblemRequest {
   std::string mesh_path;
-  std::string unit;  // of surface coordinates, or of the tetrahedral mesh if no surface is read;
-                     // empty: as the files say
+  // Of surface coordinates, or of the tetrahedral mesh if no surface is read; empty: as the files
+  // say.
+  std::string unit;
   std::string mesh_unit;       // of the tetrahedral mesh, overrides `unit`
   SurfaceMeshOptions meshing;  // options for meshing a surface
   Material material;           // the default, for tetrahedra that no entry of `materials` covers

@@ -100,7 +100,7 @@ std::vector<std::string> add_surface_sets(const RenderSurface& surface, TetMesh&
       if (names[mark].empty()) continue;
       if (mesh.node_sets.contains(names[mark])) {
         notes.push_back(std::string("the ") + kind + " `" + names[mark] +
-                        "` of the render surface makes no set: there is one of that name");
+                        "` of the render surface makes no set: a set of that name exists already");
         continue;
       }
       std::vector<VertexId>& ids = sets[mark];

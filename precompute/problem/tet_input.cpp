@@ -23,7 +23,7 @@ void refuse_surface_options(const ProblemRequest& request) {
   for (const auto& [is_given, name] : given)
     if (is_given)
       throw Failure({ErrorKind::kUsage, std::string(name) +
-                                            " is of meshing a surface: " + request.mesh_path +
+                                            " applies to meshing a surface: " + request.mesh_path +
                                             " is tetrahedra already, which are taken as they are"});
 }
 
@@ -66,9 +66,10 @@ MeshFile load_tetrahedra(const ProblemRequest& request) {
   }
   const std::string flag = surface_has_it ? "--mesh-unit" : "--unit";
   if (unit.empty() && !request.unit.empty())
-    file.notes.push_back("--unit " + request.unit +
-                         " is of the render surface; the mesh's coordinates are taken as metres "
-                         "(else: --mesh-unit)");
+    file.notes.push_back(
+        "--unit " + request.unit +
+        " applies to the render surface; the mesh's coordinates are taken as metres "
+        "(else: --mesh-unit)");
   const double size = extent(file.mesh);
   if (unit.empty() && size > 0 && (size > kLarge || size < kSmall))
     file.notes.push_back("the mesh is " + number_text(size) +

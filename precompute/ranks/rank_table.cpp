@@ -17,24 +17,24 @@ constexpr const char* kShared[] = {"mesh",        "matrices", "modes",        "d
 RankTable gather_stages(const StageLog& log) {
   constexpr std::size_t kNumbers = 3;
   constexpr std::size_t kStages = std::size(kShared);
-  std::vector<double> ours(kNumbers * kStages, -1.0);
+  std::vector<double> local_values(kNumbers * kStages, -1.0);
   for (std::size_t i = 0; i < kStages; ++i)
     for (const StageRecord& record : log.records())
       if (record.name == kShared[i]) {
-        ours[kNumbers * i] = record.seconds;
-        ours[kNumbers * i + 1] = record.cpu_seconds;
-        ours[kNumbers * i + 2] = static_cast<double>(record.peak_bytes);
+        local_values[kNumbers * i] = record.seconds;
+        local_values[kNumbers * i + 1] = record.cpu_seconds;
+        local_values[kNumbers * i + 2] = static_cast<double>(record.peak_bytes);
       }
   const auto ranks = static_cast<std::size_t>(mpi_ranks());
-  std::vector<double> all(ours.size() * ranks);
-  MPI_Gather(ours.data(), static_cast<int>(ours.size()), MPI_DOUBLE, all.data(),
-             static_cast<int>(ours.size()), MPI_DOUBLE, 0, PETSC_COMM_WORLD);
+  std::vector<double> all(local_values.size() * ranks);
+  MPI_Gather(local_values.data(), static_cast<int>(local_values.size()), MPI_DOUBLE, all.data(),
+             static_cast<int>(local_values.size()), MPI_DOUBLE, 0, PETSC_COMM_WORLD);
   RankTable table;
   for (std::size_t i = 0; i < kStages; ++i) {
-    if (ours[kNumbers * i] < 0) continue;
+    if (local_values[kNumbers * i] < 0) continue;
     RankTable::Row row{kShared[i], {}, {}, {}};
     for (std::size_t rank = 0; rank < ranks; ++rank) {
-      const double* numbers = all.data() + rank * ours.size() + kNumbers * i;
+      const double* numbers = all.data() + rank * local_values.size() + kNumbers * i;
       row.seconds.push_back(std::max(0.0, numbers[0]));
       row.cpu_seconds.push_back(std::max(0.0, numbers[1]));
       row.peak_bytes.push_back(std::max(0.0, numbers[2]));

@@ -2,7 +2,7 @@
 // energy"; thesis (4.1.9)).
 //
 // With displacement gradients G_i of the basis columns, the Green strain of u = Uq is exactly
-// E = sum_i q_i sym(G_i) + sum_{i<=j} q_i q_j * { 1/2 G_i^T G_i or sym(G_i^T G_j) }.
+//   E = sum_i q_i sym(G_i) + sum_{i<=j} q_i q_j * { 1/2 G_i^T G_i or sym(G_i^T G_j) }.
 // With y = [q_i ; q_i q_j (i<=j)] the energy is 1/2 y^T (sum_e B_e^T B_e) y, where the six rows of
 // B_e are sqrt(weight) * sqrt(elasticity) * strain coefficients in Mandel's notation.
 #pragma once

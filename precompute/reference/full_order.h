@@ -14,7 +14,7 @@ namespace tremolo {
 // rigid motions of a free body, which are removed from every motion as in a reduced basis;
 // mass_rigid: M * rigid. Both have no columns if the body is held.
 struct FullOrder {
-  Solid solid;  // borrows the problem's mesh
+  Solid solid;  // refers to the problem's mesh
   Unknowns unknowns;
   Pattern pattern;
   std::vector<double> mass, stiffness;
@@ -28,6 +28,7 @@ struct FullOrder {
 // several ranks, kContent if every vertex is fixed.
 FullOrder make_full_order(const Problem& problem, MassKind kind, unsigned threads);
 
+// Returns a non-owning view of a matrix on the body's pattern.
 SparseRows rows_of(const FullOrder& body, const std::vector<double>& values);
 
 // Returns A x for a matrix with the body's pattern.

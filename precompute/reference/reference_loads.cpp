@@ -21,8 +21,8 @@ BodyLoads make_body_loads(const ReferenceOptions& options, const Problem& proble
   loads.gravity = deforming_load(body, gravity_load(body, options.gravity));
   if (problem.load.vertices.empty()) {
     if (options.load && loads.signal.kind != SignalKind::kNone)
-      throw Failure({ErrorKind::kUsage,
-                     "--load needs to know where: name it with --load-at and --load-force"});
+      throw Failure(
+          {ErrorKind::kUsage, "--load needs a default load: give --load-at and --load-force"});
     loads.signal = {};
   } else if (options.scale != 0 && point.isZero(0.0)) {
     throw Failure(content_error("--load-at: the force acts along held components only"));

@@ -28,8 +28,7 @@ void add_output_options(CLI::App& app, ReferenceOptions& options) {
   app.add_option("--probe", options.probes,
                  "vertex or selector whose displacements are recorded; may be repeated");
   app.add_option("--out", options.out, "folder for run.csv");
-  app.add_option("--every", options.every, "every so many steps one is recorded")
-      ->capture_default_str();
+  app.add_option("--every", options.every, "record one step in so many")->capture_default_str();
   app.add_option(
       "--compare", options.compare,
       "basis file of this mesh: its reduced model moves alongside, by the same steps; may be "
@@ -57,7 +56,7 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
   app.allow_config_extras(CLI::config_extras_mode::ignore_all);
   add_config_option(app,
                     "read options from a TOML file, also one made for the precompute: keys that "
-                    "mean nothing here are passed over");
+                    "have no meaning here are ignored");
   SolidTexts texts;
   std::string scheme = "avf", gravity;
   add_solid_options(app, options.solid, texts);
@@ -66,7 +65,7 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
   app.add_option("--gravity", gravity, "X,Y,Z, m/s^2: acts on all mass from t = 0 on");
   add_time_options(app, options, scheme);
   app.add_option("--tolerance", options.tolerance,
-                 "of the solves: what is left of the force, in the energy norm")
+                 "of the solves: relative residual force in the energy norm")
       ->capture_default_str();
   app.add_option("--max-iterations", options.max_iterations, "Newton iterations of a solve")
       ->capture_default_str();

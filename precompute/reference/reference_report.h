@@ -24,6 +24,7 @@ void report_motion(const Motion& motion, const DriftMeter& drift, double seconds
 Json comparison_json(const std::string& file, const ReducedBody& reduced,
                      const ComparisonSummary& summary, double unseen, double seconds);
 
+// Print progress, and a comparison, on stderr.
 void print_progress(const Motion& motion, std::int64_t steps, double seconds);
 void print_comparison(const std::string& file, const ReducedBody& reduced,
                       const ComparisonSummary& summary, double unseen);

@@ -91,7 +91,7 @@ Vector response_to_load(Work& work) {
   try {
     return linear_response(work.solver, work.loads.all());
   } catch (const Failure& failure) {
-    std::fprintf(stderr, "  what the basis cannot see of the load is not known: %s\n",
+    std::fprintf(stderr, "  the share of the load that the basis leaves out is unknown: %s\n",
                  failure.error().message.c_str());
     return Vector::Zero(work.body.size());
   }
@@ -219,7 +219,7 @@ void require_bounded(const Motion& motion, double& most_input) {
                  finite ? text("at t = %.6g s the energy, %.3g J, is more than %g times all that "
                                "the load put in",
                                motion.time, motion.total(), kBound)
-                        : text("at t = %.6g s the energy is no number", motion.time)});
+                        : text("at t = %.6g s the energy is not a number", motion.time)});
 }
 
 struct Course {

@@ -19,6 +19,7 @@ struct ReferenceTable {
   std::string text;
 };
 
+// Returns a table with its header line. compared: number of comparison files.
 ReferenceTable begin_table(std::vector<VertexId> probes, std::size_t compared);
 
 // Values of a reduced model in a row. total: J; field: 3n, m.

@@ -2,7 +2,7 @@
 // a step of the energy-preserving rule, and statics, for the full mesh and the reduced model.
 //
 // For the change d of the displacements from `origin`:
-// g(d) = mass M d + rest K d + sum_i w_i f(origin + s_i d) + constant = 0,   f = grad V.
+//   g(d) = mass M d + rest K d + sum_i w_i f(origin + s_i d) + constant = 0,   f = grad V.
 // g is the gradient of 1/2 mass d^T M d + 1/2 rest d^T K d + sum_i (w_i / s_i) V(origin + s_i d) +
 // constant . d, which is quartic along every line; the derivative of g is symmetric.
 #pragma once

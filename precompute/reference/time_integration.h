@@ -1,7 +1,7 @@
 // Time integration of the full mesh or of the reduced model, by the same steps.
 //
 // With d = u1 - u0, the mean load f over the step and momentum M v:
-// M (2/h) (d/h - v0) + F + beta K d/h = f,    v1 = 2 d/h - v0.
+//   M (2/h) (d/h - v0) + F + beta K d/h = f,    v1 = 2 d/h - v0.
 // F = f(u0 + d/2) for the implicit midpoint rule, the mean of f(u) on the segment for the averaged
 // vector field (exact with two Gauss points, since f is cubic): H1 - H0 = f . d - d . beta K d/h.
 // Mass damping multiplies v by exp(-alpha h/2) before and after the step. K is the stiffness at
@@ -16,6 +16,7 @@ namespace tremolo {
 
 enum class TimeScheme { kMidpoint, kAveragedField };
 
+// Returns the points at which the scheme evaluates the force.
 std::vector<SegmentPoint> segment_points(TimeScheme scheme);
 
 // step: s; alpha: 1/s; beta: s.
@@ -44,6 +45,7 @@ struct Motion {
   double total() const { return kinetic + potential; }
 };
 
+// Returns the motion at t = 0. u: m; v: m/s (for a reduced model its coordinates).
 Motion start_motion(const SecondOrderSystem& system, Vector u, Vector v);
 
 // Advances by one step. If its solve fails, the step is halved, recursively up to six times. Throws

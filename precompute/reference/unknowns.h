@@ -34,6 +34,7 @@ struct Pattern {
   std::vector<int> block, node, offset, begin, part;
   int self(int node_index) const;  // index of a node's diagonal block
 };
+// Throws Failure (kContent) above 134 million tetrahedra, as `part` has 32 bits.
 Pattern make_pattern(const TetMesh& mesh, const Unknowns& unknowns);
 
 }  // namespace tremolo

@@ -141,7 +141,7 @@ int modes_that_fit(const DofMap& map, const LocalDofs& local, SolverRequest requ
                                ? text("--linear-modes %d would fit; or take more ranks", fewer)
                                : std::string("Take more ranks");
   throw Failure(
-      system_error("memory will not do: " + in_gigabytes(choice.estimate.direct()) +
+      system_error("not enough memory: " + in_gigabytes(choice.estimate.direct()) +
                    " a rank with a factor, " + in_gigabytes(choice.estimate.iterative()) +
                    " without one, but " + allowance(request, choice) + ". " + cure +
                    " on more machines, or a coarser mesh; --memory or --solver overrule this"));

@@ -44,8 +44,8 @@ class SparseCholesky {
   void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x);
 
   double flops() const;  // of the factorisation
-  std::size_t entries()
-      const;  // of the factor's supernodes, 8 bytes each: a solve reads them twice
+  // Returns the number of entries in the supernodes, 8 bytes each; a solve reads them twice.
+  std::size_t entries() const;
 
  private:
   struct Factor;

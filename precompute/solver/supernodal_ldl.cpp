@@ -187,8 +187,9 @@ std::vector<Range> independent_subtrees(const Factorisation& w) {
     work[w.parent[s]] += work[s];
     first[w.parent[s]] = std::min(first[w.parent[s]], first[s]);
   }
-  constexpr double kShare =
-      1.0 / 16.0;  // of the work: several to a thread, so that they end together
+  // Largest share of the work in a subtree; each thread gets several, so that threads finish
+  // together.
+  constexpr double kShare = 1.0 / 16.0;
   std::vector<Range> ranges;
   for (int s = 0; s < count; ++s) {
     const bool small = work[s] <= kShare * total;

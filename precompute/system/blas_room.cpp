@@ -39,7 +39,7 @@ constexpr unsigned kFactorThreads = 4;
 // Room for the libraries and a small mesh.
 constexpr std::size_t kRest = std::size_t{64} << 20;
 
-bool there_is_room(std::size_t bytes) {
+bool can_map(std::size_t bytes) {
   void* region = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                         MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (region == MAP_FAILED) return false;
@@ -47,8 +47,8 @@ bool there_is_room(std::size_t bytes) {
   return true;
 }
 
-// Grows this thread's stack to its largest size. Stacks grow on demand, and if no address space is
-// left then, the program dies by SIGSEGV.
+// Grows this thread's stack to the size it may need. Stacks grow on demand, and if no address space
+// is left then, the program dies by SIGSEGV.
 void grow_stack() {
   constexpr std::size_t kDepth = std::size_t{4} << 20;
   struct rlimit most = {};
@@ -111,12 +111,12 @@ void require_room_for_blas(char** environment) {
   const std::size_t threads =
       std::min(static_cast<unsigned>(blas_threads_at_start(environment)), kMostThreads);
   const std::size_t needed = threads * (kBuffer + kStack) + kRest;
-  if (there_is_room(needed)) return;
+  if (can_map(needed)) return;
   // An estimate of what take_room_for_blas() will need with as many threads of our own.
-  const std::size_t later = (2 * threads - 1) * (kBuffer + kStack) + (threads - 1) * kArena +
-                            (kFactorThreads - 1) * kStack + kRest;
+  const std::size_t later_bytes = (2 * threads - 1) * (kBuffer + kStack) + (threads - 1) * kArena +
+                                  (kFactorThreads - 1) * kStack + kRest;
   char reason[400];
-  describe(reason, sizeof(reason), later, kBuffer + kStack + kRest);
+  describe(reason, sizeof(reason), later_bytes, kBuffer + kStack + kRest);
   char line[450];
   const int length = std::snprintf(line, sizeof(line), "tremolo-precompute: %s\n", reason);
   // A failure to write is ignored: there is no other way to report it.
@@ -133,11 +133,11 @@ void take_room_for_blas(unsigned threads) {
   // requested, since the caller works too.
   const auto own = std::max(static_cast<int>(threads), openblas_get_num_threads()) - 1;
   const std::size_t count = threads + static_cast<std::size_t>(own);
-  const std::size_t besides =
+  const std::size_t other_bytes =
       static_cast<std::size_t>(own) * kArena + (kFactorThreads - 1) * kStack + kRest;
   const auto require_room = [&](std::size_t buffers) {
-    const std::size_t needed = buffers * (kBuffer + kStack) + besides;
-    if (there_is_room(needed)) return;
+    const std::size_t needed = buffers * (kBuffer + kStack) + other_bytes;
+    if (can_map(needed)) return;
     char reason[400];
     describe(reason, sizeof(reason), needed, kBuffer + kStack + kRest);
     throw Failure(system_error(reason));

@@ -56,7 +56,7 @@ inline CLI::Validator byte_count() {
 
 // Returns the error message on one line.
 inline std::string one_line_message(const CLI::App* app, const CLI::Error& error) {
-  return app->get_name() + ": " + error.what() + " (--help shows what there is)\n";
+  return app->get_name() + ": " + error.what() + " (--help lists the options)\n";
 }
 
 }  // namespace tremolo

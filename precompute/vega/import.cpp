@@ -257,7 +257,7 @@ Source read_source(const ImportRequest& request, BasisData& data, ImportFindings
                 unwrap(read_cub(data.vega.cubic, request.cubic_path))};
   if (static_cast<std::size_t>(source.basis.cols()) != source.forces.size)
     refuse(request.basis_path + " has " + std::to_string(source.basis.cols()) + " columns, " +
-           request.cubic_path + " is of " + std::to_string(source.forces.size) + " coordinates");
+           request.cubic_path + " has " + std::to_string(source.forces.size) + " coordinates");
   return source;
 }
 

@@ -548,7 +548,7 @@ TEST_F(PrecomputeProgram, OptionsOfMeshingASurfaceAreRefusedForATetrahedralMesh)
                              "--fill-holes", "--keep-crumbs"}) {
     const std::string name = std::string(option).substr(0, std::string(option).find(' '));
     expect_failure(run(std::string("block.veg ") + option + " " + kGood), 2,
-                   name + " is of meshing a surface: block.veg is tetrahedra already");
+                   name + " applies to meshing a surface: block.veg is tetrahedra already");
   }
 }
 

@@ -143,7 +143,7 @@ TEST_F(ReferenceProgram, WrongValuesAreRefusedWithTheirName) {
   expect_failure(good + "--modes 3", 2, "--compare");
   expect_failure(good + "--compare none.tremolo", 1, "none.tremolo");
   expect_failure("--fix 'x<0.001'", 2, "nothing loads the body");
-  expect_failure("--fix 'x<0.001' --load square", 2, "--load needs to know where");
+  expect_failure("--fix 'x<0.001' --load square", 2, "--load needs a default load");
   expect_failure("--fix-z 'x>=0%' --gravity 0,-1,0", 3, "3 rigid motions are left");
   expect_failure("--fix none --fix-z 'x>=0%' --gravity 0,-1,0", 2, "contradict");
   expect_failure("--fix 'x<0.001' --fix-z 'x>=0%' --load-at 'x>0.39' --load-force 0,0,1", 3,

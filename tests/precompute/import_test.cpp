@@ -234,7 +234,7 @@ TEST_F(Import, FilesThatDoNotFitEachOtherAreNamed) {
   write("good.U", basis_file(Eigen::MatrixXd(basis_.topRows(105))));
   expect_refused({"good.U has 105 rows", "block.veg has 36 vertices", "108"});
   write("good.U", basis_file(Eigen::MatrixXd(basis_.leftCols(4))));
-  expect_refused({"good.U has 4 columns", "good.cub is of 5 coordinates"});
+  expect_refused({"good.U has 4 columns", "good.cub has 5 coordinates"});
   write("good.U", basis_file(basis_));
   options_.fix = {"x>0.25"};
   expect_refused({"good.U: the rows of vertex 3 are not zero", "--fix"});
