@@ -13,7 +13,7 @@ function(tremolo_precompile target)
   # g++ 12 loses sight of what is a system header and warns falsely of std::string; a build without
   # precompiled headers has these warnings.
   target_compile_options(${target} PRIVATE
-    $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-stringop-overflow;-Wno-array-bounds>)
+    $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-stringop-overflow;-Wno-stringop-overread;-Wno-array-bounds>)
   foreach(header ${tremolo_standard_headers} ${ARGN})
     target_precompile_headers(${target} PRIVATE
                               "$<$<COMPILE_LANGUAGE:CXX>:<${header}$<ANGLE-R>>")
