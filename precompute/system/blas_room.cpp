@@ -53,7 +53,7 @@ void grow_stack() {
   constexpr std::size_t kDepth = std::size_t{4} << 20;
   struct rlimit most = {};
   if (::getrlimit(RLIMIT_STACK, &most) != 0 || most.rlim_cur < kDepth + kDepth / 2) return;
-  volatile char deep[kDepth];
+  [[maybe_unused]] volatile char deep[kDepth];
   deep[0] = 0;
 }
 
