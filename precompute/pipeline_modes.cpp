@@ -198,7 +198,7 @@ Stage<ModalDerivatives> derivatives_stage(const Run& run, const Solved& on, cons
 
 Stage<InertiaCertificate> certificate_stage(const Run& run, const Solved& on, const Modes& modes) {
   const auto make = [&run, &modes, on] {
-    const InertiaCertificate certificate = certify(on.solver, modes, run.rigid_count);
+    InertiaCertificate certificate = certify(on.solver, modes, run.rigid_count);
     if (!certificate.complete())
       throw Failure({ErrorKind::kSolver,
                      text("modes were missed: inertia counts %d below %.6g Hz, %d were found",

@@ -103,7 +103,7 @@ void Report::last_section_first() {
 
 std::string Report::write(const std::string& library) const {
   const std::filesystem::path directory(directory_);
-  const std::string page = (directory / "index.html").string();
+  std::string page = (directory / "index.html").string();
   or_fail(write_file((directory / "report.json").string(), text_of(json_) + "\n"));
   or_fail(write_page(json_, page, library));
   return page;
