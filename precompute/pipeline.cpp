@@ -97,8 +97,8 @@ void store_modes(const Modes& modes, Run& run, PrecomputeResult& result) {
     extended.linear_modes = count;
     run.counts = choose_mode_counts(extended, 3 * result.map.nodes() - run.rigid_count);
   }
-  result.data.linear_mode_count = static_cast<std::uint64_t>(run.counts.linear);
-  result.data.rigid_mode_count = static_cast<std::uint64_t>(run.rigid_count);
+  result.data.linear_mode_count = run.counts.linear;
+  result.data.rigid_mode_count = run.rigid_count;
 }
 
 // Stores the basis and notes added or dropped coordinates.

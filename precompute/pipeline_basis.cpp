@@ -68,7 +68,7 @@ FinishedBasis cut_basis(const Run& run, const System& system, PrincipalColumns d
 
 std::string outcome_of_basis(const FinishedBasis& finished) {
   const Basis& basis = finished.basis;
-  const auto r = static_cast<std::size_t>(basis.lambda.size());
+  const std::size_t r = basis.lambda.size();
   const std::vector<double>& sigma = basis.singular_values;
   return text("%zu coordinates, |U^T M U - I| = %.1e, first singular value cut %.1e of the largest",
               r, basis.orthonormality_error, r < sigma.size() ? sigma[r] / sigma[0] : 0.0);
@@ -132,7 +132,7 @@ Stage<FinishedBasis> basis_stage(const Run& run, const System& system, const Mod
 
 Stage<FinishedCoefficients> coefficients_stage(const Run& run, const System& system) {
   const auto work = [&run](const FinishedCoefficients&) {
-    const auto r = static_cast<std::size_t>(run.counts.modes);
+    const std::size_t r = run.counts.modes;
     const double columns = static_cast<double>(r + pair_count(r));
     const auto tetrahedra = static_cast<double>(run.result.problem.mesh.tetrahedra.size());
     return StageWork{.flops = 6.0 * tetrahedra * columns * (columns + 1.0)};

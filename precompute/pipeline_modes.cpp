@@ -19,7 +19,7 @@ std::vector<double> point_mass_of_part(const Problem& problem, const LocalDofs& 
       mass_of_vertices(problem.point_masses, problem.mesh.vertices.size());
   std::vector<double> local_mass;
   if (!all.empty())
-    for (const VertexId v : local.vertices) local_mass.push_back(all[static_cast<std::size_t>(v)]);
+    for (const VertexId v : local.vertices) local_mass.push_back(all[v]);
   return local_mass;
 }
 
@@ -48,7 +48,7 @@ std::vector<Eigen::Vector3d> node_positions(const PrecomputeResult& result) {
   std::vector<Eigen::Vector3d> positions;
   const LocalDofs& local = result.local;
   for (int node = local.first_node; node < local.first_node + local.nodes; ++node) {
-    const auto vertex = static_cast<std::size_t>(result.map.vertex_of_node[node]);
+    const std::size_t vertex = result.map.vertex_of_node[node];
     positions.push_back(result.problem.mesh.vertices[vertex]);
   }
   return positions;

@@ -64,7 +64,7 @@ void add_materials(const Problem& problem, Json& json) {
 
 std::string provenance_json(const PrecomputeOptions& options, const PrecomputeResult& result) {
   const PrecomputeFindings& findings = result.findings;
-  const auto r = static_cast<std::size_t>(result.data.lambda.size());
+  const std::size_t r = result.data.lambda.size();
   Json json;
   json["generator"] = std::string("tremolo-precompute ") + TREMOLO_VERSION;
   json["units"] = "SI";

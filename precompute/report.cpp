@@ -55,7 +55,7 @@ double explicit_step_limit(const BasisData& data) {
 
 void print_result(const PrecomputeResult& result, const StageLog& log, const RankTable& ranks) {
   const BasisData& data = result.data;
-  const auto r = static_cast<std::size_t>(data.lambda.size());
+  const std::size_t r = data.lambda.size();
   Json frequencies = Json::array();
   for (double value : data.lambda) frequencies.push_back(hertz(value));
   std::vector<double> cut(data.singular_values.begin() +

@@ -19,7 +19,7 @@ VertexId most_moved_vertex(const LocalDofs& local, const BasisRows& psi) {
   Eigen::Index row = 0;
   if (psi.rows() > 0) {
     most.motion = psi.col(0).cwiseAbs().maxCoeff(&row);
-    most.vertex = local.vertices[static_cast<std::size_t>(row / 3)];
+    most.vertex = local.vertices[row / 3];
   }
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE_INT, MPI_MAXLOC, PETSC_COMM_WORLD);
   return most.vertex;
@@ -45,7 +45,7 @@ void require_no_mechanism(const Problem& problem, const Solid& solid, const Loca
   if (modes.cancellation > kNoise && finite) return;
   std::string where;
   if (const VertexId v = finite ? most_moved_vertex(local, psi) : -1; v >= 0) {
-    const Eigen::Vector3d& x = problem.mesh.vertices[static_cast<std::size_t>(v)];
+    const Eigen::Vector3d& x = problem.mesh.vertices[v];
     where = text(" near vertex %d at %g, %g, %g", static_cast<int>(v), x.x(), x.y(), x.z());
   }
   // A stiff part on a soft one cancels as much.

@@ -97,8 +97,8 @@ TargetRow measure(const FullOrder& body, const Problem& problem, const Candidate
                   const ReducedModel& largest, int r, const TargetSearch& search) {
   TargetRow row;
   row.modes = r;
-  row.projection = candidates.projection[static_cast<std::size_t>(r)];
-  row.unseen = candidates.unseen[static_cast<std::size_t>(r)];
+  row.projection = candidates.projection[r];
+  row.unseen = candidates.unseen[r];
   const auto vectors = candidates.vectors.leftCols(r);
   const ReducedModel model = first_coordinates(largest, r);
   try {

@@ -29,7 +29,7 @@ bool is_stage_file(const std::string& name) {
   const std::size_t dot = name.rfind('.');
   if (dot == std::string::npos || dot + 1 == name.size()) return false;
   return std::find(stages.begin(), stages.end(), name.substr(0, dot)) != stages.end() &&
-         std::all_of(name.begin() + static_cast<std::ptrdiff_t>(dot) + 1, name.end(),
+         std::all_of(name.begin() + dot + 1, name.end(),
                      [](char c) { return c >= '0' && c <= '9'; });
 }
 
@@ -63,7 +63,7 @@ std::int64_t hash_over_ranks(const std::vector<NamedArray>& arrays) {
   std::uint64_t sum = 0;
   for (const NamedArray& array : arrays) sum = 3 * sum + hash_bytes(array.bytes);
   MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_UINT64_T, MPI_SUM, PETSC_COMM_WORLD);
-  return static_cast<std::int64_t>(sum);
+  return sum;
 }
 
 bool same_on_all_ranks(std::int64_t value) {

@@ -36,8 +36,7 @@ class StageWriter {
   }
   void add(const char* name, const double* values, Eigen::Index rows, Eigen::Index columns) {
     arrays_.push_back(named_array(name, std::span(values, static_cast<std::size_t>(rows * columns)),
-                                  static_cast<std::uint64_t>(rows),
-                                  static_cast<std::uint64_t>(columns)));
+                                  rows, columns));
   }
   const std::vector<NamedArray>& arrays() const { return arrays_; }
 
@@ -145,9 +144,9 @@ void describe_basis(Archive& archive, Value& finished, Eigen::Index rows, Eigen:
 
 template <class Archive, class Value>
 void describe_coefficients(Archive& archive, Value& finished, Eigen::Index r) {
-  const auto count = static_cast<std::size_t>(r);
-  archive("cubic", finished.cubic, static_cast<Eigen::Index>(triple_count(count)));
-  archive("quartic", finished.quartic, static_cast<Eigen::Index>(quad_count(count)));
+  const std::size_t count = r;
+  archive("cubic", finished.cubic, triple_count(count));
+  archive("quartic", finished.quartic, quad_count(count));
   archive("polynomial_error", finished.polynomial_error);
 }
 

@@ -46,7 +46,7 @@ std::vector<double> workspace(double size) {
 // Returns R of a = Q R with zeros below the diagonal. a: m x n, m >= n; overwritten.
 Eigen::MatrixXd upper_of_qr(Eigen::MatrixXd& a) {
   const int m = as_int(a.rows()), n = as_int(a.cols());
-  std::vector<double> tau(static_cast<std::size_t>(n));
+  std::vector<double> tau(n);
   double size = 0;
   int query = -1, info = 0;
   dgeqrf_(&m, &n, a.data(), &m, tau.data(), &size, &query, &info);
@@ -67,7 +67,7 @@ EigenPairs large_eigenpairs(const Eigen::MatrixXd& a) {
   dsyevd_("V", "L", &n, pairs.vectors.data(), &n, pairs.values.data(), &size, &query, &whole,
           &query, &info);
   std::vector<double> work = workspace(size);
-  std::vector<int> numbers(static_cast<std::size_t>(whole));
+  std::vector<int> numbers(whole);
   const int length = static_cast<int>(work.size());
   dsyevd_("V", "L", &n, pairs.vectors.data(), &n, pairs.values.data(), work.data(), &length,
           numbers.data(), &whole, &info);
@@ -102,7 +102,7 @@ SingularPairs large_left_singular_pairs(const Eigen::MatrixXd& a) {
 
 PivotedCholesky pivoted_cholesky(Eigen::MatrixXd a, double tolerance) {
   const int n = as_int(a.rows());
-  std::vector<int> pivots(static_cast<std::size_t>(n));
+  std::vector<int> pivots(n);
   std::vector<double> work(2 * static_cast<std::size_t>(n));
   int rank = 0, info = 0;
   dpstrf_("U", &n, a.data(), &n, pivots.data(), &rank, &tolerance, work.data(), &info);

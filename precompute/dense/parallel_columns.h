@@ -14,7 +14,7 @@ namespace tremolo {
 template <class Body>
 void parallel_columns(Eigen::Index columns, Eigen::Index width, unsigned threads,
                       const Body& body) {
-  const auto count = static_cast<std::size_t>((columns + width - 1) / width);
+  const std::size_t count = (columns + width - 1) / width;
   parallel_for(count, threads, [&](std::size_t part) {
     const Eigen::Index first = static_cast<Eigen::Index>(part) * width;
     body(first, std::min(width, columns - first));

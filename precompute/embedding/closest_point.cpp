@@ -19,8 +19,8 @@ ClosestPoint closest_on_edge(const Eigen::Vector3d& x,
   const double length = edge.squaredNorm();
   const double along = length > 0.0 ? (x - corners[a]).dot(edge) / length : 0.0;
   Eigen::Vector3d weights = Eigen::Vector3d::Zero();
-  weights[static_cast<Eigen::Index>(b)] = std::clamp(along, 0.0, 1.0);
-  weights[static_cast<Eigen::Index>(a)] = 1.0 - weights[static_cast<Eigen::Index>(b)];
+  weights[b] = std::clamp(along, 0.0, 1.0);
+  weights[a] = 1.0 - weights[b];
   return at_weights(x, corners, weights);
 }
 

@@ -174,13 +174,13 @@ Embedding embed(const std::vector<Eigen::Vector3d>& points, const TetMesh& mesh,
 }
 
 BasisRows embedded_rows(const Embedding& embedding, const TetMesh& mesh, const BasisRows& basis) {
-  const auto count = static_cast<Eigen::Index>(embedding.weights.size());
+  const Eigen::Index count = embedding.weights.size();
   BasisRows rows = BasisRows::Zero(3 * count, basis.cols());
   for (Eigen::Index v = 0; v < count; ++v)
     for (int c = 0; c < 4; ++c) {
-      const VertexId id = mesh.tetrahedra[embedding.tetrahedra[static_cast<std::size_t>(v)]][c];
-      rows.middleRows(3 * v, 3) += embedding.weights[static_cast<std::size_t>(v)][c] *
-                                   basis.middleRows(3 * Eigen::Index{id}, 3);
+      const VertexId id = mesh.tetrahedra[embedding.tetrahedra[v]][c];
+      rows.middleRows(3 * v, 3) +=
+          embedding.weights[v][c] * basis.middleRows(3 * Eigen::Index{id}, 3);
     }
   return rows;
 }

@@ -24,7 +24,7 @@ inline double element_mass(const Solid& solid, std::size_t element, int a, int b
 template <class Add>
 void for_each_stiffness_block(const Solid& solid, const LocalDofs& local, const Add& add) {
   for (int element : local.elements) {
-    const auto e = static_cast<std::size_t>(element);
+    const std::size_t e = element;
     const Tetrahedron& tet = solid.mesh.tetrahedra[e];
     const Eigen::Matrix<double, 12, 12> stiffness =
         rest_stiffness(solid.elasticity(e), solid.samples[e]);
@@ -44,7 +44,7 @@ template <class Add>
 void for_each_mass_entry(const Solid& solid, const LocalDofs& local, MassKind kind,
                          const Add& add) {
   for (int element : local.elements) {
-    const auto e = static_cast<std::size_t>(element);
+    const std::size_t e = element;
     const Tetrahedron& tet = solid.mesh.tetrahedra[e];
     for (int a = 0; a < 4; ++a) {
       if (local.row_of_vertex[tet[a]] < 0) continue;

@@ -30,7 +30,7 @@ void set_options(idx_t* options) {
 // METIS may leave a part of a small graph empty, and a rank without rows would need special cases
 // everywhere. There must be at least as many nodes as parts.
 void fill_empty_parts(int parts, std::vector<int>& part) {
-  std::vector<int> size(static_cast<std::size_t>(parts), 0);
+  std::vector<int> size(parts, 0);
   for (const int p : part) ++size[p];
   for (int empty = 0; empty < parts; ++empty) {
     if (size[empty] > 0) continue;
@@ -43,7 +43,7 @@ void fill_empty_parts(int parts, std::vector<int>& part) {
 
 // Returns the rank of each node of the graph.
 std::vector<int> partition(Graph& graph, int count, int ranks) {
-  std::vector<int> part(static_cast<std::size_t>(count), 0);
+  std::vector<int> part(count, 0);
   if (ranks == 1) return part;
   if (ranks > count)
     throw Failure(content_error(std::to_string(ranks) + " ranks for " + std::to_string(count) +
@@ -91,14 +91,14 @@ std::vector<int> nested_dissection(const Graph& graph, const std::vector<int>& m
                              order.data(), inverse.data()),
                 "order the mesh");
   std::vector<int> ordered;
-  for (idx_t i : order) ordered.push_back(members[static_cast<std::size_t>(i)]);
+  for (idx_t i : order) ordered.push_back(members[i]);
   return ordered;
 }
 
 }  // namespace
 
 Graph node_graph(const TetMesh& mesh, const std::vector<int>& number, int count) {
-  std::vector<std::vector<int>> rows(static_cast<std::size_t>(count));
+  std::vector<std::vector<int>> rows(count);
   for (const Tetrahedron& tet : mesh.tetrahedra)
     for (VertexId a : tet)
       for (VertexId b : tet)

@@ -49,7 +49,7 @@ struct MaterialTable {
   std::vector<std::int32_t> of_tet;
 
   const Material& of(std::size_t tetrahedron) const {
-    return materials[of_tet.empty() ? 0 : static_cast<std::size_t>(of_tet[tetrahedron])].material;
+    return materials[of_tet.empty() ? 0 : of_tet[tetrahedron]].material;
   }
 };
 

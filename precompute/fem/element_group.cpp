@@ -34,7 +34,7 @@ struct alignas(8 * kLanes) GeneralLaw {
   explicit GeneralLaw(const Solid&) {}
   void load(const Solid& solid, const int* elements, std::size_t count) {
     for (std::size_t lane = 0; lane < count; ++lane) {
-      const Matrix6& c = solid.elasticity(static_cast<std::size_t>(elements[lane])).tensor;
+      const Matrix6& c = solid.elasticity(elements[lane]).tensor;
       for (int k = 0; k < 6; ++k)
         for (int l = 0; l < 6; ++l)
           tensor[k][l][lane] =
@@ -64,7 +64,7 @@ struct Corners {
                                                 Corners& corners) {
   corners = {};
   for (std::size_t lane = 0; lane < count; ++lane) {
-    const auto e = static_cast<std::size_t>(elements[lane]);
+    const std::size_t e = elements[lane];
     const StrainSample& sample = solid.samples[e];
     for (int d = 0; d < 3; ++d)
       for (int a = 0; a < 3; ++a)
@@ -79,12 +79,12 @@ struct Corners {
 
 TREMOLO_CLONES void load_gradients(const Solid& solid, const BasisRows& fields, const int* elements,
                                    std::size_t count, std::vector<LaneGradient>& out) {
-  const auto fields_count = static_cast<std::size_t>(fields.cols());
+  const std::size_t fields_count = fields.cols();
   if (count < kLanes)
     for (LaneGradient& gradient : out) gradient = {};
   auto* entries = reinterpret_cast<double*>(out.data());
   for (std::size_t lane = 0; lane < count; ++lane) {
-    const auto e = static_cast<std::size_t>(elements[lane]);
+    const std::size_t e = elements[lane];
     const StrainSample& sample = solid.samples[e];
     const Tetrahedron& tet = solid.mesh.tetrahedra[e];
     for (std::size_t x = 0; x < 3; ++x) {
@@ -158,7 +158,7 @@ template <class Law>
                                                  const std::vector<int>& row_of_vertex, double* out,
                                                  std::size_t stride) {
   Law law(solid);
-  const auto count = static_cast<std::size_t>(fields.cols());
+  const std::size_t count = fields.cols();
   std::vector<LaneGradient> gradients(count);
   struct alignas(8 * kLanes) Stress : LaneStress {};
   std::vector<Stress> stresses(count);
@@ -174,10 +174,10 @@ template <class Law>
                                                          0.5 * (g[2] + g[6]), 0.5 * (g[1] + g[3]));
     }
     for (std::size_t p = 0; p < pairs.size(); ++p) {
-      const Lanes* a = gradients[static_cast<std::size_t>(pairs[p].i)].at;
-      const Lanes* b = gradients[static_cast<std::size_t>(pairs[p].j)].at;
-      const Lanes* sa = stresses[static_cast<std::size_t>(pairs[p].i)].at;
-      const Lanes* sb = stresses[static_cast<std::size_t>(pairs[p].j)].at;
+      const Lanes* a = gradients[pairs[p].i].at;
+      const Lanes* b = gradients[pairs[p].j].at;
+      const Lanes* sa = stresses[pairs[p].i].at;
+      const Lanes* sb = stresses[pairs[p].j].at;
       CornerForces forces;
       pair_forces(law, a, b, sa, sb, corners, forces);
       subtract_forces(forces, corners, out + p * stride);

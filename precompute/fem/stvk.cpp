@@ -104,7 +104,7 @@ Field internal_force(const Solid& solid, const FieldRef& u, std::size_t count) {
 void add_second_derivative(const Solid& solid, const std::vector<int>& elements, const FieldRef& a,
                            const FieldRef& b, const std::vector<int>& row_of_vertex, double* out) {
   for (int element : elements) {
-    const auto e = static_cast<std::size_t>(element);
+    const std::size_t e = element;
     const Elasticity& elasticity = solid.elasticity(e);
     const Eigen::Matrix3d ga = displacement_gradient(solid, e, a);
     const Eigen::Matrix3d gb = displacement_gradient(solid, e, b);

@@ -37,7 +37,7 @@ struct Solid {
   std::vector<double> point_mass = {};
 
   std::size_t material(std::size_t element) const {
-    return material_of.empty() ? 0 : static_cast<std::size_t>(material_of[element]);
+    return material_of.empty() ? 0 : material_of[element];
   }
   const Elasticity& elasticity(std::size_t element) const {
     return elasticities[material(element)];

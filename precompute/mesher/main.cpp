@@ -115,7 +115,7 @@ Status answer(const Options& options) {
     const ssize_t count = ::write(options.answer, bytes.data() + at, bytes.size() - at);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return os_error("the answer cannot be written");
-    at += static_cast<std::size_t>(count);
+    at += count;
   }
   return Success{};
 }

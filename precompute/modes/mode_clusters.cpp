@@ -81,11 +81,11 @@ Marker make_marker(const TetMesh& mesh, const std::vector<int>& part_of_vertex,
   const BoundingBox box = bounding_box(used);
   const Eigen::Vector3d middle = 0.5 * (box.low + box.high);
   Marker marker;
-  marker.blocks.resize(static_cast<std::size_t>(local.nodes));
+  marker.blocks.resize(local.nodes);
   for (std::size_t i = 0; i < local.vertices.size(); ++i)
     if (const int row = local.row_of_vertex[i]; row >= 0)
-      marker.blocks[static_cast<std::size_t>(row / 3)] = block_at(
-          (mesh.vertices[static_cast<std::size_t>(local.vertices[i])] - middle) / box.diagonal());
+      marker.blocks[row / 3] =
+          block_at((mesh.vertices[local.vertices[i]] - middle) / box.diagonal());
   return marker;
 }
 

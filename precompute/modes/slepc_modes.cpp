@@ -153,7 +153,7 @@ SlepcModes solve_and_copy(EPS eps, const Pencil& pencil, int wanted) {
   const std::vector<PetscVector> columns = as_vectors(modes.vectors);
   for (int i = 0; i < wanted; ++i) {
     PetscScalar value = 0;
-    Vec column = columns[static_cast<std::size_t>(i)].get();
+    Vec column = columns[i].get();
     require(EPSGetEigenpair(eps, i, &value, nullptr, column, nullptr));
     modes.squared_frequencies[i] = value;
   }

@@ -38,13 +38,13 @@ class MemoryFile {
   std::vector<std::byte> contents() const {
     struct stat status = {};
     if (::fstat(descriptor_, &status) != 0) throw Failure(os_error("the answer of tremolo-mesh"));
-    std::vector<std::byte> bytes(static_cast<std::size_t>(status.st_size));
+    std::vector<std::byte> bytes(status.st_size);
     for (std::size_t at = 0; at < bytes.size();) {
       const ssize_t count =
           ::pread(descriptor_, bytes.data() + at, bytes.size() - at, static_cast<off_t>(at));
       if (count < 0 && errno == EINTR) continue;
       if (count <= 0) throw Failure(os_error("the answer of tremolo-mesh"));
-      at += static_cast<std::size_t>(count);
+      at += count;
     }
     return bytes;
   }

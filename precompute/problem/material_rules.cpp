@@ -28,7 +28,7 @@ bool read_numbers(std::string_view text, std::vector<double>& numbers) {
     double value = 0;
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc{}) return false;
-    text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
+    text.remove_prefix(stop - text.data());
     if (!text.empty() && text.front() != ' ' && text.front() != '\t') return false;
     numbers.push_back(value);
   }

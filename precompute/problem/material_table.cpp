@@ -19,12 +19,11 @@ Result<std::vector<std::size_t>> covered(const std::string& where, const TetMesh
     return error;
   }
   std::vector<bool> selected(mesh.vertices.size(), false);
-  for (VertexId v : *vertices) selected[static_cast<std::size_t>(v)] = true;
+  for (VertexId v : *vertices) selected[v] = true;
   std::vector<std::size_t> chosen;
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     const Tetrahedron& tet = mesh.tetrahedra[t];
-    if (std::all_of(tet.begin(), tet.end(),
-                    [&](VertexId v) { return selected[static_cast<std::size_t>(v)]; }))
+    if (std::all_of(tet.begin(), tet.end(), [&](VertexId v) { return selected[v]; }))
       chosen.push_back(t);
   }
   if (chosen.empty())
@@ -56,7 +55,7 @@ Result<std::vector<MaterialRule>> rules_of_file(const RegionIndex& regions,
 MaterialTable compacted(MaterialTable table) {
   std::vector<std::int32_t> new_index(table.materials.size(), -1);
   std::vector<bool> used(table.materials.size(), false);
-  for (std::int32_t of : table.of_tet) used[static_cast<std::size_t>(of)] = true;
+  for (std::int32_t of : table.of_tet) used[of] = true;
   MaterialTable result;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
@@ -64,8 +63,7 @@ MaterialTable compacted(MaterialTable table) {
     result.materials.push_back(std::move(table.materials[i]));
   }
   if (result.materials.size() == 1) return result;
-  for (std::int32_t of : table.of_tet)
-    result.of_tet.push_back(new_index[static_cast<std::size_t>(of)]);
+  for (std::int32_t of : table.of_tet) result.of_tet.push_back(new_index[of]);
   return result;
 }
 
@@ -109,7 +107,7 @@ Result<MaterialTable> assign_materials(const std::vector<MaterialRule>& rules,
   const auto flush = [&] {
     for (std::size_t t = 0; t < mesh.region_of.size(); ++t) {
       const std::int32_t region = mesh.region_of[t];
-      const std::int32_t of = region < 0 ? -1 : of_region[static_cast<std::size_t>(region)];
+      const std::int32_t of = region < 0 ? -1 : of_region[region];
       if (of >= 0) table.of_tet[t] = of;
     }
     of_region.assign(regions.size(), -1);
@@ -133,8 +131,7 @@ Result<MaterialTable> assign_materials(const std::vector<MaterialRule>& rules,
 std::vector<MaterialShare> material_shares(const MaterialTable& table, const TetMesh& mesh) {
   std::vector<MaterialShare> shares(table.materials.size());
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
-    MaterialShare& share =
-        shares[table.of_tet.empty() ? 0 : static_cast<std::size_t>(table.of_tet[t])];
+    MaterialShare& share = shares[table.of_tet.empty() ? 0 : table.of_tet[t]];
     ++share.tetrahedra;
     share.volume += std::abs(signed_volume(mesh, mesh.tetrahedra[t]));
   }

@@ -178,7 +178,7 @@ Pieces rigid_pieces(const TetMesh& mesh) {
 std::vector<Mechanism> find_mechanisms(const TetMesh& mesh, const MeshReport& report,
                                        const Pieces& pieces, const std::vector<VertexId>& fixed,
                                        bool free_body) {
-  std::vector<std::vector<int>> tetrahedra(static_cast<std::size_t>(pieces.count));
+  std::vector<std::vector<int>> tetrahedra(pieces.count);
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
     tetrahedra[pieces.of_tetrahedron[t]].push_back(static_cast<int>(t));
   std::vector<std::vector<int>> pieces_of(report.parts);

@@ -16,9 +16,9 @@ ModeCounts choose_mode_counts(const ModelRequest& request, int free_dofs) {
   if (counts.linear > free_dofs)
     refuse("--linear-modes " + std::to_string(counts.linear) + ": the mesh has " +
            std::to_string(free_dofs) + " dofs to move");
-  const auto k = static_cast<std::size_t>(counts.linear);
-  const int most = static_cast<int>(std::min<std::size_t>(k + (request.linear ? 0 : pair_count(k)),
-                                                          static_cast<std::size_t>(free_dofs)));
+  const std::size_t k = counts.linear;
+  const int most =
+      static_cast<int>(std::min<std::size_t>(k + (request.linear ? 0 : pair_count(k)), free_dofs));
   counts.modes = request.modes.value_or(request.linear ? most : std::min(30, most));
   if (counts.modes < 1 || counts.modes > most)
     refuse("--modes " + std::to_string(counts.modes) + ": " + std::to_string(counts.linear) +

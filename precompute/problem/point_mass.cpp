@@ -49,8 +49,7 @@ std::vector<double> mass_of_vertices(const std::vector<PointMass>& masses, std::
   std::vector<double> kilograms(masses.empty() ? 0 : vertices, 0.0);
   for (const PointMass& mass : masses)
     for (VertexId v : mass.vertices)
-      kilograms[static_cast<std::size_t>(v)] +=
-          mass.kilograms / static_cast<double>(mass.vertices.size());
+      kilograms[v] += mass.kilograms / static_cast<double>(mass.vertices.size());
   return kilograms;
 }
 

@@ -15,7 +15,7 @@ constexpr double kShaft = 0.04, kHead = 0.1, kHeadLength = 0.3;  // relative to 
 constexpr int kSides = 16;
 
 void paint(const std::vector<VertexId>& ids, const Colour& colour, std::vector<Colour>& of_mesh) {
-  for (const VertexId id : ids) of_mesh[static_cast<std::size_t>(id)] = colour;
+  for (const VertexId id : ids) of_mesh[id] = colour;
 }
 
 // Returns a closed surface of revolution about the line from tail to tip.
@@ -53,7 +53,7 @@ SurfaceMesh arrow(const Eigen::Vector3d& tail, const Eigen::Vector3d& tip) {
 void add_arrow(const Problem& problem, const BoundingBox& box, Preview& preview) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < problem.load.vertices.size(); ++i) {
-    middle += problem.mesh.vertices[static_cast<std::size_t>(problem.load.vertices[i])];
+    middle += problem.mesh.vertices[problem.load.vertices[i]];
     force += problem.load.forces[i];
   }
   middle /= static_cast<double>(problem.load.vertices.size());
@@ -85,8 +85,8 @@ Preview make_preview(const ProblemRequest& request, const Problem& problem) {
   const BoundarySurface boundary = boundary_surface(problem.mesh);
   preview.surface.triangles = boundary.triangles;
   for (const VertexId id : boundary.vertex_ids) {
-    preview.surface.vertices.push_back(problem.mesh.vertices[static_cast<std::size_t>(id)]);
-    preview.colours.push_back(of_mesh[static_cast<std::size_t>(id)]);
+    preview.surface.vertices.push_back(problem.mesh.vertices[id]);
+    preview.colours.push_back(of_mesh[id]);
   }
   if (!problem.load.vertices.empty())
     add_arrow(problem, bounding_box(preview.surface.vertices), preview);

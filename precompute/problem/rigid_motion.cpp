@@ -23,7 +23,7 @@ struct Part {
 };
 
 std::vector<Part> measure(const TetMesh& mesh, const std::vector<int>& part_of_vertex, int parts) {
-  std::vector<Part> measured(static_cast<std::size_t>(parts));
+  std::vector<Part> measured(parts);
   std::vector<int> count(measured.size(), 0);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (part_of_vertex[v] < 0) continue;
@@ -48,19 +48,18 @@ void orthonormalise(Mat mass, const std::vector<int>& part_of_row, Columns& mode
   // rounding.
   for (int pass = 0; pass < 2; ++pass) {
     for (Eigen::Index row = 0; row < rows; ++row)
-      together.row(row) =
-          modes.row(row).segment<6>(6 * Eigen::Index{part_of_row[static_cast<std::size_t>(row)]});
+      together.row(row) = modes.row(row).segment<6>(6 * Eigen::Index{part_of_row[row]});
     const Columns inertia = multiply(mass, together);
     Eigen::MatrixXd grams = Eigen::MatrixXd::Zero(6, 6 * parts);
     for (Eigen::Index row = 0; row < rows; ++row)
-      grams.middleCols<6>(6 * Eigen::Index{part_of_row[static_cast<std::size_t>(row)]}).noalias() +=
+      grams.middleCols<6>(6 * Eigen::Index{part_of_row[row]}).noalias() +=
           together.row(row).transpose() * inertia.row(row);
     sum_over_ranks(grams);
     std::vector<Eigen::LLT<Eigen::Matrix<double, 6, 6>>> factors;
     for (Eigen::Index part = 0; part < parts; ++part)
       factors.emplace_back(grams.middleCols<6>(6 * part));
     for (Eigen::Index row = 0; row < rows; ++row) {
-      const auto part = static_cast<std::size_t>(part_of_row[static_cast<std::size_t>(row)]);
+      const std::size_t part = part_of_row[static_cast<std::size_t>(row)];
       // x U^-1 is the solution y of U^T y = x^T.
       const Eigen::Matrix<double, 6, 1> turned =
           factors[part].matrixL().solve(together.row(row).transpose());
@@ -84,7 +83,7 @@ std::vector<int> rigid_freedom(const TetMesh& mesh, const std::vector<int>& part
     held[p] += motions.transpose() * motions;
   }
   for (int axis = 0; axis < 3; ++axis)
-    for (VertexId v : held_along[static_cast<std::size_t>(axis)]) {
+    for (VertexId v : held_along[axis]) {
       const int p = part_of_vertex[v];
       if (p < 0) continue;
       const Eigen::Matrix<double, 1, 6> motion =
@@ -105,11 +104,11 @@ Columns rigid_modes(const TetMesh& mesh, const std::vector<int>& part_of_vertex,
                     const LocalDofs& local, Mat mass) {
   const std::vector<Part> measured = measure(mesh, part_of_vertex, parts);
   Columns modes = Columns::Zero(local.dofs(), 6 * Eigen::Index{parts});
-  std::vector<int> part_of_row(static_cast<std::size_t>(local.dofs()), 0);
+  std::vector<int> part_of_row(local.dofs(), 0);
   for (std::size_t i = 0; i < local.vertices.size(); ++i) {
     const int row = local.row_of_vertex[i];
     if (row < 0) continue;
-    const auto v = static_cast<std::size_t>(local.vertices[i]);
+    const std::size_t v = local.vertices[i];
     const int p = part_of_vertex[v];
     std::fill_n(part_of_row.begin() + row, 3, p);
     modes.block<3, 6>(row, 6 * p) =

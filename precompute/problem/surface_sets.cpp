@@ -56,8 +56,8 @@ void take_colours(const RenderSurface& surface, const std::vector<Contact>& cont
     for (std::size_t channel = 0; channel < 4; ++channel) {
       double value = 0.0;
       for (std::size_t k = 0; k < 3; ++k)
-        value += contact.weights[static_cast<Eigen::Index>(k)] *
-                 surface.colours[surface.triangles[contact.triangle][k]][channel];
+        value +=
+            contact.weights[k] * surface.colours[surface.triangles[contact.triangle][k]][channel];
       mesh.colours[contact.vertex][channel] = static_cast<std::uint8_t>(std::lround(value));
     }
 }

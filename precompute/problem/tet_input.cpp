@@ -44,7 +44,7 @@ double extent(const TetMesh& mesh) {
   for (const Tetrahedron& tet : mesh.tetrahedra)
     for (const VertexId v : tet)
       if (v >= 0 && static_cast<std::size_t>(v) < mesh.vertices.size())
-        used.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+        used.push_back(mesh.vertices[v]);
   return bounding_box(used).diagonal();
 }
 

@@ -50,9 +50,7 @@ double plane_end(const SurfaceMesh& surface, const BoundingBox& box, int axis, b
   const double from = low ? box.low[axis] : box.high[axis];
   double area = 0;
   for (const Triangle& t : surface.triangles) {
-    const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
-      return surface.vertices[static_cast<std::size_t>(t[i])];
-    };
+    const auto at = [&](std::size_t i) -> const Eigen::Vector3d& { return surface.vertices[t[i]]; };
     const Eigen::Vector3d doubled = (at(1) - at(0)).cross(at(2) - at(0));
     const double level = (low ? -1.0 : 1.0) * doubled[axis];
     bool near = level > kLevel * doubled.norm();

@@ -16,9 +16,7 @@ struct Sections {
     start.resize(count.size(), 0);
     std::partial_sum(count.begin(), count.end() - 1, start.begin() + 1);
   }
-  std::size_t total() const {
-    return static_cast<std::size_t>(start.back()) + static_cast<std::size_t>(count.back());
-  }
+  std::size_t total() const { return std::size_t{0} + start.back() + count.back(); }
 };
 
 // A communication plan. nodes: nodes of other ranks whose values this rank needs, ascending and
@@ -31,7 +29,7 @@ struct Exchange {
 };
 
 Exchange plan_exchange(const DofMap& map, const LocalDofs& local) {
-  const auto ranks = static_cast<std::size_t>(mpi_ranks());
+  const std::size_t ranks = mpi_ranks();
   std::vector<int> nodes, received(ranks, 0), sent(ranks, 0);
   for (std::size_t v = 0; v < local.vertices.size(); ++v)
     if (local.node_of_vertex[v] >= 0 && local.row_of_vertex[v] < 0)
@@ -70,7 +68,7 @@ class RowType {
 }  // namespace
 
 BasisRows expand_to_vertices(const DofMap& map, const LocalDofs& local, const Columns& columns) {
-  const auto vertices = static_cast<Eigen::Index>(local.vertices.size());
+  const Eigen::Index vertices = local.vertices.size();
   BasisRows expanded(3 * vertices, columns.cols());
   const auto at = [&](std::size_t v) {
     return expanded.middleRows<3>(3 * static_cast<Eigen::Index>(v));
@@ -109,19 +107,18 @@ void fix_signs(const LocalDofs& local, Columns& vectors, BasisRows& expanded) {
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(count), MPI_DOUBLE, MPI_MAX,
                 PETSC_COMM_WORLD);
   // Encodes the index of the entry in the whole mesh, doubled; odd if the entry is negative.
-  std::vector<long long> first(static_cast<std::size_t>(count),
-                               std::numeric_limits<long long>::max() - 1);
+  std::vector<long long> first(count, std::numeric_limits<long long>::max() - 1);
   for (Eigen::Index c = 0; c < count; ++c) {
     Eigen::Index row = 0;
     while (row < expanded.rows() && std::abs(expanded(row, c)) < 0.5 * largest[c]) ++row;
     if (row == expanded.rows()) continue;
-    const long long entry = 3LL * local.vertices[static_cast<std::size_t>(row / 3)] + row % 3;
-    first[static_cast<std::size_t>(c)] = 2 * entry + (expanded(row, c) < 0 ? 1 : 0);
+    const long long entry = 3LL * local.vertices[row / 3] + row % 3;
+    first[c] = 2 * entry + (expanded(row, c) < 0 ? 1 : 0);
   }
   MPI_Allreduce(MPI_IN_PLACE, first.data(), static_cast<int>(count), MPI_LONG_LONG, MPI_MIN,
                 PETSC_COMM_WORLD);
   for (Eigen::Index c = 0; c < count; ++c) {
-    if (first[static_cast<std::size_t>(c)] % 2 == 0) continue;
+    if (first[c] % 2 == 0) continue;
     // Subtraction avoids negative zeros, so that vectors expanded again have the same bits.
     expanded.col(c) = 0.0 - expanded.col(c).array();
     vectors.col(c) = 0.0 - vectors.col(c).array();

@@ -189,7 +189,7 @@ Problem load_problem_together(const ProblemRequest& request) {
   std::vector<Fact> facts = facts_of(problem);
   facts.push_back(render_fact(problem));
   require_agreement(facts);
-  const auto ranks = static_cast<std::size_t>(mpi_ranks());
+  const std::size_t ranks = mpi_ranks();
   if (ranks > problem.mesh.tetrahedra.size())
     throw SharedFailure(content_error(std::to_string(ranks) + " ranks for " +
                                       std::to_string(problem.mesh.tetrahedra.size()) +

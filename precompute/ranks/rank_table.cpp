@@ -25,7 +25,7 @@ RankTable gather_stages(const StageLog& log) {
         local_values[kNumbers * i + 1] = record.cpu_seconds;
         local_values[kNumbers * i + 2] = static_cast<double>(record.peak_bytes);
       }
-  const auto ranks = static_cast<std::size_t>(mpi_ranks());
+  const std::size_t ranks = mpi_ranks();
   std::vector<double> all(local_values.size() * ranks);
   MPI_Gather(local_values.data(), static_cast<int>(local_values.size()), MPI_DOUBLE, all.data(),
              static_cast<int>(local_values.size()), MPI_DOUBLE, 0, PETSC_COMM_WORLD);

@@ -52,11 +52,11 @@ void gather(const SpreadRows& rows, Eigen::Index columns, std::size_t first, std
             double* out) {
   const auto numbers = static_cast<std::size_t>(3 * columns);
   const int rank = mpi_rank();
-  std::vector<int> owners(count), counts(static_cast<std::size_t>(mpi_ranks()), 0);
+  std::vector<int> owners(count), counts(mpi_ranks(), 0);
   std::vector<double> local_values;
   for (std::size_t i = 0; i < count; ++i) {
     owners[i] = rows.owner(first + i);
-    if (owners[i] >= 0) ++counts[static_cast<std::size_t>(owners[i])];
+    if (owners[i] >= 0) ++counts[owners[i]];
     if (owners[i] != rank) continue;
     local_values.resize(local_values.size() + numbers);
     rows.fill(first + i, local_values.data() + local_values.size() - numbers);
@@ -67,8 +67,8 @@ void gather(const SpreadRows& rows, Eigen::Index columns, std::size_t first, std
   MPI_Datatype item = MPI_DATATYPE_NULL;
   MPI_Type_contiguous(static_cast<int>(numbers), MPI_DOUBLE, &item);
   MPI_Type_commit(&item);
-  MPI_Gatherv(local_values.data(), counts[static_cast<std::size_t>(rank)], item, all.data(),
-              counts.data(), starts.data(), item, 0, PETSC_COMM_WORLD);
+  MPI_Gatherv(local_values.data(), counts[rank], item, all.data(), counts.data(), starts.data(),
+              item, 0, PETSC_COMM_WORLD);
   MPI_Type_free(&item);
   if (rank != 0) return;
   for (std::size_t i = 0; i < count; ++i) {

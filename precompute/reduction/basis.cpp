@@ -25,8 +25,7 @@ Eigen::VectorXd weights(const Eigen::VectorXd& w2, double amplitude, Eigen::Inde
   if (columns == k) return weight;
   for (Eigen::Index j = 0; j < k; ++j)
     for (Eigen::Index i = 0; i <= j; ++i)
-      weight[k + static_cast<Eigen::Index>(pair_index(i, j))] =
-          0.5 * amplitude * w2[0] * w2[0] / (w2[i] * w2[j]);
+      weight[k + pair_index(i, j)] = 0.5 * amplitude * w2[0] * w2[0] / (w2[i] * w2[j]);
   return weight;
 }
 
@@ -176,7 +175,7 @@ Basis make_basis(const Matrices& matrices, PrincipalColumns principal, const Bas
         " linear modes with their derivatives span " + std::to_string(principal.size())));
   Basis basis;
   // Kept vectors count as much as the first direction.
-  basis.singular_values.assign(static_cast<std::size_t>(kept), sigma[0]);
+  basis.singular_values.assign(kept, sigma[0]);
   basis.singular_values.insert(basis.singular_values.end(), sigma.begin(), sigma.end());
   if (marker != nullptr) {
     basis.cut = cluster_at_cut(sigma.head(principal.rank), r - kept, {});

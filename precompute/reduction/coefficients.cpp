@@ -124,7 +124,7 @@ Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::siz
       8;  // accumulators; a fixed number, so that the sum is reproducible
   constexpr std::size_t kGroups = 8;  // of elements for each SYRK: their rows fit in the cache
   constexpr std::size_t kBatch = kGroups * kLanes;
-  const auto r = static_cast<std::size_t>(basis.cols());
+  const std::size_t r = basis.cols();
   const auto columns = static_cast<int>(r + pair_count(r));
   const bool uniform = solid.uniform();
   const ElasticityRoot root(solid.elasticities.front());
@@ -162,7 +162,7 @@ Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::siz
 }
 
 Coefficients coefficients_from_gram(const Eigen::MatrixXd& gram, int r) {
-  const auto modes = static_cast<std::size_t>(r);
+  const std::size_t modes = r;
   const auto entry = [&gram](std::size_t a, std::size_t b) {
     return gram(static_cast<Eigen::Index>(std::max(a, b)),
                 static_cast<Eigen::Index>(std::min(a, b)));

@@ -100,7 +100,7 @@ ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local, c
   std::vector<ColumnPair> pairs;
   for (int j = 0; j < static_cast<int>(psi.cols()); ++j)
     for (int i = 0; i <= j; ++i) pairs.push_back({i, j});
-  const auto count = static_cast<Eigen::Index>(pairs.size());
+  const Eigen::Index count = pairs.size();
   const Columns& rigid = pencil.rigid;
   const Columns mass_rigid =
       rigid.cols() > 0 ? multiply(pencil.mass(), rigid) : Columns(local.dofs(), 0);
@@ -113,9 +113,9 @@ ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local, c
   Eigen::MatrixXd squares(2, count);
   const auto compute_block = [&](Eigen::Index first, Eigen::Index width) {
     Columns loads = Columns::Zero(local.dofs(), width);
-    subtract_second_derivatives(
-        solid, local.elements, psi, {pairs.begin() + first, pairs.begin() + first + width},
-        local.row_of_vertex, loads.data(), static_cast<std::size_t>(loads.rows()));
+    subtract_second_derivatives(solid, local.elements, psi,
+                                {pairs.begin() + first, pairs.begin() + first + width},
+                                local.row_of_vertex, loads.data(), loads.rows());
     // Makes the right-hand side self-balancing, so that it does not move the body as a whole.
     if (rigid.cols() > 0)
       add_product(-1.0, mass_rigid, on.inner_products(rigid, loads), 1.0, loads);

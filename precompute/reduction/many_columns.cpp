@@ -27,13 +27,13 @@ void take_to_front(const std::vector<Eigen::Index>& order, Eigen::Index count, C
   std::iota(column_slot.begin(), column_slot.end(), 0);
   std::iota(in_slot.begin(), in_slot.end(), 0);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Index wanted = order[static_cast<std::size_t>(i)];
-    const Eigen::Index from = column_slot[static_cast<std::size_t>(wanted)];
-    const Eigen::Index displaced = in_slot[static_cast<std::size_t>(i)];
+    const Eigen::Index wanted = order[i];
+    const Eigen::Index from = column_slot[wanted];
+    const Eigen::Index displaced = in_slot[i];
     columns.col(i).swap(columns.col(from));
-    std::swap(in_slot[static_cast<std::size_t>(i)], in_slot[static_cast<std::size_t>(from)]);
-    column_slot[static_cast<std::size_t>(wanted)] = i;
-    column_slot[static_cast<std::size_t>(displaced)] = from;
+    std::swap(in_slot[i], in_slot[from]);
+    column_slot[wanted] = i;
+    column_slot[displaced] = from;
   }
 }
 
@@ -97,8 +97,7 @@ Factored orthonormalise_many(Mat mass, Columns& columns, const Eigen::VectorXd& 
   factored.rank = chosen.factor.rows();
   take_to_front(chosen.order, factored.rank, columns);
   Eigen::MatrixXd first = chosen.factor.leftCols(factored.rank);
-  for (Eigen::Index i = 0; i < factored.rank; ++i)
-    first.col(i) *= norms[chosen.order[static_cast<std::size_t>(i)]];
+  for (Eigen::Index i = 0; i < factored.rank; ++i) first.col(i) *= norms[chosen.order[i]];
   divide(columns.leftCols(factored.rank), first, threads);
 
   report(text("Gram matrix of the %d that hold the others", static_cast<int>(factored.rank)));
@@ -108,7 +107,7 @@ Factored orthonormalise_many(Mat mass, Columns& columns, const Eigen::VectorXd& 
   divide_by_upper(second, factored.q);
   factored.t.resize(factored.rank, n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Index column = chosen.order[static_cast<std::size_t>(i)];
+    const Eigen::Index column = chosen.order[i];
     factored.t.col(column) = (norms[column] * weight[column]) * chosen.factor.col(i);
   }
   multiply_by_upper(second, factored.t);

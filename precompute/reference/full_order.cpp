@@ -39,13 +39,13 @@ template <class PartOf>
 void assemble_blocks(const FullOrder& body, const PartOf& part_of, std::vector<double>& values) {
   const Pattern& pattern = body.pattern;
   values.resize(pattern.column.size());
-  in_chunks(static_cast<std::size_t>(body.unknowns.map.nodes()), body.threads, [&](std::size_t n) {
+  in_chunks(body.unknowns.map.nodes(), body.threads, [&](std::size_t n) {
     const int node = static_cast<int>(n);
     for (int block = pattern.block[node]; block < pattern.block[node + 1]; ++block) {
       Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
       for (int at = pattern.begin[block]; at < pattern.begin[block + 1]; ++at) {
         const int part = pattern.part[at];
-        sum += part_of(static_cast<std::size_t>(part / 16), part / 4 % 4, part % 4);
+        sum += part_of(part / 16, part / 4 % 4, part % 4);
       }
       write_block(body, node, block, sum, values);
     }
@@ -107,11 +107,11 @@ SparseRows rows_of(const FullOrder& body, const std::vector<double>& values) {
 
 Vector multiply(const FullOrder& body, const std::vector<double>& values, const Vector& x) {
   Vector y(x.size());
-  in_chunks(static_cast<std::size_t>(x.size()), body.threads, [&](std::size_t row) {
+  in_chunks(x.size(), body.threads, [&](std::size_t row) {
     double sum = 0;
     for (int at = body.pattern.start[row]; at < body.pattern.start[row + 1]; ++at)
       sum += values[at] * x[body.pattern.column[at]];
-    y[static_cast<Eigen::Index>(row)] = sum;
+    y[row] = sum;
   });
   return y;
 }
@@ -138,11 +138,11 @@ Vector segment_force(const FullOrder& body, const std::vector<SegmentPoint>& poi
             [&](std::size_t e) { parts[e] = element_force(body.solid, e, points, from, by); });
   const Pattern& pattern = body.pattern;
   Vector force(body.size());
-  in_chunks(static_cast<std::size_t>(body.unknowns.map.nodes()), body.threads, [&](std::size_t n) {
+  in_chunks(body.unknowns.map.nodes(), body.threads, [&](std::size_t n) {
     const int block = pattern.self(static_cast<int>(n));
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int at = pattern.begin[block]; at < pattern.begin[block + 1]; ++at)
-      sum += parts[static_cast<std::size_t>(pattern.part[at] / 16)].col(pattern.part[at] % 4);
+      sum += parts[pattern.part[at] / 16].col(pattern.part[at] % 4);
     for (int x = 0; x < 3; ++x) {
       const int unknown = body.unknowns.of_dof[3 * body.unknowns.map.vertex_of_node[n] + x];
       if (unknown >= 0) force[unknown] = sum[x];
@@ -196,7 +196,7 @@ double largest_displacement(const FullOrder& body, const std::vector<VertexId>& 
 }
 
 Vector point_load(const FullOrder& body, const DefaultLoad& load) {
-  Vector field = Vector::Zero(static_cast<Eigen::Index>(body.unknowns.of_dof.size()));
+  Vector field = Vector::Zero(body.unknowns.of_dof.size());
   for (std::size_t i = 0; i < load.vertices.size(); ++i)
     field.segment<3>(3 * Eigen::Index{load.vertices[i]}) += load.forces[i];
   return restrict_to(body.unknowns, field);
@@ -204,7 +204,7 @@ Vector point_load(const FullOrder& body, const DefaultLoad& load) {
 
 Vector gravity_load(const FullOrder& body, const Eigen::Vector3d& gravity) {
   const Solid& solid = body.solid;
-  Vector field = Vector::Zero(static_cast<Eigen::Index>(body.unknowns.of_dof.size()));
+  Vector field = Vector::Zero(body.unknowns.of_dof.size());
   for (std::size_t e = 0; e < solid.samples.size(); ++e)
     for (VertexId v : solid.mesh.tetrahedra[e])
       field.segment<3>(3 * Eigen::Index{v}) +=

@@ -11,7 +11,7 @@ namespace tremolo {
 namespace {
 
 std::size_t index_of(Eigen::Index i) {
-  return static_cast<std::size_t>(i);
+  return i;
 }
 
 // C[q] and Q[q,q] for each column of q, r x r each.
@@ -21,7 +21,7 @@ struct Contraction {
 
 std::vector<Contraction> contract(const ReducedModel& model, const Eigen::MatrixXd& q) {
   const Eigen::Index r = model.size(), points = q.cols();
-  const auto pairs = static_cast<Eigen::Index>(pair_count(index_of(r)));
+  const Eigen::Index pairs = pair_count(index_of(r));
   Eigen::MatrixXd squares(pairs, points), cubic = Eigen::MatrixXd::Zero(pairs, points),
                                           quartic = cubic;
   for (Eigen::Index p = 0; p < points; ++p)
@@ -47,9 +47,8 @@ std::vector<Contraction> contract(const ReducedModel& model, const Eigen::Matrix
 
 Eigen::MatrixXd positions(const std::vector<SegmentPoint>& points, const Vector& q,
                           const Vector& d) {
-  Eigen::MatrixXd all(q.size(), static_cast<Eigen::Index>(points.size()));
-  for (std::size_t i = 0; i < points.size(); ++i)
-    all.col(static_cast<Eigen::Index>(i)) = q + points[i].fraction * d;
+  Eigen::MatrixXd all(q.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) all.col(i) = q + points[i].fraction * d;
   return all;
 }
 
@@ -99,14 +98,13 @@ ReducedModel make_reduced_model(const Vector& lambda, const std::vector<double>&
   ReducedModel model{lambda, {}, {}};
   if (quartic.empty()) return model;
   const auto r = index_of(lambda.size());
-  const auto pairs = static_cast<Eigen::Index>(pair_count(r));
+  const Eigen::Index pairs = pair_count(r);
   model.cubic.resize(pairs, lambda.size());
   model.quartic.resize(pairs, pairs);
   Eigen::Index row = 0;
   for (std::size_t j = 0; j < r; ++j)
     for (std::size_t i = 0; i <= j; ++i, ++row) {
-      for (std::size_t k = 0; k < r; ++k)
-        model.cubic(row, static_cast<Eigen::Index>(k)) = cubic[triple_index_any(i, j, k)];
+      for (std::size_t k = 0; k < r; ++k) model.cubic(row, k) = cubic[triple_index_any(i, j, k)];
       Eigen::Index column = 0;
       for (std::size_t l = 0; l < r; ++l)
         for (std::size_t k = 0; k <= l; ++k, ++column)
@@ -118,7 +116,7 @@ ReducedModel make_reduced_model(const Vector& lambda, const std::vector<double>&
 ReducedModel first_coordinates(const ReducedModel& model, Eigen::Index r) {
   ReducedModel first{model.lambda.head(r), {}, {}};
   if (model.quartic.size() == 0) return first;
-  const auto pairs = static_cast<Eigen::Index>(pair_count(index_of(r)));
+  const Eigen::Index pairs = pair_count(index_of(r));
   first.cubic = model.cubic.topLeftCorner(pairs, r);
   first.quartic = model.quartic.topLeftCorner(pairs, pairs);
   return first;
@@ -135,7 +133,7 @@ Vector reduced_force(const ReducedModel& model, const std::vector<SegmentPoint>&
   const std::vector<Contraction> contractions = contract(model, at);
   Vector force = Vector::Zero(q.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vector here = at.col(static_cast<Eigen::Index>(i));
+    const Vector here = at.col(i);
     force +=
         points[i].weight * (model.lambda.cwiseProduct(here) +
                             (3.0 * contractions[i].cubic + 4.0 * contractions[i].quartic) * here);

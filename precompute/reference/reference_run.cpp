@@ -273,7 +273,7 @@ void run_motion(Work& work) {
   for (const Companion& companion : work.companions)
     course.followers.push_back(make_follower(work, companion.body));
   try {
-    move(work, system, static_cast<std::int64_t>(std::llround(options.duration / step)), course);
+    move(work, system, std::llround(options.duration / step), course);
   } catch (const Failure& failure) {
     work.broken = failure;
   }

@@ -66,7 +66,7 @@ Unknowns make_unknowns(const TetMesh& mesh, const std::vector<VertexId>& fixed,
   for (VertexId v : fixed)
     for (int axis = 0; axis < 3; ++axis) is_held[3 * v + axis] = 1;
   for (int axis = 0; axis < 3; ++axis)
-    for (VertexId v : held[static_cast<std::size_t>(axis)]) is_held[3 * v + axis] = 1;
+    for (VertexId v : held[axis]) is_held[3 * v + axis] = 1;
   std::vector<VertexId> all;
   for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertices.size()); ++v)
     if (is_held[3 * v] + is_held[3 * v + 1] + is_held[3 * v + 2] == 3) all.push_back(v);
@@ -83,7 +83,7 @@ Unknowns make_unknowns(const TetMesh& mesh, const std::vector<VertexId>& fixed,
 }
 
 Vector expand(const Unknowns& unknowns, const Vector& x) {
-  Vector field = Vector::Zero(static_cast<Eigen::Index>(unknowns.of_dof.size()));
+  Vector field = Vector::Zero(unknowns.of_dof.size());
   for (Eigen::Index i = 0; i < x.size(); ++i) field[unknowns.dof[i]] = x[i];
   return field;
 }
@@ -106,7 +106,7 @@ Pattern make_pattern(const TetMesh& mesh, const Unknowns& unknowns) {
   pattern.begin.assign(pattern.node.size() + 1, 0);
   for_each_part(mesh, unknowns, pattern, [&](int block, int) { ++pattern.begin[block + 1]; });
   for (std::size_t b = 1; b < pattern.begin.size(); ++b) pattern.begin[b] += pattern.begin[b - 1];
-  pattern.part.resize(static_cast<std::size_t>(pattern.begin.back()));
+  pattern.part.resize(pattern.begin.back());
   std::vector<int> next(pattern.begin.begin(), pattern.begin.end() - 1);
   for_each_part(mesh, unknowns, pattern,
                 [&](int block, int part) { pattern.part[next[block]++] = part; });

@@ -14,7 +14,7 @@ struct Unknowns {
   DofMap map;
   std::vector<int> of_dof;  // 3n; -1: held
   std::vector<int> dof;     // N
-  Eigen::Index count() const { return static_cast<Eigen::Index>(dof.size()); }
+  Eigen::Index count() const { return dof.size(); }
 };
 
 // fixed: ascending ids. held: ascending ids of vertices held along x, y, z. Throws Failure

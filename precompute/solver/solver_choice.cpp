@@ -83,9 +83,8 @@ MemoryEstimate estimate(const DofMap& map, const LocalDofs& local, const SolverR
                         double factor_entries, bool cholmod) {
   MemoryEstimate bytes;
   const double ranks = mpi_ranks();
-  const double blocks = map.graph.start[static_cast<std::size_t>(local.first_node) +
-                                        static_cast<std::size_t>(local.nodes)] -
-                        map.graph.start[static_cast<std::size_t>(local.first_node)] + local.nodes;
+  const double blocks = map.graph.start[local.first_node + local.nodes] -
+                        map.graph.start[local.first_node] + local.nodes;
   const double stiffness = 9 * kEntry * blocks;
   bytes.matrices = (1.0 + 1.0 / 3.0) * stiffness;
   // CHOLMOD copies the matrix, and a shift copies it again; MUMPS gathers triplets and keeps a
@@ -95,8 +94,7 @@ MemoryEstimate estimate(const DofMap& map, const LocalDofs& local, const SolverR
                      : 1.6 * kNumber * factor_entries / ranks + 1.5 * stiffness;
   bytes.multigrid = 2.2 * stiffness;  // coarser grids and prolongations, measured
   const double k = request.linear_modes, column = kNumber * local.dofs();
-  const double derivatives =
-      request.derivatives ? static_cast<double>(pair_count(static_cast<std::size_t>(k))) : 0.0;
+  const double derivatives = request.derivatives ? static_cast<double>(pair_count(request.linear_modes)) : 0.0;
   const double rigid = 3.0 * request.rigid_modes;  // the motions, M times them, and temporaries
   const double while_modes = 8.0 * k + 100.0;
   const double while_iterating = 15.0 * (k + 2.0);  // LOBPCG's blocks
@@ -105,8 +103,7 @@ MemoryEstimate estimate(const DofMap& map, const LocalDofs& local, const SolverR
   bytes.columns = column * (rigid + std::max({while_modes, while_derivatives, while_basis}));
   bytes.iterative_columns =
       column * (rigid + std::max({while_iterating, while_derivatives, while_basis}));
-  const double strain_columns =
-      request.modes + static_cast<double>(pair_count(static_cast<std::size_t>(request.modes)));
+  const double strain_columns = request.modes + static_cast<double>(pair_count(request.modes));
   bytes.rest = 60e6 + 136.0 * static_cast<double>(local.tetrahedra.size()) +
                120.0 * static_cast<double>(map.node_of_vertex.size()) +
                12.0 * static_cast<double>(map.graph.neighbours.size()) +
@@ -169,7 +166,7 @@ double available_memory(int ranks_here) {
 }
 
 double count_factor_entries(const DofMap& map) {
-  const auto nodes = static_cast<std::size_t>(map.nodes());
+  const std::size_t nodes = map.nodes();
   std::vector<int> order(nodes);
   if (map.rank_begin.size() == 2)
     std::iota(order.begin(), order.end(), 0);

@@ -49,10 +49,10 @@ struct SparseCholesky::Factor {
 namespace {
 
 cholmod_sparse as_cholmod(const SparseRows& matrix) {
-  const auto rows = static_cast<std::size_t>(matrix.rows);
+  const std::size_t rows = matrix.rows;
   cholmod_sparse a = {};
   a.nrow = a.ncol = rows;
-  a.nzmax = static_cast<std::size_t>(matrix.start[rows]);
+  a.nzmax = matrix.start[rows];
   a.p = const_cast<int*>(matrix.start);
   a.i = const_cast<int*>(matrix.column);
   a.x = const_cast<double*>(matrix.value);
@@ -83,8 +83,8 @@ SparseCholesky::SparseCholesky(const SparseRows& matrix) : factor_(std::make_uni
                        static_cast<const double*>(l.x)};
   const int* first_row = factor.supernodes.first_row;
   for (std::size_t s = 0; s < l.nsuper; ++s)
-    factor.supernodes.most_rows = std::max(
-        factor.supernodes.most_rows, static_cast<std::size_t>(first_row[s + 1] - first_row[s]));
+    factor.supernodes.most_rows =
+        std::max<std::size_t>(factor.supernodes.most_rows, first_row[s + 1] - first_row[s]);
 }
 
 SparseCholesky::~SparseCholesky() = default;
@@ -99,7 +99,7 @@ void SparseCholesky::factorise(const SparseRows& matrix) {
 }
 
 void SparseCholesky::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) {
-  const auto rows = static_cast<std::size_t>(b.size());
+  const std::size_t rows = b.size();
   cholmod_dense from = {};
   from.nrow = from.d = from.nzmax = rows;
   from.ncol = 1;
@@ -127,7 +127,7 @@ std::size_t SparseCholesky::entries() const {
 }
 
 void SparseCholesky::solve(const ColumnsRef& b, ColumnsOut x, Workspace& workspace) const {
-  const auto rows = static_cast<std::size_t>(b.rows());
+  const std::size_t rows = b.rows();
   const int* order = static_cast<const int*>(factor_->l->Perm);
   constexpr Eigen::Index kMost = 2 * kLanes;
   for (Eigen::Index first = 0; first < b.cols(); first += kMost) {
@@ -138,15 +138,13 @@ void SparseCholesky::solve(const ColumnsRef& b, ColumnsOut x, Workspace& workspa
     auto* packed = reinterpret_cast<double*>(workspace.rows.data());
     for (Eigen::Index c = 0; c < width; ++c) {
       const double* column = b.col(first + c).data();
-      for (std::size_t i = 0; i < rows; ++i)
-        packed[i * vectors * kLanes + static_cast<std::size_t>(c)] = column[order[i]];
+      for (std::size_t i = 0; i < rows; ++i) packed[i * vectors * kLanes + c] = column[order[i]];
     }
     solve_supernodes(factor_->supernodes, static_cast<int>(vectors), workspace.rows.data(),
                      workspace.scratch.data());
     for (Eigen::Index c = 0; c < width; ++c) {
       double* column = x.col(first + c).data();
-      for (std::size_t i = 0; i < rows; ++i)
-        column[order[i]] = packed[i * vectors * kLanes + static_cast<std::size_t>(c)];
+      for (std::size_t i = 0; i < rows; ++i) column[order[i]] = packed[i * vectors * kLanes + c];
     }
   }
 }

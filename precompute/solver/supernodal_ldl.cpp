@@ -227,12 +227,11 @@ LdlReport examine(const Factorisation& w) {
 Factorisation prepare(const Supernodes& pattern, const int* order, const SparseRows& a,
                       double* values) {
   const int count = static_cast<int>(pattern.count);
-  const auto size = static_cast<std::size_t>(a.rows);
+  const std::size_t size = a.rows;
   Factorisation w{pattern, a, order, {}, {}, {}, {}, {}, {}, values};
   w.inverse_order.resize(size);
   w.node_of.resize(size);
-  for (std::size_t i = 0; i < size; ++i)
-    w.inverse_order[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < size; ++i) w.inverse_order[order[i]] = static_cast<int>(i);
   for (int s = 0; s < count; ++s)
     std::fill(w.node_of.begin() + pattern.first_column[s],
               w.node_of.begin() + pattern.first_column[s + 1], s);
@@ -269,7 +268,7 @@ void compute_top(Factorisation& w, const std::vector<Range>& ranges, unsigned th
   constexpr int kWorthwhile = 1500;  // rows
   const BlasThreads shared(w.f.most_rows < kWorthwhile ? 1 : static_cast<int>(threads));
   Scratch scratch;
-  scratch.at.resize(static_cast<std::size_t>(w.a.rows));
+  scratch.at.resize(w.a.rows);
   std::size_t range = 0;
   for (int s = 0; s < static_cast<int>(w.f.count); ++s) {
     if (range < ranges.size() && s == ranges[range].first) {

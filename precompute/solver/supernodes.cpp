@@ -58,21 +58,21 @@ constexpr std::size_t kTile = 8;
 template <int Vectors>
 TREMOLO_INLINE_LANES void solve(const Supernodes& f, Lanes* x, Lanes* t) {
   const auto gather = [&](std::size_t s) __attribute__((always_inline)) {
-    const auto first = static_cast<std::size_t>(f.first_row[s]);
-    const auto rows = static_cast<std::size_t>(f.first_row[s + 1]) - first;
+    const std::size_t first = f.first_row[s];
+    const auto rows = f.first_row[s + 1] - first;
     for (std::size_t i = 0; i < rows; ++i)
       for (int v = 0; v < Vectors; ++v)
         t[i * Vectors + v] = x[static_cast<std::size_t>(f.row[first + i]) * Vectors + v];
     return rows;
   };
   const auto scatter = [&](std::size_t s, std::size_t count) __attribute__((always_inline)) {
-    const auto first = static_cast<std::size_t>(f.first_row[s]);
+    const std::size_t first = f.first_row[s];
     for (std::size_t i = 0; i < count; ++i)
       for (int v = 0; v < Vectors; ++v)
         x[static_cast<std::size_t>(f.row[first + i]) * Vectors + v] = t[i * Vectors + v];
   };
   for (std::size_t s = 0; s < f.count; ++s) {
-    const auto columns = static_cast<std::size_t>(f.first_column[s + 1] - f.first_column[s]);
+    const std::size_t columns = f.first_column[s + 1] - f.first_column[s];
     const double* panel = f.values + f.panel[s];
     const std::size_t rows = gather(s);
     std::size_t c = 0;
@@ -82,7 +82,7 @@ TREMOLO_INLINE_LANES void solve(const Supernodes& f, Lanes* x, Lanes* t) {
     scatter(s, rows);
   }
   for (std::size_t s = f.count; s-- > 0;) {
-    const auto columns = static_cast<std::size_t>(f.first_column[s + 1] - f.first_column[s]);
+    const std::size_t columns = f.first_column[s + 1] - f.first_column[s];
     const double* panel = f.values + f.panel[s];
     const std::size_t rows = gather(s);
     // The tiles of the forward pass in reverse order: leftover columns come first.

@@ -120,8 +120,7 @@ void require_room_for_blas(char** environment) {
   char line[450];
   const int length = std::snprintf(line, sizeof(line), "tremolo-precompute: %s\n", reason);
   // A failure to write is ignored: there is no other way to report it.
-  [[maybe_unused]] const auto written =
-      ::write(STDERR_FILENO, line, static_cast<std::size_t>(length));
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line, length);
   ::_exit(static_cast<int>(ErrorKind::kSystem));
 }
 
@@ -132,7 +131,7 @@ void take_room_for_blas(unsigned threads) {
   // Each OpenBLAS thread keeps one buffer from its first call on; there is one thread less than
   // requested, since the caller works too.
   const auto own = std::max(static_cast<int>(threads), openblas_get_num_threads()) - 1;
-  const std::size_t count = threads + static_cast<std::size_t>(own);
+  const std::size_t count = threads + own;
   const std::size_t other_bytes =
       static_cast<std::size_t>(own) * kArena + (kFactorThreads - 1) * kStack + kRest;
   const auto require_room = [&](std::size_t buffers) {

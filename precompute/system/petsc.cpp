@@ -178,11 +178,10 @@ PetscMatrix as_dense(const Columns& columns) {
 }
 
 std::vector<PetscVector> as_vectors(const Columns& columns) {
-  std::vector<PetscVector> vectors(static_cast<std::size_t>(columns.cols()));
+  std::vector<PetscVector> vectors(columns.cols());
   for (Eigen::Index c = 0; c < columns.cols(); ++c)
     require(VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, static_cast<PetscInt>(columns.rows()),
-                                  PETSC_DETERMINE, columns.col(c).data(),
-                                  vectors[static_cast<std::size_t>(c)].out()),
+                                  PETSC_DETERMINE, columns.col(c).data(), vectors[c].out()),
             "make a vector");
   return vectors;
 }

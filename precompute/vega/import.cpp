@@ -45,7 +45,7 @@ BasisRows expand_rows(const ImportRequest& request, const Problem& problem,
                       const Eigen::MatrixXd& basis) {
   const std::size_t n = problem.mesh.vertices.size();
   const std::size_t fixed = problem.fixed.size();
-  const auto rows = static_cast<std::size_t>(basis.rows());
+  const std::size_t rows = basis.rows();
   if (rows == 3 * n) return basis;
   const std::string counts = request.basis_path + " has " + std::to_string(rows) + " rows, " +
                              request.mesh_path + " has " + std::to_string(n) +
@@ -97,7 +97,7 @@ void reconcile_fixed(const ImportRequest& request, BasisRows& basis, Problem& pr
   }
   if (!problem.free_body && problem.fixed.empty()) {
     for (VertexId v = 0; v < static_cast<VertexId>(problem.mesh.vertices.size()); ++v) {
-      if (problem.report.part_of_vertex[static_cast<std::size_t>(v)] < 0) continue;
+      if (problem.report.part_of_vertex[v] < 0) continue;
       const double share = largest_share(basis, largest, v);
       if (share > kRounding) continue;
       problem.fixed.push_back(v);
@@ -189,14 +189,14 @@ Coordinates diagonalise(const Eigen::MatrixXd& stiffness,
     if (!pairs.found) refuse("the linear terms of the .cub have no eigenvalues");
     return {pairs.vectors, pairs.values};
   }
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(r));
+  std::vector<Eigen::Index> order(r);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
     return stiffness(a, a) < stiffness(b, b);
   });
   Coordinates result{Eigen::MatrixXd::Zero(r, r), Eigen::VectorXd(r)};
   for (Eigen::Index i = 0; i < r; ++i) {
-    const Eigen::Index from = order[static_cast<std::size_t>(i)];
+    const Eigen::Index from = order[i];
     result.change(from, i) = 1.0;
     result.lambda[i] = stiffness(from, from);
   }

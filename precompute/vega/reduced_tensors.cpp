@@ -38,17 +38,17 @@ class Mean {
 };
 
 std::size_t size_of(const ReducedTensors& tensors) {
-  return static_cast<std::size_t>(tensors.quadratic.rows());
+  return tensors.quadratic.rows();
 }
 
 // Returns the symmetric matrix with packed entries entry(i, j), i <= j.
 template <class Entry>
 Eigen::MatrixXd unpack(std::size_t r, const Entry& entry) {
-  const auto size = static_cast<Eigen::Index>(r);
+  const Eigen::Index size = r;
   Eigen::MatrixXd matrix(size, size);
   for (std::size_t j = 0; j < r; ++j)
     for (std::size_t i = 0; i <= j; ++i) {
-      const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(j);
+      const auto row = i, column = j;
       matrix(row, column) = matrix(column, row) = entry(i, j);
     }
   return matrix;
@@ -58,7 +58,7 @@ std::vector<double> change_cubic(const ReducedTensors& tensors, const Eigen::Mat
   const std::size_t r = size_of(tensors);
   const auto size = change.rows();
   // half(ab, k): two indices transformed; the third follows below.
-  Eigen::MatrixXd half(static_cast<Eigen::Index>(pair_count(r)), size);
+  Eigen::MatrixXd half(pair_count(r), size);
   for (std::size_t k = 0; k < r; ++k) {
     const Eigen::MatrixXd slice =
         change.transpose() *
@@ -66,23 +66,20 @@ std::vector<double> change_cubic(const ReducedTensors& tensors, const Eigen::Mat
                       std::size_t j) { return tensors.cubic[triple_index_any(i, j, k)]; }) *
         change;
     for (std::size_t b = 0; b < r; ++b)
-      for (std::size_t a = 0; a <= b; ++a)
-        half(static_cast<Eigen::Index>(pair_index(a, b)), static_cast<Eigen::Index>(k)) =
-            slice(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+      for (std::size_t a = 0; a <= b; ++a) half(pair_index(a, b), k) = slice(a, b);
   }
   const Eigen::MatrixXd whole = half * change;
   std::vector<double> cubic(triple_count(r));
   for (std::size_t c = 0; c < r; ++c)
     for (std::size_t b = 0; b <= c; ++b)
       for (std::size_t a = 0; a <= b; ++a)
-        cubic[triple_index(a, b, c)] =
-            whole(static_cast<Eigen::Index>(pair_index(a, b)), static_cast<Eigen::Index>(c));
+        cubic[triple_index(a, b, c)] = whole(pair_index(a, b), c);
   return cubic;
 }
 
 std::vector<double> change_quartic(const ReducedTensors& tensors, const Eigen::MatrixXd& change) {
   const std::size_t r = size_of(tensors);
-  const auto pairs = static_cast<Eigen::Index>(pair_count(r));
+  const Eigen::Index pairs = pair_count(r);
   // half(kl, ab): the first two indices transformed to a, b.
   Eigen::MatrixXd half(pairs, pairs);
   for (std::size_t l = 0; l < r; ++l)
@@ -93,23 +90,18 @@ std::vector<double> change_quartic(const ReducedTensors& tensors, const Eigen::M
                         std::size_t j) { return tensors.quartic[quad_index_any(i, j, k, l)]; }) *
           change;
       for (std::size_t b = 0; b < r; ++b)
-        for (std::size_t a = 0; a <= b; ++a)
-          half(static_cast<Eigen::Index>(pair_index(k, l)),
-               static_cast<Eigen::Index>(pair_index(a, b))) =
-              slice(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+        for (std::size_t a = 0; a <= b; ++a) half(pair_index(k, l), pair_index(a, b)) = slice(a, b);
     }
   std::vector<double> quartic(quad_count(r));
   for (std::size_t b = 0; b < r; ++b)
     for (std::size_t a = 0; a <= b; ++a) {
-      const double* column = half.col(static_cast<Eigen::Index>(pair_index(a, b))).data();
+      const double* column = half.col(pair_index(a, b)).data();
       const Eigen::MatrixXd slice =
           change.transpose() *
           unpack(r, [&](std::size_t k, std::size_t l) { return column[pair_index(k, l)]; }) *
           change;
       for (std::size_t d = b; d < r; ++d)
-        for (std::size_t c = b; c <= d; ++c)
-          quartic[quad_index(a, b, c, d)] =
-              slice(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(d));
+        for (std::size_t c = b; c <= d; ++c) quartic[quad_index(a, b, c, d)] = slice(c, d);
     }
   return quartic;
 }
@@ -150,14 +142,14 @@ ReducedTensors change_coordinates(const ReducedTensors& tensors, const Eigen::Ma
 Eigen::VectorXd gradient(const ReducedTensors& tensors, const Eigen::VectorXd& q) {
   const std::size_t r = size_of(tensors);
   Eigen::VectorXd result = tensors.quadratic * q;
-  const auto at = [&](std::size_t i) { return q[static_cast<Eigen::Index>(i)]; };
+  const auto at = [&](std::size_t i) { return q[i]; };
   for (std::size_t i = 0; i < r; ++i)
     for (std::size_t j = 0; j < r; ++j)
       for (std::size_t k = j; k < r; ++k) {
         double inner = 3.0 * (j == k ? 1.0 : 2.0) * tensors.cubic[triple_index_any(i, j, k)];
         for (std::size_t l = k; l < r; ++l)
           inner += 4.0 * orderings(j, k, l) * tensors.quartic[quad_index_any(i, j, k, l)] * at(l);
-        result[static_cast<Eigen::Index>(i)] += inner * at(j) * at(k);
+        result[i] += inner * at(j) * at(k);
       }
   return result;
 }

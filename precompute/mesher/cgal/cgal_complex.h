@@ -82,7 +82,7 @@ TetMesh extract(const Complex& complex, std::vector<bool>* on_edge = nullptr) {
         mesh.vertices.emplace_back(p.x(), p.y(), p.z());
         if (on_edge != nullptr) on_edge->push_back(complex.in_dimension(vertex) < 2);
       }
-      tet[static_cast<std::size_t>(i)] = found->second;
+      tet[i] = found->second;
     }
     if (signed_volume(mesh, tet) < 0.0) std::swap(tet[2], tet[3]);
     mesh.tetrahedra.push_back(tet);

@@ -89,7 +89,7 @@ SizeField::SizeField(const BoundingBox& box, const std::vector<WallSample>& wall
   step_ = (box.high - box.low).maxCoeff() / kCells;
   low_ = box.low - Point::Constant(step_);
   count_ = ((box.high - box.low) / step_).array().ceil().cast<int>() + 4;
-  values_.assign(static_cast<std::size_t>(count_.prod()), static_cast<float>(coarse));
+  values_.assign(count_.prod(), static_cast<float>(coarse));
   for (const WallSample& wall : walls) {
     const double size = std::clamp(wall.thickness, fine, coarse);
     const Eigen::Vector3i cell = ((wall.point - low_) / step_).array().floor().cast<int>();

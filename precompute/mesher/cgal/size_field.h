@@ -38,7 +38,7 @@ class SizeField {
 
  private:
   std::size_t index(const Eigen::Vector3i& node) const {
-    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    const auto at = [](int i) -> std::size_t { return i; };
     return (at(node[2]) * at(count_[1]) + at(node[1])) * at(count_[0]) + at(node[0]);
   }
 

@@ -87,7 +87,7 @@ class Repair {
   }
 
   void move(VertexId v) {
-    if (!held_.empty() && held_[static_cast<std::size_t>(v)]) return;
+    if (!held_.empty() && held_[v]) return;
     double best = worst_around(v);
     if (best >= wanted_) return;
     const double edge = mean_edge(v);

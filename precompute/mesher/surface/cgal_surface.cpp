@@ -8,7 +8,7 @@ bool copy(const tremolo::SurfaceMesh& surface, SurfaceMesh& out) {
   std::vector<SurfaceMesh::Vertex_index> vertices;
   for (const Eigen::Vector3d& x : surface.vertices)
     vertices.push_back(out.add_vertex(Kernel::Point_3(x[0], x[1], x[2])));
-  const auto at = [&](VertexId v) { return vertices[static_cast<std::size_t>(v)]; };
+  const auto at = [&](VertexId v) { return vertices[v]; };
   for (const Triangle& t : surface.triangles)
     if (out.add_face(at(t[0]), at(t[1]), at(t[2])) == SurfaceMesh::null_face()) return false;
   return true;

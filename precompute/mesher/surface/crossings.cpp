@@ -53,7 +53,7 @@ void sort_by_place(SurfaceMesh& surface) {
   }
   surface.vertices = std::move(vertices);
   for (Triangle& t : surface.triangles) {
-    for (VertexId& v : t) v = new_ids[static_cast<std::size_t>(v)];
+    for (VertexId& v : t) v = new_ids[v];
     std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   }
   std::sort(surface.triangles.begin(), surface.triangles.end());

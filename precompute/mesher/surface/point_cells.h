@@ -22,8 +22,7 @@ class PointCells {
       const auto found = ids_.find(key(cell + Cell(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
       if (found == ids_.end()) continue;
       for (const std::int32_t id : found->second)
-        if ((points_[static_cast<std::size_t>(id)] - x).squaredNorm() < distance * distance)
-          return id;
+        if ((points_[id] - x).squaredNorm() < distance * distance) return id;
     }
     return -1;
   }
@@ -52,8 +51,7 @@ class PointCells {
   // Cells 2^21 apart share a key, which costs a comparison and no more.
   static std::uint64_t key(const Cell& cell) {
     std::uint64_t value = 0;
-    for (const std::int64_t c : cell)
-      value = (value << 21) | (static_cast<std::uint64_t>(c) & 0x1fffffu);
+    for (const std::int64_t c : cell) value = (value << 21) | (c & 0x1fffffu);
     return value;
   }
 

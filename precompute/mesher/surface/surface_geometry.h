@@ -10,7 +10,7 @@
 namespace tremolo {
 
 inline std::array<Eigen::Vector3d, 3> corners(const SurfaceMesh& surface, const Triangle& t) {
-  const auto at = [&surface](VertexId v) { return surface.vertices[static_cast<std::size_t>(v)]; };
+  const auto at = [&surface](VertexId v) { return surface.vertices[v]; };
   return {at(t[0]), at(t[1]), at(t[2])};
 }
 

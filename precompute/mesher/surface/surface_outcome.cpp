@@ -71,7 +71,7 @@ double surface_to_mesh(const SurfaceSolid& solid, const TriangleTree& boundary) 
 PartCounts drop_crumbs(TetMesh& mesh, bool keep) {
   const MeshParts labels = mesh_parts(mesh);
   const auto part_of = [&labels](const Tetrahedron& t) {
-    return static_cast<std::size_t>(labels.part_of_vertex[static_cast<std::size_t>(t[0])]);
+    return labels.part_of_vertex[static_cast<std::size_t>(t[0])];
   };
   std::vector<double> volumes(labels.count, 0.0);
   for (const Tetrahedron& t : mesh.tetrahedra) volumes[part_of(t)] += signed_volume(mesh, t);
@@ -86,10 +86,10 @@ PartCounts drop_crumbs(TetMesh& mesh, bool keep) {
     if (volumes[part_of(t)] < kCrumb * largest) continue;
     Tetrahedron moved{};
     for (std::size_t i = 0; i < 4; ++i) {
-      VertexId& to = place[static_cast<std::size_t>(t[i])];
+      VertexId& to = place[t[i]];
       if (to < 0) {
         to = static_cast<VertexId>(result.vertices.size());
-        result.vertices.push_back(mesh.vertices[static_cast<std::size_t>(t[i])]);
+        result.vertices.push_back(mesh.vertices[t[i]]);
       }
       moved[i] = to;
     }

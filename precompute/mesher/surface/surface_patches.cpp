@@ -174,12 +174,11 @@ void find_holes(const SurfaceMesh& surface, const std::vector<std::size_t>& patc
   }
   while (!next.empty()) {
     auto at = next.begin();
-    const Point origin = surface.vertices[static_cast<std::size_t>(at->first)];
+    const Point origin = surface.vertices[at->first];
     Point cap = Point::Zero();
     while (at != next.end()) {
       const VertexId to = at->second;
-      cap += 0.5 * (surface.vertices[static_cast<std::size_t>(at->first)] - origin)
-                       .cross(surface.vertices[static_cast<std::size_t>(to)] - origin);
+      cap += 0.5 * (surface.vertices[at->first] - origin).cross(surface.vertices[to] - origin);
       next.erase(at);
       at = next.find(to);
     }

@@ -17,7 +17,7 @@ constexpr std::size_t kVolumeSamples = 40'000;
 SurfaceMesh scale(const RenderSurface& given, Scaling& scaling) {
   std::vector<Point> used;
   for (const Triangle& t : given.triangles)
-    for (const VertexId v : t) used.push_back(given.vertices[static_cast<std::size_t>(v)]);
+    for (const VertexId v : t) used.push_back(given.vertices[v]);
   const BoundingBox box = bounding_box(used);
   scaling.centre = 0.5 * (box.low + box.high);
   scaling.diagonal = box.diagonal();

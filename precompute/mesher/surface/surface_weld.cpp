@@ -34,7 +34,7 @@ struct SoupTraits {
 
 void renumber(SurfaceMesh& surface, const std::vector<VertexId>& new_ids) {
   for (Triangle& t : surface.triangles)
-    for (VertexId& v : t) v = new_ids[static_cast<std::size_t>(v)];
+    for (VertexId& v : t) v = new_ids[v];
 }
 
 // Moves each vertex to the first one nearer than `gap` that itself stays.
@@ -71,7 +71,7 @@ double short_edge(const SurfaceMesh& surface) {
     lengths.insert(lengths.end(), {(a - b).norm(), (b - c).norm(), (c - a).norm()});
   }
   if (lengths.empty()) return 0.0;
-  const auto at = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 20);
+  const auto at = lengths.begin() + lengths.size() / 20;
   std::nth_element(lengths.begin(), at, lengths.end());
   return *at;
 }
@@ -130,7 +130,7 @@ void drop_repeats(SurfaceMesh& surface, WeldCounts& counts) {
 void drop_unused_vertices(SurfaceMesh& surface) {
   std::vector<VertexId> new_ids(surface.vertices.size(), -1);
   for (const Triangle& t : surface.triangles)
-    for (const VertexId v : t) new_ids[static_cast<std::size_t>(v)] = 0;
+    for (const VertexId v : t) new_ids[v] = 0;
   std::vector<Point> kept;
   for (std::size_t v = 0; v < new_ids.size(); ++v)
     if (new_ids[v] == 0) {

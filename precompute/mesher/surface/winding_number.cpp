@@ -30,7 +30,7 @@ WindingNumber::WindingNumber(const SurfaceMesh& surface) {
   triangles_.reserve(surface.triangles.size());
   for (const Triangle& t : surface.triangles) {
     Corners corners;
-    for (int i = 0; i < 3; ++i) corners.col(i) = surface.vertices[t[static_cast<std::size_t>(i)]];
+    for (int i = 0; i < 3; ++i) corners.col(i) = surface.vertices[t[i]];
     triangles_.push_back(corners);
   }
   if (!triangles_.empty()) build(0, triangles_.size());
@@ -66,11 +66,10 @@ std::size_t WindingNumber::build(std::size_t first, std::size_t last) {
     (high - low).maxCoeff(&axis);
     const auto begin = triangles_.begin();
     const std::size_t middle = first + (last - first) / 2;
-    std::nth_element(
-        begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(middle),
-        begin + static_cast<std::ptrdiff_t>(last), [axis](const Corners& a, const Corners& b) {
-          return a.row(axis).sum() < b.row(axis).sum();
-        });
+    std::nth_element(begin + first, begin + middle, begin + last,
+                     [axis](const Corners& a, const Corners& b) {
+                       return a.row(axis).sum() < b.row(axis).sum();
+                     });
     build(first, middle);
     node.right = build(middle, last);
   }
