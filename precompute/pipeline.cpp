@@ -43,7 +43,10 @@ Stage<PrecomputeResult> mesh_stage(const ModelRequest& request) {
   const auto outcome = [](const PrecomputeResult& result) {
     const TetMesh& mesh = result.problem.mesh;
     return text("%zu vertices, %zu tetrahedra, %zu fixed vertices", mesh.vertices.size(),
-                mesh.tetrahedra.size(), result.problem.fixed.size());
+                mesh.tetrahedra.size(), result.problem.fixed.size()) +
+           (mesh.edges.empty()
+                ? ""
+                : text("; quadratic, %zu of the vertices are edge points", mesh.edges.size()));
   };
   const auto notes = [](const PrecomputeResult& result) {
     std::vector<std::string> lines = result.problem.notes;

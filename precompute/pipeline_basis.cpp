@@ -135,7 +135,9 @@ Stage<FinishedCoefficients> coefficients_stage(const Run& run, const System& sys
     const std::size_t r = run.counts.modes;
     const double columns = static_cast<double>(r + pair_count(r));
     const auto tetrahedra = static_cast<double>(run.result.problem.mesh.tetrahedra.size());
-    return StageWork{.flops = 6.0 * tetrahedra * columns * (columns + 1.0)};
+    const double samples =
+        static_cast<double>(sample_points(run.result.problem.order, 4).size()) * tetrahedra;
+    return StageWork{.flops = 6.0 * samples * columns * (columns + 1.0)};
   };
   const auto outcome = [](const FinishedCoefficients& made) {
     return text("%zu unique entries, |U^T f(Uq) - grad V| = %.1e relative",

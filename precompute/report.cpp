@@ -62,7 +62,10 @@ void print_result(const PrecomputeResult& result, const StageLog& log, const Ran
                               static_cast<std::ptrdiff_t>(std::min(r, data.singular_values.size())),
                           data.singular_values.end());
   const Json provenance = Json::parse(data.provenance);
-  const Json json = {{"n", data.vertex_count},
+  const Json json = {{"order", result.problem.order},
+                     {"elements", data.tetrahedron_count},
+                     {"dofs", 3 * result.map.nodes()},
+                     {"n", data.vertex_count},
                      {"m", data.tetrahedron_count},
                      {"r", r},
                      {"linear_modes", data.linear_mode_count},

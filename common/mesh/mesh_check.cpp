@@ -147,6 +147,8 @@ void label_parts(const TetMesh& mesh, MeshReport& report) {
   MeshParts parts = mesh_parts(mesh);
   report.parts = parts.count;
   report.part_of_vertex = std::move(parts.part_of_vertex);
+  for (const MeshEdge& edge : mesh.edges)
+    report.part_of_vertex[edge.point] = report.part_of_vertex[edge.a];
   report.unreferenced_vertices =
       std::count(report.part_of_vertex.begin(), report.part_of_vertex.end(), -1);
 }

@@ -309,4 +309,10 @@ std::string describe_vertices(const std::vector<VertexId>& ids,
   return text;
 }
 
+bool means_surface(const Selector& selector) {
+  return std::holds_alternative<SelectColour>(selector.choice) ||
+         std::holds_alternative<SelectSet>(selector.choice) ||
+         std::any_of(selector.further.begin(), selector.further.end(), means_surface);
+}
+
 }  // namespace tremolo

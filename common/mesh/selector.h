@@ -82,6 +82,10 @@ Result<Selector> parse_selector(const std::string& text);
 // The paths of the `file:` parts; none for a text that is no selector.
 std::vector<std::string> files_of_selector(const std::string& text);
 
+// Whether a selector means a piece of the surface (a colour, a set of the mesh) rather than all
+// that lies somewhere.
+bool means_surface(const Selector& selector);
+
 // What is chosen from. All vectors have n entries (colours: or none). unselectable: why a vertex
 // with the flag false is not chosen, for messages.
 struct SelectionSpace {

@@ -14,7 +14,17 @@ namespace tremolo {
 
 using VertexId = std::int32_t;
 using Tetrahedron = std::array<VertexId, 4>;
+using TetEdges = std::array<VertexId, 6>;
 using Triangle = std::array<VertexId, 3>;
+
+// An edge of a quadratic mesh: the vertex that stands for it, in the middle, and its two ends,
+// a < b.
+struct MeshEdge {
+  VertexId point = 0;
+  VertexId a = 0;
+  VertexId b = 0;
+};
+
 using Colour = std::array<std::uint8_t, 4>;  // red, green, blue, alpha
 
 // vertices: n rest positions in metres. tetrahedra: m quadruples of indices into vertices,
@@ -23,6 +33,8 @@ using Colour = std::array<std::uint8_t, 4>;  // red, green, blue, alpha
 // colours: painted on the vertices, n or none; alpha 0 is bare.
 // region_of: empty, or for each tetrahedron an index into region_names, -1 if it is in none.
 // region_names: the source file's names of its parts of different material, each once.
+// edges: of a quadratic mesh (edge_points.h), ascending by their points; none of a linear one.
+// edge_points: empty, or of each tetrahedron the points of its edges in the order of kTetEdges.
 struct TetMesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Tetrahedron> tetrahedra;
@@ -30,7 +42,13 @@ struct TetMesh {
   std::vector<Colour> colours = {};
   std::vector<std::int32_t> region_of = {};
   std::vector<std::string> region_names = {};
+  std::vector<MeshEdge> edges = {};
+  std::vector<TetEdges> edge_points = {};
 };
+
+// Corners of a tetrahedron between which its six edges run.
+inline constexpr std::array<std::array<int, 2>, 6> kTetEdges = {
+    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
 // Six times the volume is the determinant of the edge matrix; the sign is the orientation.
 inline double signed_volume(const TetMesh& mesh, const Tetrahedron& tet) {

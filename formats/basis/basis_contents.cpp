@@ -54,6 +54,22 @@ Result<DefaultLoad> read_default_load(BasisReader& reader) {
   return load;
 }
 
+Result<std::vector<MeshEdge>> read_edges(BasisReader& reader) {
+  std::vector<MeshEdge> edges;
+  if (!reader.has(kEdgePoints)) return edges;
+  const auto ids = reader.indices(kEdgePoints, reader.dimensions().vertices);
+  if (!ids) return ids.error();
+  for (std::size_t i = 0; i < ids->size(); i += 3) {
+    const auto id = [&](std::size_t k) { return static_cast<VertexId>((*ids)[i + k]); };
+    const MeshEdge edge{id(0), id(1), id(2)};
+    if (edge.a >= edge.b || (!edges.empty() && edges.back().point >= edge.point))
+      return content_error("section 'edge_points': edge " + std::to_string(i / 3) +
+                           " has its ends or its place in the list out of order");
+    edges.push_back(edge);
+  }
+  return edges;
+}
+
 Result<VegaFiles> read_vega_files(BasisReader& reader) {
   VegaFiles files;
   for (const auto& [name, bytes] :
@@ -77,6 +93,7 @@ Result<BasisData> read_basis(BasisReader& reader) {
   if (Status s = read_blocks(reader, data); !s) return s.error();
   if (Status s = take(data.triangles, read_triangles(reader)); !s) return s.error();
   if (Status s = take(data.load, read_default_load(reader)); !s) return s.error();
+  if (Status s = take(data.edges, read_edges(reader)); !s) return s.error();
   if (Status s = take(data.render, read_render(reader)); !s) return s.error();
   if (Status s = read_optional(reader, data); !s) return s.error();
   return data;

@@ -1,4 +1,4 @@
-// The bytes of a basis file, versions 1.0 to 1.2. docs/basis-format.md is the same in prose;
+// The bytes of a basis file, versions 1.0 to 1.3. docs/basis-format.md is the same in prose;
 // change both or neither.
 #pragma once
 
@@ -16,6 +16,8 @@ inline constexpr std::uint16_t kMinor = 0;  // of a full file
 inline constexpr std::uint16_t kMinorEncoded = 1;
 // Of a file with a render surface, whatever else it is.
 inline constexpr std::uint16_t kMinorRender = 2;
+// Of a file of quadratic elements, whatever else it is.
+inline constexpr std::uint16_t kMinorQuadratic = 3;
 inline constexpr std::size_t kAlignment = 64;
 // Where the next section may begin, behind one that ends at `offset`.
 constexpr std::size_t aligned(std::size_t offset) {
@@ -132,6 +134,9 @@ inline constexpr std::string_view kMaterialNames = "material_names";
 inline constexpr std::string_view kRenderNormals = "render_normals";
 inline constexpr std::string_view kRenderUvs = "render_uvs";
 inline constexpr std::string_view kRenderColours = "render_colours";
+
+// Version 1.3, of quadratic elements.
+inline constexpr std::string_view kEdgePoints = "edge_points";
 
 // Entries of the section `coef_scales`, in this order.
 namespace coefficient_scale {

@@ -176,6 +176,7 @@ SectionSizes BasisReader::sizes() const {
           .loaded = rows_of(kLoadIds),
           .render_vertices = rows_of(kRenderRest),
           .render_triangles = rows_of(kRenderTriangles),
+          .edges = rows_of(kEdgePoints),
           .compact = compact(),
           .linear = has(kQuartic) && linear()};
 }
@@ -185,6 +186,7 @@ Status BasisReader::check_shapes() const {
     return error_at("table", kHeaderSize, what);
   };
   const SectionSizes expected = sizes();
+  if (expected.edges > dimensions_.vertices) return refuse("there are more edges than vertices");
   if (expected.render_vertices > kMaxVertices || expected.render_triangles > 4 * kMaxVertices)
     return refuse("the render surface is too large");
   const std::vector<SectionShape> shapes = section_shapes(expected);
@@ -210,6 +212,8 @@ Status BasisReader::check_shapes() const {
         }))
       return error_at("table", section.offset,
                       "section '" + section.name + "' is critical and unknown to this version");
+  if (const BasisSection* edges = find(kEdgePoints); edges != nullptr && edges->rows == 0)
+    return error_at(kEdgePoints, edges->offset, "quadratic elements without edges");
   if (const BasisSection* render = find(kRenderRest); render != nullptr && render->rows == 0)
     return error_at(kRenderRest, render->offset, "a render surface without vertices");
   return Success{};

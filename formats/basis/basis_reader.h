@@ -84,6 +84,9 @@ class BasisReader {
   // doubles whatever the encoding.
   Result<VertexBlock> vertex_block(std::string_view ids, std::string_view rest,
                                    std::string_view basis);
+  // Order of the elements that the model was made of: 2 if the file has edge points.
+  int order() const { return has(basis_layout::kEdgePoints) ? 2 : 1; }
+
   // The rows of a basis alone, likewise.
   Result<BasisRows> basis_rows(std::string_view basis);
   // r, of a compact file; else none.
@@ -131,6 +134,8 @@ Result<Eigen::VectorXd> read_lambda(BasisReader& reader);
 // The boundary, indices into the ids of the surface's block.
 Result<std::vector<Triangle>> read_triangles(BasisReader& reader);
 Result<DefaultLoad> read_default_load(BasisReader& reader);
+// Ascending by their points; none of a model of linear elements.
+Result<std::vector<MeshEdge>> read_edges(BasisReader& reader);
 // nullopt: the file has none. Errors also for an index that names nothing and names that do not
 // end.
 Result<std::optional<RenderBlock>> read_render(BasisReader& reader);

@@ -9,7 +9,7 @@ std::vector<SectionShape> section_shapes(const SectionSizes& sizes) {
                         f32 = ElementType::kF32, f64 = ElementType::kF64;
   const ElementType coefficient = sizes.compact ? f32 : f64;
   const ElementType basis = sizes.compact ? ElementType::kI16 : f64;
-  const auto& [r, s, inner, t, fixed, l, v, w, compact, linear] = sizes;
+  const auto& [r, s, inner, t, fixed, l, v, w, edges, compact, linear] = sizes;
   const std::uint64_t cubic = linear ? 0 : triple_count(r);
   const std::uint64_t quartic = linear ? 0 : quad_count(r);
   constexpr bool yes = true, no = false;
@@ -21,6 +21,7 @@ std::vector<SectionShape> section_shapes(const SectionSizes& sizes) {
       {kBasisScales, f64, r, 1, compact, kCoefficientScales},
       {kCubic, coefficient, cubic, 1, yes},
       {kQuartic, coefficient, quartic, 1, yes},
+      {kEdgePoints, u32, edges, 3, edges > 0},
       {kLoadIds, u32, l, 1, no, kLoadForces},
       {kLoadForces, f64, l, 3, no, kLoadIds},
       {kSurfaceIds, u32, s, 1, yes},

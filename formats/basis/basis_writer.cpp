@@ -129,6 +129,8 @@ Contents contents_of(const BasisData& data, const Additions& more) {
     contents[kSurfaceBasis] = bytes_of(compact->surface);
     contents[kInteriorBasis] = bytes_of(compact->interior);
   }
+  static_assert(sizeof(MeshEdge) == 3 * sizeof(VertexId));
+  if (!data.edges.empty()) contents[kEdgePoints] = bytes_of(data.edges);
   if (data.render) add_render(*data.render, more, contents);
   if (!data.vega.basis.empty()) contents[kVegaBasis] = bytes_of(data.vega.basis);
   if (!data.vega.cubic.empty()) contents[kVegaCubic] = bytes_of(data.vega.cubic);
@@ -164,6 +166,7 @@ Result<std::vector<Section>> list_sections(const BasisData& data, const Addition
                               .loaded = data.load.vertices.size(),
                               .render_vertices = render ? render->vertices.size() : 0,
                               .render_triangles = render ? render->triangles.size() : 0,
+                              .edges = data.edges.size(),
                               .compact = more.compact.has_value(),
                               .linear = is_linear(data)};
   const Contents contents = contents_of(data, more);
@@ -259,7 +262,8 @@ Status emit(const BasisData& data, BasisEncoding encoding, const RowSources* sou
   std::size_t size = aligned(kHeaderSize + sections->size() * kEntrySize);
   for (const Section& section : *sections) size = aligned(size + section.size());
   const std::uint16_t encoded = more->compact || is_linear(data) ? kMinorEncoded : kMinor;
-  return put_file(*sections, data.render ? kMinorRender : encoded, size, start(size));
+  const std::uint16_t shown = data.render ? kMinorRender : encoded;
+  return put_file(*sections, data.edges.empty() ? shown : kMinorQuadratic, size, start(size));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "formats/mesh/mesh_builder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -76,17 +77,29 @@ bool MeshBuilder::resolve(std::int64_t cell, std::span<const std::int64_t> nodes
 bool MeshBuilder::add_cell(std::int64_t cell, const CellKind& kind,
                            std::span<const VertexId> vertices, bool in_set) {
   if (kind.role == CellKind::Role::kHigherTetrahedron)
-    return refuse("element " + std::to_string(cell) + " is one of " + std::string(kind.plural) +
-                  ", expected linear tetrahedra (4 nodes): export the mesh with order 1");
+    return refuse(
+        "element " + std::to_string(cell) + " is one of " + std::string(kind.plural) +
+        ", expected linear or quadratic tetrahedra (4 or 10 nodes): export the mesh with order "
+        "1 or 2");
   if (kind.role == CellKind::Role::kOther) {
     Others& others = others_[kind.plural];
     ++(in_set ? others.in_sets : others.skipped);
     return true;
   }
-  if (vertices.size() != 4)
+  const std::size_t expected = kind.is_quadratic() ? 10 : 4;
+  if (vertices.size() != expected)
     return refuse("element " + std::to_string(cell) + " is a tetrahedron with " +
-                  std::to_string(vertices.size()) + " nodes, expected 4");
+                  std::to_string(vertices.size()) + " nodes, expected " + std::to_string(expected));
   mesh_.tetrahedra.push_back({vertices[0], vertices[1], vertices[2], vertices[3]});
+  if (!kind.is_quadratic()) return true;
+  constexpr std::array<std::array<std::size_t, 2>, 6> kEnds = {
+      {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+  for (std::size_t e = 0; e < 6; ++e) {
+    const bool exchanged = kind.role == CellKind::Role::kGmshQuadraticTetrahedron && e >= 4;
+    const VertexId point = vertices[exchanged ? 13 - e : 4 + e];
+    const auto [a, b] = std::minmax(vertices[kEnds[e][0]], vertices[kEnds[e][1]]);
+    mesh_.edges.push_back({point, a, b});
+  }
   return true;
 }
 
@@ -134,6 +147,13 @@ Result<MeshFile> MeshBuilder::finish(std::string format) {
     return content_error(file_ + ": expected tetrahedra, found " +
                          std::to_string(mesh_.vertices.size()) + " vertices and " +
                          (others.empty() ? "no cells" : others) + " (" + format + ")");
+  // Each edge was there once for every tetrahedron around it. Points that two edges share, and
+  // edges with two points, stay: straighten_edges() names them.
+  const auto key = [](const MeshEdge& edge) { return std::array{edge.point, edge.a, edge.b}; };
+  std::sort(mesh_.edges.begin(), mesh_.edges.end(),
+            [&](const MeshEdge& x, const MeshEdge& y) { return key(x) < key(y); });
+  const auto same = [&](const MeshEdge& x, const MeshEdge& y) { return key(x) == key(y); };
+  mesh_.edges.erase(std::unique(mesh_.edges.begin(), mesh_.edges.end(), same), mesh_.edges.end());
   for (auto& [name, set] : mesh_.node_sets) {
     std::sort(set.begin(), set.end());
     set.erase(std::unique(set.begin(), set.end()), set.end());

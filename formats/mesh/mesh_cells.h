@@ -6,12 +6,25 @@
 
 namespace tremolo {
 
-// nodes: how many the cell has, 0 if it varies.
+// nodes: how many the cell has, 0 if it varies. A quadratic tetrahedron has its corners first, then
+// the middles of its edges 01, 12, 02, 03 and 13, 23, of which Gmsh has the last two exchanged.
 struct CellKind {
-  enum class Role { kTetrahedron, kHigherTetrahedron, kOther };
+  enum class Role {
+    kTetrahedron,
+    kQuadraticTetrahedron,
+    kGmshQuadraticTetrahedron,
+    kHigherTetrahedron,
+    kOther
+  };
   std::string_view plural;
   int nodes = 0;
   Role role = Role::kOther;
+
+  bool is_quadratic() const {
+    return role == Role::kQuadraticTetrahedron || role == Role::kGmshQuadraticTetrahedron;
+  }
+  // Whether cells of this kind become tetrahedra of the mesh.
+  bool is_kept() const { return role == Role::kTetrahedron || is_quadratic(); }
 };
 
 // Element types of MSH files (Gmsh reference manual, section "MSH file format"); nullptr if

@@ -18,7 +18,8 @@ struct FileMaterial {
 };
 
 // mesh: vertices in the file's order, coordinates as they stand in the file (taken as metres),
-// tetrahedra in the file's order and orientation: check_mesh() is still to see them.
+// tetrahedra in the file's order and orientation: check_mesh() is still to see them. Of quadratic
+// tetrahedra the mesh has `edges`, which straighten_edges() is still to see.
 // format: what was read, "MSH 4.1 binary". notes: sentences about what was left out.
 // materials: of regions, in the order of the file; not checked.
 struct MeshFile {

@@ -86,7 +86,7 @@ void set_vtk_regions(const VtkCells& cells, const std::string& array,
   std::vector<std::int64_t> labels;
   for (std::size_t c = 0; c < values.size(); ++c) {
     const CellKind* kind = vtk_cell(cells.types[c]);
-    if (kind == nullptr || kind->role != CellKind::Role::kTetrahedron) continue;
+    if (kind == nullptr || !kind->is_kept()) continue;
     if (!(std::abs(values[c]) <= kMostExact) || values[c] != std::floor(values[c])) {
       builder.add_note("cell data " + quoted_text(array) +
                        " holds numbers that are not integers: it names no regions");

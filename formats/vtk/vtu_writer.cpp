@@ -12,9 +12,10 @@
 namespace tremolo {
 namespace {
 
-// VTK's numbers of the two kinds (vtkCellType.h).
+// VTK's numbers of the kinds (vtkCellType.h).
 constexpr std::uint8_t kTriangle = 5;
 constexpr std::uint8_t kTetrahedron = 10;
+constexpr std::uint8_t kQuadraticTetrahedron = 24;
 
 struct Cells {
   std::span<const VertexId> nodes;
@@ -120,6 +121,12 @@ Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3
                        std::span<const Tetrahedron> cells, const BasisRows& rows,
                        const Eigen::VectorXd& lambda) {
   return write_vtu(path, points, {corners(cells), 4, kTetrahedron}, rows, lambda);
+}
+
+Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,
+                       std::span<const QuadraticCell> cells, const BasisRows& rows,
+                       const Eigen::VectorXd& lambda) {
+  return write_vtu(path, points, {corners(cells), 10, kQuadraticTetrahedron}, rows, lambda);
 }
 
 Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,

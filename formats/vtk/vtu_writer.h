@@ -20,6 +20,11 @@ namespace tremolo {
 Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,
                        std::span<const Tetrahedron> cells, const BasisRows& rows,
                        const Eigen::VectorXd& lambda);
+// Quadratic tetrahedra: corners, then the middles of the edges 01, 12, 02, 03, 13, 23.
+using QuadraticCell = std::array<VertexId, 10>;
+Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,
+                       std::span<const QuadraticCell> cells, const BasisRows& rows,
+                       const Eigen::VectorXd& lambda);
 Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,
                        std::span<const Triangle> cells, const BasisRows& rows,
                        const Eigen::VectorXd& lambda);

@@ -10,12 +10,13 @@ namespace tremolo {
 // M-orthonormality.
 enum class MassKind { kConsistent, kLumped };
 
-// Returns the mass of vertex pair (a, b) of an element, kg: rho V/20 (1 + delta_ab), lumped rho V/4
-// delta_ab.
+// Returns the mass of the pair (a, b) of an element's nodes, kg: rho times the integral of the
+// product of their polynomials, or for order 1 lumped rho V/4 delta_ab. Order 2 has no lumped mass.
 inline double element_mass(const Solid& solid, std::size_t element, int a, int b, MassKind kind) {
-  const double mass = solid.density(element) * solid.samples[element].weight;
+  const double mass = solid.density(element) * solid.elements[element].volume;
   if (kind == MassKind::kLumped) return a == b ? mass / 4.0 : 0.0;
-  return a == b ? mass / 10.0 : mass / 20.0;
+  if (solid.order() == 1) return a == b ? mass / 10.0 : mass / 20.0;
+  return mass * mass_share(2, a, b);
 }
 
 // Calls add(row node, column node, 3x3 block) for every pair of free nodes of every element in
@@ -25,14 +26,13 @@ template <class Add>
 void for_each_stiffness_block(const Solid& solid, const LocalDofs& local, const Add& add) {
   for (int element : local.elements) {
     const std::size_t e = element;
-    const Tetrahedron& tet = solid.mesh.tetrahedra[e];
-    const Eigen::Matrix<double, 12, 12> stiffness =
-        rest_stiffness(solid.elasticity(e), solid.samples[e]);
-    for (int a = 0; a < 4; ++a) {
-      if (local.row_of_vertex[tet[a]] < 0) continue;
-      for (int b = 0; b < 4; ++b)
-        if (local.node_of_vertex[tet[b]] >= 0)
-          add(local.node_of_vertex[tet[a]], local.node_of_vertex[tet[b]],
+    const ElementNodes nodes = element_nodes(solid.mesh, e);
+    const ElementStiffness stiffness = rest_stiffness(solid, e);
+    for (int a = 0; a < nodes.count; ++a) {
+      if (local.row_of_vertex[nodes[a]] < 0) continue;
+      for (int b = 0; b < nodes.count; ++b)
+        if (local.node_of_vertex[nodes[b]] >= 0)
+          add(local.node_of_vertex[nodes[a]], local.node_of_vertex[nodes[b]],
               Eigen::Matrix3d(stiffness.block<3, 3>(3 * a, 3 * b)));
     }
   }
@@ -45,12 +45,12 @@ void for_each_mass_entry(const Solid& solid, const LocalDofs& local, MassKind ki
                          const Add& add) {
   for (int element : local.elements) {
     const std::size_t e = element;
-    const Tetrahedron& tet = solid.mesh.tetrahedra[e];
-    for (int a = 0; a < 4; ++a) {
-      if (local.row_of_vertex[tet[a]] < 0) continue;
-      for (int b = 0; b < 4; ++b) {
-        if (local.node_of_vertex[tet[b]] < 0 || (kind == MassKind::kLumped && a != b)) continue;
-        add(local.node_of_vertex[tet[a]], local.node_of_vertex[tet[b]],
+    const ElementNodes nodes = element_nodes(solid.mesh, e);
+    for (int a = 0; a < nodes.count; ++a) {
+      if (local.row_of_vertex[nodes[a]] < 0) continue;
+      for (int b = 0; b < nodes.count; ++b) {
+        if (local.node_of_vertex[nodes[b]] < 0 || (kind == MassKind::kLumped && a != b)) continue;
+        add(local.node_of_vertex[nodes[a]], local.node_of_vertex[nodes[b]],
             element_mass(solid, e, a, b, kind));
       }
     }

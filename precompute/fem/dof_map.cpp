@@ -99,10 +99,12 @@ std::vector<int> nested_dissection(const Graph& graph, const std::vector<int>& m
 
 Graph node_graph(const TetMesh& mesh, const std::vector<int>& number, int count) {
   std::vector<std::vector<int>> rows(count);
-  for (const Tetrahedron& tet : mesh.tetrahedra)
-    for (VertexId a : tet)
-      for (VertexId b : tet)
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    const ElementNodes nodes = element_nodes(mesh, e);
+    for (VertexId a : nodes)
+      for (VertexId b : nodes)
         if (a != b && number[a] >= 0 && number[b] >= 0) rows[number[a]].push_back(number[b]);
+  }
   Graph graph;
   graph.start.push_back(0);
   for (std::vector<int>& row : rows) {
@@ -122,8 +124,8 @@ std::vector<int> dissection_order(const Graph& graph) {
 
 DofMap make_dof_map(const TetMesh& mesh, const std::vector<VertexId>& fixed, int ranks) {
   std::vector<int> number(mesh.vertices.size(), -1);
-  for (const Tetrahedron& tet : mesh.tetrahedra)
-    for (VertexId v : tet) number[v] = 0;
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
+    for (VertexId v : element_nodes(mesh, e)) number[v] = 0;
   for (VertexId v : fixed) number[v] = -1;
   std::vector<int> vertex_of;
   for (std::size_t v = 0; v < number.size(); ++v)
@@ -160,9 +162,9 @@ int rank_of_node(const DofMap& map, int node) {
   return static_cast<int>(after - map.rank_begin.begin()) - 1;
 }
 
-int element_rank(const DofMap& map, const Tetrahedron& tet) {
+int element_rank(const DofMap& map, const ElementNodes& nodes) {
   int lowest = -1;
-  for (const VertexId v : tet) {
+  for (const VertexId v : nodes) {
     const int node = map.node_of_vertex[v];
     if (node >= 0 && (lowest < 0 || node < lowest)) lowest = node;
   }
@@ -180,10 +182,10 @@ void choose_part(const TetMesh& mesh, const DofMap& map, int rank, LocalDofs& lo
   std::vector<std::size_t> others;
   std::vector<char> used(mesh.vertices.size(), 0);
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
-    const Tetrahedron& tet = mesh.tetrahedra[e];
-    if (std::none_of(tet.begin(), tet.end(), is_owned)) continue;
-    (element_rank(map, tet) == rank ? local.tetrahedra : others).push_back(e);
-    for (const VertexId v : tet) used[v] = 1;
+    const ElementNodes nodes = element_nodes(mesh, e);
+    if (std::none_of(nodes.begin(), nodes.end(), is_owned)) continue;
+    (element_rank(map, nodes) == rank ? local.tetrahedra : others).push_back(e);
+    for (const VertexId v : nodes) used[v] = 1;
   }
   local.counted = local.tetrahedra.size();
   local.tetrahedra.insert(local.tetrahedra.end(), others.begin(), others.end());
@@ -214,9 +216,10 @@ LocalDofs local_dofs(const TetMesh& mesh, const DofMap& map, int rank) {
         node >= 0 && row_node >= 0 && row_node < local.nodes ? 3 * row_node : -1);
   }
   for (std::size_t i = 0; i < local.tetrahedra.size(); ++i) {
-    const Tetrahedron& tet = mesh.tetrahedra[local.tetrahedra[i]];
-    if (map.rank_begin.size() > 2 ||
-        std::any_of(tet.begin(), tet.end(), [&](VertexId v) { return map.node_of_vertex[v] >= 0; }))
+    const ElementNodes nodes = element_nodes(mesh, local.tetrahedra[i]);
+    if (map.rank_begin.size() > 2 || std::any_of(nodes.begin(), nodes.end(), [&](VertexId v) {
+          return map.node_of_vertex[v] >= 0;
+        }))
       local.elements.push_back(static_cast<int>(i));
   }
   return local;
@@ -233,6 +236,10 @@ TetMesh part_mesh(const TetMesh& mesh, const LocalDofs& local) {
     Tetrahedron tet = mesh.tetrahedra[e];
     for (VertexId& v : tet) v = part_id[v];
     part.tetrahedra.push_back(tet);
+    if (mesh.edge_points.empty()) continue;
+    TetEdges points = mesh.edge_points[e];
+    for (VertexId& v : points) v = part_id[v];
+    part.edge_points.push_back(points);
   }
   return part;
 }

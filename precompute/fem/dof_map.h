@@ -1,14 +1,14 @@
 // Numbering of the free dofs.
 //
-// Free vertices become nodes 0..N-1. METIS partitions the node graph over the ranks, each rank's
-// nodes are consecutive, and within a rank they are in nested dissection order to reduce fill of a
-// sparse factor. Ordering the node graph, where each node stands for three dofs, is cheaper than
-// ordering the dof graph and gives less fill. Dof 3*node + axis.
+// Free vertices, edge points among them, become nodes 0..N-1. METIS partitions the node graph over
+// the ranks, each rank's nodes are consecutive, and within a rank they are in nested dissection
+// order to reduce fill of a sparse factor. Ordering the node graph, where each node stands for
+// three dofs, is cheaper than ordering the dof graph and gives less fill. Dof 3*node + axis.
 #pragma once
 
 #include <vector>
 
-#include "common/mesh/tet_mesh.h"
+#include "common/mesh/edge_points.h"
 
 namespace tremolo {
 
@@ -42,8 +42,8 @@ DofMap make_dof_map(const TetMesh& mesh, const std::vector<VertexId>& fixed, int
 // Returns the rank that owns the node; -1 for node -1.
 int rank_of_node(const DofMap& map, int node);
 
-// Returns the rank that owns an element: that of its lowest free node; -1 if every corner is fixed.
-int element_rank(const DofMap& map, const Tetrahedron& tet);
+// Returns the rank that owns an element: that of its lowest free node; -1 if all are fixed.
+int element_rank(const DofMap& map, const ElementNodes& nodes);
 
 // The dofs of this rank. Its part of the mesh consists of the tetrahedra with at least one of its
 // nodes, and of their vertices, some of which are nodes of other ranks. A single rank's part is the

@@ -10,10 +10,28 @@
 
 namespace tremolo {
 
+// How many coefficients a displacement gradient has (element.h).
+constexpr std::size_t gradients_of_order(int order) {
+  return order == 1 ? 1 : 4;
+}
+
 // Computes the displacement gradients of each of `fields` (3n x count, one displacement a column)
-// in at most eight elements; unused lanes are zero. out: one entry a field.
+// in at most eight elements; unused lanes are zero. out: gradients_of_order() coefficients a field.
 void load_gradients(const Solid& solid, const BasisRows& fields, const int* elements,
                     std::size_t count, std::vector<LaneGradient>& out);
+
+// Computes the gradient at a sample point from its coefficients; out: 9.
+template <int kOrder>
+[[gnu::always_inline]] inline void gradient_at(const LaneGradient* coefficients,
+                                               const SamplePoint& point, Lanes* out) {
+  for (int c = 0; c < 9; ++c) {
+    out[c] = coefficients[0].at[c];
+    if constexpr (kOrder > 1) {
+      out[c] *= point.lambda[0];
+      for (int a = 1; a < 4; ++a) out[c] += point.lambda[a] * coefficients[a].at[c];
+    }
+  }
+}
 
 // The two columns of `fields` that a second derivative belongs to.
 struct ColumnPair {

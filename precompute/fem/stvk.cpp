@@ -11,34 +11,49 @@ Eigen::Matrix3d symmetric_part(const Eigen::Matrix3d& a) {
   return 0.5 * (a + a.transpose());
 }
 
-// Returns V B^T C B, where B maps the corners' displacements to the strain in Mandel's notation.
-Eigen::Matrix<double, 12, 12> general_stiffness(const Elasticity& elasticity,
-                                                const StrainSample& sample) {
-  Eigen::Matrix<double, 6, 12> b;
-  for (int a = 0; a < 4; ++a) {
-    const Eigen::Vector3d g = sample.gradients.col(a);
+// Adds weight B^T C B, where B maps the nodes' displacements to the strain in Mandel's notation.
+void add_general(const Elasticity& elasticity, const NodeGradients& gradients, double weight,
+                 ElementStiffness& stiffness) {
+  Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 3 * kMostNodes> b(
+      6, 3 * gradients.cols());
+  for (int a = 0; a < gradients.cols(); ++a) {
+    const Eigen::Vector3d g = gradients.col(a);
     const double h = std::numbers::sqrt2 / 2.0;
     b.middleCols<3>(3 * a) << g.x(), 0, 0, 0, g.y(), 0, 0, 0, g.z(), 0, h * g.z(), h * g.y(),
         h * g.z(), 0, h * g.x(), h * g.y(), h * g.x(), 0;
   }
-  return sample.weight * b.transpose() * elasticity.tensor * b;
+  stiffness += weight * b.transpose() * elasticity.tensor * b;
+}
+
+void add_isotropic(const Elasticity& elasticity, const NodeGradients& gradients, double weight,
+                   ElementStiffness& stiffness) {
+  const double lambda = elasticity.lambda;
+  const double mu = elasticity.mu;
+  for (int a = 0; a < gradients.cols(); ++a)
+    for (int b = 0; b < gradients.cols(); ++b) {
+      const Eigen::Vector3d ga = gradients.col(a);
+      const Eigen::Vector3d gb = gradients.col(b);
+      Eigen::Matrix3d block = lambda * ga * gb.transpose() + mu * gb * ga.transpose();
+      block.diagonal().array() += mu * ga.dot(gb);
+      stiffness.block<3, 3>(3 * a, 3 * b) += weight * block;
+    }
 }
 
 }  // namespace
 
-std::vector<StrainSample> strain_samples(const TetMesh& mesh) {
-  std::vector<StrainSample> samples;
-  samples.reserve(mesh.tetrahedra.size());
+std::vector<ElementGeometry> element_geometry(const TetMesh& mesh) {
+  std::vector<ElementGeometry> elements;
+  elements.reserve(mesh.tetrahedra.size());
   for (const Tetrahedron& tet : mesh.tetrahedra) {
     Eigen::Matrix3d edges;
     for (int a = 0; a < 3; ++a) edges.col(a) = mesh.vertices[tet[a + 1]] - mesh.vertices[tet[0]];
-    StrainSample sample;
-    sample.weight = edges.determinant() / 6.0;
-    sample.gradients.rightCols<3>() = edges.inverse().transpose();
-    sample.gradients.col(0) = -sample.gradients.rightCols<3>().rowwise().sum();
-    samples.push_back(sample);
+    ElementGeometry element;
+    element.volume = edges.determinant() / 6.0;
+    element.gradients.rightCols<3>() = edges.inverse().transpose();
+    element.gradients.col(0) = -element.gradients.rightCols<3>().rowwise().sum();
+    elements.push_back(element);
   }
-  return samples;
+  return elements;
 }
 
 Solid make_solid(const TetMesh& mesh, const Material& material) {
@@ -46,7 +61,7 @@ Solid make_solid(const TetMesh& mesh, const Material& material) {
 }
 
 Solid make_solid(const TetMesh& mesh, const MaterialTable& table) {
-  Solid solid{mesh, strain_samples(mesh), {}, {}, table.of_tet, {}};
+  Solid solid{mesh, element_geometry(mesh), {}, {}, table.of_tet, {}};
   for (const NamedMaterial& named : table.materials) {
     solid.elasticities.push_back(make_elasticity(named.material));
     solid.densities.push_back(named.material.density);
@@ -62,11 +77,49 @@ Solid make_solid(const TetMesh& part, const std::vector<std::size_t>& tetrahedra
   return make_solid(part, chosen);
 }
 
-Eigen::Matrix3d displacement_gradient(const Solid& solid, std::size_t element, const FieldRef& u) {
-  const Tetrahedron& tet = solid.mesh.tetrahedra[element];
-  Eigen::Matrix<double, 3, 4> corners;
-  for (int a = 0; a < 4; ++a) corners.col(a) = u.segment<3>(3 * Eigen::Index{tet[a]});
-  return corners * solid.samples[element].gradients.transpose();
+Eigen::Matrix3d GradientField::operator()(const SamplePoint& point) const {
+  if (count == 1) return at[0];
+  return point.lambda[0] * at[0] + point.lambda[1] * at[1] + point.lambda[2] * at[2] +
+         point.lambda[3] * at[3];
+}
+
+GradientField displacement_gradients(const Solid& solid, std::size_t element, const FieldRef& u) {
+  const ElementNodes nodes = element_nodes(solid.mesh, element);
+  const Eigen::Matrix<double, 4, 3> gradients = solid.elements[element].gradients.transpose();
+  const auto control = [&](int node) { return u.segment<3>(3 * Eigen::Index{nodes[node]}); };
+  GradientField field;
+  field.count = solid.order() == 1 ? 1 : 4;
+  Eigen::Matrix<double, 3, 4> around;
+  for (int a = 0; a < field.count; ++a) {
+    for (int b = 0; b < 4; ++b) around.col(b) = control(field.count == 1 ? b : kNodeAt[a][b]);
+    field.at[a] = around * gradients;
+    if (field.count > 1) field.at[a] *= 2.0;
+  }
+  return field;
+}
+
+PiolaField::PiolaField(int order) : count(order == 1 ? 1 : 4) {
+  at.fill(Eigen::Matrix3d::Zero());
+}
+
+void PiolaField::add(const SamplePoint& point, const Eigen::Matrix3d& weighted) {
+  if (count == 1) {
+    at[0] += weighted;
+    return;
+  }
+  for (std::size_t a = 0; a < 4; ++a) at[a] += point.lambda[a] * weighted;
+}
+
+NodeForces PiolaField::forces(const ElementGeometry& element) const {
+  if (count == 1) return at[0] * element.gradients;
+  NodeForces forces(3, kMostNodes);
+  for (int a = 0; a < 4; ++a) {
+    forces.col(a) = 2.0 * at[a] * element.gradients.col(a);
+    for (int b = a + 1; b < 4; ++b)
+      forces.col(kNodeAt[a][b]) =
+          2.0 * (at[a] * element.gradients.col(b) + at[b] * element.gradients.col(a));
+  }
+  return forces;
 }
 
 Eigen::Matrix3d green_strain(const Eigen::Matrix3d& g) {
@@ -75,28 +128,36 @@ Eigen::Matrix3d green_strain(const Eigen::Matrix3d& g) {
 
 double strain_energy(const Solid& solid, const FieldRef& u) {
   double energy = 0;
-  for (std::size_t e = 0; e < solid.samples.size(); ++e) {
-    const Eigen::Matrix3d strain = green_strain(displacement_gradient(solid, e, u));
-    energy += 0.5 * solid.samples[e].weight *
-              stress(solid.elasticity(e), strain).cwiseProduct(strain).sum();
+  for (std::size_t e = 0; e < solid.elements.size(); ++e) {
+    const GradientField gradients = displacement_gradients(solid, e, u);
+    for (const SamplePoint& point : sample_points(solid.order(), 4)) {
+      const Eigen::Matrix3d strain = green_strain(gradients(point));
+      energy += 0.5 * (point.share * solid.elements[e].volume) *
+                stress(solid.elasticity(e), strain).cwiseProduct(strain).sum();
+    }
   }
   return energy;
 }
 
 Field internal_force(const Solid& solid, const FieldRef& u) {
-  return internal_force(solid, u, solid.samples.size());
+  return internal_force(solid, u, solid.elements.size());
 }
 
 Field internal_force(const Solid& solid, const FieldRef& u, std::size_t count) {
   Field force = Field::Zero(u.size());
   for (std::size_t e = 0; e < count; ++e) {
-    const Eigen::Matrix3d g = displacement_gradient(solid, e, u);
-    const Eigen::Matrix3d piola =
-        (Eigen::Matrix3d::Identity() + g) * stress(solid.elasticity(e), green_strain(g));
-    const Eigen::Matrix<double, 3, 4> corners =
-        solid.samples[e].weight * piola * solid.samples[e].gradients;
-    for (int a = 0; a < 4; ++a)
-      force.segment<3>(3 * Eigen::Index{solid.mesh.tetrahedra[e][a]}) += corners.col(a);
+    const ElementGeometry& element = solid.elements[e];
+    const GradientField gradients = displacement_gradients(solid, e, u);
+    PiolaField piola(solid.order());
+    for (const SamplePoint& point : sample_points(solid.order(), 4)) {
+      const Eigen::Matrix3d g = gradients(point);
+      piola.add(point, (point.share * element.volume) * (Eigen::Matrix3d::Identity() + g) *
+                           stress(solid.elasticity(e), green_strain(g)));
+    }
+    const NodeForces forces = piola.forces(element);
+    const ElementNodes nodes = element_nodes(solid.mesh, e);
+    for (int i = 0; i < nodes.count; ++i)
+      force.segment<3>(3 * Eigen::Index{nodes[i]}) += forces.col(i);
   }
   return force;
 }
@@ -106,34 +167,38 @@ void add_second_derivative(const Solid& solid, const std::vector<int>& elements,
   for (int element : elements) {
     const std::size_t e = element;
     const Elasticity& elasticity = solid.elasticity(e);
-    const Eigen::Matrix3d ga = displacement_gradient(solid, e, a);
-    const Eigen::Matrix3d gb = displacement_gradient(solid, e, b);
-    const Eigen::Matrix3d piola = stress(elasticity, symmetric_part(ga.transpose() * gb)) +
-                                  ga * stress(elasticity, symmetric_part(gb)) +
-                                  gb * stress(elasticity, symmetric_part(ga));
-    const Eigen::Matrix<double, 3, 4> corners =
-        solid.samples[e].weight * piola * solid.samples[e].gradients;
-    for (int corner = 0; corner < 4; ++corner) {
-      const int row = row_of_vertex[solid.mesh.tetrahedra[e][corner]];
-      if (row >= 0) Eigen::Map<Eigen::Vector3d>(out + row) += corners.col(corner);
+    const GradientField field_a = displacement_gradients(solid, e, a);
+    const GradientField field_b = displacement_gradients(solid, e, b);
+    PiolaField piola(solid.order());
+    for (const SamplePoint& point : sample_points(solid.order(), 3)) {
+      const Eigen::Matrix3d ga = field_a(point), gb = field_b(point);
+      piola.add(point, (point.share * solid.elements[e].volume) *
+                           (stress(elasticity, symmetric_part(ga.transpose() * gb)) +
+                            ga * stress(elasticity, symmetric_part(gb)) +
+                            gb * stress(elasticity, symmetric_part(ga))));
+    }
+    const NodeForces forces = piola.forces(solid.elements[e]);
+    const ElementNodes nodes = element_nodes(solid.mesh, e);
+    for (int i = 0; i < nodes.count; ++i) {
+      const int row = row_of_vertex[nodes[i]];
+      if (row >= 0) Eigen::Map<Eigen::Vector3d>(out + row) += forces.col(i);
     }
   }
 }
 
-Eigen::Matrix<double, 12, 12> rest_stiffness(const Elasticity& elasticity,
-                                             const StrainSample& sample) {
-  if (!elasticity.isotropic) return general_stiffness(elasticity, sample);
-  const double lambda = elasticity.lambda;
-  const double mu = elasticity.mu;
-  Eigen::Matrix<double, 12, 12> stiffness;
-  for (int a = 0; a < 4; ++a)
-    for (int b = 0; b < 4; ++b) {
-      const Eigen::Vector3d ga = sample.gradients.col(a);
-      const Eigen::Vector3d gb = sample.gradients.col(b);
-      Eigen::Matrix3d block = lambda * ga * gb.transpose() + mu * gb * ga.transpose();
-      block.diagonal().array() += mu * ga.dot(gb);
-      stiffness.block<3, 3>(3 * a, 3 * b) = sample.weight * block;
-    }
+ElementStiffness rest_stiffness(const Solid& solid, std::size_t element) {
+  const int size = 3 * nodes_of_order(solid.order());
+  const ElementGeometry& geometry = solid.elements[element];
+  const Elasticity& elasticity = solid.elasticity(element);
+  ElementStiffness stiffness = ElementStiffness::Zero(size, size);
+  for (const SamplePoint& point : sample_points(solid.order(), 2)) {
+    const NodeGradients gradients = node_gradients(geometry, solid.order(), point);
+    const double weight = point.share * geometry.volume;
+    if (elasticity.isotropic)
+      add_isotropic(elasticity, gradients, weight, stiffness);
+    else
+      add_general(elasticity, gradients, weight, stiffness);
+  }
   return stiffness;
 }
 

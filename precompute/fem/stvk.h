@@ -1,10 +1,10 @@
 // St. Venant-Kirchhoff elasticity, element by element (docs/theory.md, section "Elements").
 //
-// An element is a set of strain samples; a linear tetrahedron needs one, because the displacement
-// gradient G = sum_a u_a (grad N_a)^T is constant in it. With F = I + G,
+// With F = I + G and the displacement gradient G of element.h,
 //   E = sym(G) + 1/2 G^T G           Green strain
 //   S(E) = C E                      second Piola-Kirchhoff stress (elasticity.h)
-//   energy = volume * 1/2 S(E):E     force on vertex a = volume * F S grad N_a
+//   energy = sum_s weight_s 1/2 S(E):E      force on node i = sum_s weight_s F S grad B_i
+// over the element's strain samples, weight_s = share_s times the volume: exact for both orders.
 #pragma once
 
 #include <vector>
@@ -13,24 +13,19 @@
 
 #include "common/mesh/tet_mesh.h"
 #include "precompute/fem/elasticity.h"
+#include "precompute/fem/element.h"
 
 namespace tremolo {
 
-// weight: m^3 (the volume of a linear tetrahedron). gradients: column a is grad N_a, 1/m.
-struct StrainSample {
-  double weight = 0;
-  Eigen::Matrix<double, 3, 4> gradients;
-};
-
-// Returns one sample a tetrahedron, in order. The mesh must have passed check_mesh.
-std::vector<StrainSample> strain_samples(const TetMesh& mesh);
+// Returns the elements in order. The mesh must have passed check_mesh.
+std::vector<ElementGeometry> element_geometry(const TetMesh& mesh);
 
 // A mesh with its materials, ready for element loops. It holds a reference to the mesh.
 // elasticities, densities (kg/m^3): one a material. material_of: index into them for each element;
 // empty: index 0 for all. point_mass: one a vertex, kg; empty: none.
 struct Solid {
   const TetMesh& mesh;
-  std::vector<StrainSample> samples;
+  std::vector<ElementGeometry> elements;
   std::vector<Elasticity> elasticities;
   std::vector<double> densities;
   std::vector<std::int32_t> material_of;
@@ -43,6 +38,7 @@ struct Solid {
     return elasticities[material(element)];
   }
   double density(std::size_t element) const { return densities[material(element)]; }
+  int order() const { return mesh.edge_points.empty() ? 1 : 2; }
   // One isotropic material; element loops are faster for it.
   bool uniform() const { return elasticities.size() == 1 && elasticities.front().isotropic; }
 };
@@ -53,12 +49,35 @@ Solid make_solid(const TetMesh& part, const std::vector<std::size_t>& tetrahedra
                  const MaterialTable& table);
 
 // Displacements and forces are vectors of length 3n: x, y, z of vertex 0, then of vertex 1 and so
-// on.
+// on. At an edge point of a quadratic mesh the displacement is the control value, not the motion of
+// the place, and the force is what does work on it.
 using Field = Eigen::VectorXd;
 using FieldRef = Eigen::Ref<const Eigen::VectorXd>;
 
-// Returns G of one element, dimensionless. u: 3n, m.
-Eigen::Matrix3d displacement_gradient(const Solid& solid, std::size_t element, const FieldRef& u);
+// The coefficients G_a of one element: 1 (order 1) or 4.
+struct GradientField {
+  int count = 1;
+  std::array<Eigen::Matrix3d, 4> at;
+
+  Eigen::Matrix3d operator()(const SamplePoint& point) const;
+};
+
+// u: 3n, m.
+GradientField displacement_gradients(const Solid& solid, std::size_t element, const FieldRef& u);
+
+// Forces on the nodes of an element, N, one column a node.
+using NodeForces = NodeGradients;
+
+// Sum over samples of weight times first Piola-Kirchhoff stress, J, which is conjugate to the
+// coefficients G_a: add() one sample, forces() on the nodes at the end.
+struct PiolaField {
+  int count = 1;
+  std::array<Eigen::Matrix3d, 4> at;
+
+  explicit PiolaField(int order);
+  void add(const SamplePoint& point, const Eigen::Matrix3d& weighted);
+  NodeForces forces(const ElementGeometry& element) const;
+};
 
 // Returns E, dimensionless. g: displacement gradient G.
 Eigen::Matrix3d green_strain(const Eigen::Matrix3d& g);
@@ -76,8 +95,9 @@ Field internal_force(const Solid& solid, const FieldRef& u, std::size_t count);
 void add_second_derivative(const Solid& solid, const std::vector<int>& elements, const FieldRef& a,
                            const FieldRef& b, const std::vector<int>& row_of_vertex, double* out);
 
-// Returns the 12x12 stiffness at rest, N/m, rows and columns 3*a + axis.
-Eigen::Matrix<double, 12, 12> rest_stiffness(const Elasticity& elasticity,
-                                             const StrainSample& sample);
+// Returns the stiffness of an element at rest, N/m, rows and columns 3*node + axis.
+using ElementStiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
+                                       3 * kMostNodes, 3 * kMostNodes>;
+ElementStiffness rest_stiffness(const Solid& solid, std::size_t element);
 
 }  // namespace tremolo

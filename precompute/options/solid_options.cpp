@@ -76,6 +76,17 @@ void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts
                  "consistent or lumped; with --import-basis: the basis is made orthonormal in it")
       ->check(CLI::IsMember({"consistent", "lumped"}))
       ->capture_default_str();
+  app.add_option(
+         "--order", texts.order,
+         "of the elements: 1 (linear), 2 (quadratic: far more accurate in bending, some six "
+         "times the unknowns) or auto: 2 for a quadratic mesh or a small one")
+      ->check(CLI::IsMember({"1", "2", "auto"}))
+      ->capture_default_str();
+  app.add_option("--surface-subdivide", texts.subdivide,
+                 "draw the boundary of a quadratic body with its edge points, four triangles for "
+                 "each: on, off, or auto: where it is coarse")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
   app.add_option("--up", texts.up,
                  "the axis of the mesh's (and the render surface's) file that points up: y turns "
                  "them so that z does, (x, y, z) -> (x, -z, y); selectors, forces and results are "
@@ -96,6 +107,9 @@ void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts
 bool finish_solid_options(const SolidTexts& texts, ProblemRequest& request) {
   request.mass = texts.mass == "lumped" ? MassKind::kLumped : MassKind::kConsistent;
   request.y_up = texts.up == "y";
+  request.order.reset();
+  if (texts.order != "auto") request.order = texts.order == "1" ? 1 : 2;
+  if (texts.subdivide != "auto") request.subdivide = texts.subdivide == "on";
   if (texts.force.empty() || parse_vector(texts.force, request.load_force)) return true;
   std::cerr << "tremolo-precompute: --load-force " << texts.force
             << ": expected three numbers, X,Y,Z in N\n";

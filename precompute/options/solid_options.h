@@ -12,6 +12,8 @@ struct SolidTexts {
   std::string force;
   std::string mass = "consistent";
   std::string up = "z";
+  std::string order = "1";
+  std::string subdivide = "auto";
 };
 
 // Parses X,Y,Z; returns false if the text is not three numbers.

@@ -12,11 +12,18 @@ VertexBlock make_block(const TetMesh& mesh, const std::vector<VertexId>& ids) {
   return block;
 }
 
+// Whether the drawn boundary of a quadratic mesh uses the edge points.
+bool subdivides(const Problem& problem, const BoundarySurface& boundary) {
+  if (problem.order == 1) return false;
+  return problem.subdivide.value_or(boundary.triangles.size() < kCoarseBoundary);
+}
+
 }  // namespace
 
 void add_geometry(const Problem& problem, BasisData& data) {
   const TetMesh& mesh = problem.mesh;
-  const BoundarySurface boundary = boundary_surface(mesh);
+  BoundarySurface boundary = boundary_surface(mesh);
+  if (subdivides(problem, boundary)) boundary = subdivided(boundary, mesh);
   std::vector<VertexId> interior;
   for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertices.size()); ++v)
     if (!std::binary_search(boundary.vertex_ids.begin(), boundary.vertex_ids.end(), v))
@@ -32,6 +39,7 @@ void add_geometry(const Problem& problem, BasisData& data) {
   data.fixed_vertices = problem.fixed;
   data.fixed_vertex_count = problem.fixed.size();
   data.load = problem.load;
+  data.edges = mesh.edges;
 }
 
 }  // namespace tremolo

@@ -11,6 +11,7 @@
 #include "formats/basis/selector_reader.h"
 #include "formats/surface/surface_reader.h"
 #include "precompute/problem/cut_surface.h"
+#include "precompute/problem/element_order.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/problem/mechanisms.h"
 #include "precompute/problem/rigid_motion.h"
@@ -28,15 +29,25 @@ std::string hash_mesh(const TetMesh& mesh) {
   return hash_text(hash_bytes(std::as_bytes(std::span(parts))));
 }
 
-std::vector<VertexId> select_all(const std::vector<std::string>& selectors, const TetMesh& mesh) {
-  std::vector<VertexId> fixed;
+// What some selectors chose; all ascending. by_place: by selectors that mean more than a surface.
+struct Chosen {
+  std::vector<VertexId> vertices;
+  std::vector<VertexId> by_place;
+};
+
+Chosen select_all(const std::vector<std::string>& selectors, const TetMesh& mesh) {
+  Chosen all;
   for (const std::string& selector : selectors) {
     const std::vector<VertexId> chosen = unwrap(resolve_selector(selector, mesh));
-    fixed.insert(fixed.end(), chosen.begin(), chosen.end());
+    all.vertices.insert(all.vertices.end(), chosen.begin(), chosen.end());
+    if (!means_surface(unwrap(parse_selector(selector))))
+      all.by_place.insert(all.by_place.end(), chosen.begin(), chosen.end());
   }
-  std::sort(fixed.begin(), fixed.end());
-  fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
-  return fixed;
+  for (std::vector<VertexId>* ids : {&all.vertices, &all.by_place}) {
+    std::sort(ids->begin(), ids->end());
+    ids->erase(std::unique(ids->begin(), ids->end()), ids->end());
+  }
+  return all;
 }
 
 void require_force(const ProblemRequest& request) {
@@ -210,13 +221,25 @@ void read_solid(const ProblemRequest& request, Problem& problem,
   of_file = std::move(file.materials);
 }
 
+// Vertices that are held for selectors that mean more than a surface.
+struct HeldByPlace {
+  std::vector<VertexId> fixed;
+  std::array<std::vector<VertexId>, 3> along;
+};
+
 // Selects the fixed vertices and checks that they suffice.
-void hold(const ProblemRequest& request, Problem& problem) {
+HeldByPlace hold(const ProblemRequest& request, Problem& problem) {
+  HeldByPlace by_place;
   problem.free_body = request.fix.size() == 1 && request.fix.front() == "none";
   if (!problem.free_body) {
-    problem.fixed = select_all(request.fix, problem.mesh);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      problem.held[axis] = select_all(request.fix_axis[axis], problem.mesh);
+    Chosen fixed = select_all(request.fix, problem.mesh);
+    problem.fixed = std::move(fixed.vertices);
+    by_place.fixed = std::move(fixed.by_place);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Chosen held = select_all(request.fix_axis[axis], problem.mesh);
+      problem.held[axis] = std::move(held.vertices);
+      by_place.along[axis] = std::move(held.by_place);
+    }
   }
   const bool along_axes = std::any_of(problem.held.begin(), problem.held.end(),
                                       [](const auto& held) { return !held.empty(); });
@@ -233,6 +256,7 @@ void hold(const ProblemRequest& request, Problem& problem) {
   if (problem.free_body)
     for (std::string& note : rigid_motion_notes(problem.mesh, problem.report))
       problem.notes.push_back(std::move(note));
+  return by_place;
 }
 
 }  // namespace
@@ -260,6 +284,7 @@ Problem load_problem(const ProblemRequest& request) {
   problem.report = std::move(*report);
   problem.notes.insert(problem.notes.end(), problem.report.notes.begin(),
                        problem.report.notes.end());
+  prepare_edges(request, problem);
   problem.mesh_hash = hash_mesh(problem.mesh);
   if (!request.render_path.empty())
     read_render(request, problem);
@@ -274,8 +299,9 @@ Problem load_problem(const ProblemRequest& request) {
       problem.notes.push_back(std::move(note));
     return problem;
   }
+  HeldByPlace by_place;
   try {
-    hold(request, problem);
+    by_place = hold(request, problem);
   } catch (const Failure& failure) {
     if (hint.empty()) throw;
     Error error = failure.error();
@@ -285,6 +311,7 @@ Problem load_problem(const ProblemRequest& request) {
   problem.load = make_load(request, problem);
   problem.point_masses = make_point_masses(request, problem);
   note_near(request, problem);
+  add_edge_points(by_place.fixed, by_place.along, problem);
   return problem;
 }
 

@@ -19,9 +19,12 @@ namespace tremolo {
 inline constexpr std::size_t kMostFreeParts = 1'000;
 
 struct Problem {
-  TetMesh mesh;
+  TetMesh mesh;   // of order 2 with edge points
+  int order = 1;  // of the elements
+  std::optional<bool>
+      subdivide;  // whether the drawn boundary uses the edge points; none: automatic
   MeshReport report;
-  std::vector<VertexId> fixed;                // ascending
+  std::vector<VertexId> fixed;                // ascending, held edge points among them
   std::array<std::vector<VertexId>, 3> held;  // held along x, y, z only; ascending
   bool free_body = false;
   DefaultLoad load;

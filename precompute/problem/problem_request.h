@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,9 @@ struct ProblemRequest {
   std::vector<std::string> materials;     // see material_rules.h, in order
   std::vector<std::string> point_masses;  // SELECTOR=KG
   MassKind mass = MassKind::kConsistent;
-  std::vector<std::string> fix;                      // selectors; {"none"}: a free body
+  std::optional<int> order = 1;   // of the elements, 1 or 2; none: a rule of the mesh decides
+  std::optional<bool> subdivide;  // draw the boundary with edge points; none: where it is coarse
+  std::vector<std::string> fix;   // selectors; {"none"}: a free body
   std::array<std::vector<std::string>, 3> fix_axis;  // selectors; held along x, y, z only
   std::string load_at;                               // selector; empty: no default load
   Eigen::Vector3d load_force =

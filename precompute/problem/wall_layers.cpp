@@ -154,7 +154,7 @@ Locking find_locking(const Problem& problem) {
   for (const NamedMaterial& named : problem.materials.materials)
     if (!named.material.orthotropic)
       locking.poisson = std::max(locking.poisson.value_or(-1.0), named.material.poisson);
-  if (locking.walls && locking.poisson)
+  if (problem.order == 1 && locking.walls && locking.poisson)
     locking.excess = frequency_excess(*locking.walls, *locking.poisson);
   return locking;
 }

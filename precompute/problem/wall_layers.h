@@ -32,7 +32,7 @@ std::optional<WallLayers> find_wall_layers(const TetMesh& mesh);
 double frequency_excess(const WallLayers& walls, double poisson);
 
 // Locking of a body. poisson: the largest Poisson's ratio of its isotropic materials; none if there
-// are none.
+// are none. excess: none for quadratic elements, to which the fit does not apply.
 struct Locking {
   std::optional<WallLayers> walls;
   std::optional<double> poisson;

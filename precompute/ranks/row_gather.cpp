@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "precompute/fem/element.h"
 #include "precompute/system/petsc.h"
 
 namespace tremolo {
@@ -25,7 +26,11 @@ auto rows_of(const SpreadBasis& basis, VertexId vertex) {
 
 SpreadRows rows_of_vertices(const SpreadBasis& basis, const std::vector<VertexId>& ids) {
   const auto fill = [&basis, &ids](std::size_t i, double* out) {
-    Eigen::Map<BasisRows>(out, 3, basis.rows.cols()) = rows_of(basis, ids[i]);
+    Eigen::Map<BasisRows> rows(out, 3, basis.rows.cols());
+    rows = rows_of(basis, ids[i]);
+    // The displacement of the edge's middle from the control values (common/mesh/edge_points.h).
+    if (const MeshEdge* edge = edge_of_point(basis.mesh, ids[i]))
+      rows = 0.25 * (rows_of(basis, edge->a) + 2.0 * rows + rows_of(basis, edge->b));
   };
   const auto owner = [&basis, &ids](std::size_t i) {
     return rank_of_node(basis.map, basis.map.node_of_vertex[ids[i]]);
@@ -36,13 +41,16 @@ SpreadRows rows_of_vertices(const SpreadBasis& basis, const std::vector<VertexId
 SpreadRows rows_of_render(const SpreadBasis& basis) {
   const Embedding& embedding = basis.embedding;
   const auto fill = [&basis, &embedding](std::size_t i, double* out) {
-    const Tetrahedron& tet = basis.mesh.tetrahedra[embedding.tetrahedra[i]];
+    const ElementNodes nodes = element_nodes(basis.mesh, embedding.tetrahedra[i]);
+    const Eigen::Vector4d& l = embedding.weights[i];
+    const std::array<double, kMostNodes> weights =
+        polynomials_at(nodes.count == 4 ? 1 : 2, {l[0], l[1], l[2], l[3]});
     Eigen::Map<BasisRows> rows(out, 3, basis.rows.cols());
     rows.setZero();
-    for (int c = 0; c < 4; ++c) rows += embedding.weights[i][c] * rows_of(basis, tet[c]);
+    for (int c = 0; c < nodes.count; ++c) rows += weights[c] * rows_of(basis, nodes[c]);
   };
   const auto owner = [&basis, &embedding](std::size_t i) {
-    return element_rank(basis.map, basis.mesh.tetrahedra[embedding.tetrahedra[i]]);
+    return element_rank(basis.map, element_nodes(basis.mesh, embedding.tetrahedra[i]));
   };
   return {embedding.tetrahedra.size(), owner, fill};
 }

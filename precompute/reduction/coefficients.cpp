@@ -31,29 +31,45 @@ struct ElasticityRoot {
         spread((std::sqrt(2.0 * elasticity.mu + 3.0 * elasticity.lambda) / shear - 1.0) / 3.0) {}
 };
 
-// Up to eight consecutive elements with the displacement gradient of each basis column; unused
-// lanes are zero. scale: sqrt(weight), times shear if the material is uniform and isotropic. root:
-// square root of each element's tensor, if it is not.
+// Up to eight consecutive elements with the displacement gradient of each basis column, first its
+// coefficients, then its value in one sample point; unused lanes are zero. root_volume: square root
+// of the volume. scale: square root of the sample's weight, times shear if the material is uniform
+// and isotropic. root: square root of each element's tensor, if it is not.
 struct alignas(8 * kLanes) ElementGroup {
-  std::vector<LaneGradient> gradients;  // r
+  std::vector<LaneGradient> coefficients;  // gradients_of_order() for each of r
+  std::vector<LaneGradient> gradients;     // r
+  Lanes root_volume;
   Lanes scale;
   Lanes root[6][6] = {};
 };
 
 void load_group(const Solid& solid, const BasisRows& basis, std::size_t first, std::size_t count,
-                double shear, ElementGroup& group) {
+                ElementGroup& group) {
   int elements[kLanes];
-  group.scale = Lanes{};
+  group.root_volume = Lanes{};
   for (std::size_t lane = 0; lane < count; ++lane) {
     elements[lane] = static_cast<int>(first + lane);
-    group.scale[lane] = std::sqrt(solid.samples[first + lane].weight) * shear;
+    group.root_volume[lane] = std::sqrt(solid.elements[first + lane].volume);
   }
-  load_gradients(solid, basis, elements, count, group.gradients);
+  load_gradients(solid, basis, elements, count, group.coefficients);
   if (solid.uniform()) return;
   for (std::size_t lane = 0; lane < count; ++lane) {
     const Matrix6& root = solid.elasticity(first + lane).root;
     for (int k = 0; k < 6; ++k)
       for (int l = k; l < 6; ++l) group.root[k][l][lane] = root(k, l);
+  }
+}
+
+// Takes the gradients in one sample point.
+TREMOLO_CLONES void load_point(int order, const SamplePoint& point, double shear,
+                               ElementGroup& group) {
+  group.scale = group.root_volume * (std::sqrt(std::abs(point.share)) * shear);
+  const LaneGradient* coefficients = group.coefficients.data();
+  for (std::size_t j = 0; j < group.gradients.size(); ++j) {
+    if (order == 1)
+      group.gradients[j] = coefficients[j];
+    else
+      gradient_at<2>(coefficients + 4 * j, point, group.gradients[j].at);
   }
 }
 
@@ -116,16 +132,48 @@ TREMOLO_CLONES void general_strain_rows(const ElementGroup& group, double* rows,
   strain_rows_with(group, put);
 }
 
+constexpr std::size_t kGroups = 8;  // samples of groups for each SYRK: their rows fit in the cache
+// A stride that is a power of two would map columns to the same cache sets.
+constexpr std::size_t kStride = 6 * kLanes * kGroups + kLanes;
+
+// Rows of B that wait to be added to a Gram matrix, or, of samples with a negative share, to be
+// subtracted from it.
+class WaitingRows {
+ public:
+  WaitingRows(Eigen::MatrixXd& gram, double sign)
+      : gram_(gram), sign_(sign), rows_(kStride / kLanes * static_cast<std::size_t>(gram.cols())) {}
+
+  double* next() { return values() + 6 * kLanes * count_; }
+  void keep() {
+    if (++count_ == kGroups) flush();
+  }
+  void flush() {
+    if (count_ == 0) return;
+    const int columns = static_cast<int>(gram_.cols());
+    const int depth = static_cast<int>(6 * kLanes * count_);
+    const int stride = static_cast<int>(kStride);
+    const double one = 1.0;
+    dsyrk_("L", "T", &columns, &depth, &sign_, values(), &stride, &one, gram_.data(), &columns);
+    count_ = 0;
+  }
+
+ private:
+  double* values() { return reinterpret_cast<double*>(rows_.data()); }
+
+  Eigen::MatrixXd& gram_;
+  double sign_;
+  std::vector<LaneBlock> rows_;
+  std::size_t count_ = 0;
+};
+
 }  // namespace
 
 Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::size_t first,
                             std::size_t last, unsigned threads) {
   constexpr std::size_t kParts =
       8;  // accumulators; a fixed number, so that the sum is reproducible
-  constexpr std::size_t kGroups = 8;  // of elements for each SYRK: their rows fit in the cache
-  constexpr std::size_t kBatch = kGroups * kLanes;
   const std::size_t r = basis.cols();
-  const auto columns = static_cast<int>(r + pair_count(r));
+  const auto columns = static_cast<Eigen::Index>(r + pair_count(r));
   const bool uniform = solid.uniform();
   const ElasticityRoot root(solid.elasticities.front());
   const BlasThreads single(1);  // we use threads outside of BLAS
@@ -134,28 +182,24 @@ Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::siz
     const std::size_t begin = first + (last - first) * part / kParts;
     const std::size_t end = first + (last - first) * (part + 1) / kParts;
     sums[part].setZero(columns, columns);
-    // A stride that is a power of two would map columns to the same cache sets.
-    constexpr std::size_t kStride = 6 * kBatch + kLanes;
-    std::vector<LaneBlock> rows(kStride / kLanes * static_cast<std::size_t>(columns));
-    auto* values = reinterpret_cast<double*>(rows.data());
+    WaitingRows added(sums[part], 1.0), subtracted(sums[part], -1.0);
     ElementGroup group;
+    group.coefficients.resize(r * gradients_of_order(solid.order()));
     group.gradients.resize(r);
-    for (std::size_t e = begin; e < end; e += kBatch) {
-      const std::size_t count = std::min(kBatch, end - e);
-      const std::size_t groups = (count + kLanes - 1) / kLanes;
-      for (std::size_t g = 0; g < groups; ++g) {
-        load_group(solid, basis, e + g * kLanes, std::min(kLanes, count - g * kLanes),
-                   uniform ? root.shear : 1.0, group);
+    for (std::size_t e = begin; e < end; e += kLanes) {
+      load_group(solid, basis, e, std::min(kLanes, end - e), group);
+      for (const SamplePoint& point : sample_points(solid.order(), 4)) {
+        load_point(solid.order(), point, uniform ? root.shear : 1.0, group);
+        WaitingRows& rows = point.share > 0 ? added : subtracted;
         if (uniform)
-          strain_rows(group, root, values + 6 * kLanes * g, kStride);
+          strain_rows(group, root, rows.next(), kStride);
         else
-          general_strain_rows(group, values + 6 * kLanes * g, kStride);
+          general_strain_rows(group, rows.next(), kStride);
+        rows.keep();
       }
-      const int depth = static_cast<int>(6 * kLanes * groups);
-      const int stride = static_cast<int>(kStride);
-      const double one = 1.0;
-      dsyrk_("L", "T", &columns, &depth, &one, values, &stride, &one, sums[part].data(), &columns);
     }
+    added.flush();
+    subtracted.flush();
   });
   for (std::size_t part = 1; part < kParts; ++part) sums[0] += sums[part];
   return std::move(sums[0]);

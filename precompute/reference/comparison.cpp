@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/format_text.h"
+#include "precompute/fem/control_values.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {
@@ -20,6 +21,9 @@ void require_same_mesh(const FullOrder& body, const BasisData& data, const std::
       mesh != provenance.end() && mesh->is_object() && mesh->contains("xxh3_64")
           ? mesh->value("xxh3_64", "")
           : "";
+  if (hash == mesh_hash && data.edges.size() != body.solid.mesh.edges.size())
+    throw Failure(content_error(name + ": made with elements of order " +
+                                (data.edges.empty() ? "1" : "2") + ": give the same --order here"));
   if (hash != mesh_hash || data.vertex_count != body.solid.mesh.vertices.size())
     throw Failure(content_error(name + ": made of another mesh (hash " +
                                 (hash.empty() ? "unknown" : hash) + ", this one's is " + mesh_hash +
@@ -45,19 +49,23 @@ void require_same_fix(const FullOrder& body, const BasisData& data, const std::s
 // the basis.
 Eigen::MatrixXd basis_of_unknowns(const FullOrder& body, const BasisData& data, Eigen::Index r,
                                   const std::string& name) {
-  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(body.size(), r);
+  const TetMesh& mesh = body.solid.mesh;
+  const auto vertices = static_cast<Eigen::Index>(mesh.vertices.size());
+  BasisRows rows = BasisRows::Zero(3 * vertices, r);
   for (const VertexBlock* block : {&data.surface, &data.interior})
     for (std::size_t i = 0; i < block->vertex_ids.size(); ++i)
-      for (int axis = 0; axis < 3; ++axis) {
-        const int unknown = body.unknowns.of_dof[3 * block->vertex_ids[i] + axis];
-        const auto row = block->rows.row(3 * static_cast<Eigen::Index>(i) + axis).head(r);
-        if (unknown >= 0)
-          basis.row(unknown) = row;
-        else if (!row.isZero(0.0))
-          throw Failure(
-              content_error(name + ": its vertex " + std::to_string(block->vertex_ids[i]) +
-                            " moves, which is held here: give the same --fix as when it was made"));
-      }
+      rows.middleRows<3>(3 * Eigen::Index{block->vertex_ids[i]}) =
+          block->rows.middleRows<3>(3 * static_cast<Eigen::Index>(i)).leftCols(r);
+  to_control_values(mesh, rows);
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(body.size(), r);
+  for (Eigen::Index dof = 0; dof < rows.rows(); ++dof) {
+    if (const int unknown = body.unknowns.of_dof[dof]; unknown >= 0)
+      basis.row(unknown) = rows.row(dof);
+    else if (!rows.row(dof).isZero(0.0))
+      throw Failure(
+          content_error(name + ": its vertex " + std::to_string(dof / 3) +
+                        " moves, which is held here: give the same --fix as when it was made"));
+  }
   return basis;
 }
 

@@ -44,8 +44,8 @@ void assemble_blocks(const FullOrder& body, const PartOf& part_of, std::vector<d
     for (int block = pattern.block[node]; block < pattern.block[node + 1]; ++block) {
       Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
       for (int at = pattern.begin[block]; at < pattern.begin[block + 1]; ++at) {
-        const int part = pattern.part[at];
-        sum += part_of(part / 16, part / 4 % 4, part % 4);
+        const ElementPart part = pattern.element_part(at);
+        sum += part_of(part.element, part.i, part.j);
       }
       write_block(body, node, block, sum, values);
     }
@@ -118,7 +118,7 @@ Vector multiply(const FullOrder& body, const std::vector<double>& values, const 
 
 double potential_energy(const FullOrder& body, const Vector& u) {
   const Field field = expand(body.unknowns, u);
-  const std::size_t count = body.solid.samples.size();
+  const std::size_t count = body.solid.elements.size();
   std::vector<double> sums((count + kChunk - 1) / kChunk, 0.0);
   parallel_for(sums.size(), body.threads, [&](std::size_t chunk) {
     const std::size_t last = std::min(count, (chunk + 1) * kChunk);
@@ -133,7 +133,7 @@ double potential_energy(const FullOrder& body, const Vector& u) {
 Vector segment_force(const FullOrder& body, const std::vector<SegmentPoint>& points,
                      const Vector& u, const Vector& d) {
   const Field from = expand(body.unknowns, u), by = expand(body.unknowns, d);
-  std::vector<ElementForce> parts(body.solid.samples.size());
+  std::vector<NodeForces> parts(body.solid.elements.size());
   in_chunks(parts.size(), body.threads,
             [&](std::size_t e) { parts[e] = element_force(body.solid, e, points, from, by); });
   const Pattern& pattern = body.pattern;
@@ -141,8 +141,10 @@ Vector segment_force(const FullOrder& body, const std::vector<SegmentPoint>& poi
   in_chunks(body.unknowns.map.nodes(), body.threads, [&](std::size_t n) {
     const int block = pattern.self(static_cast<int>(n));
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (int at = pattern.begin[block]; at < pattern.begin[block + 1]; ++at)
-      sum += parts[pattern.part[at] / 16].col(pattern.part[at] % 4);
+    for (int at = pattern.begin[block]; at < pattern.begin[block + 1]; ++at) {
+      const ElementPart part = pattern.element_part(at);
+      sum += parts[part.element].col(part.j);
+    }
     for (int x = 0; x < 3; ++x) {
       const int unknown = body.unknowns.of_dof[3 * body.unknowns.map.vertex_of_node[n] + x];
       if (unknown >= 0) force[unknown] = sum[x];
@@ -154,14 +156,20 @@ Vector segment_force(const FullOrder& body, const std::vector<SegmentPoint>& poi
 void segment_tangent(const FullOrder& body, const std::vector<SegmentPoint>& points,
                      const Vector& u, const Vector& d, std::vector<double>& values) {
   const Field from = expand(body.unknowns, u), by = expand(body.unknowns, d);
-  std::vector<ElementTangent> parts(body.solid.samples.size());
-  in_chunks(parts.size(), body.threads,
-            [&](std::size_t e) { parts[e] = element_tangent(body.solid, e, points, from, by); });
+  const std::size_t blocks = element_blocks(body.solid.order());
+  std::vector<Eigen::Matrix3d> parts(body.solid.elements.size() * blocks);
+  const auto of_element = [&](std::size_t e) {
+    return std::span(parts).subspan(e * blocks, blocks);
+  };
+  in_chunks(body.solid.elements.size(), body.threads, [&](std::size_t e) {
+    element_tangent(body.solid, e, points, from, by, of_element(e));
+  });
   assemble_blocks(
       body,
       [&](std::size_t e, int a, int b) {
-        return a <= b ? parts[e][element_block(a, b)]
-                      : Eigen::Matrix3d(parts[e][element_block(b, a)].transpose());
+        const std::span<const Eigen::Matrix3d> part = of_element(e);
+        return a <= b ? part[element_block(a, b)]
+                      : Eigen::Matrix3d(part[element_block(b, a)].transpose());
       },
       values);
 }
@@ -205,10 +213,11 @@ Vector point_load(const FullOrder& body, const DefaultLoad& load) {
 Vector gravity_load(const FullOrder& body, const Eigen::Vector3d& gravity) {
   const Solid& solid = body.solid;
   Vector field = Vector::Zero(body.unknowns.of_dof.size());
-  for (std::size_t e = 0; e < solid.samples.size(); ++e)
-    for (VertexId v : solid.mesh.tetrahedra[e])
+  const double share = weight_share(solid.order());
+  for (std::size_t e = 0; e < solid.elements.size(); ++e)
+    for (VertexId v : element_nodes(solid.mesh, e))
       field.segment<3>(3 * Eigen::Index{v}) +=
-          (0.25 * solid.density(e) * solid.samples[e].weight) * gravity;
+          (share * solid.density(e) * solid.elements[e].volume) * gravity;
   for (std::size_t v = 0; v < solid.point_mass.size(); ++v)
     field.segment<3>(3 * static_cast<Eigen::Index>(v)) += solid.point_mass[v] * gravity;
   return restrict_to(body.unknowns, field);

@@ -11,6 +11,7 @@
 #include "formats/basis/selector_reader.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/standard_streams.h"
+#include "precompute/fem/control_values.h"
 #include "precompute/options/named_files.h"
 #include "precompute/problem/wall_layers.h"
 #include "precompute/reference/reference_loads.h"
@@ -168,7 +169,9 @@ void run_statics(Work& work) {
   if (work.broken) return;
   const Vector field = expand(work.body.unknowns, solution.u);
   report_statics(solution, seconds, work.json);
-  work.json["largest"] = largest_json(field);
+  BasisRows displacements = field;
+  to_displacements(work.body.solid.mesh, displacements);
+  work.json["largest"] = largest_json(displacements.col(0));
   work.json["probes"] = probe_json(work.probes, field);
   std::fprintf(stderr, "  largest displacement %.6g m\n",
                work.json["largest"]["displacement"].get<double>());
@@ -350,6 +353,7 @@ void run_reference(const ReferenceOptions& options) {
   work.json["mesh"] = options.solid.mesh_path;
   work.json["n"] = problem.mesh.vertices.size();
   work.json["m"] = problem.mesh.tetrahedra.size();
+  work.json["order"] = problem.order;
   work.json["dofs"] = body.size();
   work.json["locking"] = to_json(locking);
   if (options.statics)

@@ -14,7 +14,7 @@ Deformation deform(const Solid& solid, std::size_t element, const Eigen::Matrix3
   return {Eigen::Matrix3d::Identity() + g, stress(solid.elasticity(element), green_strain(g))};
 }
 
-// Returns the derivative of the strain, in Mandel's notation, with respect to one corner: 6 x 3.
+// Returns the derivative of the strain, in Mandel's notation, with respect to one node: 6 x 3.
 Eigen::Matrix<double, 6, 3> strain_change(const Eigen::Matrix3d& f, const Eigen::Vector3d& g) {
   constexpr double h = std::numbers::sqrt2 / 2.0;
   Eigen::Matrix<double, 6, 3> b;
@@ -26,15 +26,14 @@ Eigen::Matrix<double, 6, 3> strain_change(const Eigen::Matrix3d& f, const Eigen:
   return b;
 }
 
-void add_isotropic(const Elasticity& law, const Deformation& at, const StrainSample& sample,
-                   double weight, ElementTangent& tangent) {
-  const Eigen::Matrix<double, 3, 4>& g = sample.gradients;
-  const Eigen::Matrix<double, 3, 4> moved = at.gradient * g;
-  const Eigen::Matrix<double, 3, 4> pulled = at.stress * g;
+void add_isotropic(const Elasticity& law, const Deformation& at, const NodeGradients& g,
+                   double weight, std::span<Eigen::Matrix3d> blocks) {
+  const NodeGradients moved = at.gradient * g;
+  const NodeGradients pulled = at.stress * g;
   const Eigen::Matrix3d left = (weight * law.mu) * at.gradient * at.gradient.transpose();
-  for (int a = 0; a < 4; ++a)
-    for (int b = a; b < 4; ++b) {
-      Eigen::Matrix3d& block = tangent[element_block(a, b)];
+  for (int b = 0; b < g.cols(); ++b)
+    for (int a = 0; a <= b; ++a) {
+      Eigen::Matrix3d& block = blocks[element_block(a, b)];
       block += g.col(a).dot(g.col(b)) * left;
       block += ((weight * law.lambda) * moved.col(a)) * moved.col(b).transpose();
       block += ((weight * law.mu) * moved.col(b)) * moved.col(a).transpose();
@@ -42,62 +41,73 @@ void add_isotropic(const Elasticity& law, const Deformation& at, const StrainSam
     }
 }
 
-void add_general(const Elasticity& law, const Deformation& at, const StrainSample& sample,
-                 double weight, ElementTangent& tangent) {
-  const Eigen::Matrix<double, 3, 4> pulled = at.stress * sample.gradients;
-  Eigen::Matrix<double, 6, 3> change[4], stressed[4];
-  for (int a = 0; a < 4; ++a) {
-    change[a] = strain_change(at.gradient, sample.gradients.col(a));
+void add_general(const Elasticity& law, const Deformation& at, const NodeGradients& g,
+                 double weight, std::span<Eigen::Matrix3d> blocks) {
+  const NodeGradients pulled = at.stress * g;
+  std::array<Eigen::Matrix<double, 6, 3>, kMostNodes> change, stressed;
+  for (int a = 0; a < g.cols(); ++a) {
+    change[a] = strain_change(at.gradient, g.col(a));
     stressed[a] = weight * law.tensor * change[a];
   }
-  for (int a = 0; a < 4; ++a)
-    for (int b = a; b < 4; ++b) {
-      Eigen::Matrix3d& block = tangent[element_block(a, b)];
+  for (int b = 0; b < g.cols(); ++b)
+    for (int a = 0; a <= b; ++a) {
+      Eigen::Matrix3d& block = blocks[element_block(a, b)];
       block += change[a].transpose() * stressed[b];
-      block.diagonal().array() += weight * sample.gradients.col(a).dot(pulled.col(b));
+      block.diagonal().array() += weight * g.col(a).dot(pulled.col(b));
     }
 }
 
 }  // namespace
 
 double element_energy(const Solid& solid, std::size_t element, const Field& u) {
-  const Eigen::Matrix3d strain = green_strain(displacement_gradient(solid, element, u));
-  return 0.5 * solid.samples[element].weight *
-         stress(solid.elasticity(element), strain).cwiseProduct(strain).sum();
-}
-
-ElementForce element_force(const Solid& solid, std::size_t element,
-                           const std::vector<SegmentPoint>& points, const Field& u,
-                           const Field& d) {
-  const Eigen::Matrix3d start = displacement_gradient(solid, element, u);
-  const Eigen::Matrix3d change = displacement_gradient(solid, element, d);
-  const StrainSample& sample = solid.samples[element];
-  Eigen::Matrix3d piola = Eigen::Matrix3d::Zero();
-  for (const SegmentPoint& point : points) {
-    const Deformation at = deform(solid, element, start + point.fraction * change);
-    piola += (point.weight * sample.weight) * at.gradient * at.stress;
+  const GradientField gradients = displacement_gradients(solid, element, u);
+  double energy = 0;
+  for (const SamplePoint& sample : sample_points(solid.order(), 4)) {
+    const Eigen::Matrix3d strain = green_strain(gradients(sample));
+    energy += 0.5 * (sample.share * solid.elements[element].volume) *
+              stress(solid.elasticity(element), strain).cwiseProduct(strain).sum();
   }
-  return piola * sample.gradients;
+  return energy;
 }
 
-ElementTangent element_tangent(const Solid& solid, std::size_t element,
-                               const std::vector<SegmentPoint>& points, const Field& u,
-                               const Field& d) {
-  const Eigen::Matrix3d start = displacement_gradient(solid, element, u);
-  const Eigen::Matrix3d change = displacement_gradient(solid, element, d);
-  const StrainSample& sample = solid.samples[element];
+NodeForces element_force(const Solid& solid, std::size_t element,
+                         const std::vector<SegmentPoint>& points, const Field& u, const Field& d) {
+  const GradientField start = displacement_gradients(solid, element, u);
+  const GradientField change = displacement_gradients(solid, element, d);
+  const double volume = solid.elements[element].volume;
+  PiolaField piola(solid.order());
+  for (const SamplePoint& sample : sample_points(solid.order(), 4)) {
+    const Eigen::Matrix3d from = start(sample), by = change(sample);
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (const SegmentPoint& point : points) {
+      const Deformation at = deform(solid, element, from + point.fraction * by);
+      sum += (point.weight * (sample.share * volume)) * at.gradient * at.stress;
+    }
+    piola.add(sample, sum);
+  }
+  return piola.forces(solid.elements[element]);
+}
+
+void element_tangent(const Solid& solid, std::size_t element,
+                     const std::vector<SegmentPoint>& points, const Field& u, const Field& d,
+                     std::span<Eigen::Matrix3d> blocks) {
+  const GradientField start = displacement_gradients(solid, element, u);
+  const GradientField change = displacement_gradients(solid, element, d);
+  const ElementGeometry& geometry = solid.elements[element];
   const Elasticity& law = solid.elasticity(element);
-  ElementTangent tangent;
-  tangent.fill(Eigen::Matrix3d::Zero());
-  for (const SegmentPoint& point : points) {
-    const Deformation at = deform(solid, element, start + point.fraction * change);
-    const double weight = point.weight * point.fraction * sample.weight;
-    if (law.isotropic)
-      add_isotropic(law, at, sample, weight, tangent);
-    else
-      add_general(law, at, sample, weight, tangent);
+  for (Eigen::Matrix3d& block : blocks) block.setZero();
+  for (const SamplePoint& sample : sample_points(solid.order(), 4)) {
+    const Eigen::Matrix3d from = start(sample), by = change(sample);
+    const NodeGradients gradients = node_gradients(geometry, solid.order(), sample);
+    for (const SegmentPoint& point : points) {
+      const Deformation at = deform(solid, element, from + point.fraction * by);
+      const double weight = point.weight * point.fraction * (sample.share * geometry.volume);
+      if (law.isotropic)
+        add_isotropic(law, at, gradients, weight, blocks);
+      else
+        add_general(law, at, gradients, weight, blocks);
+    }
   }
-  return tangent;
 }
 
 }  // namespace tremolo

@@ -2,29 +2,31 @@
 // sums over points of a segment (step_equation.h).
 #pragma once
 
+#include <span>
+
 #include "precompute/fem/stvk.h"
 #include "precompute/reference/step_equation.h"
 
 namespace tremolo {
 
-// Forces on the corners, N, one column a corner.
-using ElementForce = Eigen::Matrix<double, 3, 4>;
-
-// Blocks (a, b), a <= b, of the symmetric 12 x 12 tangent, N/m, in the order of element_block().
-using ElementTangent = std::array<Eigen::Matrix3d, 10>;
-constexpr int element_block(int a, int b) {  // a <= b
-  return 4 * a - a * (a - 1) / 2 + b - a;
+// Index of block (a, b), a <= b, among the 3x3 blocks of an element's symmetric tangent.
+constexpr int element_block(int a, int b) {
+  return b * (b + 1) / 2 + a;
+}
+constexpr int element_blocks(int order) {
+  return element_block(0, nodes_of_order(order));
 }
 
 double element_energy(const Solid& solid, std::size_t element, const Field& u);  // J
 
 // Returns sum_i w_i f(u + s_i d). u, d: 3n.
-ElementForce element_force(const Solid& solid, std::size_t element,
-                           const std::vector<SegmentPoint>& points, const Field& u, const Field& d);
+NodeForces element_force(const Solid& solid, std::size_t element,
+                         const std::vector<SegmentPoint>& points, const Field& u, const Field& d);
 
-// Returns sum_i w_i s_i K(u + s_i d), the derivative of element_force with respect to d.
-ElementTangent element_tangent(const Solid& solid, std::size_t element,
-                               const std::vector<SegmentPoint>& points, const Field& u,
-                               const Field& d);
+// Computes sum_i w_i s_i K(u + s_i d), N/m, the derivative of element_force with respect to d.
+// blocks: element_blocks().
+void element_tangent(const Solid& solid, std::size_t element,
+                     const std::vector<SegmentPoint>& points, const Field& u, const Field& d,
+                     std::span<Eigen::Matrix3d> blocks);
 
 }  // namespace tremolo

@@ -49,13 +49,16 @@ template <class Visit>
 void for_each_part(const TetMesh& mesh, const Unknowns& unknowns, const Pattern& pattern,
                    const Visit& visit) {
   const std::vector<int>& node = unknowns.map.node_of_vertex;
-  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
-    for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < 4; ++b) {
-        const int row = node[mesh.tetrahedra[e][a]], column = node[mesh.tetrahedra[e][b]];
+  const int count = pattern.nodes;
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
+    const ElementNodes nodes = element_nodes(mesh, e);
+    for (int a = 0; a < count; ++a)
+      for (int b = 0; b < count; ++b) {
+        const int row = node[nodes[a]], column = node[nodes[b]];
         if (row >= 0 && column >= 0)
-          visit(block_of(pattern, row, column), 16 * static_cast<int>(e) + 4 * a + b);
+          visit(block_of(pattern, row, column), (static_cast<int>(e) * count + a) * count + b);
       }
+  }
 }
 
 }  // namespace
@@ -99,9 +102,12 @@ int Pattern::self(int node_index) const {
 }
 
 Pattern make_pattern(const TetMesh& mesh, const Unknowns& unknowns) {
-  if (mesh.tetrahedra.size() > 0x07ffffff)
-    throw Failure(content_error("the reference takes at most 134 million tetrahedra"));
   Pattern pattern;
+  pattern.nodes = mesh.edge_points.empty() ? 4 : kMostNodes;
+  const std::size_t most = 0x7fffffff / (pattern.nodes * pattern.nodes);
+  if (mesh.tetrahedra.size() > most)
+    throw Failure(content_error("the reference takes at most " + std::to_string(most) +
+                                " tetrahedra of this order"));
   list_blocks(unknowns, pattern);
   pattern.begin.assign(pattern.node.size() + 1, 0);
   for_each_part(mesh, unknowns, pattern, [&](int block, int) { ++pattern.begin[block + 1]; });

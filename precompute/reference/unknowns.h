@@ -28,13 +28,24 @@ Vector restrict_to(const Unknowns& unknowns, const Vector& field);  // 3n -> N
 // A symmetric sparse matrix on the unknowns in compressed rows, columns ascending, with the element
 // contributions to each 3x3 block. The blocks of node a are block[a] .. block[a+1]. The columns of
 // block b start `offset[b]` entries after the row's start; the block is the sum over part[begin[b]]
-// .. part[begin[b+1]], where 16*element + 4*i + j stands for corners i, j of the element.
+// .. part[begin[b+1]]; a part stands for nodes i, j of an element of `nodes` nodes.
+struct ElementPart {
+  std::size_t element;
+  int i, j;
+};
 struct Pattern {
   std::vector<int> start, column;
   std::vector<int> block, node, offset, begin, part;
+  int nodes = 4;
+
   int self(int node_index) const;  // index of a node's diagonal block
+  ElementPart element_part(int at) const {
+    const int inside = part[at] % (nodes * nodes);
+    return {static_cast<std::size_t>(part[at] / (nodes * nodes)), inside / nodes, inside % nodes};
+  }
 };
-// Throws Failure (kContent) above 134 million tetrahedra, as `part` has 32 bits.
+// Throws Failure (kContent) if the parts' numbers exceed 32 bits: above 134 million linear or 21
+// million quadratic tetrahedra.
 Pattern make_pattern(const TetMesh& mesh, const Unknowns& unknowns);
 
 }  // namespace tremolo

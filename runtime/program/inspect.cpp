@@ -173,6 +173,7 @@ Json to_json(const std::string& path, const BasisReader& reader, const Contents&
   json["format_version"] = fmt::format("{}.{}", layout::kMajor, reader.minor_version());
   json["encoding"] = encoding_json(reader, provenance);
   json["linear"] = reader.linear();
+  json["order"] = reader.order();
   json["n"] = d.vertices;
   json["m"] = d.tetrahedra;
   json["r"] = d.modes;
@@ -198,6 +199,7 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
              reader.minor_version());
   fmt::print("  {} vertices ({} on the surface, {} fixed), {} tetrahedra, {} triangles\n",
              d.vertices, d.surface_vertices, d.fixed, d.tetrahedra, d.triangles);
+  if (reader.order() == 2) fmt::print("  quadratic elements: edge points are among the vertices\n");
   if (contents.render) print_render(contents.render->surface);
   fmt::print("  {} coordinates{}{}\n", d.modes,
              d.linear_modes > 0 ? fmt::format(" from {} linear modes", d.linear_modes) : "",

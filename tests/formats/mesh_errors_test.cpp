@@ -301,11 +301,13 @@ TEST(MeshErrors, AMeshWithoutTetrahedraSaysWhatItHolds) {
                {"expected tetrahedra", "1 vertices and no cells"});
 }
 
-TEST(MeshErrors, QuadraticTetrahedraAreRefusedByName) {
+TEST(MeshErrors, CubicTetrahedraAreRefusedByName) {
   const std::string format =
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n";
-  expect_error("a.msh", format + "$Elements\n1\n7 11 0 1 1 1 1 1 1 1 1 1 1\n$EndElements\n",
-               {"line 10", "element 7", "10-node tetrahedra", "linear"});
+  expect_error(
+      "a.msh",
+      format + "$Elements\n1\n7 29 0 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1\n$EndElements\n",
+      {"line 10", "element 7", "20-node tetrahedra", "linear or quadratic"});
 }
 
 // Places in vegb_bytes(small_mesh()): 8 of the version, 4 of the type, 4 and 5 vertices of 24

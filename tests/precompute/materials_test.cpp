@@ -89,8 +89,8 @@ Field turned(const Field& u, const Eigen::Matrix3d& turn) {
 Eigen::MatrixXd dense_stiffness(const Solid& solid) {
   const auto size = 3 * static_cast<Eigen::Index>(solid.mesh.vertices.size());
   Eigen::MatrixXd k = Eigen::MatrixXd::Zero(size, size);
-  for (std::size_t e = 0; e < solid.samples.size(); ++e) {
-    const auto element = rest_stiffness(solid.elasticity(e), solid.samples[e]);
+  for (std::size_t e = 0; e < solid.elements.size(); ++e) {
+    const auto element = rest_stiffness(solid, e);
     for (int a = 0; a < 4; ++a)
       for (int b = 0; b < 4; ++b)
         k.block<3, 3>(3 * Eigen::Index{solid.mesh.tetrahedra[e][a]},
@@ -345,9 +345,9 @@ TEST(Materials, ThePolynomialIsTheProjectedForceOfTheMixedMesh) {
                                  modes.squared_frequencies, 0.05, {9, 1});
   const BasisRows rows = expand_to_vertices(body.map, body.local, basis.vectors);
   const Coefficients c =
-      coefficients_from_gram(strain_gram(body.solid, rows, 0, body.solid.samples.size(), 2), 9);
+      coefficients_from_gram(strain_gram(body.solid, rows, 0, body.solid.elements.size(), 2), 9);
   for (double reach : {1e-3, 0.3})
-    EXPECT_LE(polynomial_error(body.solid, body.solid.samples.size(), rows, basis.lambda, c.cubic,
+    EXPECT_LE(polynomial_error(body.solid, body.solid.elements.size(), rows, basis.lambda, c.cubic,
                                c.quartic, reach),
               1e-12);
   EXPECT_LE((c.quadratic - Eigen::MatrixXd(basis.lambda.asDiagonal())).cwiseAbs().maxCoeff(),

@@ -393,11 +393,11 @@ TEST(Coefficients, ThePolynomialIsTheProjectedForceOfTheFullMesh) {
   const Basis basis = make_sample_basis(block, 12);
   const BasisRows rows = expand_to_vertices(block.map, block.local, basis.vectors);
   const Coefficients c =
-      coefficients_from_gram(strain_gram(block.solid, rows, 0, block.solid.samples.size(), 2), 12);
+      coefficients_from_gram(strain_gram(block.solid, rows, 0, block.solid.elements.size(), 2), 12);
   const double size = bounding_box(block.mesh.vertices).diagonal();
   for (double reach : {1e-3, 0.05, 0.5})
-    EXPECT_LE(polynomial_error(block.solid, block.solid.samples.size(), rows, basis.lambda, c.cubic,
-                               c.quartic, reach * size),
+    EXPECT_LE(polynomial_error(block.solid, block.solid.elements.size(), rows, basis.lambda,
+                               c.cubic, c.quartic, reach * size),
               1e-12)
         << reach;
   EXPECT_LE((c.quadratic - Eigen::MatrixXd(basis.lambda.asDiagonal())).cwiseAbs().maxCoeff(),
@@ -408,7 +408,7 @@ TEST(Coefficients, TheSumDoesNotDependOnTheThreads) {
   const Block block = clamped_block();
   const Basis basis = make_sample_basis(block, 6);
   const BasisRows rows = expand_to_vertices(block.map, block.local, basis.vectors);
-  const std::size_t m = block.solid.samples.size();
+  const std::size_t m = block.solid.elements.size();
   const Eigen::MatrixXd one = strain_gram(block.solid, rows, 0, m, 1);
   EXPECT_EQ(one, strain_gram(block.solid, rows, 0, m, 3));
   // Ranks add their shares.

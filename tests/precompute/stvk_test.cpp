@@ -18,9 +18,17 @@ using testing::box_mesh;
 
 const Material kMaterial{2e5, 0.4, 1000.0};
 
-TetMesh sample_mesh() {
-  return box_mesh({3, 2, 2}, {0.3, 0.2, 0.25});
+TetMesh sample_mesh(int order) {
+  TetMesh mesh = box_mesh({3, 2, 2}, {0.3, 0.2, 0.25});
+  if (order == 2) {
+    EXPECT_TRUE(add_edge_points(mesh));
+  }
+  return mesh;
 }
+
+// Of both orders.
+class Elements : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Orders, Elements, ::testing::Values(1, 2));
 
 Field random_field(const TetMesh& mesh, double size, unsigned seed) {
   std::mt19937 engine(seed);
@@ -39,8 +47,8 @@ Field rigid_motion(const TetMesh& mesh, const Eigen::Matrix3d& rotation,
   return u;
 }
 
-TEST(Elements, RigidTranslationAndRotationCostNoEnergy) {
-  const TetMesh mesh = sample_mesh();
+TEST_P(Elements, RigidTranslationAndRotationCostNoEnergy) {
+  const TetMesh mesh = sample_mesh(GetParam());
   const Solid solid = make_solid(mesh, kMaterial);
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(2.2, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
@@ -52,8 +60,8 @@ TEST(Elements, RigidTranslationAndRotationCostNoEnergy) {
             1e-12 * internal_force(solid, random_field(mesh, 0.3, 1)).norm());
 }
 
-TEST(Elements, EnergyDoesNotChangeUnderASuperposedRotation) {
-  const TetMesh mesh = sample_mesh();
+TEST_P(Elements, EnergyDoesNotChangeUnderASuperposedRotation) {
+  const TetMesh mesh = sample_mesh(GetParam());
   const Solid solid = make_solid(mesh, kMaterial);
   const Field u = random_field(mesh, 0.1, 2);
   const Eigen::Matrix3d turn =
@@ -67,13 +75,13 @@ TEST(Elements, EnergyDoesNotChangeUnderASuperposedRotation) {
   EXPECT_NEAR(strain_energy(solid, turned), energy, 1e-13 * energy);  // rounding of the rotation
 }
 
-TEST(Elements, ForceIsTheGradientOfTheEnergy) {
-  const TetMesh mesh = sample_mesh();
+TEST_P(Elements, ForceIsTheGradientOfTheEnergy) {
+  const TetMesh mesh = sample_mesh(GetParam());
   const Solid solid = make_solid(mesh, kMaterial);
   const Field u = random_field(mesh, 0.05, 3);
   const Field direction = random_field(mesh, 0.05, 4);
   const double slope = internal_force(solid, u).dot(direction);
-  double last = 1.0;
+  double last = 2.0;
   for (double step : {1e-1, 1e-2, 1e-3}) {
     // The energy is a quartic: the central difference errs by exactly c * step^2.
     const double difference =
@@ -85,19 +93,23 @@ TEST(Elements, ForceIsTheGradientOfTheEnergy) {
   }
 }
 
-TEST(Elements, RestStiffnessIsTheDerivativeOfTheForce) {
-  const TetMesh mesh = box_mesh({1, 1, 1}, {0.1, 0.12, 0.09});
+TEST_P(Elements, RestStiffnessIsTheDerivativeOfTheForce) {
+  TetMesh mesh = box_mesh({1, 1, 1}, {0.1, 0.12, 0.09});
+  if (GetParam() == 2) {
+    ASSERT_TRUE(add_edge_points(mesh));
+  }
   const Solid solid = make_solid(mesh, kMaterial);
   const Field u = random_field(mesh, 1e-3, 5);
   Field product = Field::Zero(u.size());
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
-    const auto stiffness = rest_stiffness(solid.elasticity(e), solid.samples[e]);
-    Eigen::Matrix<double, 12, 1> corners;
-    for (int a = 0; a < 4; ++a)
-      corners.segment<3>(3 * a) = u.segment<3>(3 * Eigen::Index{mesh.tetrahedra[e][a]});
-    const Eigen::Matrix<double, 12, 1> force = stiffness * corners;
-    for (int a = 0; a < 4; ++a)
-      product.segment<3>(3 * Eigen::Index{mesh.tetrahedra[e][a]}) += force.segment<3>(3 * a);
+    const auto stiffness = rest_stiffness(solid, e);
+    const ElementNodes nodes = element_nodes(mesh, e);
+    Eigen::VectorXd moved(3 * nodes.count);
+    for (int a = 0; a < nodes.count; ++a)
+      moved.segment<3>(3 * a) = u.segment<3>(3 * Eigen::Index{nodes[a]});
+    const Eigen::VectorXd force = stiffness * moved;
+    for (int a = 0; a < nodes.count; ++a)
+      product.segment<3>(3 * Eigen::Index{nodes[a]}) += force.segment<3>(3 * a);
   }
   // The force is a cubic: f(u) - f(-u) = 2 K u + 2 (third order); Richardson takes the third away.
   const Field half = internal_force(solid, 0.5 * u) - internal_force(solid, -0.5 * u);
@@ -106,8 +118,8 @@ TEST(Elements, RestStiffnessIsTheDerivativeOfTheForce) {
   EXPECT_LE((derivative - product).norm(), 1e-12 * product.norm());
 }
 
-TEST(Elements, SecondDerivativeIsThePolarFormOfTheForce) {
-  const TetMesh mesh = sample_mesh();
+TEST_P(Elements, SecondDerivativeIsThePolarFormOfTheForce) {
+  const TetMesh mesh = sample_mesh(GetParam());
   const Solid solid = make_solid(mesh, kMaterial);
   const Field a = random_field(mesh, 0.1, 6);
   const Field b = random_field(mesh, 0.2, 7);
@@ -123,9 +135,9 @@ TEST(Elements, SecondDerivativeIsThePolarFormOfTheForce) {
   EXPECT_LE((direct - polar).norm(), 1e-12 * polar.norm());
 }
 
-TEST(Elements, StretchedBarHasTheClosedFormEnergy) {
+TEST_P(Elements, StretchedBarHasTheClosedFormEnergy) {
   // Uniform stretch s along x without lateral strain: E_xx = s + s^2/2.
-  const TetMesh mesh = sample_mesh();
+  const TetMesh mesh = sample_mesh(GetParam());
   const Solid solid = make_solid(mesh, kMaterial);
   const double stretch = 0.3;
   const Field u = rigid_motion(mesh, Eigen::Vector3d(1 + stretch, 1, 1).asDiagonal(), {0, 0, 0});
@@ -135,16 +147,18 @@ TEST(Elements, StretchedBarHasTheClosedFormEnergy) {
   EXPECT_NEAR(strain_energy(solid, u), expected, 1e-13 * expected);
 }
 
-TEST(Mass, TheElementMatricesAddUpToTheMassOfTheBody) {
-  const TetMesh mesh = sample_mesh();
+TEST_P(Elements, TheMassMatricesAddUpToTheMassOfTheBody) {
+  const TetMesh mesh = sample_mesh(GetParam());
   const Solid solid = make_solid(mesh, kMaterial);
   const double expected = 1000.0 * 0.3 * 0.2 * 0.25;
   EXPECT_NEAR(total_mass(solid), expected, 1e-13 * expected);
   for (MassKind kind : {MassKind::kConsistent, MassKind::kLumped}) {
+    if (GetParam() == 2 && kind == MassKind::kLumped) continue;
     double sum = 0;
+    const int count = nodes_of_order(GetParam());
     for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
-      for (int a = 0; a < 4; ++a)
-        for (int b = 0; b < 4; ++b) sum += element_mass(solid, e, a, b, kind);
+      for (int a = 0; a < count; ++a)
+        for (int b = 0; b < count; ++b) sum += element_mass(solid, e, a, b, kind);
     EXPECT_NEAR(sum, expected, 1e-13 * expected);
   }
 }

@@ -1,0 +1,63 @@
+// Linear and quadratic tetrahedra with straight edges in Bernstein-Bezier form (docs/theory.md,
+// section "Elements"; the polynomials after Farin 1986).
+//
+// With barycentric coordinates l_0 .. l_3 the polynomials are l_a for order 1; l_a^2 at the corners
+// and 2 l_a l_b at the edges for order 2. The displacement gradient of a field with control values
+// c is of one degree less,
+//   G(l) = sum_a G_a l_a,   G_a = 2 sum_b c_ab (grad l_b)^T        (order 2; order 1: one
+//   constant).
+// What is multiplied of k such gradients has degree k(order - 1), and a sum over sample points
+// integrates it exactly:
+//   1/V integral p dV = sum_s share_s p(l_s).
+// So an element is a set of strain samples, for both orders the same; that of order 1 has one.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "common/mesh/edge_points.h"
+
+namespace tremolo {
+
+// volume: m^3. gradients: column a is grad l_a, 1/m.
+struct ElementGeometry {
+  double volume = 0;
+  Eigen::Matrix<double, 3, 4> gradients;
+};
+
+// share: of the element's volume; may be negative. lambda: barycentric coordinates.
+struct SamplePoint {
+  double share = 1.0;
+  std::array<double, 4> lambda = {0.25, 0.25, 0.25, 0.25};
+};
+
+// Points that integrate a product of `gradients` displacement gradients, 2 (stiffness), 3 (its
+// first derivative) or 4 (energy), exactly. Order 2: 4, 5 and 11 points, the negative share last.
+std::span<const SamplePoint> sample_points(int order, int gradients);
+
+// Node of the polynomial whose exponents are e_a + e_b, in the order of ElementNodes.
+inline constexpr int kNodeAt[4][4] = {{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}};
+
+constexpr int nodes_of_order(int order) {
+  return order == 1 ? 4 : kMostNodes;
+}
+
+// Gradients of the polynomials at a point, 1/m; one column a node.
+using NodeGradients = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMostNodes>;
+NodeGradients node_gradients(const ElementGeometry& element, int order, const SamplePoint& point);
+
+// Integral of the product of the polynomials of nodes i and j, and of one alone; parts of the
+// volume.
+double mass_share(int order, int i, int j);
+constexpr double weight_share(int order) {
+  return order == 1 ? 0.25 : 0.1;
+}
+
+// Values of the polynomials at a place, one a node. Outside the element, where a coordinate is
+// negative, those of order 2 go on straight from the nearest place inside, so that a surface that
+// stands out of the mesh a little does not swing.
+std::array<double, kMostNodes> polynomials_at(int order, const std::array<double, 4>& lambda);
+
+}  // namespace tremolo

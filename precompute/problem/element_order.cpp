@@ -1,0 +1,76 @@
+#include "precompute/problem/element_order.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "common/mesh/mesh_parts.h"
+#include "precompute/system/failure.h"
+
+namespace tremolo {
+namespace {
+
+// Part of an edge's length by which its point may lie off its middle without a word.
+constexpr double kStraight = 1e-6;
+
+void merge_into(std::vector<VertexId>& ids, const std::vector<VertexId>& more) {
+  std::vector<VertexId> merged;
+  std::set_union(ids.begin(), ids.end(), more.begin(), more.end(), std::back_inserter(merged));
+  ids = std::move(merged);
+}
+
+}  // namespace
+
+int choose_order(const ProblemRequest& request, const TetMesh& mesh) {
+  const bool lumped = request.mass == MassKind::kLumped;
+  const auto refuse = [](const char* what) { throw Failure({ErrorKind::kUsage, what}); };
+  if (request.order == 2 && lumped)
+    refuse(
+        "--order 2 with --mass lumped: quadratic elements have no lumped mass; leave out one of "
+        "them");
+  if (request.order == 2 && request.imported)
+    refuse("--order 2 with --import-basis: VegaFEM's bases are of linear elements");
+  if (request.order) return *request.order;
+  if (lumped || request.imported) return 1;
+  const bool small = mesh.tetrahedra.size() <= kMostAutomaticQuadratic;
+  return !mesh.edges.empty() || small ? 2 : 1;
+}
+
+void prepare_edges(const ProblemRequest& request, Problem& problem) {
+  TetMesh& mesh = problem.mesh;
+  problem.order = choose_order(request, mesh);
+  problem.subdivide = request.subdivide;
+  if (mesh.edges.empty()) return;
+  const std::size_t curved = unwrap(straighten_edges(mesh, kStraight));
+  if (problem.order == 1) {
+    const std::size_t removed = remove_edge_points(mesh);
+    std::vector<int>& labels = problem.report.part_of_vertex;
+    labels = mesh_parts(mesh).part_of_vertex;
+    problem.notes.push_back("--order 1: the file's " + std::to_string(removed) +
+                            " edge points are left out, the other vertices are numbered anew");
+  } else if (curved > 0) {
+    problem.notes.push_back(std::to_string(curved) + " of " + std::to_string(mesh.edges.size()) +
+                            " edges of the file are curved: they are straightened, as elements "
+                            "have straight edges here");
+  }
+}
+
+void add_edge_points(const std::vector<VertexId>& by_place,
+                     const std::array<std::vector<VertexId>, 3>& along, Problem& problem) {
+  if (problem.order == 1) return;
+  TetMesh& mesh = problem.mesh;
+  unwrap(add_edge_points(mesh));
+  std::vector<int>& part = problem.report.part_of_vertex;
+  part.resize(mesh.vertices.size(), -1);
+  for (const MeshEdge& edge : mesh.edges) part[edge.point] = part[edge.a];
+  const std::vector<VertexId> fixed = problem.fixed;
+  if (!fixed.empty()) merge_into(problem.fixed, held_edge_points(mesh, fixed, by_place));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (problem.held[axis].empty()) continue;
+    std::vector<VertexId> held = problem.held[axis], placed = along[axis];
+    merge_into(held, fixed);
+    merge_into(placed, by_place);
+    merge_into(problem.held[axis], held_edge_points(mesh, held, placed));
+  }
+}
+
+}  // namespace tremolo

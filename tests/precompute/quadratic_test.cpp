@@ -1,0 +1,417 @@
+// Quadratic elements against what is known independently of how they are computed: products of
+// Bernstein polynomials by their closed form, nodal quadratics, linear elements inside them, fields
+// that are quadratic in X, Lame's mode between sliding walls.
+#include <numbers>
+#include <random>
+
+#include <Eigen/SparseCholesky>
+#include <gtest/gtest.h>
+
+#include "common/packed_index.h"
+#include "common/reduced_energy.h"
+#include "precompute/fem/assembly.h"
+#include "precompute/fem/control_values.h"
+#include "precompute/fem/element_group.h"
+#include "precompute/reduction/coefficients.h"
+#include "tests/support/box_mesh.h"
+
+namespace tremolo {
+namespace {
+
+using testing::box_mesh;
+
+const Material kMaterial{2e5, 0.4, 1000.0};
+
+std::mt19937& engine() {
+  static std::mt19937 random(7);
+  return random;
+}
+
+double uniform(double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(engine());
+}
+
+Field random_field(const TetMesh& mesh, double size) {
+  Field u(3 * static_cast<Eigen::Index>(mesh.vertices.size()));
+  for (double& value : u) value = uniform(-size, size);
+  return u;
+}
+
+// A box whose inner vertices are shifted, so that no two elements are alike.
+TetMesh uneven_mesh(const std::array<int, 3>& cells = {2, 2, 2}) {
+  const Eigen::Vector3d size(0.3, 0.2, 0.25);
+  TetMesh mesh = box_mesh(cells, size);
+  for (Eigen::Vector3d& x : mesh.vertices)
+    for (int axis = 0; axis < 3; ++axis)
+      if (x[axis] > 1e-9 && x[axis] < size[axis] - 1e-9)
+        x[axis] += uniform(-0.1, 0.1) * size[axis] / cells[axis];
+  return mesh;
+}
+
+TetMesh quadratic(TetMesh mesh) {
+  EXPECT_TRUE(add_edge_points(mesh));
+  return mesh;
+}
+
+using Exponents = std::array<int, 4>;
+
+double factorial(int n) {
+  return n < 2 ? 1.0 : n * factorial(n - 1);
+}
+
+// Integral of l^p over a tetrahedron over its volume (Lyness).
+double monomial(const Exponents& p) {
+  double product = 6.0;
+  int degree = 3;
+  for (const int k : p) product *= factorial(k), degree += k;
+  return product / factorial(degree);
+}
+
+std::vector<Exponents> all_exponents(int degree) {
+  std::vector<Exponents> all;
+  for (int i = 0; i <= degree; ++i)
+    for (int j = 0; i + j <= degree; ++j)
+      for (int k = 0; i + j + k <= degree; ++k) all.push_back({i, j, k, degree - i - j - k});
+  return all;
+}
+
+TEST(QuadraticElement, SamplePointsIntegrateEveryMonomialOfTheirDegree) {
+  for (const int degree : {2, 3, 4}) {
+    const auto points = sample_points(2, degree);
+    for (int d = 0; d <= degree; ++d)
+      for (const Exponents& p : all_exponents(d)) {
+        double sum = 0;
+        for (const SamplePoint& point : points) {
+          double value = point.share;
+          for (std::size_t a = 0; a < 4; ++a) value *= std::pow(point.lambda[a], p[a]);
+          sum += value;
+        }
+        EXPECT_NEAR(sum, monomial(p), 1e-16) << degree << ": " << p[0] << p[1] << p[2] << p[3];
+      }
+  }
+}
+
+// The energy from the ten Bernstein coefficients of the strain and the closed form of the
+// polynomials' products: no sample points.
+double energy_from_products(const Solid& solid, const FieldRef& u) {
+  std::vector<Exponents> degree_two;
+  for (const Exponents& p : all_exponents(2)) degree_two.push_back(p);
+  const auto product = [](const Exponents& p, const Exponents& q) {
+    double share = 1.0 / 210.0;
+    for (std::size_t s = 0; s < 4; ++s)
+      share *= factorial(p[s] + q[s]) / (factorial(p[s]) * factorial(q[s]));
+    return share;
+  };
+  double energy = 0;
+  for (std::size_t e = 0; e < solid.elements.size(); ++e) {
+    const GradientField g = displacement_gradients(solid, e, u);
+    std::vector<Eigen::Matrix3d> strain;
+    for (const Exponents& p : degree_two) {
+      std::vector<int> at;
+      for (int a = 0; a < 4; ++a)
+        for (int k = 0; k < p[a]; ++k) at.push_back(a);
+      const Eigen::Matrix3d &x = g.at[at[0]], &y = g.at[at[1]];
+      const Eigen::Matrix3d linear = 0.5 * (x + y);
+      const Eigen::Matrix3d square = 0.5 * (x.transpose() * y + y.transpose() * x);
+      strain.push_back(0.5 * (linear + linear.transpose() + square));
+    }
+    for (std::size_t i = 0; i < strain.size(); ++i)
+      for (std::size_t j = 0; j < strain.size(); ++j)
+        energy += 0.5 * solid.elements[e].volume * product(degree_two[i], degree_two[j]) *
+                  stress(solid.elasticity(e), strain[i]).cwiseProduct(strain[j]).sum();
+  }
+  return energy;
+}
+
+TEST(QuadraticElement, EnergyIsTheProductOfBernsteinPolynomials) {
+  const TetMesh mesh = quadratic(uneven_mesh());
+  const Solid solid = make_solid(mesh, kMaterial);
+  const Field u = random_field(mesh, 0.05);
+  const double expected = energy_from_products(solid, u);
+  EXPECT_NEAR(strain_energy(solid, u), expected, 1e-13 * expected);
+}
+
+// Degree elevation of a linear field: c_ab = (c_a + c_b) / 2.
+Field elevated(const TetMesh& mesh, const Field& linear) {
+  Field u = Field::Zero(3 * static_cast<Eigen::Index>(mesh.vertices.size()));
+  u.head(linear.size()) = linear;
+  for (const MeshEdge& edge : mesh.edges)
+    u.segment<3>(3 * Eigen::Index{edge.point}) =
+        0.5 * (u.segment<3>(3 * Eigen::Index{edge.a}) + u.segment<3>(3 * Eigen::Index{edge.b}));
+  return u;
+}
+
+Field transposed_elevation(const TetMesh& mesh, Field force, Eigen::Index size) {
+  for (const MeshEdge& edge : mesh.edges)
+    for (const VertexId end : {edge.a, edge.b})
+      force.segment<3>(3 * Eigen::Index{end}) +=
+          0.5 * force.segment<3>(3 * Eigen::Index{edge.point});
+  return force.head(size);
+}
+
+TEST(QuadraticElement, HoldsTheLinearOneInItself) {
+  const TetMesh coarse = uneven_mesh(), mesh = quadratic(coarse);
+  const Solid linear = make_solid(coarse, kMaterial), solid = make_solid(mesh, kMaterial);
+  const Field u = random_field(coarse, 0.05), up = elevated(mesh, u);
+  const double energy = strain_energy(linear, u);
+  EXPECT_NEAR(strain_energy(solid, up), energy, 1e-13 * energy);
+  const Field force = internal_force(linear, u);
+  EXPECT_LE((transposed_elevation(mesh, internal_force(solid, up), u.size()) - force).norm(),
+            1e-13 * force.norm());
+  // Element matrices: E^T K2 E = K1, E^T M2 E = M1.
+  Eigen::MatrixXd raise = Eigen::MatrixXd::Zero(10, 4);
+  raise.topRows<4>().setIdentity();
+  for (int e = 0; e < 6; ++e)
+    for (const int a : kTetEdges[e]) raise(4 + e, a) = 0.5;
+  Eigen::MatrixXd raise3 = Eigen::MatrixXd::Zero(30, 12);
+  for (int i = 0; i < 10; ++i)
+    for (int a = 0; a < 4; ++a)
+      raise3.block<3, 3>(3 * i, 3 * a) = raise(i, a) * Eigen::Matrix3d::Identity();
+  const Eigen::MatrixXd k1 = rest_stiffness(linear, 3), k2 = rest_stiffness(solid, 3);
+  EXPECT_LE((raise3.transpose() * k2 * raise3 - k1).norm(), 1e-13 * k1.norm());
+  Eigen::MatrixXd m1(4, 4), m2(10, 10);
+  for (int i = 0; i < 10; ++i)
+    for (int j = 0; j < 10; ++j) {
+      m2(i, j) = element_mass(solid, 3, i, j, MassKind::kConsistent);
+      if (i < 4 && j < 4) m1(i, j) = element_mass(linear, 3, i, j, MassKind::kConsistent);
+    }
+  EXPECT_LE((raise.transpose() * m2 * raise - m1).norm(), 1e-13 * m1.norm());
+}
+
+TEST(QuadraticElement, AgreesWithNodalQuadratics) {
+  // Nodal polynomials: l_a (2 l_a - 1) and 4 l_a l_b; nodal values are T times control values.
+  const TetMesh mesh = quadratic(uneven_mesh({1, 1, 1}));
+  const Solid solid = make_solid(mesh, kMaterial);
+  Eigen::MatrixXd nodal_of_control = Eigen::MatrixXd::Identity(10, 10);
+  for (int e = 0; e < 6; ++e) {
+    nodal_of_control(4 + e, 4 + e) = 0.5;
+    for (const int a : kTetEdges[e]) nodal_of_control(4 + e, a) = 0.25;
+  }
+  // Mass of nodal quadratics from monomials, and the stiffness of two of them by Gauss points of
+  // twice the needed degree.
+  const auto nodal_terms = [](int node) {
+    std::vector<std::pair<double, Exponents>> terms;
+    if (node < 4) {
+      Exponents square{}, line{};
+      square[node] = 2;
+      line[node] = 1;
+      return std::vector<std::pair<double, Exponents>>{{2.0, square}, {-1.0, line}};
+    }
+    Exponents both{};
+    for (const int a : kTetEdges[node - 4]) both[a] = 1;
+    terms.push_back({4.0, both});
+    return terms;
+  };
+  Eigen::MatrixXd nodal(10, 10), control(10, 10);
+  const double mass = solid.density(0) * solid.elements[0].volume;
+  for (int i = 0; i < 10; ++i)
+    for (int j = 0; j < 10; ++j) {
+      double sum = 0;
+      for (const auto& [x, p] : nodal_terms(i))
+        for (const auto& [y, q] : nodal_terms(j))
+          sum += x * y * monomial({p[0] + q[0], p[1] + q[1], p[2] + q[2], p[3] + q[3]});
+      nodal(i, j) = mass * sum;
+      control(i, j) = element_mass(solid, 0, i, j, MassKind::kConsistent);
+    }
+  EXPECT_LE((nodal_of_control.transpose() * nodal * nodal_of_control - control).norm(),
+            1e-13 * control.norm());
+}
+
+TEST(QuadraticElement, AFieldQuadraticInXIsExact) {
+  // u = X^T A X component by component: its control values are polar forms; the energy of E is
+  // integrated by many points of a rule of degree 4 on the refined mesh, which must not change it.
+  const TetMesh coarse = uneven_mesh();
+  std::array<Eigen::Matrix3d, 3> form;
+  for (Eigen::Matrix3d& f : form) {
+    for (double& x : f.reshaped()) x = uniform(-1, 1);
+    f = (f + f.transpose()).eval();
+  }
+  const auto field_on = [&form](const TetMesh& mesh) {
+    Field u(3 * static_cast<Eigen::Index>(mesh.vertices.size()));
+    const auto polar = [&](VertexId a, VertexId b) {
+      Eigen::Vector3d value;
+      for (int x = 0; x < 3; ++x) value[x] = mesh.vertices[a].dot(form[x] * mesh.vertices[b]);
+      return value;
+    };
+    for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertices.size()); ++v)
+      u.segment<3>(3 * Eigen::Index{v}) = polar(v, v);
+    for (const MeshEdge& edge : mesh.edges)
+      u.segment<3>(3 * Eigen::Index{edge.point}) = polar(edge.a, edge.b);
+    return u;
+  };
+  const TetMesh one = quadratic(box_mesh({1, 1, 1}, {0.3, 0.2, 0.25}));
+  const TetMesh many = quadratic(uneven_mesh({3, 2, 4}));
+  const Solid of_one = make_solid(one, kMaterial), of_many = make_solid(many, kMaterial);
+  const double energy = strain_energy(of_one, field_on(one));
+  EXPECT_NEAR(strain_energy(of_many, field_on(many)), energy, 1e-12 * energy);
+  // In the middle of an edge the displacement is the field itself.
+  BasisRows rows = field_on(many);
+  to_displacements(many, rows);
+  for (const MeshEdge& edge : many.edges) {
+    const Eigen::Vector3d& x = many.vertices[edge.point];
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(rows(3 * edge.point + axis, 0), x.dot(form[axis] * x), 1e-14);
+  }
+  BasisRows back = rows;
+  to_control_values(many, back);
+  EXPECT_LE((back - BasisRows(field_on(many))).norm(), 1e-14 * back.norm());
+}
+
+// Returns a mesh with columns of fields, of one material or several and orthotropic ones.
+struct Fields {
+  TetMesh mesh;
+  Solid solid;
+  BasisRows rows;
+};
+
+MaterialTable several_materials(std::size_t tetrahedra) {
+  Material wood{1e6, 0.3, 700.0};
+  wood.orthotropic = OrthotropicElasticity{};
+  wood.orthotropic->young = {9e6, 1e6, 5e5};
+  wood.orthotropic->poisson = {0.3, 0.35, 0.02};
+  wood.orthotropic->shear = {4e5, 5e5, 6e5};
+  MaterialTable table{{{"a", kMaterial}, {"b", wood}, {"c", {5e6, 0.45, 1200.0}}}, {}};
+  for (std::size_t t = 0; t < tetrahedra; ++t)
+    table.of_tet.push_back(static_cast<std::int32_t>(t % 3));
+  return table;
+}
+
+class QuadraticLoops : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Materials, QuadraticLoops, ::testing::Values(false, true));
+
+TEST_P(QuadraticLoops, OfEightElementsAreThoseOfOne) {
+  const TetMesh mesh = quadratic(uneven_mesh({2, 3, 1}));
+  const Solid solid = GetParam() ? make_solid(mesh, several_materials(mesh.tetrahedra.size()))
+                                 : make_solid(mesh, kMaterial);
+  const Eigen::Index size = 3 * static_cast<Eigen::Index>(mesh.vertices.size());
+  BasisRows fields(size, 3);
+  for (double& x : fields.reshaped()) x = uniform(-0.1, 0.1);
+  std::vector<int> elements, rows;
+  for (std::size_t e = 0; e + 1 < mesh.tetrahedra.size(); ++e)
+    elements.push_back(static_cast<int>(e));
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    rows.push_back(v % 5 == 0 ? -1 : static_cast<int>(3 * v));
+  const std::vector<ColumnPair> pairs = {{0, 0}, {0, 1}, {1, 2}};
+  Eigen::MatrixXd together = Eigen::MatrixXd::Zero(size, 3);
+  subtract_second_derivatives(solid, elements, fields, pairs, rows, together.data(), size);
+  for (int p = 0; p < 3; ++p) {
+    Field alone = Field::Zero(size);
+    add_second_derivative(solid, elements, fields.col(pairs[p].i), fields.col(pairs[p].j), rows,
+                          alone.data());
+    EXPECT_LE((together.col(p) + alone).norm(), 1e-13 * alone.norm());
+  }
+}
+
+TEST_P(QuadraticLoops, ThePolynomialIsTheEnergyAndTheForceOfTheMesh) {
+  const TetMesh mesh = quadratic(uneven_mesh({2, 1, 3}));
+  const Solid solid = GetParam() ? make_solid(mesh, several_materials(mesh.tetrahedra.size()))
+                                 : make_solid(mesh, kMaterial);
+  const int r = 4;
+  BasisRows basis(3 * static_cast<Eigen::Index>(mesh.vertices.size()), r);
+  for (double& x : basis.reshaped()) x = uniform(-1, 1);
+  const Coefficients c =
+      coefficients_from_gram(strain_gram(solid, basis, 0, solid.elements.size(), 2), r);
+  for (const double reach : {1e-3, 0.05, 1.0}) {
+    Eigen::VectorXd q(r);
+    for (double& x : q) x = uniform(-reach, reach);
+    const Field u = basis * q;
+    // The quadratic part of these columns is not diagonal.
+    const EnergyAndForce rest = reduced_energy(Eigen::VectorXd::Zero(r), c.cubic, c.quartic, q);
+    const Eigen::VectorXd force = c.quadratic * q + rest.force;
+    const Eigen::VectorXd expected = basis.transpose() * internal_force(solid, u);
+    EXPECT_LE((force - expected).norm(), 1e-12 * expected.norm()) << reach;
+    const double energy = energy_from_products(solid, u);
+    EXPECT_NEAR(0.5 * q.dot(c.quadratic * q) + rest.energy, energy, 1e-12 * energy) << reach;
+  }
+}
+
+// Lame's mode of a block between sliding walls: pure shear waves, u = (sin ax cos ay,
+// -cos ax sin ay, 0), a = pi / side. Returns the lowest frequency of the mesh against the exact
+// sqrt 2 c_s a, less 1.
+double lame_error(int cells, int order) {
+  const Eigen::Vector3d size(0.1, 0.1, 0.1 / cells);
+  TetMesh mesh = box_mesh({cells, cells, 1}, size);
+  if (order == 2) mesh = quadratic(mesh);
+  const Solid solid = make_solid(mesh, kMaterial);
+  // The normal displacement is zero on all six walls.
+  Eigen::VectorXi unknown = Eigen::VectorXi::Constant(3 * std::ssize(mesh.vertices), -1);
+  int count = 0;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    for (int axis = 0; axis < 3; ++axis)
+      if (mesh.vertices[v][axis] > 1e-9 && mesh.vertices[v][axis] < size[axis] - 1e-9)
+        unknown[3 * static_cast<Eigen::Index>(v) + axis] = count++;
+  std::vector<Eigen::Triplet<double>> stiffness, mass;
+  for (std::size_t e = 0; e < solid.elements.size(); ++e) {
+    const ElementNodes nodes = element_nodes(mesh, e);
+    const ElementStiffness k = rest_stiffness(solid, e);
+    for (int i = 0; i < 3 * nodes.count; ++i)
+      for (int j = 0; j < 3 * nodes.count; ++j) {
+        const int row = unknown[3 * nodes[i / 3] + i % 3];
+        const int column = unknown[3 * nodes[j / 3] + j % 3];
+        if (row < 0 || column < 0) continue;
+        stiffness.emplace_back(row, column, k(i, j));
+        if (i % 3 == j % 3)
+          mass.emplace_back(row, column,
+                            element_mass(solid, e, i / 3, j / 3, MassKind::kConsistent));
+      }
+  }
+  Eigen::SparseMatrix<double> k(count, count), m(count, count);
+  k.setFromTriplets(stiffness.begin(), stiffness.end());
+  m.setFromTriplets(mass.begin(), mass.end());
+  const double a = std::numbers::pi / size.x();
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(count);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Eigen::Vector3d& x = mesh.vertices[v];
+    const double value[2] = {std::sin(a * x.x()) * std::cos(a * x.y()),
+                             -std::cos(a * x.x()) * std::sin(a * x.y())};
+    for (int axis = 0; axis < 2; ++axis)
+      if (const int i = unknown[3 * static_cast<Eigen::Index>(v) + axis]; i >= 0)
+        u[i] = value[axis];
+  }
+  // Inverse iteration: the mode is the lowest.
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(k);
+  for (int round = 0; round < 60; ++round) u = factor.solve(m * u).normalized();
+  const double exact = std::sqrt(2.0 * lame_mu(kMaterial) / kMaterial.density) * a;
+  return std::sqrt(u.dot(k * u) / u.dot(m * u)) / exact - 1.0;
+}
+
+TEST(QuadraticElement, LamesModeConvergesWithTheFourthOrder) {
+  const double coarse = lame_error(6, 2), fine = lame_error(12, 2);
+  EXPECT_GT(fine, 0);
+  EXPECT_LT(fine, 1e-4);
+  EXPECT_GE(std::log2(coarse / fine), 3.7);
+  EXPECT_NEAR(std::log2(lame_error(6, 1) / lame_error(12, 1)), 2.0, 0.2);
+}
+
+TEST(EdgePoints, AreSharedAndLieBehindTheVertices) {
+  const TetMesh coarse = uneven_mesh();
+  const TetMesh mesh = quadratic(coarse);
+  EXPECT_EQ(mesh.vertices.size(), coarse.vertices.size() + mesh.edges.size());
+  // Euler: vertices - edges + faces - tetrahedra = 1 of a ball; a box of 2x2x2 cells has 48
+  // triangles on its boundary.
+  const std::size_t faces = (4 * coarse.tetrahedra.size() + 48) / 2;
+  EXPECT_EQ(coarse.vertices.size() - mesh.edges.size() + faces - coarse.tetrahedra.size(), 1u);
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
+    for (std::size_t e = 0; e < 6; ++e) {
+      const Eigen::Vector3d middle = 0.5 * (mesh.vertices[mesh.tetrahedra[t][kTetEdges[e][0]]] +
+                                            mesh.vertices[mesh.tetrahedra[t][kTetEdges[e][1]]]);
+      EXPECT_LE((mesh.vertices[mesh.edge_points[t][e]] - middle).norm(), 1e-15);
+    }
+}
+
+TEST(EdgePoints, OfAHeldSurfaceAreItsOwnAndNoChords) {
+  // One cell between two held walls: its space diagonal has both ends held and lies inside.
+  const TetMesh mesh = quadratic(box_mesh({1, 1, 1}, {1, 1, 1}));
+  std::vector<VertexId> held;
+  for (VertexId v = 0; v < 8; ++v) held.push_back(v);
+  const std::vector<VertexId> surface = held_edge_points(mesh, held, {});
+  const std::vector<VertexId> all = held_edge_points(mesh, held, held);
+  EXPECT_EQ(all.size(), mesh.edges.size());
+  EXPECT_EQ(surface.size(), 18u);  // 12 sides and 6 diagonals of faces, not the one inside
+  std::vector<VertexId> low = testing::vertices_on_plane(box_mesh({1, 1, 1}, {1, 1, 1}), 2, 0.0);
+  EXPECT_EQ(held_edge_points(mesh, low, low).size(), 5u);
+  EXPECT_EQ(held_edge_points(mesh, low, {}).size(), 5u);
+}
+
+}  // namespace
+}  // namespace tremolo
