@@ -143,6 +143,7 @@ TEST_F(Resume, EveryWayOfSolvingGoesOnFromEveryStage) {
            {"--fix none -- -eps_type krylovschur", 5},
            {kHeld + "--solver iterative", 4},
            {"--fix none --solver iterative", 4},
+           {kHeld + "--order 2", 5},
            {kHeld + "--solver mumps", 5}}) {
     const std::string arguments = options.find("--linear") == std::string::npos
                                       ? kFew

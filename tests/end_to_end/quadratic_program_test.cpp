@@ -1,0 +1,198 @@
+// Quadratic elements as a user meets them: what is told, several ranks and every solver, free
+// bodies and materials, files of quadratic meshes, the reference, and what is refused.
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "common/mesh/edge_points.h"
+#include "formats/basis/basis_reader.h"
+#include "runtime/model.h"
+#include "tests/support/box_mesh.h"
+#include "tests/support/mesh_file.h"
+#include "tests/support/run_program.h"
+
+namespace tremolo {
+namespace {
+
+using testing::box_mesh;
+using testing::fresh_folder;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::slurp;
+using testing::write_veg;
+
+const std::string kPrecompute = TREMOLO_BIN_DIR "/tremolo-precompute ";
+const std::string kMayBeRoot = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ";
+
+class Quadratic : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fresh_folder();
+    write_veg(folder_ + "/block.veg", block_);
+  }
+
+  ProgramResult run(const std::string& arguments, const std::string& before = "") {
+    return run_program(folder_, before + kPrecompute + arguments);
+  }
+  BasisData made(const std::string& arguments, const std::string& before = "") {
+    const ProgramResult result = run(arguments + " -o made.tremolo", before);
+    EXPECT_EQ(result.code, 0) << result.err;
+    auto data = read_basis(folder_ + "/made.tremolo");
+    EXPECT_TRUE(data);
+    return data ? *data : BasisData{};
+  }
+  nlohmann::json told(const std::string& arguments) {
+    const ProgramResult result = run(arguments + " -o made.tremolo --json");
+    EXPECT_EQ(result.code, 0) << result.err;
+    return nlohmann::json::parse(result.out, nullptr, false);
+  }
+
+  std::string folder_;
+  // Three different sides: no two modes are equal.
+  TetMesh block_ = box_mesh({6, 2, 2}, {1.0, 0.31, 0.23});
+  static constexpr const char* kSolid = "--young 1e6 --poisson 0.3 --density 1000 --fix 'x<0.001' ";
+  static std::string good(const std::string& order = "2", const std::string& mesh = "block.veg") {
+    return mesh + " --order " + order + " " + kSolid + "--linear-modes 5 --modes 10 ";
+  }
+};
+
+TEST_F(Quadratic, OrderElementsAndDofsAreTold) {
+  const nlohmann::json json = told(good());
+  const std::size_t edges = mesh_edges(block_).size();
+  EXPECT_EQ(json["order"], 2);
+  EXPECT_EQ(json["elements"], block_.tetrahedra.size());
+  EXPECT_EQ(json["n"], block_.vertices.size() + edges);
+  // One side of 2 x 2 cells: 9 corners, 16 edges of its 8 triangles.
+  EXPECT_EQ(json["dofs"], 3 * (block_.vertices.size() + edges - 9 - 16));
+  const ProgramResult inspected =
+      run_program(folder_, TREMOLO_BIN_DIR "/tremolo inspect made.tremolo --json");
+  ASSERT_EQ(inspected.code, 0) << inspected.err;
+  EXPECT_EQ(nlohmann::json::parse(inspected.out)["order"], 2);
+  EXPECT_EQ(told(good("1"))["order"], 1);
+}
+
+TEST_F(Quadratic, AutoIsARuleOfTheMesh) {
+  const std::string automatic = good("auto");
+  EXPECT_EQ(told(automatic)["order"], 2);
+  EXPECT_EQ(told(automatic + "--mass lumped")["order"], 1);
+}
+
+// A slender bar of one cell across (nu = 0) against Euler and Bernoulli with Timoshenko's and the
+// rotary inertia's first correction: the refined limit of the elements.
+TEST_F(Quadratic, ASlenderCantileverOfOneCellBendsAsItShould) {
+  write_veg(folder_ + "/bar.veg", box_mesh({50, 1, 1}, {1.0, 0.02, 0.021}));
+  write_veg(folder_ + "/fine.veg", box_mesh({100, 2, 2}, {1.0, 0.02, 0.021}));
+  const std::string options =
+      " --order 2 --young 1e7 --poisson 0 --density 1000 --fix 'x<0.001' --linear --linear-modes 6";
+  const Eigen::VectorXd coarse = made("bar.veg" + options).lambda.cwiseSqrt();
+  const Eigen::VectorXd fine = made("fine.veg" + options).lambda.cwiseSqrt();
+  // Bending about both axes by turns: modes 1, 3, 5 in one plane and 2, 4, 6 in the other.
+  const double roots[] = {1.8751040687, 4.6940911330, 7.8547574382};
+  for (int plane = 0; plane < 2; ++plane) {
+    const double h = plane == 0 ? 0.02 : 0.021, speed = std::sqrt(1e7 / 1000.0);
+    const double gyration = h / std::sqrt(12.0), shear = 5.0 / 6.0;
+    for (int mode = 0; mode < 3; ++mode) {
+      const double euler = roots[mode] * roots[mode] * speed * gyration;
+      const double slender = roots[mode] * gyration;
+      // Clamped-free bars: of the order of (gyration root)^2 (1 + E/(kappa G)).
+      const double correction = slender * slender * (1.0 + 2.0 / shear);
+      EXPECT_NEAR(coarse[2 * mode + plane] / fine[2 * mode + plane], 1.0, 0.01) << mode;
+      EXPECT_NEAR(fine[2 * mode + plane] / euler, 1.0, 0.002 + correction) << mode;
+    }
+  }
+}
+
+void expect_same_model(const BasisData& a, const BasisData& b, double tolerance) {
+  ASSERT_EQ(a.lambda.size(), b.lambda.size());
+  EXPECT_LE((a.lambda - b.lambda).norm(), tolerance * a.lambda.norm());
+  const auto map = [](const std::vector<double>& values) {
+    return Eigen::VectorXd::Map(values.data(), std::ssize(values));
+  };
+  EXPECT_LE((map(a.cubic) - map(b.cubic)).norm(), tolerance * map(a.cubic).norm());
+  EXPECT_LE((map(a.quartic) - map(b.quartic)).norm(), tolerance * map(a.quartic).norm());
+  ASSERT_EQ(a.surface.vertex_ids, b.surface.vertex_ids);
+  EXPECT_LE((a.surface.rows - b.surface.rows).norm(), tolerance * a.surface.rows.norm());
+  ASSERT_EQ(a.interior.vertex_ids, b.interior.vertex_ids);
+  EXPECT_LE((a.interior.rows - b.interior.rows).norm(), tolerance * a.interior.rows.norm());
+}
+
+TEST_F(Quadratic, EveryRankAndSolverMakesTheSameModel) {
+  const BasisData alone = made(good() + "--surface-subdivide on");
+  const std::string three = kMayBeRoot + "mpiexec --oversubscribe -n 3 ";
+  expect_same_model(alone, made(good() + "--surface-subdivide on", three), 1e-7);
+  expect_same_model(alone, made(good() + "--surface-subdivide on --solver mumps"), 1e-7);
+  expect_same_model(alone, made(good() + "--surface-subdivide on --solver iterative"), 1e-5);
+}
+
+TEST_F(Quadratic, AFreeBodyOfSeveralMaterialsAndPointMassesIsOneOnRanksToo) {
+  const std::string options =
+      "block.veg --order 2 --young 1e6 --poisson 0.3 --density 1000 --fix none "
+      "--point-mass 'x>0.99=5' --linear-modes 4 --modes 8 ";
+  const nlohmann::json json = told(options);
+  EXPECT_EQ(json["rigid_modes"], 6);
+  EXPECT_NEAR(json["total_mass_kg"].get<double>(), 1000 * 0.31 * 0.23 + 5, 1e-9);
+  expect_same_model(made(options), made(options, kMayBeRoot + "mpiexec --oversubscribe -n 2 "),
+                    1e-6);
+}
+
+TEST_F(Quadratic, TheDrawnBoundaryMayUseTheEdgePointsAndTheEnergyDoesNotCare) {
+  const BasisData plain = made(good() + "--surface-subdivide off");
+  const BasisData fine = made(good() + "--surface-subdivide on");
+  EXPECT_EQ(fine.triangles.size(), 4 * plain.triangles.size());
+  EXPECT_EQ(fine.quartic, plain.quartic);
+  // A closed surface of the sphere's kind: vertices - edges + faces = 2.
+  EXPECT_EQ(std::ssize(fine.surface.vertex_ids) - std::ssize(fine.triangles) / 2, 2);
+  // The rows of an edge point are those of its place: between its ends in a motion that is slow
+  // along the edge, and not the control value.
+  ASSERT_TRUE(Model::from_data(fine));
+}
+
+TEST_F(Quadratic, ModesInAVtuAreReadAgainAsTheMeshTheyWereMadeOn) {
+  const BasisData first = made(good() + "--modes-vtu modes.vtu");
+  const BasisData second = made(good("auto", "modes.vtu"));
+  EXPECT_EQ(second.edges.size(), first.edges.size());
+  expect_same_model(first, second, 0.0);
+  const BasisData linear = made(good("1", "modes.vtu"));
+  EXPECT_EQ(linear.vertex_count, block_.vertices.size());
+  expect_same_model(linear, made(good("1")), 0.0);
+}
+
+TEST_F(Quadratic, TheReferenceFindsItsOwnMatricesInTheBasis) {
+  const std::string load = "--load-at 'x>0.99' --load-force 0,0.6,-1 ";
+  const std::string solid = std::string("block.veg --order 2 ") + kSolid + load;
+  EXPECT_EQ(made(solid + "--linear-modes 6 --modes 20").lambda.size(), 20);
+  // The reference assembles M and K its own way and refuses a basis that does not fit them to 1e-6.
+  const ProgramResult statics =
+      run("reference " + solid + "--static --compare made.tremolo --json");
+  ASSERT_EQ(statics.code, 0) << statics.err;
+  const nlohmann::json json = nlohmann::json::parse(statics.out);
+  EXPECT_EQ(json["order"], 2);
+  EXPECT_LE(json["comparison"]["error_of_largest"].get<double>(), 0.01);
+  const ProgramResult motion =
+      run("reference " + solid +
+          "--load sine --step 0.01 --duration 0.3 --compare made.tremolo --json");
+  ASSERT_EQ(motion.code, 0) << motion.err;
+  const nlohmann::json moved = nlohmann::json::parse(motion.out);
+  EXPECT_LE(moved["energy_drift_max"].get<double>(), 1e-6);
+  EXPECT_LE(moved["comparison"]["error_of_largest"].get<double>(), 0.05);
+  const ProgramResult linear = run(std::string("reference block.veg --order 1 ") + kSolid + load +
+                                   "--static --compare made.tremolo");
+  EXPECT_EQ(linear.code, 3);
+  EXPECT_NE(linear.err.find("order 2"), std::string::npos) << linear.err;
+}
+
+TEST_F(Quadratic, WhatDoesNotGoTogetherIsRefused) {
+  const ProgramResult lumped = run(good() + "--mass lumped -o out.tremolo");
+  EXPECT_EQ(lumped.code, 2);
+  EXPECT_NE(lumped.err.find("lumped"), std::string::npos) << lumped.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "/out.tremolo"));
+  const ProgramResult third = run(good("3") + "-o out.tremolo");
+  EXPECT_EQ(third.code, 2);
+  EXPECT_NE(third.err.find("--order"), std::string::npos) << third.err;
+}
+
+}  // namespace
+}  // namespace tremolo
