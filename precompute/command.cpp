@@ -66,19 +66,6 @@ BasisRows rows_of_mesh(const BasisData& data) {
   return rows;
 }
 
-// Returns the quadratic tetrahedra in VTK's order of edges.
-std::vector<QuadraticCell> vtk_cells(const TetMesh& mesh) {
-  constexpr std::size_t kOrder[6] = {0, 3, 1, 2, 4, 5};  // ours of VTK's 01, 12, 02, 03, 13, 23
-  std::vector<QuadraticCell> cells;
-  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
-    QuadraticCell cell;
-    for (std::size_t c = 0; c < 4; ++c) cell[c] = mesh.tetrahedra[t][c];
-    for (std::size_t e = 0; e < 6; ++e) cell[4 + e] = mesh.edge_points[t][kOrder[e]];
-    cells.push_back(cell);
-  }
-  return cells;
-}
-
 void write_vtu(const PrecomputeOptions& options, const TetMesh& mesh, const BasisData& data,
                StageLog& log) {
   if (options.modes_vtu.empty()) return;
@@ -89,7 +76,8 @@ void write_vtu(const PrecomputeOptions& options, const TetMesh& mesh, const Basi
                            std::span<const Tetrahedron>(mesh.tetrahedra), rows, data.lambda));
   else
     unwrap(write_modes_vtu(options.modes_vtu, mesh.vertices,
-                           std::span<const QuadraticCell>(vtk_cells(mesh)), rows, data.lambda));
+                           std::span<const QuadraticCell>(quadratic_cells(mesh)), rows,
+                           data.lambda));
   log.end(options.modes_vtu);
 }
 

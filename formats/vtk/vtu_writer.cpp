@@ -117,6 +117,18 @@ std::span<const VertexId> corners(std::span<const Cell> cells) {
 
 }  // namespace
 
+std::vector<QuadraticCell> quadratic_cells(const TetMesh& mesh) {
+  constexpr std::size_t kOrder[6] = {0, 3, 1, 2, 4, 5};  // ours of VTK's 01, 12, 02, 03, 13, 23
+  std::vector<QuadraticCell> cells;
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    QuadraticCell cell;
+    for (std::size_t c = 0; c < 4; ++c) cell[c] = mesh.tetrahedra[t][c];
+    for (std::size_t e = 0; e < 6; ++e) cell[4 + e] = mesh.edge_points[t][kOrder[e]];
+    cells.push_back(cell);
+  }
+  return cells;
+}
+
 Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,
                        std::span<const Tetrahedron> cells, const BasisRows& rows,
                        const Eigen::VectorXd& lambda) {

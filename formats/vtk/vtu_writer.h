@@ -22,6 +22,8 @@ Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3
                        const Eigen::VectorXd& lambda);
 // Quadratic tetrahedra: corners, then the middles of the edges 01, 12, 02, 03, 13, 23.
 using QuadraticCell = std::array<VertexId, 10>;
+// Those of a mesh with edge points.
+std::vector<QuadraticCell> quadratic_cells(const TetMesh& mesh);
 Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& points,
                        std::span<const QuadraticCell> cells, const BasisRows& rows,
                        const Eigen::VectorXd& lambda);

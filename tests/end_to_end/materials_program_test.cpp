@@ -6,20 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/basis/basis_reader.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 
 namespace tremolo {
 namespace {
 
-using testing::box_mesh;
-using testing::fresh_folder;
-using testing::ProgramResult;
-using testing::run_program;
 using Json = nlohmann::json;
 
-const std::string kPrecompute = TREMOLO_BIN_DIR "/tremolo-precompute ";
 const std::string kInspect = TREMOLO_BIN_DIR "/tremolo inspect ";
 
 // A block whose left half (x < 0.2) is the region "grip" and whose right half is "blade": as an MSH

@@ -8,27 +8,20 @@
 #include "common/mesh/mesh_check.h"
 #include "common/mesh/mesh_quality.h"
 #include "formats/mesh/mesh_reader.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 #include "tests/support/surface_files.h"
 
 namespace tremolo {
 namespace {
 
-using testing::fresh_folder;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::slurp;
-
-const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-mesh ";
-
 TEST(MeshProgram, MakesTheBeamAnewTheSameEachTime) {
   const std::string folder = fresh_folder();
-  const ProgramResult first = run_program(folder, kProgram + "beam -o a.msh --surface a.ply");
+  const ProgramResult first = run_program(folder, kMesh + "beam -o a.msh --surface a.ply");
   ASSERT_EQ(first.code, 0) << first.err;
   EXPECT_NE(first.out.find("dihedral angles"), std::string::npos);
   EXPECT_NE(first.out.find("radius ratio"), std::string::npos);
   EXPECT_GT(std::filesystem::file_size(folder + "/a.ply"), 1000u);
-  ASSERT_EQ(run_program(folder, kProgram + "beam -o b.msh").code, 0);
+  ASSERT_EQ(run_program(folder, kMesh + "beam -o b.msh").code, 0);
   EXPECT_EQ(slurp(folder + "/a.msh"), slurp(folder + "/b.msh"));
 
   auto made = read_tet_mesh(folder + "/a.msh");
@@ -49,8 +42,7 @@ TEST(MeshProgram, TheSameSurfaceAsObjAndAsOffGivesTheSameMesh) {
   std::ofstream(folder + "/star.obj") << star[0];
   std::ofstream(folder + "/star.off") << star[1];
   for (const std::string name : {"obj", "off"}) {
-    const ProgramResult made =
-        run_program(folder, kProgram + "star." + name + " -o " + name + ".msh");
+    const ProgramResult made = run_program(folder, kMesh + "star." + name + " -o " + name + ".msh");
     ASSERT_EQ(made.code, 0) << made.err;
   }
   const std::string obj = slurp(folder + "/obj.msh");
@@ -62,23 +54,23 @@ TEST(MeshProgram, TheSameSurfaceAsObjAndAsOffGivesTheSameMesh) {
 TEST(MeshProgram, ACountThatCannotBeMetGivesTheNearestMesh) {
   const std::string folder = fresh_folder();
   std::ofstream(folder + "/star.off") << testing::star_prism()[1];
-  const ProgramResult made = run_program(folder, kProgram + "star.off -o star.msh --tets 3000");
+  const ProgramResult made = run_program(folder, kMesh + "star.off -o star.msh --tets 3000");
   ASSERT_EQ(made.code, 0) << made.err;
   EXPECT_TRUE(read_tet_mesh(folder + "/star.msh"));
 }
 
 TEST(MeshProgram, WrongUsageIsToldApartAndWritesNothing) {
   const std::string folder = fresh_folder();
-  const ProgramResult unknown = run_program(folder, kProgram + "giraffe -o x.msh");
+  const ProgramResult unknown = run_program(folder, kMesh + "giraffe -o x.msh");
   EXPECT_EQ(unknown.code, 2) << unknown.err;
   EXPECT_NE(unknown.err.find("horse"), std::string::npos) << "the recipes are listed";
-  EXPECT_EQ(run_program(folder, kProgram + "beam -o x.msh --size 0.01 --tets 100").code, 2);
-  EXPECT_EQ(run_program(folder, kProgram + "beam -o x.msh --size -1").code, 2);
-  EXPECT_EQ(run_program(folder, kProgram + "beam").code, 2);
+  EXPECT_EQ(run_program(folder, kMesh + "beam -o x.msh --size 0.01 --tets 100").code, 2);
+  EXPECT_EQ(run_program(folder, kMesh + "beam -o x.msh --size -1").code, 2);
+  EXPECT_EQ(run_program(folder, kMesh + "beam").code, 2);
   EXPECT_FALSE(std::filesystem::exists(folder + "/x.msh"));
-  EXPECT_EQ(run_program(folder, kProgram + "beam -o no/folder/x.msh").code, 1);
-  EXPECT_EQ(run_program(folder, kProgram + "--help").code, 0);
-  EXPECT_EQ(run_program(folder, kProgram + "--version").code, 0);
+  EXPECT_EQ(run_program(folder, kMesh + "beam -o no/folder/x.msh").code, 1);
+  EXPECT_EQ(run_program(folder, kMesh + "--help").code, 0);
+  EXPECT_EQ(run_program(folder, kMesh + "--version").code, 0);
 }
 
 }  // namespace

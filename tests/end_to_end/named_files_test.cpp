@@ -6,23 +6,13 @@
 
 #include "common/mesh/surface_mesh.h"
 #include "formats/surface/surface_writer.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 
 namespace tremolo {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::box_mesh;
-using testing::fresh_folder;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::slurp;
 
-const std::string kTremolo = TREMOLO_BIN_DIR "/tremolo ";
-const std::string kPrecompute = TREMOLO_BIN_DIR "/tremolo-precompute ";
-const std::string kMesh = TREMOLO_BIN_DIR "/tremolo-mesh ";
 const std::string kModes = " --linear-modes 3 --modes 3 ";
 
 class NamedFiles : public ::testing::Test {

@@ -11,23 +11,12 @@
 
 #include "formats/basis/basis_reader.h"
 #include "tests/support/joined_mesh.h"
-#include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 #include "tests/support/symmetric_mesh.h"
 
 namespace tremolo {
 namespace {
 
-using testing::box_mesh;
-using testing::fresh_folder;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::slurp;
-using testing::write_veg;
-
-const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-precompute ";
-// Open MPI wants to be told, as root.
-const std::string kMayBeRoot = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ";
 const std::string kOld = "an older file that must survive";
 
 // A folder with block.veg and an existing out.tremolo.
@@ -40,7 +29,7 @@ class PrecomputeProgram : public ::testing::Test {
   }
 
   ProgramResult run(const std::string& arguments) {
-    return run_program(folder_, kProgram + arguments);
+    return run_program(folder_, kPrecompute + arguments);
   }
 
   // Writes a changed block and runs on it.
@@ -396,7 +385,7 @@ TEST_F(PrecomputeProgram, SeveralRanksFindTheSameModel) {
   ASSERT_EQ(run(std::string("block.veg --json ") + kGood).code, 0);
   const auto one = nlohmann::json::parse(slurp(folder_ + "/stdout.txt"));
   const ProgramResult result = run_program(folder_, kMayBeRoot + "mpiexec --oversubscribe -n 2 " +
-                                                        kProgram + "block.veg --json " + kGood);
+                                                        kPrecompute + "block.veg --json " + kGood);
   ASSERT_EQ(result.code, 0) << result.err;
   const auto two = nlohmann::json::parse(result.out);
   EXPECT_EQ(two["factorisation"], "mumps");
@@ -410,7 +399,7 @@ TEST_F(PrecomputeProgram, SeveralRanksFindTheSameModel) {
 // What is not made there cannot be fought over by several runs at once.
 TEST_F(PrecomputeProgram, OneRankNeedsNoTemporaryFolder) {
   const ProgramResult result =
-      run_program(folder_, "TMPDIR=/no/such/folder " + kProgram + "block.veg " + kGood);
+      run_program(folder_, "TMPDIR=/no/such/folder " + kPrecompute + "block.veg " + kGood);
   EXPECT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(result.err.find("mkdir"), std::string::npos) << result.err;
 }
@@ -595,7 +584,7 @@ TEST_F(PrecomputeProgram, UnderALimitOfAddressSpaceItEndsInWords) {
         folder_, "ulimit -v " + std::to_string(limit) +
                      "; OPENBLAS_NUM_THREADS=2 timeout -s KILL "
                      "60 " +
-                     kProgram + "larger.veg --threads 2 -o limited.tremolo --fix 'x<0.001'");
+                     kPrecompute + "larger.veg --threads 2 -o limited.tremolo --fix 'x<0.001'");
     if (result.code == 0) {
       std::filesystem::remove(folder_ + "/limited.tremolo");
       continue;
@@ -609,7 +598,7 @@ TEST_F(PrecomputeProgram, UnderALimitOfAddressSpaceItEndsInWords) {
   }
   EXPECT_GE(refused, 4) << "the limits are no limits here";
   const ProgramResult told = run_program(
-      folder_, "ulimit -v 400000; OPENBLAS_NUM_THREADS=2 " + kProgram + "block.veg " + kGood);
+      folder_, "ulimit -v 400000; OPENBLAS_NUM_THREADS=2 " + kPrecompute + "block.veg " + kGood);
   expect_failure(told, 1,
                  "MB of address space would do for the start, the limit (ulimit -v) is 410 MB");
   expect_failure(told, 1, "with OPENBLAS_NUM_THREADS=1 and --threads 1 it is ");
@@ -619,7 +608,7 @@ TEST_F(PrecomputeProgram, UnderALimitOfAddressSpaceItEndsInWords) {
 TEST_F(PrecomputeProgram, ManyModesOfASmallMeshTakeSecondsAndAreHeardOf) {
   write_veg(folder_ + "/small.veg", box_mesh({5, 2, 2}, {0.5, 0.2, 0.2}));
   const ProgramResult result =
-      run_program(folder_, "timeout -s KILL 100 " + kProgram +
+      run_program(folder_, "timeout -s KILL 100 " + kPrecompute +
                                "small.veg -o many.tremolo --fix 'x<0.001' --linear-modes 107 "
                                "--modes 20 --threads 2 --json");
   ASSERT_EQ(result.code, 0) << result.err;
@@ -791,7 +780,7 @@ TEST_F(PrecomputeProgram, CtrlCAndTermLeaveTheOldOutputAlone) {
     for (const char* delay : {"0.05", "0.4"}) {
       const ProgramResult result =
           run_program(folder_, std::string("timeout --preserve-status -s ") + name + " " + delay +
-                                   " " + kProgram + "large.veg -o out.tremolo --fix 'x<0.001'");
+                                   " " + kPrecompute + "large.veg -o out.tremolo --fix 'x<0.001'");
       EXPECT_EQ(result.code, code) << name << " " << delay << "\n" << result.err;
       EXPECT_EQ(slurp(folder_ + "/out.tremolo"), kOld);
     }

@@ -10,22 +10,10 @@
 #include "common/mesh/edge_points.h"
 #include "formats/basis/basis_reader.h"
 #include "runtime/model.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 
 namespace tremolo {
 namespace {
-
-using testing::box_mesh;
-using testing::fresh_folder;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::slurp;
-using testing::write_veg;
-
-const std::string kPrecompute = TREMOLO_BIN_DIR "/tremolo-precompute ";
-const std::string kMayBeRoot = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ";
 
 class Quadratic : public ::testing::Test {
  protected:

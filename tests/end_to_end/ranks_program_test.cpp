@@ -5,18 +5,11 @@
 
 #include "formats/basis/basis_reader.h"
 #include "tests/support/joined_mesh.h"
-#include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 #include "tests/support/symmetric_mesh.h"
 
 namespace tremolo {
 namespace {
-
-using testing::box_mesh;
-using testing::fresh_folder;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::write_veg;
 
 const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-precompute";
 const std::string kGood = " -o out.tremolo --fix 'x<0.001' --linear-modes 4 --modes 8 --threads 1";

@@ -5,22 +5,14 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/basis/basis_reader.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 #include "tests/support/same_model.h"
 
 namespace tremolo {
 namespace {
 
-using testing::box_mesh;
 using testing::difference;
-using testing::fresh_folder;
 using testing::ModelDifference;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::slurp;
-using testing::write_veg;
 
 constexpr double kDensity = 1000;  // the default
 constexpr double kSame = 1e-10;

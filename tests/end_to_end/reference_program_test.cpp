@@ -10,17 +10,10 @@
 
 #include "formats/basis/basis_reader.h"
 #include "formats/basis/basis_writer.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 
 namespace tremolo {
 namespace {
-
-using testing::fresh_folder;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::slurp;
 
 const std::string kBin = TREMOLO_BIN_DIR;
 

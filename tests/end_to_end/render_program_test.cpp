@@ -6,21 +6,13 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 
 namespace tremolo {
 namespace {
 
 using nlohmann::json;
-using testing::box_mesh;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::slurp;
 
-const std::string kPrecompute = TREMOLO_BIN_DIR "/tremolo-precompute ";
-const std::string kTremolo = TREMOLO_BIN_DIR "/tremolo ";
 const std::string kBar = "bar.veg --young 2e6 --density 1000 --linear-modes 4 --modes 6 ";
 
 // A box in centimetres around the bar of 0.4 x 0.05 x 0.06 m, 1 mm away from it, its ends 0.5 mm:

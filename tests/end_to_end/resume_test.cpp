@@ -11,23 +11,14 @@
 
 #include "formats/basis/basis_reader.h"
 #include "formats/file/checkpoint_file.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 #include "tests/support/symmetric_mesh.h"
 
 namespace tremolo {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::box_mesh;
-using testing::fresh_folder;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::slurp;
-using testing::write_veg;
 
-const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-precompute ";
 const std::string kFew = "bar.veg -o a.tremolo --linear-modes 4 --modes 8 ";
 const std::string kHeld = "--fix 'x<0.001' ";
 // In the order in which they are finished.
@@ -43,7 +34,7 @@ class Resume : public ::testing::Test {
   }
 
   ProgramResult run(const std::string& arguments, const std::string& before = "") {
-    return run_program(folder_, before + kProgram + arguments);
+    return run_program(folder_, before + kPrecompute + arguments);
   }
 
   // The Nth call of its sort in the checkpoint's folder, or where `at` says, fails; came() tells

@@ -1,6 +1,4 @@
 // tremolo inspect, run and plot as a user meets them, on a small clamped block.
-#include "tests/support/run_program.h"
-
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -15,20 +13,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
+#include "tests/support/programs.h"
 
 namespace tremolo {
 namespace {
 
 using nlohmann::json;
-using testing::box_mesh;
-using testing::fresh_folder;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::slurp;
-
-const std::string kProgram = TREMOLO_BIN_DIR "/tremolo ";
 
 class RunProgram : public ::testing::Test {
  protected:
@@ -50,7 +40,7 @@ class RunProgram : public ::testing::Test {
   }
 
   ProgramResult run(const std::string& arguments) {
-    return run_program(folder_, kProgram + arguments);
+    return run_program(folder_, kTremolo + arguments);
   }
   static std::string model() { return model_folder_ + "/bar.tremolo"; }
 
@@ -481,7 +471,7 @@ TEST_F(RunProgram, ASignalFromAFileActsAsTheBuiltInOneOfTheSameShape) {
 }
 
 TEST_F(RunProgram, ARunThatIsInterruptedLeavesAGoodCsvAndSaysSo) {
-  const std::string endless = kProgram + "run " + model() + " --duration 1e6 --every 20 --out ";
+  const std::string endless = kTremolo + "run " + model() + " --duration 1e6 --every 20 --out ";
   // Of a shell in the background SIGINT is ignored: timeout sends it to a child that is not.
   for (const std::string signal : {"INT", "TERM"}) {
     const std::string out = "o" + signal;
@@ -506,7 +496,7 @@ TEST_F(RunProgram, AnInterruptedSceneEndsByItsSignal) {
   std::ofstream(folder_ + "/two.toml")
       << "[first]\nmodel = \"" << model() << "\"\n[second]\nmodel = \"" << model() << "\"\n";
   const int status = std::system(
-      ("cd '" + folder_ + "' && ulimit -t 60 && { (sleep 1; kill -INT $$) & } && exec " + kProgram +
+      ("cd '" + folder_ + "' && ulimit -t 60 && { (sleep 1; kill -INT $$) & } && exec " + kTremolo +
        "run two.toml --duration 1e6 --every 1000 --out o >out.txt 2>err.txt")
           .c_str());
   ASSERT_TRUE(WIFSIGNALED(status)) << slurp(folder_ + "/err.txt");
@@ -523,7 +513,7 @@ TEST_F(RunProgram, ALongRunTellsATerminalHowFarItIs) {
   const std::string end = ::ptsname(terminal);
   const int held = ::open(end.c_str(), O_RDWR | O_NOCTTY);  // else what was said is lost
   ASSERT_GE(held, 0);
-  run_program(folder_, "(timeout -s KILL 3 " + kProgram + "run " + model() + " --duration 1e6 2>" +
+  run_program(folder_, "(timeout -s KILL 3 " + kTremolo + "run " + model() + " --duration 1e6 2>" +
                            end + ")");
   char buffer[4000];
   const ::ssize_t length = ::read(terminal, buffer, sizeof(buffer));
@@ -537,7 +527,7 @@ TEST_F(RunProgram, ALongRunTellsATerminalHowFarItIs) {
 // So few of them that no full buffer is the reason.
 TEST_F(RunProgram, TheRowsOfARunCanBeReadWhileItRuns) {
   const ProgramResult result = run_program(
-      folder_, "(timeout -s KILL 4 " + kProgram + "run " + model() +
+      folder_, "(timeout -s KILL 4 " + kTremolo + "run " + model() +
                    " --duration 1e6 --every 20000 --out o & sleep 3; cat o/run.csv.partial-* "
                    "> seen.csv; wait)");
   const std::string seen = slurp(folder_ + "/seen.csv");

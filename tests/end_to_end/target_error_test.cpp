@@ -7,18 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/basis/basis_reader.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 
 namespace tremolo {
 namespace {
 
 using nlohmann::json;
-using testing::fresh_folder;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::slurp;
 
 const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-precompute";
 const std::string kAssets = TREMOLO_SOURCE_DIR "/assets";

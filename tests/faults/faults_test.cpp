@@ -9,21 +9,13 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 
 namespace tremolo {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::fresh_folder;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::slurp;
 
-const std::string kTremolo = TREMOLO_BIN_DIR "/tremolo ";
-const std::string kPrecompute = TREMOLO_BIN_DIR "/tremolo-precompute ";
 const std::string kArguments =
     " --fix 'x<0.001' --load-at 'x>0.399' --load-force 0,0,-1 --linear-modes 4 --modes 8 "
     "--threads 1 ";

@@ -70,14 +70,7 @@ TEST(QuadraticMesh, WrittenAsVtuIsReadAgain) {
   const testing::TemporaryFolder folder;
   TetMesh mesh = testing::box_mesh({2, 1, 1}, {2, 1, 1});
   ASSERT_TRUE(add_edge_points(mesh));
-  constexpr std::size_t kOrder[6] = {0, 3, 1, 2, 4, 5};
-  std::vector<QuadraticCell> cells;
-  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
-    QuadraticCell cell;
-    for (std::size_t c = 0; c < 4; ++c) cell[c] = mesh.tetrahedra[t][c];
-    for (std::size_t e = 0; e < 6; ++e) cell[4 + e] = mesh.edge_points[t][kOrder[e]];
-    cells.push_back(cell);
-  }
+  const std::vector<QuadraticCell> cells = quadratic_cells(mesh);
   const std::string path = folder.file("a.vtu");
   ASSERT_TRUE(write_modes_vtu(path, mesh.vertices, std::span<const QuadraticCell>(cells),
                               BasisRows::Zero(3 * mesh.vertices.size(), 1),

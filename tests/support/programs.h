@@ -1,0 +1,25 @@
+// The programs and what tests that start them need.
+#pragma once
+
+#include <string>
+
+#include "tests/support/box_mesh.h"
+#include "tests/support/mesh_file.h"
+#include "tests/support/run_program.h"
+
+namespace tremolo {
+
+using testing::box_mesh;
+using testing::fresh_folder;
+using testing::ProgramResult;
+using testing::run_program;
+using testing::slurp;
+using testing::write_veg;
+
+inline const std::string kTremolo = TREMOLO_BIN_DIR "/tremolo ";
+inline const std::string kPrecompute = TREMOLO_BIN_DIR "/tremolo-precompute ";
+inline const std::string kMesh = TREMOLO_BIN_DIR "/tremolo-mesh ";
+// Open MPI wants to be told, as root.
+inline const std::string kMayBeRoot = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ";
+
+}  // namespace tremolo
