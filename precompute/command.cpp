@@ -1,5 +1,6 @@
 #include "precompute/command.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 
@@ -52,8 +53,11 @@ void preview_alone(const PrecomputeOptions& options) {
   const Problem problem = load_problem(options);
   for (const std::string& note : problem.notes) std::fprintf(stderr, "  %s\n", note.c_str());
   write_preview(options, problem);
-  std::fprintf(stderr, "  %s: %zu vertices held, %zu loaded\n", options.preview.c_str(),
-               problem.fixed.size(), problem.load.vertices.size());
+  const std::size_t held =
+      std::count_if(problem.fixed.begin(), problem.fixed.end(),
+                    [&problem](VertexId v) { return edge_of_point(problem.mesh, v) == nullptr; });
+  std::fprintf(stderr, "  %s: %zu vertices held, %zu loaded\n", options.preview.c_str(), held,
+               problem.load.vertices.size());
 }
 
 // Returns the rows of U in the order of the mesh's vertices.

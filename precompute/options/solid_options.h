@@ -12,7 +12,7 @@ struct SolidTexts {
   std::string force;
   std::string mass = "consistent";
   std::string up = "z";
-  std::string order = "1";
+  std::string order = "auto";
   std::string subdivide = "auto";
 };
 

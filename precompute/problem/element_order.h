@@ -6,7 +6,7 @@
 namespace tremolo {
 
 // Up to so many tetrahedra elements are quadratic unless the user says otherwise.
-inline constexpr std::size_t kMostAutomaticQuadratic = 50'000;
+inline constexpr std::size_t kMostAutomaticQuadratic = 30'000;
 
 // Returns 1 or 2: what the request says, or else a rule of the mesh alone: 2 for a quadratic mesh
 // and for at most kMostAutomaticQuadratic tetrahedra. Lumped masses and imported bases are linear.

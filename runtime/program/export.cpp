@@ -1,5 +1,7 @@
 #include "runtime/program/export.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -19,6 +21,8 @@ Status check_outputs(const ExportOptions& options) {
   return keep_apart({options.cub, options.u, options.vtu}, {{options.model, "the basis file"}});
 }
 
+// The rows of the mesh's vertices; edge points of quadratic elements are left out, VegaFEM's meshes
+// having none.
 Result<Eigen::MatrixXd> whole_basis(const BasisData& data) {
   if (data.surface.vertex_ids.size() + data.interior.vertex_ids.size() != data.vertex_count)
     return content_error("the file has no rows of the vertices inside");
@@ -27,7 +31,18 @@ Result<Eigen::MatrixXd> whole_basis(const BasisData& data) {
     for (std::size_t i = 0; i < block->vertex_ids.size(); ++i)
       basis.middleRows(3 * Eigen::Index{block->vertex_ids[i]}, 3) =
           block->rows.middleRows(3 * i, 3);
-  return basis;
+  if (data.edges.empty()) return basis;
+  Eigen::Index kept = 0;
+  auto edge = data.edges.begin();
+  for (VertexId v = 0; std::cmp_less(v, data.vertex_count); ++v) {
+    if (edge != data.edges.end() && edge->point == v) {
+      ++edge;
+      continue;
+    }
+    basis.middleRows(3 * kept, 3) = basis.middleRows(3 * Eigen::Index{v}, 3).eval();
+    ++kept;
+  }
+  return Eigen::MatrixXd(basis.topRows(3 * kept));
 }
 
 Result<std::string> make_cub(const BasisData& data) {
@@ -58,6 +73,11 @@ void note_basis(const BasisData& data, bool compact) {
         "  note: the basis is orthonormal in the {}, VegaFEM's in the lumped one: its solvers want "
         "the reduced mass U^T M U, or a model made with --mass lumped\n",
         mass.empty() ? "mass that its maker took" : "consistent mass");
+  if (!data.edges.empty())
+    tell(
+        "  note: made of quadratic elements: --U has the mesh's own vertices, without the {} edge "
+        "points\n",
+        data.edges.size());
   if (compact) tell("  note: a compact file; what is written are its rounded numbers\n");
 }
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "common/mesh/edge_points.h"
 #include "formats/basis/basis_reader.h"
 #include "tests/support/joined_mesh.h"
 #include "tests/support/programs.h"
@@ -291,7 +292,8 @@ TEST_F(PrecomputeProgram, MakesABasisFileAndSaysWhatCameOut) {
   EXPECT_NE(result.err.find("frequencies"), std::string::npos);
   EXPECT_NE(result.err.find("explicit methods are stable below a step of"), std::string::npos);
   const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json["n"], block_.vertices.size());
+  EXPECT_EQ(json["order"], 2);
+  EXPECT_EQ(json["n"], block_.vertices.size() + mesh_edges(block_).size());
   EXPECT_EQ(json["m"], block_.tetrahedra.size());
   EXPECT_EQ(json["r"], 8);
   EXPECT_LE(json["mass_orthonormality_error"], 1e-10);
@@ -305,8 +307,7 @@ TEST_F(PrecomputeProgram, MakesABasisFileAndSaysWhatCameOut) {
   const auto data = read_basis(folder_ + "/out.tremolo");
   ASSERT_TRUE(data) << data.error().message;
   EXPECT_EQ(data->lambda.size(), 8);
-  EXPECT_EQ(data->surface.vertex_ids.size() + data->interior.vertex_ids.size(),
-            block_.vertices.size());
+  EXPECT_EQ(data->surface.vertex_ids.size() + data->interior.vertex_ids.size(), json["n"]);
 }
 
 TEST_F(PrecomputeProgram, TheSameMeshGivesTheSameBytes) {
@@ -607,10 +608,10 @@ TEST_F(PrecomputeProgram, UnderALimitOfAddressSpaceItEndsInWords) {
 // 107 modes of 135 dofs: 5 885 columns, of which 135 are independent.
 TEST_F(PrecomputeProgram, ManyModesOfASmallMeshTakeSecondsAndAreHeardOf) {
   write_veg(folder_ + "/small.veg", box_mesh({5, 2, 2}, {0.5, 0.2, 0.2}));
-  const ProgramResult result =
-      run_program(folder_, "timeout -s KILL 100 " + kPrecompute +
-                               "small.veg -o many.tremolo --fix 'x<0.001' --linear-modes 107 "
-                               "--modes 20 --threads 2 --json");
+  const ProgramResult result = run_program(
+      folder_, "timeout -s KILL 100 " + kPrecompute +
+                   "small.veg -o many.tremolo --order 1 --fix 'x<0.001' --linear-modes 107 "
+                   "--modes 20 --threads 2 --json");
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_NE(result.err.find("basis: 5885 columns will take about"), std::string::npos)
       << result.err;
@@ -623,7 +624,8 @@ TEST_F(PrecomputeProgram, ManyModesOfASmallMeshTakeSecondsAndAreHeardOf) {
 TEST_F(PrecomputeProgram, LayersAcrossWallsAndWhatTheyMeanAreTold) {
   write_veg(folder_ + "/plate.veg", box_mesh({12, 12, 1}, {0.4, 0.4, 0.01}));
   const ProgramResult result =
-      run("plate.veg -o plate.tremolo --fix 'x<0.001' --poisson 0.49 --linear-modes 3 --json");
+      run("plate.veg -o plate.tremolo --fix 'x<0.001' --poisson 0.49 --linear-modes 3 --order 1 "
+          "--json");
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_NE(result.err.find("are 1 layers of linear tetrahedra thick and nu is 0.49: frequencies "
                             "of bending come out too high, by about"),
@@ -686,11 +688,12 @@ TEST_F(PrecomputeProgram, AHoldThatIsNotEnoughSaysWhatIsLeft) {
 
 TEST_F(PrecomputeProgram, ADefaultDoesNotCutAPairOfModesAndAGivenCutIsTold) {
   const TetMesh beam = testing::symmetric_box({8, 2, 2}, {0.4, 0.1, 0.1});
-  const ProgramResult whole = run_on(beam, "-o whole.tremolo --fix 'x<-0.199' --json");
+  const ProgramResult whole = run_on(beam, "-o whole.tremolo --order 1 --fix 'x<-0.199' --json");
   ASSERT_EQ(whole.code, 0) << whole.err;
   EXPECT_EQ(nlohmann::json::parse(whole.out)["linear_modes"], 21);
   EXPECT_NE(whole.err.find("21 linear modes, not 20"), std::string::npos) << whole.err;
-  const ProgramResult cut = run("changed.veg -o cut.tremolo --fix 'x<-0.199' --linear-modes 20");
+  const ProgramResult cut =
+      run("changed.veg -o cut.tremolo --order 1 --fix 'x<-0.199' --linear-modes 20");
   ASSERT_EQ(cut.code, 0) << cut.err;
   EXPECT_NE(cut.err.find("--linear-modes 21 takes both"), std::string::npos) << cut.err;
 }
@@ -732,7 +735,7 @@ TEST_F(PrecomputeProgram, RepairsAndOdditiesAreReported) {
   EXPECT_NE(result.err.find("no tetrahedron"), std::string::npos) << result.err;
   const auto data = read_basis(folder_ + "/odd.tremolo");
   ASSERT_TRUE(data);
-  EXPECT_EQ(data->vertex_count, block_.vertices.size() + 1);
+  EXPECT_EQ(data->vertex_count, block_.vertices.size() + 1 + data->edges.size());
 }
 
 TEST_F(PrecomputeProgram, ImpossibleMaterialsAreRefused) {

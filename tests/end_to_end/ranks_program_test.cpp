@@ -12,7 +12,8 @@ namespace tremolo {
 namespace {
 
 const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-precompute";
-const std::string kGood = " -o out.tremolo --fix 'x<0.001' --linear-modes 4 --modes 8 --threads 1";
+const std::string kGood =
+    " -o out.tremolo --fix 'x<0.001' --linear-modes 4 --modes 8 --threads 1 --order 1";
 
 class Ranks : public ::testing::Test {
  protected:
@@ -120,7 +121,7 @@ TEST_F(Ranks, OfWhichOneRunsOutOfMemoryAllEnd) {
   // As large is the space of the eigensolver; a thin body's factor is small.
   const std::size_t bytes = 8 * 200 * 3 * (bar.vertices.size() / 2 - 30);
   const std::string arguments =
-      "bar.veg -o out.tremolo --fix 'x<0.001' --linear-modes 20 --modes 30 --threads 1";
+      "bar.veg -o out.tremolo --fix 'x<0.001' --linear-modes 20 --modes 30 --threads 1 --order 1";
   const auto with = [&](int rank, std::size_t limit) {
     return run(2, arguments,
                "LD_PRELOAD=" TREMOLO_FAULTY_MALLOC " TREMOLO_FAULT_RANK=" + std::to_string(rank) +

@@ -31,7 +31,7 @@ class Ranks : public ::testing::Test {
 
   BasisData model(int ranks, const std::string& arguments) {
     const std::string file = "of" + std::to_string(ranks) + ".tremolo";
-    const ProgramResult result = run(ranks, arguments + " --threads 1 -o " + file);
+    const ProgramResult result = run(ranks, arguments + " --order 1 --threads 1 -o " + file);
     EXPECT_EQ(result.code, 0) << result.err;
     auto data = read_basis(folder_ + "/" + file);
     EXPECT_TRUE(data) << data.error().message;

@@ -106,8 +106,8 @@ TEST_F(ReferenceProgram, StaticsUnderGravityInPlaneStrain) {
 // Its elements are those of the precompute, and as stiff.
 TEST_F(ReferenceProgram, LayersAcrossWallsAreTold) {
   testing::write_veg(folder_ + "/block.veg", testing::box_mesh({12, 12, 1}, {0.4, 0.4, 0.01}));
-  const ProgramResult result =
-      reference("--fix 'x<0.001' --load-at 'x>0.399' --load-force 0,0,-1e-3 --static --json");
+  const ProgramResult result = reference(
+      "--fix 'x<0.001' --load-at 'x>0.399' --load-force 0,0,-1e-3 --static --order 1 --json");
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_NE(result.err.find("the thinnest walls, 0.01 m, are 1 layer"), std::string::npos)
       << result.err;

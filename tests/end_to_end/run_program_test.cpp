@@ -29,7 +29,7 @@ class RunProgram : public ::testing::Test {
     const ProgramResult made = run_program(
         model_folder_, TREMOLO_BIN_DIR
         "/tremolo-precompute bar.veg -o bar.tremolo --young 2e6 --density 1000 --fix 'x<0.001' "
-        "--load-at 'x>0.399' --load-force 0,0,-1 --linear-modes 6 --modes 12");
+        "--load-at 'x>0.399' --load-force 0,0,-1 --linear-modes 6 --modes 12 --order 1");
     ASSERT_EQ(made.code, 0) << made.err;
   }
 

@@ -75,7 +75,7 @@ std::string sample(const std::string& name) {
 TEST_F(TargetError, IsKeptOnAClampedBlockByAsFewCoordinatesAsItTakes) {
   const std::string body =
       "block.veg --fix 'x<0.001' --load-at 'x>0.499' "
-      "--load-force 0,0,-40";
+      "--load-force 0,0,-15";
   const json loose = keep_promise(body, 0.1, "--linear-modes 4"),
              tight = keep_promise(body, 0.003, "--linear-modes 4");
   EXPECT_LE(loose["reached"]["modes"], tight["reached"]["modes"]);

@@ -39,7 +39,7 @@ class Vega : public ::testing::Test {
   // model.tremolo, model.cub and model.U, of Tremolo's own.
   void make_model(const std::string& mass) {
     expect_success(kPrecompute + "block.veg -o model.tremolo --fix 'x<0.001' --linear-modes 4 " +
-                   "--modes 8 --density 1100 --mass " + mass);
+                   "--modes 8 --density 1100 --order 1 --mass " + mass);
     expect_success(kTremolo + "export model.tremolo --cub model.cub --U model.U");
   }
 

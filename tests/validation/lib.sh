@@ -23,10 +23,12 @@ strip() {
   mv "$out/$1.partial" "$out/$1.veg"
 }
 
+# The order of the elements is 1 unless ORDER says otherwise.
 # run LOG PROGRAM ARGUMENTS...: stdout to OUT/LOG.json, stderr to OUT/LOG.log, shown if it fails.
 run() {
   local log=$1 program=$2 code=0
   shift 2
+  [ "$program" = tremolo-precompute ] && set -- "$@" --order "${ORDER:-1}"
   "$bin/$program" "$@" >"$out/$log.json" 2>"$out/$log.log" || code=$?
   [ $code = 0 ] && return
   tail -n 5 "$out/$log.log" >&2
