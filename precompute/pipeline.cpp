@@ -192,7 +192,7 @@ PrecomputeResult run_precompute(const ModelRequest& request, StageLog& log, Targ
   const ModeCounts counts = choose_mode_counts(request, dofs - rigid_count);
 
   // Frontal matrices of a small factor are too small to share; more threads would only wait.
-  constexpr int kSmall = 100'000;  // dofs
+  constexpr int kSmall = 50'000;  // dofs
   const int blas_threads = dofs < kSmall ? 1 : static_cast<int>(request.threads);
   const BlasThreads blas(blas_threads);
   MachineLimits machine;

@@ -337,7 +337,7 @@ void run_reference(const ReferenceOptions& options) {
         "a free body: its rigid motion is left out, and so is the share of the load that would set "
         "it in motion");
 
-  constexpr Eigen::Index kSmall = 100'000;  // dofs; as in the precompute
+  constexpr Eigen::Index kSmall = 50'000;  // dofs; as in the precompute
   const BlasThreads blas(body.size() < kSmall ? 1 : static_cast<int>(options.solid.threads));
   FullOrderSolver solver;
   solver.body = &body;
