@@ -166,7 +166,7 @@ std::vector<std::string> describe(const Locking& locking) {
   return {text(
       "the thinnest walls, %.3g m, are %.2g layers of linear tetrahedra thick and nu is "
       "%.4g: frequencies of bending come out too high, by about %.2g %% (estimated, to a "
-      "factor of two)%s; finer elements help",
+      "factor of two)%s; --order 2 helps, or finer elements",
       locking.walls->thickness, locking.walls->layers, *locking.poisson, 100.0 * *locking.excess,
       *locking.poisson > kNearlyIncompressible ? ", as elements lock that can hardly be compressed"
                                                : "")};

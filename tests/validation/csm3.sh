@@ -38,6 +38,6 @@ for model in full:u reduced:r; do
     [ $model = reduced ] || told "$name, single oscillations" "$(range "full_$axis" "$column")"
   done
 done
-at_most "shape, $k modes, $r coordinates, off full" "$(field both error_of_largest)" 1
+off_full "shape, $k modes, $r coordinates, off full" "$(field both error_of_largest)" 1
 between "energy off its balance" "$(field both energy_drift_max)" 0 1e-8
 finish

@@ -28,7 +28,7 @@ for load in $loads; do
   within "P = $load: u/L, $n cells" "${u[2]}" "$(published "u $load")" "$(calc "2 * $fine_bound")"
   within "P = $load: w/L, refined" "$(refined "${w[@]}")" "$(published "w $load")" $limit_bound
   within "P = $load: u/L, refined" "$(refined "${u[@]}")" "$(published "u $load")" $limit_bound
-  between "P = $load: w/L, order" "$(order "${w[@]}")" 1.7 2.1
+  orderly "P = $load: w/L, order" "$(order "${w[@]}")" 1.7 2.1
 done
 
 # reduced PREFIX MESH LOADS K R: rows, how far the reduced model's shape is off the full one's.
@@ -42,7 +42,7 @@ reduced() {
       --load-force "0,$(force "$load"),0" --compare "$out/${mesh}_$r.tremolo"
     off=$(field "reduced_${mesh}_${r}_$load" error_of_largest)
     what="${prefix}P = $load: shape, $k modes, $r coordinates, off full"
-    if [ "$r" = 15 ]; then at_most "$what" "$off" 0.2; else told "$what" "$(percent "$off")"; fi
+    if [ "$r" = 15 ]; then off_full "$what" "$off" 0.2; else told "$what" "$(percent "$off")"; fi
   done
 }
 reduced '' "strip_$((n / 2))" "$loads" 1 2
