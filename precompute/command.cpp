@@ -166,6 +166,28 @@ void run_import(const CommandLine& line, StageLog& log) {
   unwrap(flush_standard_output());
 }
 
+// Rejects --error-budget where it cannot be measured.
+void require_measurable(const PrecomputeOptions& options) {
+  if (!options.error_budget) return;
+  if (mpi_ranks() > 1)
+    throw Failure(
+        {ErrorKind::kUsage, "--error-budget works in one process: start it without mpiexec"});
+  if (options.load_at.empty() || options.load_force.isZero(0.0))
+    throw Failure(content_error(
+        "--error-budget is measured under the default load: give --load-at and --load-force"));
+}
+
+void measure_budget(const PrecomputeOptions& options, PrecomputeResult& result, StageLog& log) {
+  if (!options.error_budget) return;
+  log.begin("budget");
+  result.findings.budget =
+      measure_budget(BudgetSubject{result.problem, options.mass, result.data, result.rows,
+                                   options.output_path, options.threads});
+  for (const std::string& reason : result.findings.budget->reasons)
+    log.note("not measured, " + reason);
+  log.end(describe(*result.findings.budget));
+}
+
 // Sends the rows of a rank other than 0, unless all rows have been collected.
 void serve_first_rank(const PrecomputeResult& result, bool rows_are_here, StageLog& log) {
   log.begin("file");
@@ -184,6 +206,7 @@ void compute(const CommandLine& line, StageLog& log) {
   if (mpi_rank() != 0) return serve_first_rank(result, collect, log);
   try {
     write_result(line, result, collect, log);
+    measure_budget(options, result, log);
   } catch (...) {
     if (mpi_ranks() > 1) stop_all_ranks(current_error());
     throw;
@@ -206,6 +229,7 @@ void run_command(const CommandLine& line) {
     require_agreement(
         on_all_ranks([&line] { return facts_of_start(line.settings, line.petsc_options); }));
   require_known_flags(options);
+  require_measurable(options);
   on_first_rank([&options] { require_apart(options); });
   if (handled_without_computing(options)) return;
   StageLog log(mpi_rank() != 0);

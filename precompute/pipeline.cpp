@@ -75,6 +75,7 @@ SolverChoice choose(const ModelRequest& request, const PrecomputeResult& result,
   // The free memory may have changed since the stages were saved, so their solver is kept.
   asked.solver = request.solver ? request.solver : kept_solver(request.checkpoint);
   asked.memory = request.memory;
+  asked.order = result.problem.order;
   asked.linear_modes = counts.linear;
   asked.modes = counts.modes;
   asked.derivatives = !request.linear;

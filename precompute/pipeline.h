@@ -5,6 +5,7 @@
 
 #include "common/stage_log.h"
 #include "formats/basis/basis_data.h"
+#include "precompute/budget/error_budget.h"
 #include "precompute/problem/model_request.h"
 #include "precompute/problem/problem.h"
 #include "precompute/problem/wall_layers.h"
@@ -29,6 +30,7 @@ struct PrecomputeFindings {
   std::optional<EncodingError> encoding_error;  // of a compact file
   std::optional<TargetFindings> target;         // of --target-error
   Locking locking;                              // on rank 0 only
+  std::optional<ErrorBudget> budget;            // of --error-budget
 };
 
 struct PrecomputeResult {

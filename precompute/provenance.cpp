@@ -83,6 +83,7 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
                       {"largest_distance_m", embedding.largest_distance},
                       {"clamped", embedding.clamped}};
   }
+  json["order"] = result.problem.order;
   json["mass"] = options.mass == MassKind::kConsistent ? "consistent" : "lumped";
   json["fix"] = options.fix;
   json["modes"] = {{"solver", findings.mode_solver},

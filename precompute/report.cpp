@@ -85,6 +85,7 @@ void print_result(const PrecomputeResult& result, const StageLog& log, const Ran
                      {"cut_singular_values", cut},
                      {"locking", to_json(result.findings.locking)},
                      {"target_error", target_json(result.findings.target)},
+                     {"error_budget", budget_json(result.findings.budget)},
                      {"encoding", provenance.value("encoding", Json{{"name", "full"}})},
                      {"notes", result.problem.notes},
                      {"ranks", mpi_ranks()},

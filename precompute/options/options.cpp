@@ -22,7 +22,7 @@ std::string without_output_options(const std::vector<std::string>& words) {
   std::string line;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (word == "--json" || word == "--limits" || word.starts_with("--checkpoint") ||
+    if (word == "--json" || word == "--limits" || word == "--error-budget" || word.starts_with("--checkpoint") ||
         word.starts_with("--resume") || word.starts_with("--output=") ||
         word.starts_with("--modes-vtu=") || word.starts_with("--preview=") ||
         word.starts_with("--threads=") || (word.starts_with("-o") && word.size() > 2))
@@ -72,6 +72,9 @@ void add_model_options(CLI::App& app, PrecomputeOptions& options) {
       "--target-error", options.target_error,
       "E, e.g. 0.02: as many coordinates as it takes for the static displacement under the\n"
       "default load to be off by E at most, measured against the whole mesh");
+  app.add_flag("--error-budget", options.error_budget,
+               "measure what the mesh (against one refined), the basis (against the mesh) and the "
+               "step leave out under the default load, and tell which to spend on");
   app.add_flag("--certify,!--no-certify", options.certify,
                "count the modes by inertia as well: one more factorisation (default: yes)");
   CLI::Option* linear =
@@ -87,8 +90,8 @@ void add_import(CLI::App& app, PrecomputeOptions& options) {
       "orthonormal in the lumped mass, of which --density is part (--material file: the "
       "mesh file's own)");
   // --up: the rows of an imported basis refer to the axes of the mesh's file.
-  for (const char* other :
-       {"--linear-modes", "--modes", "--linear", "--target-error", "--point-mass", "--up"})
+  for (const char* other : {"--linear-modes", "--modes", "--linear", "--target-error",
+                            "--error-budget", "--point-mass", "--up"})
     basis->excludes(app.get_option(other));
   CLI::Option* cubic =
       app.add_option("--import-cubic", options.import_cubic,

@@ -3,9 +3,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <fcntl.h>
-#include <filesystem>
-#include <spawn.h>
 #include <string>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -17,6 +14,7 @@
 #include "common/length_unit.h"
 #include "formats/file/os_error.h"
 #include "formats/surface/surface_reader.h"
+#include "precompute/system/child_program.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {
@@ -78,40 +76,17 @@ std::vector<std::string> mesher_arguments(const ProblemRequest& request) {
   return arguments;
 }
 
-std::string mesher_program(const std::string& path) {
-  std::error_code error;
-  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", error);
-  std::string program = (here.parent_path() / "tremolo-mesh").string();
-  if (::access(program.c_str(), X_OK) != 0)
-    throw Failure(system_error(
-        path + ": a surface is cut by tremolo-mesh, which is not beside this program (" + program +
-        "): build it with `cmake --build --preset release --target tremolo-mesh`"));
-  return program;
-}
-
 // Returns the child's wait status.
 int run_mesher(const ProblemRequest& request, const MemoryFile& answer) {
-  const std::string program = mesher_program(request.mesh_path);
-  std::vector<std::string> arguments = mesher_arguments(request);
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawn_file_actions_adddup2(&actions, answer.descriptor(), kAnswerDescriptor);
-  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  pid_t child = 0;
-  const int error =
-      ::posix_spawn(&child, program.c_str(), &actions, nullptr, pointers.data(), environ);
-  ::posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) {
-    errno = error;
-    throw Failure(os_error(program + ": cannot be started"));
-  }
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) throw Failure(os_error(program + ": cannot be waited for"));
-  return status;
+  std::string looked_at;
+  const std::string program = program_beside("tremolo-mesh", looked_at);
+  if (program.empty())
+    throw Failure(system_error(
+        request.mesh_path +
+        ": a surface is cut by tremolo-mesh, which is not beside this program (" + looked_at +
+        "): build it with `cmake --build --preset release --target tremolo-mesh`"));
+  return run_child(program, mesher_arguments(request),
+                   PassedDescriptor{answer.descriptor(), kAnswerDescriptor}, false);
 }
 
 RenderSurface read_render_surface(const ProblemRequest& request) {

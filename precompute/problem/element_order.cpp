@@ -39,6 +39,10 @@ void prepare_edges(const ProblemRequest& request, Problem& problem) {
   TetMesh& mesh = problem.mesh;
   problem.order = choose_order(request, mesh);
   problem.subdivide = request.subdivide;
+  if (!request.order && problem.order == 1 && mesh.tetrahedra.size() > kMostAutomaticQuadratic)
+    problem.notes.push_back("linear elements, as the mesh has more than " +
+                            std::to_string(kMostAutomaticQuadratic) +
+                            " tetrahedra; --order 2 makes them quadratic");
   if (mesh.edges.empty()) return;
   const std::size_t curved = unwrap(straighten_edges(mesh, kStraight));
   if (problem.order == 1) {
@@ -54,8 +58,7 @@ void prepare_edges(const ProblemRequest& request, Problem& problem) {
   }
 }
 
-void add_edge_points(const std::vector<VertexId>& by_place,
-                     const std::array<std::vector<VertexId>, 3>& along, Problem& problem) {
+void add_edge_points(Problem& problem) {
   if (problem.order == 1) return;
   TetMesh& mesh = problem.mesh;
   unwrap(add_edge_points(mesh));
@@ -63,12 +66,13 @@ void add_edge_points(const std::vector<VertexId>& by_place,
   part.resize(mesh.vertices.size(), -1);
   for (const MeshEdge& edge : mesh.edges) part[edge.point] = part[edge.a];
   const std::vector<VertexId> fixed = problem.fixed;
-  if (!fixed.empty()) merge_into(problem.fixed, held_edge_points(mesh, fixed, by_place));
+  if (!fixed.empty())
+    merge_into(problem.fixed, held_edge_points(mesh, fixed, problem.by_place.fixed));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (problem.held[axis].empty()) continue;
-    std::vector<VertexId> held = problem.held[axis], placed = along[axis];
+    std::vector<VertexId> held = problem.held[axis], placed = problem.by_place.along[axis];
     merge_into(held, fixed);
-    merge_into(placed, by_place);
+    merge_into(placed, problem.by_place.fixed);
     merge_into(problem.held[axis], held_edge_points(mesh, held, placed));
   }
 }

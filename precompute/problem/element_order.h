@@ -18,9 +18,8 @@ int choose_order(const ProblemRequest& request, const TetMesh& mesh);
 void prepare_edges(const ProblemRequest& request, Problem& problem);
 
 // Makes the problem quadratic if its order is 2: adds edge points to the mesh, to its parts and to
-// what is held. Called after everything has been selected; a no-op for order 1. by_place, along:
-// vertices that selectors chose by where they lie (held_edge_points), of all axes and of one.
-void add_edge_points(const std::vector<VertexId>& by_place,
-                     const std::array<std::vector<VertexId>, 3>& along, Problem& problem);
+// what is held. Called after everything has been selected; a no-op for order 1. Throws Failure
+// (kContent) as the function of that name in common/mesh/edge_points.h fails.
+void add_edge_points(Problem& problem);
 
 }  // namespace tremolo

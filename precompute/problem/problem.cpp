@@ -10,12 +10,12 @@
 #include "common/packed_index.h"
 #include "formats/basis/selector_reader.h"
 #include "formats/surface/surface_reader.h"
+#include "precompute/embedding/surface_sets.h"
 #include "precompute/problem/cut_surface.h"
 #include "precompute/problem/element_order.h"
 #include "precompute/problem/material_rules.h"
 #include "precompute/problem/mechanisms.h"
 #include "precompute/problem/rigid_motion.h"
-#include "precompute/problem/surface_sets.h"
 #include "precompute/problem/tet_input.h"
 #include "precompute/problem/up_axis.h"
 #include "precompute/system/failure.h"
@@ -221,15 +221,9 @@ void read_solid(const ProblemRequest& request, Problem& problem,
   of_file = std::move(file.materials);
 }
 
-// Vertices that are held for selectors that mean more than a surface.
-struct HeldByPlace {
-  std::vector<VertexId> fixed;
-  std::array<std::vector<VertexId>, 3> along;
-};
-
 // Selects the fixed vertices and checks that they suffice.
-HeldByPlace hold(const ProblemRequest& request, Problem& problem) {
-  HeldByPlace by_place;
+void hold(const ProblemRequest& request, Problem& problem) {
+  HeldByPlace& by_place = problem.by_place;
   problem.free_body = request.fix.size() == 1 && request.fix.front() == "none";
   if (!problem.free_body) {
     Chosen fixed = select_all(request.fix, problem.mesh);
@@ -256,7 +250,6 @@ HeldByPlace hold(const ProblemRequest& request, Problem& problem) {
   if (problem.free_body)
     for (std::string& note : rigid_motion_notes(problem.mesh, problem.report))
       problem.notes.push_back(std::move(note));
-  return by_place;
 }
 
 }  // namespace
@@ -299,9 +292,8 @@ Problem load_problem(const ProblemRequest& request) {
       problem.notes.push_back(std::move(note));
     return problem;
   }
-  HeldByPlace by_place;
   try {
-    by_place = hold(request, problem);
+    hold(request, problem);
   } catch (const Failure& failure) {
     if (hint.empty()) throw;
     Error error = failure.error();
@@ -311,7 +303,7 @@ Problem load_problem(const ProblemRequest& request) {
   problem.load = make_load(request, problem);
   problem.point_masses = make_point_masses(request, problem);
   note_near(request, problem);
-  add_edge_points(by_place.fixed, by_place.along, problem);
+  add_edge_points(problem);
   return problem;
 }
 

@@ -18,6 +18,13 @@ namespace tremolo {
 // and a frequency may be repeated as often as there are parts.
 inline constexpr std::size_t kMostFreeParts = 1'000;
 
+// Held vertices that selectors chose by where they lie rather than as a piece of the surface:
+// edges between them are held (common/mesh/edge_points.h). Ascending; along: x, y, z.
+struct HeldByPlace {
+  std::vector<VertexId> fixed;
+  std::array<std::vector<VertexId>, 3> along;
+};
+
 struct Problem {
   TetMesh mesh;   // of order 2 with edge points
   int order = 1;  // of the elements
@@ -26,6 +33,7 @@ struct Problem {
   MeshReport report;
   std::vector<VertexId> fixed;                // ascending, held edge points among them
   std::array<std::vector<VertexId>, 3> held;  // held along x, y, z only; ascending
+  HeldByPlace by_place;
   bool free_body = false;
   DefaultLoad load;
   std::optional<RenderSurface>

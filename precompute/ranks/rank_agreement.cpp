@@ -171,6 +171,7 @@ std::vector<Fact> facts_of(const Problem& problem) {
   return {{"the mesh", std::to_string(problem.mesh.vertices.size()) + " vertices, " +
                            std::to_string(problem.mesh.tetrahedra.size()) + " tetrahedra, " +
                            problem.mesh_hash},
+          {"the elements' order", std::to_string(problem.order)},
           {"the fixed vertices",
            std::to_string(problem.fixed.size()) + ", " + Digest().add(problem.fixed).text()},
           {"the materials", digest(problem.materials)},

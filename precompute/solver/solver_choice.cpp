@@ -94,7 +94,8 @@ MemoryEstimate estimate(const DofMap& map, const LocalDofs& local, const SolverR
                      : 1.6 * kNumber * factor_entries / ranks + 1.5 * stiffness;
   bytes.multigrid = 2.2 * stiffness;  // coarser grids and prolongations, measured
   const double k = request.linear_modes, column = kNumber * local.dofs();
-  const double derivatives = request.derivatives ? static_cast<double>(pair_count(request.linear_modes)) : 0.0;
+  const double derivatives =
+      request.derivatives ? static_cast<double>(pair_count(request.linear_modes)) : 0.0;
   const double rigid = 3.0 * request.rigid_modes;  // the motions, M times them, and temporaries
   const double while_modes = 8.0 * k + 100.0;
   const double while_iterating = 15.0 * (k + 2.0);  // LOBPCG's blocks
@@ -134,9 +135,15 @@ int modes_that_fit(const DofMap& map, const LocalDofs& local, SolverRequest requ
 [[noreturn]] void refuse(const DofMap& map, const LocalDofs& local, const SolverRequest& request,
                          const SolverChoice& choice) {
   const int fewer = modes_that_fit(map, local, request, choice.available);
-  const std::string cure = fewer > 0
-                               ? text("--linear-modes %d would fit; or take more ranks", fewer)
+  std::string cure = fewer > 0 ? text("--linear-modes %d would fit; or take more ranks", fewer)
                                : std::string("Take more ranks");
+  if (request.order == 2) {
+    // What is needed grows with the number of elements, without a factor no faster.
+    const double share = choice.available / choice.estimate.iterative();
+    cure = text("About %.2g quadratic tetrahedra would fit, or linear ones, --order 1. ",
+                share * static_cast<double>(local.tetrahedra.size() * mpi_ranks())) +
+           cure;
+  }
   throw Failure(
       system_error("not enough memory: " + in_gigabytes(choice.estimate.direct()) +
                    " a rank with a factor, " + in_gigabytes(choice.estimate.iterative()) +

@@ -33,6 +33,7 @@ struct SolverRequest {
   int modes = 0;
   bool derivatives = true;
   int rigid_modes = 0;  // of a free body
+  int order = 1;        // of the elements: what a refusal advises
   unsigned threads = 1;
 };
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/mesh/edge_points.h"
+#include "common/mesh/refined_mesh.h"
 #include "formats/basis/basis_reader.h"
 #include "runtime/model.h"
 #include "tests/support/programs.h"
@@ -170,6 +171,51 @@ TEST_F(Quadratic, TheReferenceFindsItsOwnMatricesInTheBasis) {
                                    "--static --compare made.tremolo");
   EXPECT_EQ(linear.code, 3);
   EXPECT_NE(linear.err.find("order 2"), std::string::npos) << linear.err;
+}
+
+// The mesh's share against the deflection near the tip on the mesh and on the refined one; under a
+// small load both shapes are alike, and the error of one is that of the other.
+TEST_F(Quadratic, TheErrorBudgetIsThatOfTheTipOnARefinedMesh) {
+  TetMesh fine = block_;
+  ASSERT_TRUE(add_edge_points(fine));
+  write_veg(folder_ + "/fine.veg", refined_mesh(fine));
+  // All vertices of the free end, which keep their numbers when the mesh is refined.
+  std::string ids;
+  for (std::size_t v = 0; v < block_.vertices.size(); ++v)
+    if (block_.vertices[v].x() > 0.99) ids += (ids.empty() ? "" : ",") + std::to_string(v);
+  const std::string load = "--load-at vertex:" + ids + " --load-force 0,0.01,-0.02 ";
+  const auto tip = [&](const std::string& mesh, const std::string& order) {
+    const ProgramResult found = run("reference " + mesh + " --order " + order + " " + kSolid +
+                                    load + "--static --probe near:0.83,0.155,0.115 --json");
+    EXPECT_EQ(found.code, 0) << found.err;
+    const auto u = nlohmann::json::parse(found.out)["probes"][0]["displacement"];
+    return std::hypot(u[0].get<double>(), u[1].get<double>(), u[2].get<double>());
+  };
+  for (const char* order : {"1", "2"}) {
+    const nlohmann::json budget = told(good(order) + load + "--error-budget")["error_budget"];
+    const double off = 1.0 - tip("block.veg", order) / tip("fine.veg", order);
+    EXPECT_NEAR(budget["discretisation"].get<double>() / off, 1.0, 0.25) << order;
+    EXPECT_NEAR(budget["discretisation_limit"].get<double>(),
+                budget["discretisation"].get<double>() * 4 / 3, 1e-12);
+    EXPECT_GT(budget["reduction"].get<double>(), 0.0);
+    EXPECT_LT(budget["reduction"].get<double>(), 0.2);
+    EXPECT_GT(budget["integration"].get<double>(), 0.0);
+    EXPECT_LT(budget["integration"].get<double>(), 0.2);
+    EXPECT_TRUE(budget["not_measured"].empty()) << budget;
+    if (order == std::string("1")) {
+      EXPECT_EQ(budget["spend_on"], "discretisation");
+    }
+  }
+  EXPECT_TRUE(told(good())["error_budget"].is_null());
+}
+
+TEST_F(Quadratic, AnErrorBudgetNeedsALoadAndOneProcess) {
+  EXPECT_EQ(run(good() + "--error-budget -o made.tremolo").code, 3);
+  EXPECT_EQ(run(good() + "--load-at 'x>0.99' --load-force 0,0,1 --error-budget -o made.tremolo",
+                kMayBeRoot + "mpiexec --oversubscribe -n 2 ")
+                .code,
+            2);
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "/made.tremolo"));
 }
 
 TEST_F(Quadratic, WhatDoesNotGoTogetherIsRefused) {

@@ -7,6 +7,8 @@
 #include <Eigen/SparseCholesky>
 #include <gtest/gtest.h>
 
+#include "common/mesh/mesh_check.h"
+#include "common/mesh/refined_mesh.h"
 #include "common/packed_index.h"
 #include "common/reduced_energy.h"
 #include "precompute/fem/assembly.h"
@@ -326,9 +328,13 @@ TEST_P(QuadraticLoops, ThePolynomialIsTheEnergyAndTheForceOfTheMesh) {
 }
 
 // Lame's mode of a block between sliding walls: pure shear waves, u = (sin ax cos ay,
-// -cos ax sin ay, 0), a = pi / side. Returns the lowest frequency of the mesh against the exact
-// sqrt 2 c_s a, less 1.
-double lame_error(int cells, int order) {
+// -cos ax sin ay, 0), a = pi / side; omega = sqrt 2 c_s a. frequency: the mesh's lowest over the
+// exact one, less 1. shape: L2 norm of what its mode is off, over that of the mode.
+struct LameError {
+  double frequency = 0;
+  double shape = 0;
+};
+LameError lame_error(int cells, int order) {
   const Eigen::Vector3d size(0.1, 0.1, 0.1 / cells);
   TetMesh mesh = box_mesh({cells, cells, 1}, size);
   if (order == 2) mesh = quadratic(mesh);
@@ -372,15 +378,122 @@ double lame_error(int cells, int order) {
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(k);
   for (int round = 0; round < 60; ++round) u = factor.solve(m * u).normalized();
   const double exact = std::sqrt(2.0 * lame_mu(kMaterial) / kMaterial.density) * a;
-  return std::sqrt(u.dot(k * u) / u.dot(m * u)) / exact - 1.0;
+  LameError error;
+  error.frequency = std::sqrt(u.dot(k * u) / u.dot(m * u)) / exact - 1.0;
+  // Sums over points that are exact for degree 4: the mode's size, and what is off it.
+  double both = 0, square = 0, mine = 0;
+  for (std::size_t e = 0; e < solid.elements.size(); ++e) {
+    const ElementNodes nodes = element_nodes(mesh, e);
+    for (const SamplePoint& point : sample_points(2, 4)) {
+      const std::array<double, kMostNodes> value = polynomials_at(order, point.lambda);
+      Eigen::Vector3d x = Eigen::Vector3d::Zero(), found = Eigen::Vector3d::Zero();
+      for (int c = 0; c < 4; ++c) x += point.lambda[c] * mesh.vertices[nodes[c]];
+      for (int i = 0; i < nodes.count; ++i)
+        for (int axis = 0; axis < 3; ++axis)
+          if (const int at = unknown[3 * nodes[i] + axis]; at >= 0) found[axis] += value[i] * u[at];
+      const Eigen::Vector3d mode(std::sin(a * x.x()) * std::cos(a * x.y()),
+                                 -std::cos(a * x.x()) * std::sin(a * x.y()), 0.0);
+      const double weight = point.share * solid.elements[e].volume;
+      both += weight * mode.dot(found);
+      square += weight * mode.squaredNorm();
+      mine += weight * found.squaredNorm();
+    }
+  }
+  error.shape = std::sqrt(std::max(0.0, 1.0 - both * both / (square * mine)));
+  return error;
 }
 
-TEST(QuadraticElement, LamesModeConvergesWithTheFourthOrder) {
-  const double coarse = lame_error(6, 2), fine = lame_error(12, 2);
-  EXPECT_GT(fine, 0);
-  EXPECT_LT(fine, 1e-4);
-  EXPECT_GE(std::log2(coarse / fine), 3.7);
-  EXPECT_NEAR(std::log2(lame_error(6, 1) / lame_error(12, 1)), 2.0, 0.2);
+TEST(QuadraticElement, LamesModeConvergesWithTheFourthOrderAndItsShapeWithTheThird) {
+  const LameError coarse = lame_error(6, 2), fine = lame_error(12, 2);
+  EXPECT_GT(fine.frequency, 0);
+  EXPECT_LT(fine.frequency, 1e-4);
+  EXPECT_GE(std::log2(coarse.frequency / fine.frequency), 3.7);
+  EXPECT_GE(std::log2(coarse.shape / fine.shape), 2.8);
+  const LameError linear = lame_error(6, 1), finer = lame_error(12, 1);
+  EXPECT_NEAR(std::log2(linear.frequency / finer.frequency), 2.0, 0.2);
+}
+
+TEST_P(QuadraticLoops, TheAssembledStiffnessIsTheQuadraticPartOfTheEnergy) {
+  const TetMesh mesh = quadratic(uneven_mesh({2, 1, 2}));
+  const Solid solid = GetParam() ? make_solid(mesh, several_materials(mesh.tetrahedra.size()))
+                                 : make_solid(mesh, kMaterial);
+  BasisRows basis(3 * static_cast<Eigen::Index>(mesh.vertices.size()), 3);
+  for (double& x : basis.reshaped()) x = uniform(-1, 1);
+  const Eigen::MatrixXd gram = strain_gram(solid, basis, 0, solid.elements.size(), 1);
+  const Eigen::Matrix3d expected = gram.topLeftCorner(3, 3).selfadjointView<Eigen::Lower>();
+  Eigen::Matrix3d found = Eigen::Matrix3d::Zero();
+  for (std::size_t e = 0; e < solid.elements.size(); ++e) {
+    const ElementNodes nodes = element_nodes(mesh, e);
+    Eigen::MatrixXd rows(30, 3);
+    for (int i = 0; i < 10; ++i)
+      rows.middleRows<3>(3 * i) = basis.middleRows<3>(3 * Eigen::Index{nodes[i]});
+    found += rows.transpose() * rest_stiffness(solid, e) * rows;
+  }
+  EXPECT_LE((found - expected).norm(), 1e-13 * expected.norm());
+}
+
+TEST(QuadraticElement, PassesThePatchTest) {
+  // A linear field needs no force inside, at vertices and at edge points.
+  const TetMesh mesh = quadratic(uneven_mesh({3, 3, 2}));
+  const Solid solid = make_solid(mesh, kMaterial);
+  Eigen::Matrix3d gradient;
+  for (double& x : gradient.reshaped()) x = uniform(-0.3, 0.3);
+  Field u(3 * static_cast<Eigen::Index>(mesh.vertices.size()));
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    u.segment<3>(3 * static_cast<Eigen::Index>(v)) = gradient * mesh.vertices[v];
+  const Field force = internal_force(solid, u);
+  const Eigen::Vector3d size(0.3, 0.2, 0.25);
+  std::size_t inside = 0;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Eigen::Vector3d& x = mesh.vertices[v];
+    if ((x.array() < 1e-9).any() || (x.array() > size.array() - 1e-9).any()) continue;
+    EXPECT_LE(force.segment<3>(3 * static_cast<Eigen::Index>(v)).norm(), 1e-13 * force.norm());
+    ++inside;
+  }
+  EXPECT_GT(inside, 50u);
+}
+
+TEST(QuadraticElement, PolynomialsCarryPlacesInsideExactlyAndOutsideStraight) {
+  for (const std::array<double, 4> l : {std::array{0.1, 0.2, 0.3, 0.4},
+                                        {-0.2, 0.5, 0.3, 0.4},
+                                        {-0.1, -0.1, 0.6, 0.6},
+                                        {1.0, 0.0, 0.0, 0.0}}) {
+    const std::array<double, kMostNodes> weight = polynomials_at(2, l);
+    double sum = 0;
+    std::array<double, 4> place{};
+    for (int i = 0; i < 10; ++i) {
+      sum += weight[i];
+      if (i < 4) place[i] += weight[i];
+      if (i >= 4)
+        for (const int a : kTetEdges[i - 4]) place[a] += 0.5 * weight[i];
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-15);
+    for (std::size_t a = 0; a < 4; ++a) EXPECT_NEAR(place[a], l[a], 1e-15);
+  }
+}
+
+TEST(RefinedMesh, HasEightForOneAndFitsTogether) {
+  TetMesh coarse = uneven_mesh({3, 2, 2});
+  coarse.region_names = {"a", "b"};
+  for (std::size_t t = 0; t < coarse.tetrahedra.size(); ++t)
+    coarse.region_of.push_back(static_cast<std::int32_t>(t % 2));
+  const TetMesh mesh = quadratic(coarse);
+  TetMesh fine = refined_mesh(mesh);
+  ASSERT_EQ(fine.tetrahedra.size(), 8 * mesh.tetrahedra.size());
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    double volume = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+      EXPECT_GT(signed_volume(fine, fine.tetrahedra[8 * t + k]), 0);
+      volume += signed_volume(fine, fine.tetrahedra[8 * t + k]);
+      EXPECT_EQ(fine.region_of[8 * t + k], mesh.region_of[t]);
+    }
+    EXPECT_NEAR(volume, signed_volume(mesh, mesh.tetrahedra[t]), 1e-17);
+  }
+  const Result<MeshReport> report = check_mesh(fine);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->unreferenced_vertices, 0u);
+  // Faces that did not fit their neighbours would be boundary.
+  EXPECT_EQ(boundary_surface(fine).triangles.size(), 4 * boundary_surface(coarse).triangles.size());
 }
 
 TEST(EdgePoints, AreSharedAndLieBehindTheVertices) {

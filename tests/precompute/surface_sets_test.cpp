@@ -1,5 +1,5 @@
 // Colours, objects and materials of a surface, on the mesh.
-#include "precompute/problem/surface_sets.h"
+#include "precompute/embedding/surface_sets.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "precompute/problem/surface_sets.h"
+#include "precompute/embedding/surface_sets.h"
 
 #include <algorithm>
 #include <cmath>

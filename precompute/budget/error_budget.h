@@ -1,0 +1,50 @@
+// `--error-budget`: what the mesh, the basis and the step each leave out, in one norm.
+//
+// discretisation and reduction are static, under the default load: |u_h - u_{h/2}| / |u_{h/2}| of
+// this mesh against the one refined once (of the same order), and |u - Uq| / |u| of the reduced
+// model against this mesh, |.| the M norm of this mesh. integration is in motion: max |q - q'| /
+// max |q'| of `tremolo run` with its defaults under the load as square, 0.45 s, against a fifteenth
+// of the step; as the basis is M-orthonormal, |q| is the M norm of Uq.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/basis/basis_data.h"
+#include "precompute/problem/problem.h"
+
+namespace tremolo {
+
+// A factor of the refined mesh with more entries than this is not tried: it takes minutes.
+inline constexpr double kMostRefinedEntries = 3e8;
+
+// None: not measured, for a reason in `reasons`. limit: Richardson's estimate of what the mesh is
+// off its limit, by the order 2 that linear elements have and quadratic ones near re-entrant edges.
+struct ErrorBudget {
+  int order = 1;  // of the elements
+  std::optional<double> discretisation, limit, reduction, integration;
+  std::vector<std::string> reasons;
+};
+
+// What the budget is measured on. rows: U's control values, 3n x r. file: the basis file, written.
+struct BudgetSubject {
+  const Problem& problem;
+  MassKind mass = MassKind::kConsistent;
+  const BasisData& data;
+  const BasisRows& rows;
+  std::string file;
+  unsigned threads = 1;
+};
+ErrorBudget measure_budget(const BudgetSubject& subject);
+
+// Relative error of the default step of `tremolo run` on a basis file. Throws Failure (kSystem) if
+// that program is not beside this one or fails.
+double step_error(const std::string& file);
+
+std::string describe(const ErrorBudget& budget);  // one line: the three, and where to spend
+nlohmann::ordered_json budget_json(const std::optional<ErrorBudget>& budget);
+
+}  // namespace tremolo
