@@ -137,13 +137,12 @@ int modes_that_fit(const DofMap& map, const LocalDofs& local, SolverRequest requ
   const int fewer = modes_that_fit(map, local, request, choice.available);
   std::string cure = fewer > 0 ? text("--linear-modes %d would fit; or take more ranks", fewer)
                                : std::string("Take more ranks");
-  if (request.order == 2) {
-    // What is needed grows with the number of elements, without a factor no faster.
-    const double share = choice.available / choice.estimate.iterative();
-    cure = text("About %.2g quadratic tetrahedra would fit, or linear ones, --order 1. ",
-                share * static_cast<double>(local.tetrahedra.size() * mpi_ranks())) +
-           cure;
-  }
+  // What is needed grows with the number of elements, without a factor no faster.
+  const double fit = choice.available / choice.estimate.iterative() *
+                     static_cast<double>(local.tetrahedra.size() * mpi_ranks());
+  if (request.order == 2 && fit >= 1)
+    cure =
+        text("About %.2g quadratic tetrahedra would fit, or linear ones, --order 1. ", fit) + cure;
   throw Failure(
       system_error("not enough memory: " + in_gigabytes(choice.estimate.direct()) +
                    " a rank with a factor, " + in_gigabytes(choice.estimate.iterative()) +

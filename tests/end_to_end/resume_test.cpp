@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kFew = "bar.veg -o a.tremolo --linear-modes 4 --modes 8 ";
+const std::string kFew = "bar.veg -o a.tremolo --linear-modes 4 --modes 8 --order 1 ";
 const std::string kHeld = "--fix 'x<0.001' ";
 // In the order in which they are finished.
 const std::vector<std::string> kStages = {"modes", "derivatives", "certificate", "basis",
@@ -90,7 +90,8 @@ TEST_F(Resume, AnUndisturbedRunWithCheckpointsGivesTheSameFileAndLeavesNothing) 
 
 TEST_F(Resume, ARunKilledAtTwentyRandomMomentsGivesTheSameBytes) {
   write_veg(folder_ + "/bar.veg", box_mesh({30, 7, 7}, {0.4, 0.05, 0.06}));
-  const std::string arguments = "bar.veg -o a.tremolo --linear-modes 12 --modes 24 " + kHeld;
+  const std::string arguments =
+      "bar.veg -o a.tremolo --order 1 --linear-modes 12 --modes 24 " + kHeld;
   const auto start = std::chrono::steady_clock::now();
   const std::string bytes = undisturbed(arguments);
   const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - start;
@@ -136,9 +137,9 @@ TEST_F(Resume, EveryWayOfSolvingGoesOnFromEveryStage) {
            {"--fix none --solver iterative", 4},
            {kHeld + "--order 2", 5},
            {kHeld + "--solver mumps", 5}}) {
-    const std::string arguments = options.find("--linear") == std::string::npos
-                                      ? kFew
-                                      : "bar.veg -o a.tremolo --linear-modes 4 ";
+    const std::string modes = options.find("--linear") == std::string::npos ? "--modes 8 " : "";
+    const std::string order = options.find("--order") == std::string::npos ? "--order 1 " : "";
+    const std::string arguments = "bar.veg -o a.tremolo --linear-modes 4 " + modes + order;
     const std::size_t dashes = options.find("-- ");
     const auto with = [&](const std::string& more) {
       return dashes == std::string::npos
@@ -349,7 +350,8 @@ TEST_F(Resume, AFailureLeavesNoHalfStageBehindAndTheFinishedOnesOfUse) {
   // The third stage cannot be kept.
   const ProgramResult ended = run_with(
       "rename-fail", 3,
-      "bar.veg -o " + output() + " --linear-modes 4 --modes 8 --checkpoint " + kHeld, "", output());
+      "bar.veg -o " + output() + " --order 1 --linear-modes 4 --modes 8 --checkpoint " + kHeld, "",
+      output());
   // From there on every rename fails, the output's too.
   EXPECT_EQ(ended.code, 1) << ended.err;
   EXPECT_NE(ended.err.find("the stages are kept: --resume goes on from there"), std::string::npos)

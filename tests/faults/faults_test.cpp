@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 const std::string kArguments =
     " --fix 'x<0.001' --load-at 'x>0.399' --load-force 0,0,-1 --linear-modes 4 --modes 8 "
-    "--threads 1 ";
+    "--threads 1 --order 1 ";
 const std::string kOld = "an older file that must survive";
 
 using Files = std::map<std::string, std::string>;  // name -> bytes
