@@ -33,6 +33,13 @@ class PrecomputeProgram : public ::testing::Test {
     return run_program(folder_, kPrecompute + arguments);
   }
 
+  // What a run that succeeds says as JSON.
+  nlohmann::json told(const std::string& arguments) {
+    const ProgramResult result = run(arguments + " --json");
+    EXPECT_EQ(result.code, 0) << result.err;
+    return nlohmann::json::parse(result.out, nullptr, false);
+  }
+
   // Writes a changed block and runs on it.
   ProgramResult run_on(const TetMesh& mesh, const std::string& arguments = kGood) {
     write_veg(folder_ + "/changed.veg", mesh);
@@ -270,9 +277,7 @@ TEST_F(PrecomputeProgram, NearFromAnotherWorldIsRefused) {
 
 TEST_F(PrecomputeProgram, ALinearModelIsItsLinearModesAlone) {
   const std::string linear = "block.veg -o out.tremolo --fix 'x<0.001' --linear-modes 4 --linear";
-  const ProgramResult result = run(linear + " --json");
-  ASSERT_EQ(result.code, 0) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
+  const nlohmann::json json = told(linear);
   EXPECT_EQ(json["r"], 4);
   for (const auto& stage : json["stages"]) {
     EXPECT_NE(stage["name"], "derivatives");
@@ -420,13 +425,7 @@ TEST_F(PrecomputeProgram, AFreeBodyLeavesItsRigidMotionOut) {
 
 TEST_F(PrecomputeProgram, APartThatNothingHoldsIsNamed) {
   TetMesh two = block_;
-  const auto offset = static_cast<VertexId>(two.vertices.size());
-  for (const Eigen::Vector3d& x : block_.vertices)
-    two.vertices.emplace_back(x + Eigen::Vector3d(0, 3, 0));
-  for (Tetrahedron tet : block_.tetrahedra) {
-    for (VertexId& v : tet) v += offset;
-    two.tetrahedra.push_back(tet);
-  }
+  testing::join(two, block_, {0, 3, 0});
   expect_failure(run_on(two, "-o out.tremolo --fix 'box:-1,-1,-1,0.01,0.5,1'"), 3, "part 2 of 2");
   const ProgramResult free = run_on(two, "-o free.tremolo --fix none --json");
   ASSERT_EQ(free.code, 0) << free.err;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/basis/basis_reader.h"
+#include "tests/support/joined_mesh.h"
 #include "tests/support/programs.h"
 #include "tests/support/same_model.h"
 
@@ -71,13 +72,7 @@ TEST_F(Ranks, PartsThatDoNotTouchAndVerticesOfNoElement) {
   TetMesh mesh = box_mesh({8, 3, 3}, {1.0, 0.21, 0.16});
   mesh.vertices.emplace_back(0.5, 0.1, 0.9);
   const TetMesh second = box_mesh({7, 3, 2}, {0.8, 0.2, 0.13});
-  const auto offset = static_cast<VertexId>(mesh.vertices.size());
-  for (const Eigen::Vector3d& x : second.vertices)
-    mesh.vertices.emplace_back(x + Eigen::Vector3d(0, 3, 0));
-  for (Tetrahedron tet : second.tetrahedra) {
-    for (VertexId& v : tet) v += offset;
-    mesh.tetrahedra.push_back(tet);
-  }
+  testing::join(mesh, second, {0, 3, 0});
   expect_same(mesh, "--fix 'x<0.001' --linear-modes 6 --modes 14");
 }
 

@@ -7,11 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/programs.h"
+#include "tests/support/text_lines.h"
 
 namespace tremolo {
 namespace {
 
 using nlohmann::json;
+using testing::lines_with;
 
 const std::string kBar = "bar.veg --young 2e6 --density 1000 --linear-modes 4 --modes 6 --order 1 ";
 
@@ -37,14 +39,6 @@ std::string skin() {
   text << "o foot\nusemtl steel\nf 1/1/5 2/1/5 3/1/5 4/1/5\n";
   text << "o tip\nusemtl steel\nf 8/1/6 7/1/6 6/1/6 5/1/6\n";
   return text.str();
-}
-
-std::vector<std::string> lines_with(const std::string& text, const std::string& keyword) {
-  std::vector<std::string> found;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);)
-    if (line.starts_with(keyword + " ")) found.push_back(line);
-  return found;
 }
 
 std::vector<Eigen::Vector3d> points(const std::string& obj) {

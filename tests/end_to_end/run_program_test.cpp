@@ -302,6 +302,14 @@ Csv read_csv(const std::string& path) {
   return csv;
 }
 
+// The table of a run of `model` in `folder`.
+Csv recorded(const std::string& folder, const std::string& model, const std::string& options) {
+  const ProgramResult result =
+      run_program(folder, kTremolo + "run " + model + " " + options + " --out o");
+  EXPECT_EQ(result.code, 0) << result.err;
+  return read_csv(folder + "/o/run.csv");
+}
+
 TEST_F(RunProgram, TellsHowFarTheBodyMoved) {
   const ProgramResult result =
       run("run " + model() + " --duration 0.6 --step 0.001 --probe 'x>0.399' --out o --json");
@@ -351,12 +359,8 @@ TEST_F(RunProgram, DeflectScalesTheLoadUntilTheMotionIsSoLarge) {
 }
 
 TEST_F(RunProgram, AStaticStartStandsStillAsLongAsTheLoadLasts) {
-  ASSERT_EQ(run("run " + model() +
-                " --start static --load constant --duration 0.5 --out o "
-                "--coordinate all")
-                .code,
-            0);
-  const Csv csv = read_csv(folder_ + "/o/run.csv");
+  const Csv csv =
+      recorded(folder_, model(), "--start static --load constant --duration 0.5 --coordinate all");
   const double potential = csv.at(0, "potential");
   EXPECT_GT(potential, 0);
   for (std::size_t row = 0; row < csv.rows.size(); ++row)
@@ -440,12 +444,8 @@ TEST_F(RunProgram, ProbesTakeSelectorsAndCoordinatesRanges) {
 }
 
 TEST_F(RunProgram, VelocitiesAreTheRatesOfDisplacements) {
-  ASSERT_EQ(run("run " + model() +
-                " --step 0.0005 --duration 0.2 --load impulse --probe 80 "
-                "--velocities --out o")
-                .code,
-            0);
-  const Csv csv = read_csv(folder_ + "/o/run.csv");
+  const Csv csv = recorded(folder_, model(),
+                           "--step 0.0005 --duration 0.2 --load impulse --probe 80 --velocities");
   double error = 0, largest = 0;
   for (std::size_t row = 101; row + 1 < csv.rows.size(); ++row) {
     const double rate = (csv.at(row + 1, "u80z") - csv.at(row - 1, "u80z")) / 0.001;

@@ -8,6 +8,7 @@
 #include "common/mesh/surface_mesh.h"
 #include "formats/mesh/mesh_reader.h"
 #include "formats/msh/msh_writer.h"
+#include "tests/support/joined_mesh.h"
 #include "tests/support/mesh_writers.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/temporary_folder.h"
@@ -81,13 +82,7 @@ TEST(RandomMeshes, TwoBoxesApartAreTwoParts) {
   for (int n = 0; n < kMeshes; ++n) {
     TetMesh mesh = testing::random_box(random);
     const TetMesh other = testing::random_box(random);
-    const auto shift = static_cast<VertexId>(mesh.vertices.size());
-    for (const Eigen::Vector3d& x : other.vertices)
-      mesh.vertices.push_back(x + Eigen::Vector3d(10, 0, 0));
-    for (Tetrahedron tet : other.tetrahedra) {
-      for (VertexId& v : tet) v += shift;
-      mesh.tetrahedra.push_back(tet);
-    }
+    testing::join(mesh, other, {10, 0, 0});
     mesh = testing::renumbered(mesh, testing::random_permutation(mesh.vertices.size(), random));
     const Result<MeshReport> report = check_mesh(mesh);
     ASSERT_TRUE(report) << report.error().message;

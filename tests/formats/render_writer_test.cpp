@@ -1,5 +1,3 @@
-#include "formats/surface/surface_writer.h"
-
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -7,12 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/surface/surface_writer.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/text_lines.h"
 #include "tests/support/tiny_render.h"
 
 namespace tremolo {
 namespace {
 
+using testing::lines_with;
 using testing::TemporaryFolder;
 using testing::tiny_render;
 
@@ -22,14 +23,6 @@ std::string written(const RenderSurface& surface, const std::string& name) {
   EXPECT_TRUE(status) << (status ? "" : status.error().message);
   std::ifstream stream(folder.file(name), std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-std::vector<std::string> lines_with(const std::string& text, const std::string& keyword) {
-  std::vector<std::string> found;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);)
-    if (line.starts_with(keyword + " ")) found.push_back(line);
-  return found;
 }
 
 TEST(RenderWriter, AnObjKeepsTextureCoordinatesNormalsObjectsAndMaterials) {

@@ -18,14 +18,18 @@
 #include "precompute/reduction/coefficients.h"
 #include "precompute/reduction/derivatives.h"
 #include "precompute/reduction/polynomial_check.h"
+#include "tests/support/assembled_body.h"
 #include "tests/support/box_mesh.h"
+#include "tests/support/random_field.h"
 #include "tests/support/solved_pencil.h"
 
 namespace tremolo {
 namespace {
 
 using testing::box_mesh;
+using testing::random_field;
 using testing::vertices_on_plane;
+using Body = testing::AssembledBody;
 
 // Like a wood: nine constants of their own, axes askew to the mesh.
 Material askew_wood() {
@@ -61,14 +65,6 @@ MaterialTable mixed(const TetMesh& mesh) {
   return table;
 }
 
-Field random_field(const TetMesh& mesh, double size, unsigned seed) {
-  std::mt19937 engine(seed);
-  std::uniform_real_distribution<double> uniform(-size, size);
-  Field u(3 * static_cast<Eigen::Index>(mesh.vertices.size()));
-  for (double& value : u) value = uniform(engine);
-  return u;
-}
-
 Eigen::Matrix3d some_turn() {
   return Eigen::AngleAxisd(1.1, Eigen::Vector3d(0.2, 1, 3).normalized()).toRotationMatrix();
 }
@@ -99,32 +95,6 @@ Eigen::MatrixXd dense_stiffness(const Solid& solid) {
   }
   return k;
 }
-
-// A clamped block with everything up to the matrices.
-struct Body {
-  TetMesh mesh;
-  MeshReport report;
-  std::vector<VertexId> fixed;
-  DofMap map;
-  LocalDofs local;
-  Solid solid;
-  Matrices matrices;
-
-  Body(TetMesh source, const MaterialTable& table, std::vector<VertexId> held,
-       std::vector<double> point_mass = {}, MassKind kind = MassKind::kConsistent)
-      : mesh(std::move(source)),
-        report(*check_mesh(mesh)),
-        fixed(std::move(held)),
-        map(make_dof_map(mesh, fixed, 1)),
-        local(local_dofs(mesh, map, 0)),
-        solid(make_solid(mesh, table)) {
-    solid.point_mass = std::move(point_mass);
-    matrices = assemble(solid, map, local, kind);
-  }
-  Eigen::MatrixXd dense(const PetscMatrix& matrix) const {
-    return multiply(matrix.get(), Eigen::MatrixXd::Identity(local.dofs(), local.dofs()));
-  }
-};
 
 TEST(Materials, TheTensorOfAnOrthotropicMaterialInvertsItsCompliance) {
   const Material wood = askew_wood();

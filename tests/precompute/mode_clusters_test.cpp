@@ -6,8 +6,8 @@
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
-#include "precompute/modes/certificate.h"
 #include "common/reduced_energy.h"
+#include "precompute/modes/certificate.h"
 #include "precompute/pipeline.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/ranks/halo.h"

@@ -15,6 +15,7 @@
 #include "precompute/reduction/derivatives.h"
 #include "precompute/reduction/polynomial_check.h"
 #include "precompute/system/failure.h"
+#include "tests/support/assembled_body.h"
 #include "tests/support/box_mesh.h"
 #include "tests/support/solved_pencil.h"
 
@@ -28,23 +29,11 @@ using testing::vertices_on_plane;
 const Material kRubber{1e6, 0.4, 1100.0};
 
 // Everything up to the matrices.
-struct Block {
-  TetMesh mesh;
-  MeshReport report;
-  std::vector<VertexId> fixed;
-  DofMap map;
-  LocalDofs local;
-  Solid solid;
-  Matrices matrices;
-
-  explicit Block(TetMesh source, bool clamped, MassKind mass = MassKind::kConsistent)
-      : mesh(std::move(source)),
-        report(*check_mesh(mesh)),
-        fixed(clamped ? vertices_on_plane(mesh, 0, 0.0) : std::vector<VertexId>{}),
-        map(make_dof_map(mesh, fixed, 1)),
-        local(local_dofs(mesh, map, 0)),
-        solid(make_solid(mesh, kRubber)),
-        matrices(assemble(solid, map, local, mass)) {}
+struct Block : testing::AssembledBody {
+  Block(const TetMesh& source, bool clamped, MassKind mass = MassKind::kConsistent)
+      : AssembledBody(source, {{{"", kRubber}}, {}},
+                      clamped ? vertices_on_plane(source, 0, 0.0) : std::vector<VertexId>{}, {},
+                      mass) {}
 
   Columns rigid() const {
     return rigid_modes(mesh, report.part_of_vertex, static_cast<int>(report.parts), local,
@@ -195,14 +184,31 @@ TEST(RigidFreedom, CountsTheMotionsThatFixedVerticesLeave) {
   EXPECT_EQ(freedom({0, 1, 2}), 0);  // a triangle holds it
 }
 
-TEST(ModalDerivatives, SolveTheirDefiningEquation) {
-  const Block block = clamped_block();
-  SolvedPencil solved(block.matrices, 2);
-  const Modes modes = solved.modes(4);
-  const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
-  const Columns phi =
-      modal_derivatives(block.solid, block.local, solved.pencil, *solved.solver, modes.vectors, psi)
-          .vectors();
+// A clamped block of linear or quadratic elements with its lowest modes and their derivatives.
+struct DerivedBlock {
+  Block block;
+  SolvedPencil solved;
+  Modes modes;
+  Eigen::MatrixXd psi;
+  ModalDerivatives derivatives;
+
+  DerivedBlock(int order, int count)
+      : block(testing::of_order(box_mesh({6, 2, 3}, {0.6, 0.18, 0.25}), order), true),
+        solved(block.matrices, 2),
+        modes(solved.modes(count)),
+        psi(expand_to_vertices(block.map, block.local, modes.vectors)),
+        derivatives(modal_derivatives(block.solid, block.local, solved.pencil, *solved.solver,
+                                      modes.vectors, psi)) {}
+};
+
+class BlockDerivatives : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Orders, BlockDerivatives, ::testing::Values(1, 2));
+
+TEST_P(BlockDerivatives, SolveTheirDefiningEquation) {
+  const DerivedBlock derived(GetParam(), 4);
+  const Block& block = derived.block;
+  const Eigen::MatrixXd& psi = derived.psi;
+  const Columns phi = derived.derivatives.vectors();
   ASSERT_EQ(phi.cols(), 10);
   const Columns left = multiply(block.matrices.stiffness.get(), phi);
   for (std::size_t j = 0; j < 4; ++j)
@@ -216,15 +222,13 @@ TEST(ModalDerivatives, SolveTheirDefiningEquation) {
 }
 
 // Along u(p) = Psi p + 1/2 Phi p^2 the static force stays K Psi p to second order.
-TEST(ModalDerivatives, AreTheCurvatureOfTheStaticPath) {
-  const Block block = clamped_block();
-  SolvedPencil solved(block.matrices, 2);
-  const Modes modes = solved.modes(1);
-  const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
-  const Columns phi =
-      modal_derivatives(block.solid, block.local, solved.pencil, *solved.solver, modes.vectors, psi)
-          .vectors();
-  const Eigen::MatrixXd curve = expand_to_vertices(block.map, block.local, phi);
+TEST_P(BlockDerivatives, AreTheCurvatureOfTheStaticPath) {
+  const DerivedBlock derived(GetParam(), 1);
+  const Block& block = derived.block;
+  const Eigen::MatrixXd& psi = derived.psi;
+  const Modes& modes = derived.modes;
+  const Eigen::MatrixXd curve =
+      expand_to_vertices(block.map, block.local, derived.derivatives.vectors());
   const auto deviation = [&](double p, bool curved) {
     Field u = psi.col(0) * p;
     if (curved) u += 0.5 * p * p * curve.col(0);
@@ -240,7 +244,7 @@ TEST(ModalDerivatives, AreTheCurvatureOfTheStaticPath) {
   EXPECT_NEAR(deviation(p, true) / deviation(p / 2, true), 8.0, 0.4);    // third order with
 }
 
-TEST(ModalDerivatives, OfAFreeBodyBalanceTheirLoadAndHoldNoRigidMotion) {
+TEST(FreeDerivatives, OfAFreeBodyBalanceTheirLoadAndHoldNoRigidMotion) {
   const Block block = free_block();
   const Columns rigid = block.rigid();
   SolvedPencil solved(block.matrices, rigid, kFreeShift);
@@ -305,13 +309,10 @@ TEST(Basis, KeepsTheFirstModeAndTheSingularValuesDescend) {
 
 // More columns than rows, many of them the same motion: what a hundred modes of a small mesh give.
 TEST(Basis, OfManyColumnsIsTheSameSpanAndIsHeardOfOnTheWay) {
-  const Block block = clamped_block();
-  SolvedPencil solved(block.matrices, 2);
-  const Modes modes = solved.modes(40);
-  const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
-  const Columns input =
-      modal_derivatives(block.solid, block.local, solved.pencil, *solved.solver, modes.vectors, psi)
-          .columns;
+  const DerivedBlock derived(1, 40);
+  const Block& block = derived.block;
+  [[maybe_unused]] const Modes& modes = derived.modes;
+  const Columns& input = derived.derivatives.columns;
   ASSERT_GE(input.cols(), kLarge);
   ASSERT_GT(input.cols(), input.rows());
   std::vector<std::string> heard;
@@ -351,13 +352,10 @@ TEST(Basis, OfManyColumnsIsTheSameSpanAndIsHeardOfOnTheWay) {
 // What keep_always() takes in is in every basis, whatever the cut; the rest is the same span as
 // without it.
 TEST(Basis, WhatIsKeptIsInTheSpanOfEveryCutAndTheWholeSpanStays) {
-  const Block block = clamped_block();
-  SolvedPencil solved(block.matrices, 2);
-  const Modes modes = solved.modes(4);
-  const Eigen::MatrixXd psi = expand_to_vertices(block.map, block.local, modes.vectors);
-  const Columns input =
-      modal_derivatives(block.solid, block.local, solved.pencil, *solved.solver, modes.vectors, psi)
-          .columns;
+  const DerivedBlock derived(1, 4);
+  const Block& block = derived.block;
+  [[maybe_unused]] const Modes& modes = derived.modes;
+  const Columns& input = derived.derivatives.columns;
   Columns vectors = Columns::Random(input.rows(), 2);
   vectors.col(1) *= 1e-6;
   const auto left_by = [&](const Columns& basis, const Columns& x) {

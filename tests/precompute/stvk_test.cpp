@@ -10,33 +10,23 @@
 
 #include "precompute/fem/assembly.h"
 #include "tests/support/box_mesh.h"
+#include "tests/support/random_field.h"
 
 namespace tremolo {
 namespace {
 
 using testing::box_mesh;
+using testing::random_field;
 
 const Material kMaterial{2e5, 0.4, 1000.0};
 
 TetMesh sample_mesh(int order) {
-  TetMesh mesh = box_mesh({3, 2, 2}, {0.3, 0.2, 0.25});
-  if (order == 2) {
-    EXPECT_TRUE(add_edge_points(mesh));
-  }
-  return mesh;
+  return testing::of_order(box_mesh({3, 2, 2}, {0.3, 0.2, 0.25}), order);
 }
 
 // Of both orders.
 class Elements : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Orders, Elements, ::testing::Values(1, 2));
-
-Field random_field(const TetMesh& mesh, double size, unsigned seed) {
-  std::mt19937 engine(seed);
-  std::uniform_real_distribution<double> uniform(-size, size);
-  Field u(3 * static_cast<Eigen::Index>(mesh.vertices.size()));
-  for (double& value : u) value = uniform(engine);
-  return u;
-}
 
 Field rigid_motion(const TetMesh& mesh, const Eigen::Matrix3d& rotation,
                    const Eigen::Vector3d& shift) {
@@ -94,10 +84,7 @@ TEST_P(Elements, ForceIsTheGradientOfTheEnergy) {
 }
 
 TEST_P(Elements, RestStiffnessIsTheDerivativeOfTheForce) {
-  TetMesh mesh = box_mesh({1, 1, 1}, {0.1, 0.12, 0.09});
-  if (GetParam() == 2) {
-    ASSERT_TRUE(add_edge_points(mesh));
-  }
+  const TetMesh mesh = testing::of_order(box_mesh({1, 1, 1}, {0.1, 0.12, 0.09}), GetParam());
   const Solid solid = make_solid(mesh, kMaterial);
   const Field u = random_field(mesh, 1e-3, 5);
   Field product = Field::Zero(u.size());

@@ -65,6 +65,20 @@ Pair rk4_step(const Pair& z, const Forcing& f, double lambda, double rate) {
   return z + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
 }
 
+// Steps an oscillator from (0.02, 3) sixty times under random loads. After each step `judge` moves
+// its own (q, p) by the recurrence and compares.
+void follow(Integrator& integrator,
+            const std::function<void(const StepLoad&, const State&, Pair&, unsigned)>& judge) {
+  State state{Eigen::VectorXd::Constant(1, 0.02), Eigen::VectorXd::Constant(1, 3.0)};
+  Pair z(0.02, 3.0);
+  StepLoad load = make_step_load(1);
+  for (unsigned k = 0; k < 60; ++k) {
+    testing::randomize(load, 300.0, 3 * k);
+    ASSERT_TRUE(integrator.step(state, load).converged);
+    judge(load, state, z, k);
+  }
+}
+
 using PairStep = Pair (*)(const Pair&, const Forcing&, double, double);
 
 TEST(ContrastRecurrence, EveryMethodFollowsItsOwnDampedAndForced) {
@@ -79,18 +93,13 @@ TEST(ContrastRecurrence, EveryMethodFollowsItsOwnDampedAndForced) {
     for (const double x : {0.1, 0.5, 1.7}) {
       const double lambda = x * x / (kStep * kStep);
       const auto integrator = make(name, oscillator(x), options_of(alpha, beta));
-      State state{Eigen::VectorXd::Constant(1, 0.02), Eigen::VectorXd::Constant(1, 3.0)};
-      Pair z(0.02, 3.0);
-      StepLoad load = make_step_load(1);
-      for (unsigned k = 0; k < 60; ++k) {
-        testing::randomize(load, 300.0, 3 * k);
-        ASSERT_TRUE(integrator->step(state, load).converged);
+      follow(*integrator, [&](const StepLoad& load, const State& state, Pair& z, unsigned k) {
         z = step(z, {load.start[0], load.average[0], load.end[0]}, lambda, alpha + beta * lambda);
         // Sizes of this motion; the growing ones carry their rounding along.
         const double omega = x / kStep, p_scale = 10.0 + std::hypot(omega * z[0], z[1]);
         ASSERT_NEAR(state.q[0], z[0], kRounding * p_scale / omega) << name << ' ' << x << ' ' << k;
         ASSERT_NEAR(state.p[0], z[1], kRounding * p_scale) << name << ' ' << x << ' ' << k;
-      }
+      });
     }
 }
 
@@ -199,12 +208,7 @@ TEST(Verlet4, FollowsItsRecurrenceDampedAndForced) {
     for (const double x : {0.1, 0.5, 1.7}) {
       const double lambda = x * x / (kStep * kStep), rate = alpha + beta * lambda;
       const auto integrator = make("verlet4", oscillator(x), options_of(alpha, beta));
-      State state{Eigen::VectorXd::Constant(1, 0.02), Eigen::VectorXd::Constant(1, 3.0)};
-      Pair z(0.02, 3.0);
-      StepLoad load = make_step_load(1);
-      for (unsigned k = 0; k < 60; ++k) {
-        testing::randomize(load, 300.0, 3 * k);
-        ASSERT_TRUE(integrator->step(state, load).converged);
+      follow(*integrator, [&](const StepLoad& load, const State& state, Pair& z, unsigned k) {
         double t = 0.0;
         for (std::size_t i = 0; i < b.size(); ++i) {
           Eigen::VectorXd f(1);
@@ -220,7 +224,7 @@ TEST(Verlet4, FollowsItsRecurrenceDampedAndForced) {
         const double omega = x / kStep, p_scale = 50.0;
         ASSERT_NEAR(state.q[0], z[0], kRounding * p_scale / omega) << x << ' ' << k;
         ASSERT_NEAR(state.p[0], z[1], kRounding * p_scale) << x << ' ' << k;
-      }
+      });
     }
 }
 

@@ -151,4 +151,13 @@ inline void expect_no_field_is_trusted(const Bytes& bytes) {
     }
 }
 
+inline void expect_every_damaged_byte_is_noticed(const Bytes& bytes) {
+  for (std::size_t at = 0; at < bytes.size(); ++at)
+    for (unsigned bit : {0x01u, 0x80u, 0xffu}) {
+      Bytes damaged = bytes;
+      damaged[at] ^= static_cast<std::byte>(bit);
+      EXPECT_FALSE(decode(damaged)) << "byte " << at;
+    }
+}
+
 }  // namespace tremolo::testing

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "common/mesh/tet_mesh.h"
+#include "common/mesh/edge_points.h"
 
 namespace tremolo::testing {
 
@@ -33,6 +33,12 @@ inline TetMesh box_mesh(const std::array<int, 3>& cells, const Eigen::Vector3d& 
           mesh.tetrahedra.push_back(tet);
         } while (std::next_permutation(axes.begin(), axes.end()));
       }
+  return mesh;
+}
+
+// The mesh with edge points for order 2.
+inline TetMesh of_order(TetMesh mesh, int order) {
+  if (order == 2 && !add_edge_points(mesh)) mesh = {};
   return mesh;
 }
 
