@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 #include <exception>
+#include <string_view>
 
 #include "precompute/system/failure.h"
 
@@ -12,10 +13,14 @@ namespace {
 
 std::string last_message;
 
-// Keeps PETSc's innermost message instead of printing a traceback.
-PetscErrorCode keep_message(MPI_Comm, int, const char*, const char*, PetscErrorCode code,
+// Keeps PETSc's innermost message instead of printing a traceback, and returns the code that its
+// callers hand on. PETSc 3.18 reports an aligned allocation that failed with the line of its caller
+// as the code and the caller's name as the message.
+PetscErrorCode keep_message(MPI_Comm, int, const char* function, const char*, PetscErrorCode code,
                             PetscErrorType type, const char* message, void*) {
+  if (function != nullptr && std::string_view(function) == "PetscMallocAlign") code = PETSC_ERR_MEM;
   if (type == PETSC_ERROR_INITIAL && message != nullptr) last_message = message;
+  if (code == PETSC_ERR_MEM) last_message = "out of memory";
   return code;
 }
 
