@@ -1,10 +1,12 @@
 #include "formats/file/atomic_file.h"
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <iterator>
 #include <unistd.h>
@@ -24,16 +26,14 @@ struct Slot {
 constexpr int kFree = 0, kTaken = 1, kNamed = 2;
 Slot slots[16];
 
-// Its index; -1 if there is none left or the path is too long: a signal then leaves the file
-// behind.
-int remember_partial(const std::string& path) {
-  if (path.size() >= sizeof(Slot::path)) return -1;
+constexpr std::array kFatal = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU};
+
+// A slot for a file that is about to be created; -1 if there is none left: a signal then leaves the
+// file behind.
+int take_slot() {
   for (int i = 0; i < std::ssize(slots); ++i) {
     int expected = kFree;
-    if (!slots[i].state.compare_exchange_strong(expected, kTaken)) continue;
-    std::memcpy(slots[i].path, path.c_str(), path.size() + 1);
-    slots[i].state = kNamed;
-    return i;
+    if (slots[i].state.compare_exchange_strong(expected, kTaken)) return i;
   }
   return -1;
 }
@@ -42,9 +42,41 @@ void forget_partial(int slot) {
   if (slot >= 0) slots[slot].state = kFree;
 }
 
+// False if the slot has no room for the path.
+bool name_slot(int slot, const std::string& path) {
+  if (slot < 0 || path.size() >= sizeof(Slot::path)) return false;
+  std::memcpy(slots[slot].path, path.c_str(), path.size() + 1);
+  slots[slot].state = kNamed;
+  return true;
+}
+
+// Holds the fatal signals back from this thread. Between the creation of a file and the naming of
+// its slot the handler must not run here: it would miss the file.
+class FatalSignalsHeldBack {
+ public:
+  FatalSignalsHeldBack() {
+    sigset_t fatal;
+    sigemptyset(&fatal);
+    for (int signal : kFatal) sigaddset(&fatal, signal);
+    pthread_sigmask(SIG_BLOCK, &fatal, &before_);
+  }
+  ~FatalSignalsHeldBack() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  FatalSignalsHeldBack(const FatalSignalsHeldBack&) = delete;
+  FatalSignalsHeldBack& operator=(const FatalSignalsHeldBack&) = delete;
+
+ private:
+  sigset_t before_ = {};
+};
+
 extern "C" void tremolo_on_fatal_signal(int signal) {
-  for (const Slot& slot : slots)
+  // A slot that is taken belongs to another thread, which is about to create its file: up to a
+  // second for that.
+  constexpr timespec kMillisecond = {0, 1'000'000};
+  int patience = 1000;
+  for (const Slot& slot : slots) {
+    for (; slot.state == kTaken && patience > 0; --patience) ::nanosleep(&kMillisecond, nullptr);
     if (slot.state == kNamed) ::unlink(slot.path);
+  }
   // The parent shall see death by this signal. Not by SA_RESETHAND: METIS puts the handler back
   // without its flags.
   ::signal(signal, SIG_DFL);
@@ -86,9 +118,15 @@ Result<AtomicFile> AtomicFile::create(const std::string& path) {
   const fs::path target = fs::weakly_canonical(path, ignored);
   const std::string final_path = target.empty() ? path : target.string();
   remove_stale_partials(final_path);
+  const FatalSignalsHeldBack held_back;
+  int slot = take_slot();
   PartialFile partial = create_partial(final_path);
-  if (partial.descriptor < 0) return os_error(path + ": cannot create a file there");
-  const int slot = remember_partial(partial.path);
+  if (partial.descriptor < 0) {
+    const Error error = os_error(path + ": cannot create a file there");
+    forget_partial(slot);
+    return error;
+  }
+  if (!name_slot(slot, partial.path)) forget_partial(std::exchange(slot, -1));
   return AtomicFile(final_path, std::move(partial.path), partial.descriptor, slot);
 }
 
@@ -147,7 +185,7 @@ Status write_file(const std::string& path, std::string_view text) {
 void remove_partial_files_on_signals() {
   struct sigaction action = {};
   action.sa_handler = tremolo_on_fatal_signal;
-  for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU}) {
+  for (int signal : kFatal) {
     struct sigaction before = {};
     ::sigaction(signal, nullptr, &before);
     // What is ignored, as under nohup, stays ignored.

@@ -137,6 +137,7 @@ class Faults : public ::testing::Test {
 
 TEST_F(Faults, PrecomputeLeavesTheOldFileOrTheNewOne) {
   survives_everything(kPrecompute + "SOURCE/bar.veg -o OUT/a.tremolo" + kArguments, {"a.tremolo"});
+  came("open-term", 143);
 }
 
 TEST_F(Faults, RunLeavesOldFilesOrNewOnes) {
@@ -148,6 +149,7 @@ TEST_F(Faults, RunLeavesOldFilesOrNewOnes) {
 TEST_F(Faults, PlotLeavesTheOldPictureOrTheNewOne) {
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no gnuplot";
   survives_everything(kTremolo + "plot SOURCE/was -o OUT/a.svg", {"a.svg"});
+  came("open-term", 143);
 }
 
 // ulimit counts blocks of 512 or 1024 bytes: enough for messages, too little for any output here.

@@ -7,7 +7,7 @@
  *                   open-full:N     from the Nth file on, none can be created
  *                   fsync-eintr:N, fsync-fail:N, rename-fail:N, close-fail:N
  *                   write-kill:N, fsync-kill:N, rename-kill:N   SIGKILL in that call
- *                   write-term:N    SIGTERM in that call
+ *                   open-term:N, write-term:N   SIGTERM in that call; the file is created
  *
  * N counts from 1. If the fault came, TREMOLO_FAULT_MARK names a file that is created. */
 #define _GNU_SOURCE
@@ -73,7 +73,10 @@ static int open_file(const char* path, int flags, mode_t mode) {
       return -1;
     }
   }
-  return (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);
+  const int descriptor = (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);
+  if ((flags & O_CREAT) != 0 && below(shown) && fails(kOpen, "open-term", 1))
+    kill(getpid(), SIGTERM);
+  return descriptor;
 }
 
 int open(const char* path, int flags, ...) {
