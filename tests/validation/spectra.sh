@@ -13,6 +13,7 @@ cells="4 8 16" fine_bound=1 limit_bound=0.02
 [ -n "$short" ] && cells="2 4 8" fine_bound=2 limit_bound=0.2
 modes=4
 [ "${ORDER:-1}" = 2 ] && modes=12 smooth=yes
+[ "${ORDER:-1}${short:+s}" = 2s ] && cells="1 2 4"
 
 # mode_of FREQUENCIES MODE BEAM: which of them is the beam's, in its unit.
 mode_of() {
