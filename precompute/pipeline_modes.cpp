@@ -8,6 +8,7 @@
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/ranks/halo.h"
 #include "precompute/reduction/derivatives.h"
+#include "precompute/reduction/third_derivatives.h"
 #include "precompute/soundness.h"
 #include "precompute/system/failure.h"
 
@@ -178,8 +179,14 @@ Stage<ModalDerivatives> derivatives_stage(const Run& run, const Solved& on, cons
           .make =
               [&run, &modes, &psi, on] {
                 on.solver.prepare(modes.shift);
-                return modal_derivatives(on.system.solid, run.result.local, on.pencil, on.solver,
-                                         modes.vectors, psi);
+                const PrecomputeResult& result = run.result;
+                const Solid& solid = on.system.solid;
+                ModalDerivatives derivatives = modal_derivatives(solid, result.local, on.pencil,
+                                                                 on.solver, modes.vectors, psi);
+                if (run.request.derivatives > 2)
+                  add_third_derivatives(solid, result.map, result.local, on.pencil, on.solver, psi,
+                                        leading_modes(modes.squared_frequencies), derivatives);
+                return derivatives;
               },
           .outcome =
               [count, on](const ModalDerivatives& derivatives) {

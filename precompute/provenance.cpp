@@ -90,6 +90,7 @@ std::string provenance_json(const PrecomputeOptions& options, const PrecomputeRe
                    {"factorisation", findings.factorisation},
                    {"residuals", findings.mode_residuals},
                    {"certified_by_inertia", findings.certified}};
+  if (!options.linear) json["derivatives"] = options.derivatives;
   json["derivative_residual"] = findings.derivative_residual;
   json["mass_orthonormality_error"] = findings.orthonormality_error;
   json["stiffness_diagonality_error"] = findings.diagonality_error;

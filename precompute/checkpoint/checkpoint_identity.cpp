@@ -39,7 +39,7 @@ CheckpointIdentity checkpoint_identity(const ModelRequest& request, const Proble
       {"mass", request.mass == MassKind::kConsistent ? "consistent" : "lumped"},
       {"linear modes", count(counts.linear, request.linear_modes.has_value())},
       {"coordinates", count(counts.modes, request.modes.has_value())},
-      {"derivatives", request.linear ? "no" : "yes"},
+      {"derivatives", request.linear ? "no" : std::to_string(request.derivatives)},
       {kSolverFact, name_of(solver)},
       {"PETSc options", given.empty() ? "none" : given},
       {"ranks", std::to_string(mpi_ranks())},

@@ -9,6 +9,7 @@ namespace tremolo {
 namespace {
 
 constexpr Eigen::Index kAnyRows = -1;
+constexpr Eigen::Index kMostDerivatives = 1 << 24;  // those of 5 000 modes
 
 // Collects named values for a file. The values and the writer must outlive the result of arrays().
 class StageWriter {
@@ -185,6 +186,7 @@ std::optional<WholeModes> find_modes(Checkpoint& checkpoint, Eigen::Index dofs,
 void keep_derivatives(Checkpoint& checkpoint, const ModalDerivatives& derivatives) {
   keep(checkpoint, "derivatives", [&](auto& archive) {
     const auto vectors = derivatives.vectors();
+    archive("count", vectors.cols());
     archive.add("vectors", vectors.data(), vectors.rows(), vectors.cols());
     archive("residual", derivatives.residual);
   });
@@ -193,8 +195,11 @@ void keep_derivatives(Checkpoint& checkpoint, const ModalDerivatives& derivative
 std::optional<ModalDerivatives> find_derivatives(Checkpoint& checkpoint, const Columns& modes) {
   return find<ModalDerivatives>(checkpoint, "derivatives",
                                 [&](auto& archive, ModalDerivatives& derivatives) {
-                                  const Eigen::Index count = modes.cols() * (modes.cols() + 1) / 2;
+                                  Eigen::Index count = 0;
+                                  archive("count", count);
                                   Columns vectors;
+                                  if (count < 0 || count > kMostDerivatives)
+                                    throw Failure(content_error("no number of derivatives"));
                                   archive("vectors", vectors, modes.rows(), count);
                                   archive("residual", derivatives.residual);
                                   derivatives.modes = modes.cols();

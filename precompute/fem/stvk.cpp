@@ -39,6 +39,17 @@ void add_isotropic(const Elasticity& elasticity, const NodeGradients& gradients,
     }
 }
 
+// Adds an element's forces to the rows of its nodes; a negative row is skipped.
+void add_to_rows(const Solid& solid, std::size_t element, const PiolaField& piola,
+                 const std::vector<int>& row_of_vertex, double* out) {
+  const NodeForces forces = piola.forces(solid.elements[element]);
+  const ElementNodes nodes = element_nodes(solid.mesh, element);
+  for (int i = 0; i < nodes.count; ++i) {
+    const int row = row_of_vertex[nodes[i]];
+    if (row >= 0) Eigen::Map<Eigen::Vector3d>(out + row) += forces.col(i);
+  }
+}
+
 }  // namespace
 
 std::vector<ElementGeometry> element_geometry(const TetMesh& mesh) {
@@ -177,12 +188,28 @@ void add_second_derivative(const Solid& solid, const std::vector<int>& elements,
                             ga * stress(elasticity, symmetric_part(gb)) +
                             gb * stress(elasticity, symmetric_part(ga))));
     }
-    const NodeForces forces = piola.forces(solid.elements[e]);
-    const ElementNodes nodes = element_nodes(solid.mesh, e);
-    for (int i = 0; i < nodes.count; ++i) {
-      const int row = row_of_vertex[nodes[i]];
-      if (row >= 0) Eigen::Map<Eigen::Vector3d>(out + row) += forces.col(i);
+    add_to_rows(solid, e, piola, row_of_vertex, out);
+  }
+}
+
+void add_third_derivative(const Solid& solid, const std::vector<int>& elements,
+                          const std::array<Field, 3>& fields, const std::vector<int>& row_of_vertex,
+                          double* out) {
+  for (int element : elements) {
+    const std::size_t e = element;
+    const Elasticity& elasticity = solid.elasticity(e);
+    std::array<GradientField, 3> gradients;
+    for (std::size_t i = 0; i < 3; ++i) gradients[i] = displacement_gradients(solid, e, fields[i]);
+    PiolaField piola(solid.order());
+    for (const SamplePoint& point : sample_points(solid.order(), 4)) {
+      const Eigen::Matrix3d a = gradients[0](point), b = gradients[1](point),
+                            c = gradients[2](point);
+      piola.add(point, (point.share * solid.elements[e].volume) *
+                           (a * stress(elasticity, symmetric_part(b.transpose() * c)) +
+                            b * stress(elasticity, symmetric_part(c.transpose() * a)) +
+                            c * stress(elasticity, symmetric_part(a.transpose() * b))));
     }
+    add_to_rows(solid, e, piola, row_of_vertex, out);
   }
 }
 

@@ -95,6 +95,13 @@ Field internal_force(const Solid& solid, const FieldRef& u, std::size_t count);
 void add_second_derivative(const Solid& solid, const std::vector<int>& elements, const FieldRef& a,
                            const FieldRef& b, const std::vector<int>& row_of_vertex, double* out);
 
+// Adds C[a, b, c], the third derivative of the internal force, likewise: the part of F S that is
+// linear in each of three displacement gradients is the sum of A S(sym(B^T C)) over the three
+// places of A.
+void add_third_derivative(const Solid& solid, const std::vector<int>& elements,
+                          const std::array<Field, 3>& fields, const std::vector<int>& row_of_vertex,
+                          double* out);
+
 // Returns the stiffness of an element at rest, N/m, rows and columns 3*node + axis.
 using ElementStiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
                                        3 * kMostNodes, 3 * kMostNodes>;

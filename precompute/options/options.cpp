@@ -22,10 +22,11 @@ std::string without_output_options(const std::vector<std::string>& words) {
   std::string line;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (word == "--json" || word == "--limits" || word == "--error-budget" || word.starts_with("--checkpoint") ||
-        word.starts_with("--resume") || word.starts_with("--output=") ||
-        word.starts_with("--modes-vtu=") || word.starts_with("--preview=") ||
-        word.starts_with("--threads=") || (word.starts_with("-o") && word.size() > 2))
+    if (word == "--json" || word == "--limits" || word == "--error-budget" ||
+        word.starts_with("--checkpoint") || word.starts_with("--resume") ||
+        word.starts_with("--output=") || word.starts_with("--modes-vtu=") ||
+        word.starts_with("--preview=") || word.starts_with("--threads=") ||
+        (word.starts_with("-o") && word.size() > 2))
       continue;
     if (word == "-o" || word == "--output" || word == "--threads" || word == "--modes-vtu" ||
         word == "--preview") {
@@ -81,6 +82,12 @@ void add_model_options(CLI::App& app, PrecomputeOptions& options) {
       app.add_flag("--linear", options.linear,
                    "the linear modes alone: no derivatives, no cubic and quartic terms");
   target_error->excludes(linear);
+  app.add_option("--derivatives", options.derivatives,
+                 "up to which order modes are derived: 2 (modal derivatives) or 3 (also those of\n"
+                 "third order along the softest modes, for what bends by several thicknesses)")
+      ->check(CLI::IsMember({2, 3}))
+      ->capture_default_str()
+      ->excludes(linear);
 }
 
 void add_import(CLI::App& app, PrecomputeOptions& options) {

@@ -10,22 +10,30 @@
 #include "precompute/dense/parallel_columns.h"
 #include "precompute/dense/sparse_rows.h"
 #include "precompute/reduction/many_columns.h"
+#include "precompute/reduction/third_derivatives.h"
 #include "precompute/system/blas_threads.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {
 
-// Returns the weights of the columns in a motion u = sum Psi_i p_i + 1/2 sum Phi_ij p_i p_j with
-// amplitudes p_i = a w2_1/w2_i, divided by a.
+// Returns the weights of the columns in a motion u = sum Psi_i p_i + 1/2 sum Phi_ij p_i p_j + 1/6
+// sum Xi_ijl p_i p_j p_l with amplitudes p_i = a w2_1/w2_i, divided by a.
 Eigen::VectorXd weights(const Eigen::VectorXd& w2, double amplitude, Eigen::Index columns) {
   const Eigen::Index k = w2.size();
+  const Eigen::VectorXd share = w2[0] * w2.cwiseInverse();
   Eigen::VectorXd weight(columns);
-  weight.head(k) = w2[0] * w2.cwiseInverse();
+  weight.head(k) = share;
   if (columns == k) return weight;
   for (Eigen::Index j = 0; j < k; ++j)
     for (Eigen::Index i = 0; i <= j; ++i)
-      weight[k + pair_index(i, j)] = 0.5 * amplitude * w2[0] * w2[0] / (w2[i] * w2[j]);
+      weight[k + pair_index(i, j)] = 0.5 * amplitude * share[i] * share[j];
+  Eigen::Index at = k + pair_count(k);
+  for (const auto& [i, j, l] : third_orders_of(k, columns)) {
+    // How often the sum has it: 1, 3 or 6 of 6.
+    const double often = i == l ? 1.0 / 6.0 : i == j || j == l ? 0.5 : 1.0;
+    weight[at++] = often * amplitude * amplitude * share[i] * share[j] * share[l];
+  }
   return weight;
 }
 

@@ -8,10 +8,10 @@
 
 namespace tremolo {
 
-// columns: local dofs x (k + k(k+1)/2), the modes followed by the derivatives, column k +
-// pair_index(i, j); together the input of the basis. residual: largest |K Phi + H| / |H| of the
-// derivatives (H self-balancing for a free body); it also reveals a factor that is not that of K,
-// as PETSc options may cause.
+// columns: local dofs x (k + k(k+1)/2 + thirds), the modes followed by the derivatives, column k +
+// pair_index(i, j), and by those of third order (third_derivatives.h); together the input of the
+// basis. residual: largest |K X + H| / |H| of the derivatives (H self-balancing for a free body);
+// it also reveals a factor that is not that of K, as PETSc options may cause.
 struct ModalDerivatives {
   Columns columns;
   Eigen::Index modes = 0;
@@ -20,11 +20,7 @@ struct ModalDerivatives {
 };
 
 // Computes the modal derivatives. modes: local dofs x k, M-orthonormal; psi: the same at all
-// vertices, 3n x k. solver: prepared. Columns are processed in blocks, with CHOLMOD as many at a
-// time as there are threads, so that only those blocks exist twice. If the body has rigid motions,
-// K is singular: the right-hand side is made self-balancing, an iteration with the factor of K + sM
-// converges to the solution on the complement of the motions, and Phi has no component along them.
-// Throws Failure (kSolver) if the iteration does not converge.
+// vertices, 3n x k. solver: prepared. Throws Failure as solve_at_rest.
 ModalDerivatives modal_derivatives(const Solid& solid, const LocalDofs& local, const Pencil& pencil,
                                    const ShiftedSolver& solver, const Columns& modes,
                                    const BasisRows& psi);

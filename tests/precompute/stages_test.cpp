@@ -14,6 +14,7 @@
 #include "precompute/reduction/coefficients.h"
 #include "precompute/reduction/derivatives.h"
 #include "precompute/reduction/polynomial_check.h"
+#include "precompute/reduction/third_derivatives.h"
 #include "precompute/system/failure.h"
 #include "tests/support/assembled_body.h"
 #include "tests/support/box_mesh.h"
@@ -242,6 +243,52 @@ TEST_P(BlockDerivatives, AreTheCurvatureOfTheStaticPath) {
   const double p = 1e-3;
   EXPECT_NEAR(deviation(p, false) / deviation(p / 2, false), 4.0, 0.2);  // second order without
   EXPECT_NEAR(deviation(p, true) / deviation(p / 2, true), 8.0, 0.4);    // third order with
+}
+
+// Along u(p) = Psi p + 1/2 Phi pp + 1/6 Xi ppp the static force stays K Psi p to third order, in
+// every direction p of the leading modes.
+TEST_P(BlockDerivatives, OfThirdOrderFollowTheStaticPath) {
+  constexpr int kModes = 3;
+  DerivedBlock derived(GetParam(), kModes);
+  const Block& block = derived.block;
+  add_third_derivatives(block.solid, block.map, block.local, derived.solved.pencil,
+                        *derived.solved.solver, derived.psi, kModes, derived.derivatives);
+  EXPECT_LE(derived.derivatives.residual, 1e-9);
+  const Columns& columns = derived.derivatives.columns;
+  const auto orders = third_orders_of(kModes, columns.cols());
+  ASSERT_EQ(orders.size(), 10u);
+  const Eigen::MatrixXd rows = expand_to_vertices(block.map, block.local, columns);
+  const Columns k_psi = multiply(block.matrices.stiffness.get(), derived.modes.vectors);
+  const Eigen::MatrixXd linear = expand_to_vertices(block.map, block.local, k_psi);
+  const Eigen::Vector3d direction(1.0, -0.6, 0.4);
+  const auto deviation = [&](double scale, bool third) {
+    const Eigen::Vector3d p = scale * direction;
+    Field u = rows.leftCols(kModes) * p;
+    for (int j = 0; j < kModes; ++j)
+      for (int i = 0; i <= j; ++i)
+        u += (i == j ? 0.5 : 1.0) * p[i] * p[j] *
+             rows.col(kModes + static_cast<Eigen::Index>(pair_index(i, j)));
+    for (std::size_t n = 0; third && n < orders.size(); ++n) {
+      const auto [i, j, l] = orders[n];
+      const double often = i == l ? 1.0 / 6.0 : i == j || j == l ? 0.5 : 1.0;
+      u += often * p[i] * p[j] * p[l] * rows.col(rows.cols() - 10 + static_cast<Eigen::Index>(n));
+    }
+    Field force = internal_force(block.solid, u);
+    for (VertexId v : block.fixed) force.segment<3>(3 * Eigen::Index{v}).setZero();
+    return (force - linear * p).norm();
+  };
+  const double p = 2e-3;
+  EXPECT_NEAR(deviation(p, false) / deviation(p / 2, false), 8.0, 0.4);  // third order without
+  EXPECT_NEAR(deviation(p, true) / deviation(p / 2, true), 16.0, 0.8);   // fourth order with
+}
+
+TEST(ThirdDerivatives, AreAlongTheModesThatAreAsSoftAsTheFirst) {
+  EXPECT_EQ(leading_modes(Eigen::Vector3d(1.0, 1.4, 1.5)), 1);
+  EXPECT_EQ(leading_modes(Eigen::Vector4d(1.0, 1.0, 1.3, 1.3)), 3);
+  EXPECT_EQ(third_orders(4, 1).size(), 4u);
+  EXPECT_EQ(third_orders(4, 2).size(), 4u + 2u * 3u);
+  EXPECT_TRUE(third_orders_of(4, 4 + 10).empty());
+  EXPECT_EQ(third_orders_of(4, 4 + 10 + 10).size(), 10u);
 }
 
 TEST(FreeDerivatives, OfAFreeBodyBalanceTheirLoadAndHoldNoRigidMotion) {

@@ -122,6 +122,28 @@ TEST_P(Elements, SecondDerivativeIsThePolarFormOfTheForce) {
   EXPECT_LE((direct - polar).norm(), 1e-12 * polar.norm());
 }
 
+// The odd part of the force without its linear part, f(v) - f(-v) - (f(2v) - f(-2v)) / 2 = -2 C[v,
+// v, v]; C[a, b, c] is the difference of such cubes over the signs of b and c.
+TEST_P(Elements, ThirdDerivativeIsThePolarFormOfTheForce) {
+  const TetMesh mesh = sample_mesh(GetParam());
+  const Solid solid = make_solid(mesh, kMaterial);
+  const std::array<Field, 3> fields{random_field(mesh, 0.1, 6), random_field(mesh, 0.2, 7),
+                                    random_field(mesh, 0.15, 8)};
+  std::vector<int> elements, rows;
+  for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) elements.push_back(static_cast<int>(e));
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) rows.push_back(static_cast<int>(3 * v));
+  Field direct = Field::Zero(fields[0].size());
+  add_third_derivative(solid, elements, fields, rows, direct.data());
+  const auto odd = [&](const Field& v) -> Field {
+    return internal_force(solid, v) - internal_force(solid, -v);
+  };
+  const auto cube = [&](const Field& v) -> Field { return odd(2.0 * v) / 2.0 - odd(v); };
+  const auto& [a, b, c] = fields;
+  const Field polar =
+      (cube(a + b + c) - cube(a + b - c) - cube(a - b + c) + cube(a - b - c)) / 24.0;
+  EXPECT_LE((direct - polar).norm(), 1e-12 * polar.norm());
+}
+
 TEST_P(Elements, StretchedBarHasTheClosedFormEnergy) {
   // Uniform stretch s along x without lateral strain: E_xx = s + s^2/2.
   const TetMesh mesh = sample_mesh(GetParam());
