@@ -3,13 +3,13 @@
 #include <deque>
 
 #include "common/packed_index.h"
+#include "precompute/reduction/third_derivatives.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {
 namespace {
 
 constexpr Eigen::Index kAnyRows = -1;
-constexpr Eigen::Index kMostDerivatives = 1 << 24;  // those of 5 000 modes
 
 // Collects named values for a file. The values and the writer must outlive the result of arrays().
 class StageWriter {
@@ -192,14 +192,25 @@ void keep_derivatives(Checkpoint& checkpoint, const ModalDerivatives& derivative
   });
 }
 
+namespace {
+
+// Throws Failure unless k modes have so many derivatives, with or without those of third order.
+void require_derivatives(Eigen::Index k, Eigen::Index count) {
+  const Eigen::Index thirds = count - static_cast<Eigen::Index>(pair_count(k));
+  if (thirds != std::ssize(third_orders_of(k, k + count)))
+    throw Failure(
+        content_error(std::to_string(count) + " derivatives of " + std::to_string(k) + " modes"));
+}
+
+}  // namespace
+
 std::optional<ModalDerivatives> find_derivatives(Checkpoint& checkpoint, const Columns& modes) {
   return find<ModalDerivatives>(checkpoint, "derivatives",
                                 [&](auto& archive, ModalDerivatives& derivatives) {
                                   Eigen::Index count = 0;
                                   archive("count", count);
                                   Columns vectors;
-                                  if (count < 0 || count > kMostDerivatives)
-                                    throw Failure(content_error("no number of derivatives"));
+                                  require_derivatives(modes.cols(), count);
                                   archive("vectors", vectors, modes.rows(), count);
                                   archive("residual", derivatives.residual);
                                   derivatives.modes = modes.cols();

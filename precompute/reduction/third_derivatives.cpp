@@ -31,7 +31,7 @@ std::vector<std::array<int, 3>> third_orders_of(Eigen::Index modes, Eigen::Index
 }
 
 int leading_modes(const Eigen::VectorXd& squared_frequencies) {
-  constexpr double kAsSoft = 4.0 / 3.0;
+  constexpr double kAsSoft = 1.05;
   const Eigen::Index count = std::min<Eigen::Index>(kMost, squared_frequencies.size());
   return static_cast<int>(
       (squared_frequencies.head(count).array() <= kAsSoft * squared_frequencies[0]).count());

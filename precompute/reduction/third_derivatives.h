@@ -22,8 +22,8 @@ std::vector<std::array<int, 3>> third_orders(Eigen::Index modes, int leading);
 // has any.
 std::vector<std::array<int, 3>> third_orders_of(Eigen::Index modes, Eigen::Index columns);
 
-// Returns how many modes are as soft as the first: omega^2 at most 4/3 of the lowest, three at
-// most.
+// Returns how many modes are as soft as the first: omega^2 at most 5 % above the lowest,
+// three at most. Of those that a symmetric body has twice none is preferred.
 int leading_modes(const Eigen::VectorXd& squared_frequencies);
 
 // Appends Xi_ijl for third_orders(k, leading) to the columns. psi: the modes at

@@ -13,7 +13,8 @@
 # OUT/MODEL.csv keeps what is done: a second start goes on. Then OUT/error.csv, OUT/table.md and
 # OUT/error-against-r.png are made of all there is.
 #
-# Environment: ORDERS (5 10 15 20 30 40 60), TARGET (0.02: a basis of --target-error beside them; empty:
+# Environment: ELEMENTS (1: order of the elements; with 2 the whole mesh's motion takes hours),
+# DERIVATIVES (3: up to which order), ORDERS (of the basis, r: 5 10 15 20 30 40 60), TARGET (0.02: a basis of --target-error beside them; empty:
 # none), STEP (0.003 s), DURATION (0.45 s), THREADS (1).
 set -euo pipefail
 
@@ -23,7 +24,7 @@ shift 2
 models=${*:-beam horse heart bridge basket tower}
 root=$(cd "$(dirname "$0")/../.." && pwd)
 orders=${ORDERS:-5 10 15 20 30 40 60}
-target=${TARGET-0.02}
+target=${TARGET-0.02} elements=${ELEMENTS:-1} derivatives=${DERIVATIVES:-3}
 step=${STEP:-0.003} duration=${DURATION:-0.45} threads=${THREADS:-1}
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 mkdir -p "$out"
@@ -72,7 +73,7 @@ make_basis() { # MODEL NAME OPTIONS...
   local model=$1 file=$out/work-$1/$2.tremolo
   shift 2
   [ -s "$file" ] || "$bin/tremolo-precompute" "$root/assets/meshes/$model.msh" \
-    --config "$root/assets/models/$model.toml" "$@" --no-certify --threads "$threads" \
+    --config "$root/assets/models/$model.toml" "$@" --order "$elements" --derivatives "$derivatives" --no-certify --threads "$threads" \
     -o "$file" 2> "${file%.tremolo}.log"
 }
 
@@ -105,7 +106,7 @@ study() { # MODEL
     [ ${#pending[@]} -gt 0 ] || continue
     # Code 4: one of the reduced models broke off; the others are told.
     "$bin/tremolo-precompute" reference "$root/assets/meshes/$model.msh" \
-      --config "$root/assets/models/$model.toml" --integrator avf --load "$load" --step "$step" \
+      --config "$root/assets/models/$model.toml" --integrator avf --load "$load" --step "$step" --order "$elements" \
       --duration "$duration" --threads "$threads" "${compare[@]}" --out "$work/$load" --json \
       > "$work/$load.json" 2> "$work/$load.log" || [ $? = 4 ]
     local rows=() file
