@@ -73,7 +73,8 @@ make_basis() { # MODEL NAME OPTIONS...
   local model=$1 file=$out/work-$1/$2.tremolo
   shift 2
   [ -s "$file" ] || "$bin/tremolo-precompute" "$root/assets/meshes/$model.msh" \
-    --config "$root/assets/models/$model.toml" "$@" --order "$elements" --derivatives "$derivatives" --no-certify --threads "$threads" \
+    --config "$root/assets/models/$model.toml" "$@" --order "$elements" \
+    --derivatives "$derivatives" --no-certify --threads "$threads" \
     -o "$file" 2> "${file%.tremolo}.log"
 }
 
@@ -106,7 +107,7 @@ study() { # MODEL
     [ ${#pending[@]} -gt 0 ] || continue
     # Code 4: one of the reduced models broke off; the others are told.
     "$bin/tremolo-precompute" reference "$root/assets/meshes/$model.msh" \
-      --config "$root/assets/models/$model.toml" --integrator avf --load "$load" --step "$step" --order "$elements" \
+      --config "$root/assets/models/$model.toml" --order "$elements" --integrator avf --load "$load" --step "$step" \
       --duration "$duration" --threads "$threads" "${compare[@]}" --out "$work/$load" --json \
       > "$work/$load.json" 2> "$work/$load.log" || [ $? = 4 ]
     local rows=() file
