@@ -173,6 +173,7 @@ bool run_stages(Run& run, const MachineLimits& machine, StageLog& log, TargetSea
     source.directions = std::move(choice.directions);
   }
   store_basis(stage(basis_stage(run, system, modes, psi, source)), run, result);
+  result.data.inertia = stage(inertia_stage(run, system));
   if (!request.linear) store_coefficients(stage(coefficients_stage(run, system)), result);
 
   result.findings.resumed = run.checkpoint.found();

@@ -9,6 +9,7 @@
 #include "precompute/ranks/halo.h"
 #include "precompute/reduction/basis.h"
 #include "precompute/reduction/coefficients.h"
+#include "precompute/reduction/inertia.h"
 #include "precompute/reduction/polynomial_check.h"
 #include "precompute/target_error.h"
 
@@ -95,6 +96,22 @@ FinishedCoefficients compute_coefficients(const Run& run, const System& system) 
   return coefficients;
 }
 
+InertiaIntegrals integrate_inertia(const Run& run, const System& system) {
+  const PrecomputeResult& result = run.result;
+  const MassKind kind = run.request.mass;
+  InertiaIntegrals inertia =
+      basis_inertia(system.solid, result.local.counted, result.local, result.rows, kind);
+  if (!system.part) {
+    add_rest_moments(system.solid, kind, inertia);
+    return inertia;
+  }
+  const Problem& problem = result.problem;
+  Solid whole = make_solid(problem.mesh, problem.materials);
+  whole.point_mass = mass_of_vertices(problem.point_masses, problem.mesh.vertices.size());
+  add_rest_moments(whole, kind, inertia);
+  return inertia;
+}
+
 }  // namespace
 
 Stage<TargetChoice> target_stage(const Run& run, const System& system, const Modes& modes,
@@ -128,6 +145,17 @@ Stage<FinishedBasis> basis_stage(const Run& run, const System& system, const Mod
           .work = [&run, columns](const FinishedBasis&) { return work_on_columns(run, columns); },
           .find = [&source] { return std::exchange(source.finished, std::nullopt); },
           .keep = [&run](const FinishedBasis& made) { keep_basis(run.checkpoint, made); }};
+}
+
+Stage<InertiaIntegrals> inertia_stage(const Run& run, const System& system) {
+  const auto outcome = [](const InertiaIntegrals& made) {
+    const Eigen::Vector3d centre = made.first_moment / made.mass;
+    return text("%.4g kg, centre of mass %.4g %.4g %.4g m", made.mass, centre.x(), centre.y(),
+                centre.z());
+  };
+  return {.name = "inertia",
+          .make = [&run, &system] { return integrate_inertia(run, system); },
+          .outcome = outcome};
 }
 
 Stage<FinishedCoefficients> coefficients_stage(const Run& run, const System& system) {

@@ -70,6 +70,7 @@ Stage<FinishedBasis> basis_stage(const Run& run, const System& system, const Mod
                                  const BasisRows& psi, BasisSource& source);
 
 // Uses the rows of the result.
+Stage<InertiaIntegrals> inertia_stage(const Run& run, const System& system);
 Stage<FinishedCoefficients> coefficients_stage(const Run& run, const System& system);
 
 }  // namespace tremolo

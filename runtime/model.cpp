@@ -52,6 +52,7 @@ Status check_load(const DefaultLoad& load) {
 Status read_total_counts(BasisReader& reader, BasisData& data) {
   data.vertex_count = reader.dimensions().vertices;
   data.tetrahedron_count = reader.dimensions().tetrahedra;
+  data.rigid_mode_count = reader.dimensions().rigid;
   Result<Eigen::VectorXd> lambda = read_lambda(reader);
   if (!lambda) return lambda.error();
   data.lambda = std::move(*lambda);
@@ -87,6 +88,27 @@ Result<RenderBlock> leading_columns(const RenderBlock& render, Eigen::Index mode
   return leading;
 }
 
+Status check_inertia(const InertiaIntegrals& inertia, Eigen::Index modes) {
+  const auto pairs = static_cast<Eigen::Index>(pair_count(static_cast<std::size_t>(modes)));
+  if (inertia.linear.rows() != 12 || inertia.linear.cols() != modes || inertia.B.rows() != 9 ||
+      inertia.B.cols() != pairs)
+    return content_error("the inertia integrals do not fit the basis");
+  const bool finite = inertia.first_moment.allFinite() && inertia.second_moment.allFinite() &&
+                      inertia.linear.allFinite() && inertia.B.allFinite();
+  if (!finite || !(inertia.mass > 0) || !std::isfinite(inertia.mass))
+    return content_error("the inertia integrals: a value is not finite or the mass not positive");
+  return Success{};
+}
+
+// Of the leading coordinates.
+InertiaIntegrals leading_inertia(const InertiaIntegrals& inertia, Eigen::Index modes) {
+  InertiaIntegrals leading = inertia;
+  leading.linear = inertia.linear.leftCols(modes);
+  const auto pairs = static_cast<Eigen::Index>(pair_count(static_cast<std::size_t>(modes)));
+  leading.B = inertia.B.leftCols(pairs);
+  return leading;
+}
+
 // All but the interior and the provenance.
 Result<BasisData> read_visible(BasisReader& reader, const ModelOptions& options) {
   BasisData data;
@@ -105,6 +127,9 @@ Result<BasisData> read_visible(BasisReader& reader, const ModelOptions& options)
     if (!render) return render.error();
     data.render = std::move(*render);
   }
+  Result<std::optional<InertiaIntegrals>> inertia = read_inertia(reader);
+  if (!inertia) return inertia.error();
+  data.inertia = std::move(*inertia);
   Result<DefaultLoad> load = read_default_load(reader);
   if (!load) return load.error();
   data.load = std::move(*load);
@@ -136,6 +161,11 @@ Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Ind
     if (!render) return render.error();
     model->render_ = std::move(*render);
   }
+  if (data.inertia) {
+    if (Status s = check_inertia(*data.inertia, data.lambda.size()); !s) return s.error();
+    model->inertia_ = leading_inertia(*data.inertia, modes);
+  }
+  model->rigid_mode_count_ = data.rigid_mode_count;
   model->triangles_ = data.triangles;
   model->default_load_ = data.load;
   model->vertex_count_ = data.vertex_count;

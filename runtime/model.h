@@ -80,6 +80,10 @@ class Model {
     if (!render_) return {surface_.rest, surface_.rows, triangles_, surface_.vertex_ids};
     return {render_->surface.vertices, render_->rows, render_->surface.triangles, render_->anchors};
   }
+  // Of the r coordinates. nullptr: the file has none (an imported model, or one made before these).
+  const InertiaIntegrals* inertia() const { return inertia_ ? &*inertia_ : nullptr; }
+  // Free parts times six: 6 for a body that is held nowhere.
+  std::size_t rigid_mode_count() const { return rigid_mode_count_; }
   const DefaultLoad& default_load() const { return default_load_; }  // may be empty
   std::size_t vertex_count() const { return vertex_count_; }         // of the source mesh
   std::size_t tetrahedron_count() const { return tetrahedron_count_; }
@@ -106,6 +110,8 @@ class Model {
   VertexBlock surface_;
   std::vector<Triangle> triangles_;
   std::optional<RenderBlock> render_;
+  std::optional<InertiaIntegrals> inertia_;
+  std::size_t rigid_mode_count_ = 0;
   DefaultLoad default_load_;
   std::size_t vertex_count_ = 0;
   std::size_t tetrahedron_count_ = 0;

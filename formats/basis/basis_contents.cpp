@@ -70,6 +70,24 @@ Result<std::vector<MeshEdge>> read_edges(BasisReader& reader) {
   return edges;
 }
 
+Result<std::optional<InertiaIntegrals>> read_inertia(BasisReader& reader) {
+  if (!reader.has(kInertiaRest)) return std::optional<InertiaIntegrals>();
+  const auto rest = reader.doubles(kInertiaRest);
+  if (!rest) return rest.error();
+  const auto linear = reader.doubles(kInertiaLinear);
+  if (!linear) return linear.error();
+  const auto pairs = reader.doubles(kInertiaPairs);
+  if (!pairs) return pairs.error();
+  InertiaIntegrals inertia;
+  inertia.mass = rest->front();
+  if (!(inertia.mass > 0)) return content_error("section 'inertia_rest': the mass is not positive");
+  inertia.first_moment = Eigen::Map<const Eigen::Vector3d>(rest->data() + 1);
+  inertia.second_moment = Eigen::Map<const Eigen::Matrix3d>(rest->data() + 4);
+  inertia.linear = Eigen::Map<const Eigen::MatrixXd>(linear->data(), 12, std::ssize(*linear) / 12);
+  inertia.B = Eigen::Map<const Eigen::MatrixXd>(pairs->data(), 9, std::ssize(*pairs) / 9);
+  return std::optional(std::move(inertia));
+}
+
 Result<VegaFiles> read_vega_files(BasisReader& reader) {
   VegaFiles files;
   for (const auto& [name, bytes] :
@@ -95,6 +113,7 @@ Result<BasisData> read_basis(BasisReader& reader) {
   if (Status s = take(data.load, read_default_load(reader)); !s) return s.error();
   if (Status s = take(data.edges, read_edges(reader)); !s) return s.error();
   if (Status s = take(data.render, read_render(reader)); !s) return s.error();
+  if (Status s = take(data.inertia, read_inertia(reader)); !s) return s.error();
   if (Status s = read_optional(reader, data); !s) return s.error();
   return data;
 }

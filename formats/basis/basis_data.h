@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "common/inertia_integrals.h"
 #include "common/mesh/render_surface.h"
 #include "common/mesh/surface_mesh.h"
 #include "common/mesh/tet_mesh.h"
@@ -81,6 +82,7 @@ struct BasisData {
   // displacements of these places as of any other vertex. None: linear elements.
   std::vector<MeshEdge> edges;
   std::optional<RenderBlock> render;
+  std::optional<InertiaIntegrals> inertia;  // none: an imported model, or a file made before these
 
   std::string provenance;  // a JSON object, UTF-8
   VegaFiles vega;          // read_basis() leaves them in the file: read_vega_files()

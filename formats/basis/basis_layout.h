@@ -138,6 +138,11 @@ inline constexpr std::string_view kRenderColours = "render_colours";
 // Version 1.3, of quadratic elements.
 inline constexpr std::string_view kEdgePoints = "edge_points";
 
+// Optional ones of any version: the body in a moving frame.
+inline constexpr std::string_view kInertiaRest = "inertia_rest";
+inline constexpr std::string_view kInertiaLinear = "inertia_linear";
+inline constexpr std::string_view kInertiaPairs = "inertia_pairs";
+
 // Entries of the section `coef_scales`, in this order.
 namespace coefficient_scale {
 enum : std::size_t { kCubic, kQuartic, kCount };
@@ -157,6 +162,9 @@ enum : std::size_t {
   kCount
 };
 }  // namespace dimension
+
+// Entries of the section `inertia_rest`: mass, first moment (3), second moment (3 x 3).
+inline constexpr std::uint64_t kRestMoments = 13;
 
 // Above these no file of ours goes; they keep every product of two sizes inside 64 bits.
 inline constexpr std::uint64_t kMaxModes = 4096;

@@ -139,6 +139,7 @@ Result<std::vector<MeshEdge>> read_edges(BasisReader& reader);
 // nullopt: the file has none. Errors also for an index that names nothing and names that do not
 // end.
 Result<std::optional<RenderBlock>> read_render(BasisReader& reader);
+Result<std::optional<InertiaIntegrals>> read_inertia(BasisReader& reader);
 
 // The files of an imported model; empty when it is none.
 Result<VegaFiles> read_vega_files(BasisReader& reader);

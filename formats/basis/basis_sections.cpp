@@ -28,6 +28,9 @@ std::vector<SectionShape> section_shapes(const SectionSizes& sizes) {
       {kTriangles, u32, t, 3, yes},
       {kSurfaceRest, f64, s, 3, yes},
       {kSurfaceBasis, basis, 3 * s, r, yes},
+      {kInertiaRest, f64, kRestMoments, 1, no, kInertiaLinear},
+      {kInertiaLinear, f64, r, 12, no, kInertiaPairs},
+      {kInertiaPairs, f64, pair_count(r), 9, no, kInertiaRest},
       // The first eight of the render surface need each other in a circle.
       {kRenderRest, f64, v, 3, no, kRenderBasis},
       {kRenderBasis, basis, 3 * v, r, no, kRenderAnchors},

@@ -31,6 +31,7 @@ struct Additions {
   std::array<std::uint64_t, dimension::kCount> dimensions{};
   std::string objects;  // names, each ended by a zero byte
   std::string materials;
+  std::array<double, kRestMoments> rest_moments{};  // of inertia_rest
   std::optional<CompactValues> compact;  // nullopt for a full file
 };
 
@@ -42,6 +43,14 @@ std::string joined(const std::vector<std::string>& names) {
 
 bool is_linear(const BasisData& data) {
   return data.cubic.empty() && data.quartic.empty();
+}
+
+// Mass, first moment and second moment, row by row.
+std::array<double, kRestMoments> rest_moments(const InertiaIntegrals& inertia) {
+  std::array<double, kRestMoments> moments{inertia.mass};
+  Eigen::Map<Eigen::Vector3d>(moments.data() + 1) = inertia.first_moment;
+  Eigen::Map<Eigen::Matrix3d>(moments.data() + 4) = inertia.second_moment;  // symmetric
+  return moments;
 }
 
 Error does_not_fit(std::string_view what) {
@@ -80,6 +89,7 @@ Result<Additions> make_additions(const BasisData& data, BasisEncoding encoding) 
     more.objects = joined(data.render->surface.objects);
     more.materials = joined(data.render->surface.materials);
   }
+  if (data.inertia) more.rest_moments = rest_moments(*data.inertia);
   if (encoding == BasisEncoding::kFull) return more;
   if (Status status = take(more.compact, compact_values(data)); !status) return status.error();
   return more;
@@ -132,6 +142,11 @@ Contents contents_of(const BasisData& data, const Additions& more) {
   static_assert(sizeof(MeshEdge) == 3 * sizeof(VertexId));
   if (!data.edges.empty()) contents[kEdgePoints] = bytes_of(data.edges);
   if (data.render) add_render(*data.render, more, contents);
+  if (data.inertia) {
+    contents[kInertiaRest] = bytes_of(more.rest_moments);
+    contents[kInertiaLinear] = bytes_of(data.inertia->linear);
+    contents[kInertiaPairs] = bytes_of(data.inertia->B);
+  }
   if (!data.vega.basis.empty()) contents[kVegaBasis] = bytes_of(data.vega.basis);
   if (!data.vega.cubic.empty()) contents[kVegaCubic] = bytes_of(data.vega.cubic);
   return contents;
