@@ -1,5 +1,5 @@
-// Integrals of the mass over the rest shape X and the basis fields phi_i = U_i, by which a body in a
-// moving frame is coupled to its frame (docs/theory.md, section "A body in a world").
+// Integrals of the mass over the rest shape X and the basis fields phi_i = U_i, by which a body in
+// a moving frame is coupled to its frame (docs/theory.md, section "A body in a world").
 #pragma once
 
 #include <Eigen/Core>
@@ -9,8 +9,8 @@ namespace tremolo {
 // From the mass matrix with the rows of fixed vertices; X is measured from the mesh's origin.
 // A "3 k + l" row holds the entry (k, l) of a 3 x 3 matrix.
 struct InertiaIntegrals {
-  double mass = 0;               // int rho, kg
-  Eigen::Vector3d first_moment;  // int rho X, kg m
+  double mass = 0;                // int rho, kg
+  Eigen::Vector3d first_moment;   // int rho X, kg m
   Eigen::Matrix3d second_moment;  // int rho X X^T, kg m^2
   // 12 x r: rows 0 to 2 are s_i = int rho phi_i, kg^1/2; the nine behind them are
   // A_i = int rho X phi_i^T, kg^1/2 m.

@@ -27,6 +27,34 @@ void write_positions(const std::vector<Eigen::Vector3d>& rest, const BasisRows& 
                rows.row(static_cast<Eigen::Index>(row)).dot(q);
 }
 
+bool is_of_energy_family(std::string_view method) {
+  return method == "avf" || method == "ep2" || method == "ep4";
+}
+
+Status check_frame(const Model& model, std::string_view method, FrameKind frame) {
+  if (frame == FrameKind::kFixed) return Success{};
+  const bool free = frame == FrameKind::kFree;
+  const std::string what = free ? "a free body" : "a body whose support moves";
+  if (!is_of_energy_family(method) && (free || (method != "newmark" && method != "imexv")))
+    return usage_error(what + " is not moved by '" + std::string(method) +
+                       "' but by avf, ep2, ep4" + (free ? "" : ", newmark and imexv"));
+  if (model.inertia() == nullptr)
+    return usage_error(what +
+                       " needs the inertia integrals, which this basis file has not; make "
+                       "it again with tremolo-precompute");
+  if (free && model.rigid_mode_count() != 6)
+    return usage_error(
+        "a free body needs a basis that is held nowhere and in one piece; this one "
+        "leaves out " +
+        std::to_string(model.rigid_mode_count()) +
+        " rigid motions instead of 6 (tremolo-precompute --free makes one)");
+  if (!free && model.rigid_mode_count() != 0)
+    return usage_error(
+        "a body whose support moves needs a basis that is held somewhere "
+        "(tremolo-precompute --fix); this one is free");
+  return Success{};
+}
+
 }  // namespace
 
 Status check_state(Eigen::Index modes, const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
@@ -38,12 +66,17 @@ Status check_state(Eigen::Index modes, const Eigen::VectorXd& q, const Eigen::Ve
 }
 
 Result<Body> Body::create(Model::Pointer model, std::string_view integrator,
-                          const IntegratorOptions& options) {
+                          const IntegratorOptions& wanted, FrameKind frame) {
+  IntegratorOptions options = wanted;
+  options.moving_frame = frame != FrameKind::kFixed;
   Result<std::unique_ptr<Integrator>> made = make_integrator(integrator, model, options);
   if (!made) return made.error();
+  if (Status s = check_frame(*model, (*made)->name(), frame); !s) return s.error();
   const Result<Split> band = choose_split(model->lambda(), options.step, options.split);
   if (!band) return band.error();
-  return Body(std::move(model), std::move(*made), options, band->low);
+  Body body(std::move(model), std::move(*made), options, band->low);
+  body.begin_frame(frame);
+  return body;
 }
 
 Body::Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
@@ -64,6 +97,7 @@ Status Body::set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
   if (Status s = check_state(model_->modes(), q, p); !s) return s;
   state_.q = q;
   state_.p = p;
+  if (free_) free_->set_motion(free_->rigid().velocity, free_->rigid().spin, q, p);
   integrator_->reset();
   bound_.start(total_energy());
   keep_sound_state();
@@ -74,11 +108,13 @@ Status Body::add_load(const Load& load) {
   if (load.force.size() != model_->modes() || !load.force.allFinite())
     return usage_error("a reduced load has " + std::to_string(model_->modes()) +
                        " finite coordinates");
+  if (free_) return usage_error("a free body takes forces on its vertices, not reduced ones");
   loads_.push_back(load);
   return Success{};
 }
 
 Status Body::add_load(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force) {
+  if (frame_ != FrameKind::kFixed) return add_point_force(signal, vertex, force, 0);
   Result<Eigen::VectorXd> reduced = reduce_force(*model_, vertex, force);
   if (!reduced) return reduced.error();
   return add_load({signal, std::move(*reduced)});
@@ -87,6 +123,13 @@ Status Body::add_load(const Signal& signal, VertexId vertex, const Eigen::Vector
 Status Body::add_default_load(const Signal& signal, double scale) {
   if (model_->default_load().vertices.empty())
     return usage_error("the model carries no default load; name a vertex and a force");
+  if (frame_ != FrameKind::kFixed) {
+    const DefaultLoad& load = model_->default_load();
+    for (std::size_t i = 0; i < load.vertices.size(); ++i)
+      if (Status s = add_point_force(signal, load.vertices[i], scale * load.forces[i], 0); !s)
+        return s;
+    return Success{};
+  }
   Result<Eigen::VectorXd> reduced = reduce_load(*model_, model_->default_load(), scale);
   if (!reduced) return reduced.error();
   return add_load({signal, std::move(*reduced)});
@@ -95,15 +138,18 @@ Status Body::add_default_load(const Signal& signal, double scale) {
 void Body::clear_loads() {
   loads_.clear();
   applied_.clear();
+  points_.clear();
 }
 
 void Body::clear_forces() {
   applied_.clear();
+  std::erase_if(points_, [](const PointForce& force) { return force.steps > 0; });
 }
 
 Status Body::apply_force(VertexId vertex, const Eigen::Vector3d& force, int steps) {
   if (steps < 1)
     return usage_error("a force acts for at least one step, got " + std::to_string(steps));
+  if (frame_ != FrameKind::kFixed) return add_point_force({}, vertex, force, steps);
   Result<Eigen::VectorXd> reduced = reduce_force(*model_, vertex, force);
   if (!reduced) return reduced.error();
   applied_.push_back({std::move(*reduced), steps});
@@ -118,25 +164,33 @@ void Body::gather_loads() {
     step_load_.end += applied.force;
     step_load_.active = true;
   }
+  if (driven_ || free_) gather_frame();
 }
 
 void Body::age_applied_forces() {
   for (AppliedForce& applied : applied_) --applied.steps;
   std::erase_if(applied_, [](const AppliedForce& applied) { return applied.steps == 0; });
+  // A force that acts for some steps ends with steps == -1, since 0 is one that its signal ends.
+  for (PointForce& point : points_)
+    if (point.steps > 0 && --point.steps == 0) point.steps = -1;
+  std::erase_if(points_, [](const PointForce& point) { return point.steps < 0; });
 }
 
 bool Body::load_to_come() const {
   // As sample_signal does, an end within 1e-9 of a step from now counts as now.
   const double now = time() + 1e-9 * options_.step;
-  return !applied_.empty() || std::any_of(loads_.begin(), loads_.end(), [now](const Load& load) {
-    return signal_end(load.signal) > now;
-  });
+  const bool at_points = std::any_of(
+      points_.begin(), points_.end(),
+      [now](const PointForce& point) { return point.steps > 0 || signal_end(point.signal) > now; });
+  return at_points || !applied_.empty() ||
+         std::any_of(loads_.begin(), loads_.end(),
+                     [now](const Load& load) { return signal_end(load.signal) > now; });
 }
 
 Energy Body::energy(Eigen::Index low) const {
   integrator_->synchronized_momentum(state_, momentum_);
   model_->potential().evaluate(state_.q, kWantEnergy | kWantForce, workspace_, evaluation_);
-  return {kinetic_energy(momentum_), evaluation_.energy,
+  return {frame_kinetic(momentum_), evaluation_.energy,
           band_energy(model_->lambda(), evaluation_.force, momentum_, low)};
 }
 
@@ -150,6 +204,7 @@ Status Body::surface_positions(std::span<double> out) const {
   if (Status s = check_buffer(drawn_numbers(*model_), out.size(), "positions"); !s) return s;
   const DrawnSurface drawn = model_->drawn();
   write_positions(drawn.rest, drawn.rows, state_.q, out);
+  to_world(out, true);
   return Success{};
 }
 
@@ -157,12 +212,14 @@ Status Body::boundary_positions(std::span<double> out) const {
   const VertexBlock& surface = model_->surface();
   if (Status s = check_buffer(3 * surface.rest.size(), out.size(), "positions"); !s) return s;
   write_positions(surface.rest, surface.rows, state_.q, out);
+  to_world(out, true);
   return Success{};
 }
 
 Status Body::surface_positions(std::span<float> out) const {
   if (Status s = check_buffer(drawn_numbers(*model_), out.size(), "positions"); !s) return s;
   tremolo::surface_positions(model_->surface_basis(), state_.q, surface_, out);
+  to_world(out, true);
   return Success{};
 }
 
@@ -172,6 +229,8 @@ Status Body::surface(std::span<float> positions, std::span<float> normals) const
   if (Status s = check_buffer(needed, normals.size(), "normals"); !s) return s;
   surface_with_normals(model_->surface_basis(), model_->drawn().triangles, state_.q, surface_,
                        positions, normals);
+  to_world(positions, true);
+  to_world(normals, false);
   return Success{};
 }
 

@@ -14,6 +14,9 @@
 #include "runtime/display/surface.h"
 #include "runtime/energy.h"
 #include "runtime/energy_bound.h"
+#include "runtime/frames/driven_frame.h"
+#include "runtime/frames/free_frame.h"
+#include "runtime/frames/point_force.h"
 #include "runtime/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
@@ -26,13 +29,21 @@ Status check_state(Eigen::Index modes, const Eigen::VectorXd& q, const Eigen::Ve
 // Energies are looked at every so many steps: a look costs at most a force.
 inline constexpr int kStepsBetweenLooks = 8;
 
+// What holds a body. kFixed: its support stands still in the world, the mesh's frame is the
+// world's. kDriven: its support follows poses that are given step by step. kFree: nothing does; it
+// falls, turns and deforms, each acting on the other.
+enum class FrameKind { kFixed, kDriven, kFree };
+
 // Starts at rest in the rest shape at time 0. Not thread-safe; different bodies of one model may
 // step on different threads.
 class Body {
  public:
-  // Errors as make_integrator.
+  // Errors as make_integrator; kUsage for a method that the frame does not go with (kDriven: avf,
+  // ep2, ep4, newmark, imexv; kFree: avf, ep2, ep4) and for a model that has no inertia integrals,
+  // or holds on somewhere where it should be free or the other way round.
   static Result<Body> create(Model::Pointer model, std::string_view integrator = kDefaultIntegrator,
-                             const IntegratorOptions& options = {});
+                             const IntegratorOptions& options = {},
+                             FrameKind frame = FrameKind::kFixed);
 
   const Model& model() const { return *model_; }
   const Model::Pointer& model_pointer() const { return model_; }
@@ -46,7 +57,36 @@ class Body {
   // kUsage otherwise, and nothing is changed.
   Status set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p);
 
-  // Adds a load in time; its signal's clock is time().
+  // Where the frame is; that of a kFixed body is the world's. Vertices are at pose() (X + U q).
+  FrameKind frame() const { return frame_; }
+  Pose pose() const;
+  // Puts the body elsewhere without a kick: a driven frame is then at rest, a free body keeps its
+  // velocities, as its own axes see them its spin. kUsage for a fixed body, or a pose that is not
+  // finite or whose rotation is not of length one to 1e-6.
+  Status set_pose(const Pose& pose);
+
+  // Where the frame of a driven body is at the end of the next step; without a call it stands
+  // still. With `motion` the accelerations of that step are known; without, they are extrapolated
+  // from the poses so far (runtime/frames/driven_frame.h). Errors as set_pose, kUsage if the body
+  // is not driven.
+  Status move_to(const Pose& next);
+  Status move_to(const Pose& next, const FrameMotion& motion);
+
+  // Of a free body. velocity: of the centre of mass, m/s, world. spin: rad/s, along the body's
+  // axes. kUsage if the body is not free or a value is not finite.
+  Status set_motion(const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin);
+  // Zeros unless the body is free.
+  RigidState rigid_state() const { return free_ ? free_->rigid() : RigidState{}; }
+  Eigen::Vector3d linear_momentum() const;   // kg m/s
+  Eigen::Vector3d angular_momentum() const;  // about the world's origin, N m s
+
+  // m/s^2, world; from the next step on. kUsage if it is not finite, or not zero and the model has
+  // no inertia integrals.
+  Status set_gravity(const Eigen::Vector3d& gravity);
+  const Eigen::Vector3d& gravity() const { return gravity_; }
+
+  // Adds a load in time; its signal's clock is time(). Forces on vertices are along the world's
+  // axes, whatever the frame does; reduced ones along the frame's, and not for a free body.
   Status add_load(const Load& load);  // kUsage if its force is not r long and finite
   Status add_load(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force);  // N
   // The model's default load, times scale. kUsage if the model has none.
@@ -70,11 +110,16 @@ class Body {
   // True if a load can still act on a step to come.
   bool load_to_come() const;
 
-  // Since the start, J: work of the loads, average . (q1 - q0) a step plus what the method adds to
+  // Since the start, J: work of all that pushes, of which support_work() and gravity_work() are
+  // parts: of the loads, average . (q1 - q0) a step plus what the method adds to
   // it (exact for midpoint-type and energy-preserving methods, second order for the others), and
   // what damping took.
   double work() const { return work_; }
   double dissipated() const { return dissipated_; }
+  // What the frame did to the motion relative to it, by its accelerations, and gravity (to
+  // a driven body's relative motion, or to all of a free body).
+  double support_work() const { return support_work_; }
+  double gravity_work() const { return gravity_work_; }
   std::int64_t iterations() const { return iterations_; }      // of all steps
   std::int64_t halved_steps() const { return halved_steps_; }  // steps that were taken in parts
 
@@ -87,7 +132,10 @@ class Body {
   // U_vertex q, m. Errors as Model::vertex.
   Result<Eigen::Vector3d> displacement(VertexId vertex) const;
 
-  // X + U q of the drawn surface's vertices, x y z x y z ..., m. out: 3 *
+  // pose() (X + U_vertex q), m. Errors as Model::vertex.
+  Result<Eigen::Vector3d> position(VertexId vertex) const;
+
+  // pose() (X + U q) of the drawn surface's vertices, x y z x y z ..., m. out: 3 *
   // model().drawn().rest.size() long, else kUsage. The double variant allocates nothing. The float
   // variant reads rows that the model makes for it when they are first asked for
   // (runtime/display/surface.h, where its error is told), and allocates nothing after that.
@@ -109,7 +157,18 @@ class Body {
 
   Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
        const IntegratorOptions& options, Eigen::Index low);
+  void begin_frame(FrameKind frame);
+  Status check_pose(const Pose& pose) const;
+  Status add_point_force(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force,
+                         int steps);
   void gather_loads();
+  void gather_frame();
+  void gather_on_free();
+  StepReport advance();
+  double end_frame_step(bool made);
+  double frame_kinetic(const Eigen::VectorXd& p) const;
+  template <class Number>
+  void to_world(std::span<Number> vectors, bool places) const;
   void age_applied_forces();
   double kick() const;
   double total_energy() const;
@@ -124,6 +183,14 @@ class Body {
   IntegratorOptions options_;
   Eigen::Index low_;  // where the high band begins
   State state_;
+  FrameKind frame_ = FrameKind::kFixed;
+  std::unique_ptr<DrivenFrame> driven_;  // also of a fixed body on which gravity acts
+  std::unique_ptr<FreeFrame> free_;
+  Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
+  std::vector<PointForce> points_;  // of a body whose frame moves
+  std::vector<StepForce> step_forces_;
+  RigidState rigid_before_, sound_rigid_;
+  bool energy_method_ = false;  // the integrator reads StepLoad::coupling
   std::vector<Load> loads_;
   std::vector<AppliedForce> applied_;
   StepLoad step_load_;
@@ -133,11 +200,15 @@ class Body {
   std::int64_t halved_steps_ = 0;
   double work_ = 0.0;
   double dissipated_ = 0.0;
+  double support_work_ = 0.0;
+  double gravity_work_ = 0.0;
   EnergyBound bound_;
   int steps_since_look_ = 0;
   State sound_;  // at the last sound look; work and dissipation then
   double sound_work_ = 0.0;
   double sound_dissipated_ = 0.0;
+  double sound_support_work_ = 0.0;
+  double sound_gravity_work_ = 0.0;
   mutable PotentialWorkspace workspace_;
   mutable Evaluation evaluation_;
   mutable Eigen::VectorXd momentum_;

@@ -16,10 +16,11 @@ StepReport Body::step() {
     return explain(report);
   }
   q_before_ = state_.q;
-  StepReport report = integrator_->step(state_, step_load_);
+  StepReport report = advance();
   iterations_ += report.iterations;
+  const double frame_work = end_frame_step(report.converged);
   if (!report.converged) return explain(report);
-  const double work = step_load_.average.dot(state_.q - q_before_) + report.extra_work;
+  const double work = frame_work + step_load_.average.dot(state_.q - q_before_) + report.extra_work;
   work_ += work;
   dissipated_ += report.dissipated;
   bound_.put_in(work, kick);
@@ -50,7 +51,7 @@ double Body::kick() const {
 // T + V, from what the method knows if it does.
 double Body::total_energy() const {
   integrator_->synchronized_momentum(state_, momentum_);
-  const double kinetic = kinetic_energy(momentum_);
+  const double kinetic = frame_kinetic(momentum_);
   if (const std::optional<double> known = integrator_->known_potential(state_.q))
     return kinetic + *known;
   model_->potential().evaluate(state_.q, kWantEnergy, workspace_, evaluation_);
@@ -59,7 +60,7 @@ double Body::total_energy() const {
 
 // The energy named at kEnergyRounding, with the momentum that total_energy() left.
 double Body::harmonic_energy() const {
-  return kinetic_energy(momentum_) +
+  return frame_kinetic(momentum_) +
          0.5 * (model_->lambda().array() * state_.q.array().square()).sum();
 }
 
@@ -75,15 +76,21 @@ bool Body::look() {
 void Body::keep_sound_state() {
   steps_since_look_ = 0;
   sound_ = state_;
+  if (free_) sound_rigid_ = free_->rigid();
   sound_work_ = work_;
   sound_dissipated_ = dissipated_;
+  sound_support_work_ = support_work_;
+  sound_gravity_work_ = gravity_work_;
 }
 
 void Body::put_back() {
   steps_since_look_ = 0;
   state_ = sound_;
+  if (free_) free_->restore(sound_rigid_);
   work_ = sound_work_;
   dissipated_ = sound_dissipated_;
+  support_work_ = sound_support_work_;
+  gravity_work_ = sound_gravity_work_;
   integrator_->reset();
 }
 

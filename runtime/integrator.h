@@ -53,7 +53,8 @@ struct StepReport {
 // energy-preserving methods, in the energy; below 1e-14 rounding may keep the solve from
 // converging. Methods whose energy it shows in take it times (h omega_1)^3/1e-5 where that is less
 // than one, so that a smaller step never drifts more for its solves. halvings: how often a step
-// whose solve failed may be cut in two; 0 gives up at once.
+// whose solve failed may be cut in two; 0 gives up at once. moving_frame: StepLoad::coupling will be
+// set, which only the energy-preserving family reads.
 struct IntegratorOptions {
   double step = 3e-3;
   double alpha = 0.0;
@@ -64,6 +65,7 @@ struct IntegratorOptions {
   double tolerance = 1e-6;
   int max_iterations = 20;
   int halvings = 6;
+  bool moving_frame = false;
 };
 
 // What a body, a group of a World, the C header and the programs take unless told otherwise: it

@@ -9,7 +9,7 @@ namespace tremolo {
 
 StepLoad make_step_load(Eigen::Index modes) {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(modes);
-  return {zero, zero, zero, false};
+  return {zero, zero, zero};
 }
 
 void sample_loads(const std::vector<Load>& loads, double time, double step, StepLoad& out) {
@@ -41,6 +41,7 @@ void restrict_load(const StepLoad& load, double a, double b, StepLoad& out) {
   out.average = (1.0 - middle - 0.5 * bend) * load.start + (middle - 0.5 * bend) * load.end +
                 bend * load.average;
   out.active = load.active;
+  out.coupling = load.coupling;
 }
 
 Result<Eigen::VectorXd> reduce_force(const Model& model, VertexId vertex,

@@ -23,12 +23,16 @@ struct Load {
   Eigen::VectorXd force;
 };
 
+class StepCoupling;
+
 // The sum of all loads over one step; each r long. active: some signal is not zero in the step.
+// coupling: what a moving frame adds, for the methods that take it; else null.
 struct StepLoad {
   Eigen::VectorXd start;
   Eigen::VectorXd average;
   Eigen::VectorXd end;
   bool active = false;
+  StepCoupling* coupling = nullptr;
 };
 
 StepLoad make_step_load(Eigen::Index modes);  // zero

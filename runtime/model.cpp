@@ -12,6 +12,7 @@
 #include "formats/basis/basis_reader.h"
 #include "runtime/display/interior_rows.h"
 #include "runtime/display/surface.h"
+#include "runtime/frames/frame_inertia.h"
 
 namespace tremolo {
 namespace {
@@ -220,6 +221,21 @@ const SurfaceBasis& Model::surface_basis() const {
         render_ ? make_surface_basis(*render_) : make_surface_basis(surface_, triangles_));
   });
   return *surface_basis_;
+}
+
+std::shared_ptr<const FrameInertia> Model::inertia_about_origin() const {
+  std::call_once(origin_once_, [this] {
+    about_origin_ = std::make_shared<const FrameInertia>(*inertia_, Eigen::Vector3d::Zero());
+  });
+  return about_origin_;
+}
+
+std::shared_ptr<const FrameInertia> Model::inertia_about_centre() const {
+  std::call_once(centre_once_, [this] {
+    const Eigen::Vector3d centre = inertia_->first_moment / inertia_->mass;
+    about_centre_ = std::make_shared<const FrameInertia>(*inertia_, centre);
+  });
+  return about_centre_;
 }
 
 Result<VertexRows> Model::vertex(VertexId id) const {

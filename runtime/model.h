@@ -19,6 +19,7 @@ namespace tremolo {
 
 class InteriorRows;
 struct SurfaceBasis;
+struct FrameInertia;
 
 // modes: the level of detail, the number of leading coordinates that are kept; 0 keeps all.
 // linear: V = 1/2 q^T Lambda q, the cubic and quartic terms are neither read nor kept.
@@ -82,6 +83,10 @@ class Model {
   }
   // Of the r coordinates. nullptr: the file has none (an imported model, or one made before these).
   const InertiaIntegrals* inertia() const { return inertia_ ? &*inertia_ : nullptr; }
+  // The same about the mesh's origin, or about the centre of mass, made when it is first asked for;
+  // the model must have inertia(). Thread-safe; may throw bad_alloc.
+  std::shared_ptr<const FrameInertia> inertia_about_origin() const;
+  std::shared_ptr<const FrameInertia> inertia_about_centre() const;
   // Free parts times six: 6 for a body that is held nowhere.
   std::size_t rigid_mode_count() const { return rigid_mode_count_; }
   const DefaultLoad& default_load() const { return default_load_; }  // may be empty
@@ -111,6 +116,8 @@ class Model {
   std::vector<Triangle> triangles_;
   std::optional<RenderBlock> render_;
   std::optional<InertiaIntegrals> inertia_;
+  mutable std::once_flag origin_once_, centre_once_;
+  mutable std::shared_ptr<const FrameInertia> about_origin_, about_centre_;
   std::size_t rigid_mode_count_ = 0;
   DefaultLoad default_load_;
   std::size_t vertex_count_ = 0;

@@ -32,7 +32,7 @@ struct Additions {
   std::string objects;  // names, each ended by a zero byte
   std::string materials;
   std::array<double, kRestMoments> rest_moments{};  // of inertia_rest
-  std::optional<CompactValues> compact;  // nullopt for a full file
+  std::optional<CompactValues> compact;             // nullopt for a full file
 };
 
 std::string joined(const std::vector<std::string>& names) {

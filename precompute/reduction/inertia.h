@@ -14,7 +14,8 @@ namespace tremolo {
 InertiaIntegrals basis_inertia(const Solid& solid, std::size_t count, const LocalDofs& local,
                                const BasisRows& basis, MassKind kind);
 
-// Fills mass and moments of the rest shape, those of fixed vertices included. whole: the whole mesh.
+// Fills mass and moments of the rest shape, those of fixed vertices included. whole: the whole
+// mesh.
 void add_rest_moments(const Solid& whole, MassKind kind, InertiaIntegrals& inertia);
 
 }  // namespace tremolo

@@ -56,6 +56,7 @@
 #include <span>
 #include <utility>
 
+#include "runtime/frames/step_coupling.h"
 #include "runtime/integrators/methods.h"
 #include "runtime/integrators/solve/inertia_filter.h"
 #include "runtime/integrators/solve/newton.h"
@@ -70,8 +71,8 @@ using Eigen::VectorXd;
 constexpr double kFilterShare = 1e-3;  // N is off by less than this share of a residual
 constexpr double kSurplus = 1e-2;      // of the tolerance, after one correction from a prediction
 constexpr int kFilterFollows = 3;      // corrections at most, lest N and d chase each other
-constexpr double kFarthestFix = 0.1;   // of T(p1): no larger energy defect is given back
-constexpr double kStrict = 1e-13;  // the solve's tolerance where the defect cannot be given back
+constexpr double kFarthestFix = 0.1;  // of T(p1): no larger energy defect is given back (give_back)
+constexpr double kStrict = 1e-13;     // the solve's tolerance where the defect cannot be given back
 
 template <class Filter>
 class EnergyPreserving final : public Integrator {
@@ -103,6 +104,7 @@ class EnergyPreserving final : public Integrator {
     q0_ = &state.q;
     p0_ = &state.p;
     load_ = &load;
+    if (load.coupling != nullptr) load.coupling->begin(h_, state.q, state.p);
     StepReport report = solve(state);
     report.converged = report.converged && q1_.allFinite() && dp_hat_.allFinite();
     if (!report.converged) return report;
@@ -114,8 +116,10 @@ class EnergyPreserving final : public Integrator {
     if (fourth_order() && load.active)
       report.extra_work = h_ / 12.0 * (load.end - load.start).dot(dp);
     state.q = q1_;
-    state.p += dp;
-    give_back(defect, state.p);
+    if (load.coupling == nullptr || !load.coupling->finish(d_, defect, state.p)) {
+      state.p += dp;
+      give_back(defect, 0.5 * state.p.squaredNorm(), state.p);
+    }
     if constexpr (Filter::kFollowsTheState) {
       N_of_last_step_ = true;
       z1_ = state;
@@ -165,34 +169,33 @@ class EnergyPreserving final : public Integrator {
     return std::abs(energy_defect()) <= 0.5 * kFarthestFix * (x_ + dp_hat_).squaredNorm();
   }
 
-  // Scales p so that the kinetic energy falls by `defect`. Not by p *= sqrt(1 - x): near one the
-  // roots round to one side, 5e-17 a step.
-  static void give_back(double defect, VectorXd& p) {
-    const double x = 2.0 * defect / p.squaredNorm();
-    if (std::abs(x) < kFarthestFix) p -= (x / (1.0 + std::sqrt(1.0 - x))) * p;
-  }
-
   // From d and G: Dp and g, both in the basis. Returns relative_residual().
   double evaluate_residual() {
     const double h = h_;
+    StepCoupling* coupling = load_->coupling;
+    double f_norm = load_->average.norm();
+    x_ = G_ - load_->average;
     dp_hat_ = d_hat_ / h;
     N_.apply(dp_hat_);
     dp_hat_ += b_hat_;
-    if (damped_) {
+    if (damped_ || coupling != nullptr) {
       N_.from_basis(dp_hat_);
       dp_hat_.array() *= S_.array();
+      if (coupling != nullptr) {
+        coupling->evaluate(d_, S_, dp_hat_, x_);
+        f_norm = std::max(f_norm, coupling->force_scale());
+      }
       N_.to_basis(dp_hat_);
     } else {
       dp_hat_ *= 2.0;
     }
     g_hat_ = dp_hat_;
     N_.apply(g_hat_);
-    x_ = h * (G_ - load_->average);
+    x_ *= h;
     if (damped_) x_ += D_.cwiseProduct(d_);
     N_.to_basis(x_);
     g_hat_ = (0.5 * h) * (g_hat_ + x_);
-    return relative_residual(g_hat_.norm(), tolerance_, h, p0_->norm(), G_.norm(),
-                             load_->average.norm());
+    return relative_residual(g_hat_.norm(), tolerance_, h, p0_->norm(), G_.norm(), f_norm);
   }
 
   // G for the first correction, from the step before: with K at that step's midpoint m' and its

@@ -101,7 +101,7 @@ MadeIntegrator make_integrator(std::string_view name, Model::Pointer model,
     if (entry.name != name) continue;
     if (Status status = check_options(wanted); !status) return status.error();
     // Of a linear model the solution is known that ep4 approximates.
-    if (entry.name == "ep4" && model->potential().linear())
+    if (entry.name == "ep4" && model->potential().linear() && !wanted.moving_frame)
       return make_exact_linear(entry.name, std::move(model), wanted);
     IntegratorOptions options = wanted;
     if (entry.drifts) options.tolerance = solve_tolerance(*model, wanted);

@@ -1,0 +1,191 @@
+#include "runtime/frames/free_frame.h"
+
+#include <limits>
+#include <utility>
+
+#include <Eigen/LU>
+
+namespace tremolo {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr int kSpinIterations = 12;  // Newton's; four are usual
+
+}  // namespace
+
+FreeFrame::FreeFrame(std::shared_ptr<const FrameInertia> inertia)
+    : inertia_(std::move(inertia)),
+      at0_(inertia_->modes()),
+      at1_(inertia_->modes()),
+      scratch_(inertia_->modes()) {
+  const Index r = inertia_->modes();
+  for (VectorXd* v : {&q0_, &q1_, &v0_, &v1_, &m_, &kick0_, &kappa_, &added_}) v->setZero(r);
+  bend0_.setZero(3 * r);
+  bend1_.setZero(3 * r);
+  rigid_.centre = inertia_->centre;
+}
+
+Pose FreeFrame::pose() const {
+  return {rigid_.centre - rigid_.rotation * inertia_->centre, rigid_.rotation};
+}
+
+void FreeFrame::set_pose(const Pose& pose, const VectorXd& q, const VectorXd& v) {
+  rigid_.rotation = pose.rotation;
+  rigid_.centre = pose * inertia_->centre;
+  set_motion(rigid_.velocity, rigid_.spin, q, v);
+}
+
+void FreeFrame::set_motion(const Vector3d& velocity, const Vector3d& spin, const VectorXd& q,
+                           const VectorXd& v) {
+  scratch_.compute(*inertia_, q);
+  rigid_.velocity = velocity;
+  rigid_.spin = spin;
+  rigid_.momentum = rigid_.rotation * (scratch_.J * spin + scratch_.C * v);
+}
+
+double FreeFrame::kinetic(const VectorXd& q, const VectorXd& v) const {
+  scratch_.compute(*inertia_, q);
+  const Vector3d& spin = rigid_.spin;
+  return 0.5 * inertia_->mass * rigid_.velocity.squaredNorm() + 0.5 * spin.dot(scratch_.J * spin) +
+         spin.dot(scratch_.C * v) + 0.5 * v.squaredNorm();
+}
+
+void FreeFrame::prepare(std::span<const StepForce> forces, const Vector3d& gravity) {
+  forces_ = forces;
+  gravity_ = gravity;
+  if (arms_.size() < forces.size()) {
+    arms_.resize(forces.size());
+    pulls_.resize(forces.size());
+  }
+  load_work_ = gravity_work_ = 0.0;
+}
+
+void FreeFrame::begin(double h, const VectorXd& q0, const VectorXd& v0) {
+  const Index r = inertia_->modes();
+  h_ = h;
+  q0_ = q0;
+  v0_ = v0;
+  at0_.compute(*inertia_, q0_);
+  kick0_.noalias() = at0_.C.transpose() * rigid_.spin;
+  bend0_.noalias() = inertia_->pairs.topRows(3 * r) * v0_;
+  momentum0_ = rigid_.rotation.conjugate() * rigid_.momentum;
+  spin1_ = rigid_.spin;
+  torque_.setZero();
+  total_force_.setZero();
+  for (std::size_t i = 0; i < forces_.size(); ++i) {
+    pulls_[i] = rigid_.rotation.conjugate() * forces_[i].force;
+    total_force_ += forces_[i].force;
+  }
+}
+
+// Of the forces, along the body's axes at the start. mean_turn: Ro0^T Ro~.
+Vector3d FreeFrame::torque(const Matrix3d& mean_turn) const {
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t i = 0; i < forces_.size(); ++i) sum += (mean_turn * arms_[i]).cross(pulls_[i]);
+  return sum;
+}
+
+// omega1 from J1 omega1 + C1 v1 = Ro1^T l1 with v1 = v0 + dp - (1 - S/2) (C1^T omega1 - C0^T
+// omega0), by Newton's method to rounding.
+void FreeFrame::find_spin(const VectorXd& S, const VectorXd& dp) {
+  kappa_ = 1.0 - 0.5 * S.array();  // theta h D S; zero without damping
+  Matrix3d inertia = at1_.J;
+  for (Index j = 0; j < S.size(); ++j)
+    inertia -= kappa_[j] * at1_.C.col(j) * at1_.C.col(j).transpose();
+  v1_ = v0_ + dp + kappa_.cwiseProduct(kick0_);
+  const Vector3d coupled = at1_.C * v1_;
+  Vector3d& w = spin1_;
+  double last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kSpinIterations; ++i) {
+    const Vector3d phi = (0.5 * h_) * (rigid_.spin + w);
+    const Matrix3d turn = cayley_matrix(phi);
+    if (!forces_.empty()) torque_ = torque(0.5 * (Matrix3d::Identity() + turn));
+    const Vector3d l1 = momentum0_ + h_ * torque_;
+    momentum1_ = turn.transpose() * l1;
+    const Matrix3d half = Matrix3d::Identity() + 0.5 * cross_matrix(phi);
+    const Matrix3d jacobian =
+        inertia - (0.25 * h_) * half.inverse() * cross_matrix(momentum1_ + l1);
+    const Vector3d move = jacobian.inverse() * (momentum1_ - coupled - inertia * w);
+    w += move;
+    const double size = move.norm();
+    // At rounding the moves stop falling.
+    if (size <= 1e-16 * w.norm() || size >= last) break;
+    last = size;
+  }
+  kappa_.noalias() = at1_.C.transpose() * w;
+  kappa_ -= kick0_;
+  v1_ = v0_ + dp - (1.0 - 0.5 * S.array()).matrix().cwiseProduct(kappa_);
+}
+
+void FreeFrame::evaluate(const VectorXd& d, const VectorXd& S, VectorXd& dp, VectorXd& force) {
+  const Index r = inertia_->modes();
+  q1_ = q0_ + d;
+  at1_.compute(*inertia_, q1_);
+  m_ = q0_ + 0.5 * d;
+  for (std::size_t i = 0; i < forces_.size(); ++i) {
+    const VertexRows& place = *forces_[i].place;
+    arms_[i] = place.rest - inertia_->centre;
+    arms_[i].noalias() += place.rows * m_;
+  }
+  find_spin(S, dp);
+  dp = v1_ - v0_ + kappa_;
+
+  const Vector3d& w0 = rigid_.spin;
+  bend1_.noalias() = inertia_->pairs.topRows(3 * r) * v1_;
+  added_.setZero();
+  for (Index m = 0; m < 3; ++m)
+    added_ -= 0.5 * (w0[m] * bend1_.segment(m * r, r) + spin1_[m] * bend0_.segment(m * r, r));
+  const double w0w1 = w0.dot(spin1_);
+  for (Index e = 0; e < 6; ++e) {
+    const auto& [k, l] = kSymmetricEntries[static_cast<std::size_t>(e)];
+    const double weight =
+        k == l ? w0w1 - w0[k] * spin1_[k] : -(w0[k] * spin1_[l] + w0[l] * spin1_[k]);
+    // d_jP at the middle is linear in q: the products of both ends added up.
+    added_ -= (0.5 * weight) * (inertia_->P_linear.col(e) + at0_.products.segment((3 + e) * r, r) +
+                                at1_.products.segment((3 + e) * r, r));
+  }
+  if (!forces_.empty()) {
+    const Matrix3d mean = 0.5 * (Matrix3d::Identity() + cayley_matrix((0.5 * h_) * (w0 + spin1_)));
+    for (std::size_t i = 0; i < forces_.size(); ++i)
+      added_.noalias() -= forces_[i].place->rows.transpose() * (mean.transpose() * pulls_[i]);
+  }
+  force += added_;
+  force_norm_ = added_.norm();
+}
+
+bool FreeFrame::finish(const VectorXd& d, double defect, VectorXd& v) {
+  // Along v with l and Ro1 held, T changes as the square of v's length in the metric
+  // 1 - C^T J^-1 C.
+  const Matrix3d inverse = at1_.J.inverse();
+  const Vector3d coupled = at1_.C * v1_;
+  give_back(defect, 0.5 * (v1_.squaredNorm() - coupled.dot(inverse * coupled)), v1_);
+  const Vector3d mean_spin = 0.5 * (rigid_.spin + spin1_);
+  if (!forces_.empty()) {
+    const Matrix3d mean = 0.5 * (Matrix3d::Identity() + cayley_matrix(h_ * mean_spin));
+    load_work_ += h_ * torque_.dot(mean_spin);
+    for (std::size_t i = 0; i < forces_.size(); ++i)
+      load_work_ += (mean * (forces_[i].place->rows * d)).dot(pulls_[i]);
+    rigid_.momentum += h_ * (rigid_.rotation * torque_);
+  }
+  rigid_.rotation = (rigid_.rotation * cayley(h_ * mean_spin)).normalized();
+  momentum1_ = rigid_.rotation.conjugate() * rigid_.momentum;
+  rigid_.spin = inverse * (momentum1_ - at1_.C * v1_);
+  move_centre();
+  v = v1_;
+  return true;
+}
+
+void FreeFrame::move_centre() {
+  const Vector3d before = rigid_.velocity;
+  rigid_.velocity += h_ * (total_force_ / inertia_->mass + gravity_);
+  const Vector3d path = (0.5 * h_) * (before + rigid_.velocity);
+  rigid_.centre += path;
+  load_work_ += total_force_.dot(path);
+  gravity_work_ += inertia_->mass * gravity_.dot(path);
+}
+
+}  // namespace tremolo

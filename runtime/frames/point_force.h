@@ -1,0 +1,20 @@
+// A force of the world on a vertex of a body whose frame moves.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/load_signal.h"
+#include "runtime/model.h"
+
+namespace tremolo {
+
+// place: the vertex. force: N, along the world's axes, times the signal. steps: so many steps more
+// if positive; else as long as the signal lasts.
+struct PointForce {
+  Signal signal;
+  VertexRows place;
+  Eigen::Vector3d force;
+  int steps = 0;
+};
+
+}  // namespace tremolo
