@@ -3,11 +3,13 @@
 
 #include "formats/file/atomic_file.h"
 #include "formats/file/standard_streams.h"
+#include "precompute/collider/make_collider.h"
 #include "precompute/command.h"
 #include "precompute/ranks/session.h"
 #include "precompute/reference/reference_options.h"
 #include "precompute/system/blas_room.h"
 #include "precompute/system/blas_threads.h"
+#include "precompute/system/petsc.h"
 #include "precompute/system/term_signal.h"
 
 namespace tremolo {
@@ -20,6 +22,14 @@ int run_program(int count, char** words) {
     const auto& options = std::get<ReferenceOptions>(parsed);
     return run_session(words[0], options.petsc_options, options.solid.threads,
                        [&] { run_reference(options); });
+  }
+  if (count > 1 && std::string_view(words[1]) == "collider") {
+    const auto parsed = parse_collider_line(count - 1, words + 1);
+    if (const int* code = std::get_if<int>(&parsed)) return *code;
+    const auto& options = std::get<ColliderOptions>(parsed);
+    return run_session(words[0], {}, options.threads, [&] {
+      if (mpi_rank() == 0) make_collider(options);
+    });
   }
   const auto parsed = parse_command_line(count, words);
   if (const int* code = std::get_if<int>(&parsed)) return *code;

@@ -14,6 +14,7 @@
 #include "runtime/display/surface.h"
 #include "runtime/energy.h"
 #include "runtime/energy_bound.h"
+#include "runtime/contact/contact_step.h"
 #include "runtime/frames/driven_frame.h"
 #include "runtime/frames/free_frame.h"
 #include "runtime/frames/point_force.h"
@@ -85,6 +86,14 @@ class Body {
   Status set_gravity(const Eigen::Vector3d& gravity);
   const Eigen::Vector3d& gravity() const { return gravity_; }
 
+  // Makes the body feel colliders. kUsage for options out of range, a method that contact does not
+  // go with (a fixed body takes any; those near a collider take the step of
+  // runtime/contact/contact_step.h), a model without inertia integrals.
+  Status set_contact(const ContactOptions& options = {});
+  // Of the last step; zeros without contact.
+  ContactAccount contact_account() const { return contact_ ? contact_->account() : ContactAccount{}; }
+  const ContactStep* contact() const { return contact_.get(); }
+
   // Adds a load in time; its signal's clock is time(). Forces on vertices are along the world's
   // axes, whatever the frame does; reduced ones along the frame's, and not for a free body.
   Status add_load(const Load& load);  // kUsage if its force is not r long and finite
@@ -104,7 +113,9 @@ class Body {
   // the last sound look, and what the integrator carried is forgotten. Looks are at the start, when
   // a state is set and every kStepsBetweenLooks steps; what is sound says runtime/energy_bound.h.
   // Nothing is allocated.
-  StepReport step();
+  StepReport step() { return step({}); }
+  // The same among colliders, which must stay where they are until it returns; set_contact() first.
+  StepReport step(std::span<const PlacedCollider> colliders);
   const EnergyBound& energy_bound() const { return bound_; }
 
   // True if a load can still act on a step to come.
@@ -120,6 +131,15 @@ class Body {
   // a driven body's relative motion, or to all of a free body).
   double support_work() const { return support_work_; }
   double gravity_work() const { return gravity_work_; }
+  // Likewise of contact: what it did to the body (part of work()), and of that what restitution and
+  // friction took, what moving colliders gave, and the contact energy that was found where the step
+  // before had none (contact_error: it should be zero). work = given - lost - rubbed - growth of
+  // contact_account().energy + error.
+  double contact_work() const { return contact_work_; }
+  double contact_lost() const { return contact_lost_; }
+  double contact_rubbed() const { return contact_rubbed_; }
+  double contact_given() const { return contact_given_; }
+  double contact_error() const { return contact_error_; }
   std::int64_t iterations() const { return iterations_; }      // of all steps
   std::int64_t halved_steps() const { return halved_steps_; }  // steps that were taken in parts
 
@@ -165,7 +185,10 @@ class Body {
   void gather_frame();
   void gather_on_free();
   StepReport advance();
+  StepReport advance_among(std::span<const PlacedCollider> colliders);
+  StepPoses step_poses() const;
   double end_frame_step(bool made);
+  double end_frame_motion(bool made);
   double frame_kinetic(const Eigen::VectorXd& p) const;
   template <class Number>
   void to_world(std::span<Number> vectors, bool places) const;
@@ -186,6 +209,7 @@ class Body {
   FrameKind frame_ = FrameKind::kFixed;
   std::unique_ptr<DrivenFrame> driven_;  // also of a fixed body on which gravity acts
   std::unique_ptr<FreeFrame> free_;
+  std::unique_ptr<ContactStep> contact_;
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   std::vector<PointForce> points_;  // of a body whose frame moves
   std::vector<StepForce> step_forces_;
@@ -202,6 +226,8 @@ class Body {
   double dissipated_ = 0.0;
   double support_work_ = 0.0;
   double gravity_work_ = 0.0;
+  double contact_work_ = 0.0, contact_lost_ = 0.0, contact_rubbed_ = 0.0;
+  double contact_given_ = 0.0, contact_error_ = 0.0;
   EnergyBound bound_;
   int steps_since_look_ = 0;
   State sound_;  // at the last sound look; work and dissipation then

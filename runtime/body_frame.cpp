@@ -164,6 +164,20 @@ StepReport Body::advance() {
 // Books what the frame did in a step, or undoes it if the step was not made. Returns the work of
 // what is not in the step's load, J.
 double Body::end_frame_step(bool made) {
+  double contact = 0.0;
+  if (contact_ && made) {
+    const ContactAccount& account = contact_->account();
+    contact = account.work;
+    contact_work_ += account.work;
+    contact_lost_ += account.lost;
+    contact_rubbed_ += account.rubbed;
+    contact_given_ += account.given;
+    contact_error_ += account.surplus;
+  }
+  return contact + end_frame_motion(made);
+}
+
+double Body::end_frame_motion(bool made) {
   if (driven_) {
     if (!made) {
       driven_->cancel_step();

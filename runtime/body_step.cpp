@@ -8,7 +8,7 @@
 
 namespace tremolo {
 
-StepReport Body::step() {
+StepReport Body::step(std::span<const PlacedCollider> colliders) {
   gather_loads();
   const double kick = this->kick();
   if (!std::isfinite(kick)) {
@@ -16,7 +16,7 @@ StepReport Body::step() {
     return explain(report);
   }
   q_before_ = state_.q;
-  StepReport report = advance();
+  StepReport report = advance_among(colliders);
   iterations_ += report.iterations;
   const double frame_work = end_frame_step(report.converged);
   if (!report.converged) return explain(report);

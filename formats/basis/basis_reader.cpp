@@ -1,153 +1,33 @@
 #include "formats/basis/basis_reader.h"
 
-#include <algorithm>
-#include <cstring>
 #include <utility>
 
-#include "formats/file/stored_values.h"
-
 namespace tremolo {
-namespace {
 
 using namespace basis_layout;
 
-std::string expected_found(const char* what, std::uint64_t expected, std::uint64_t found) {
-  return std::string(what) + ": expected " + std::to_string(expected) + ", found " +
-         std::to_string(found);
-}
-
-}  // namespace
-
-Error BasisReader::error_at(std::string_view where, std::uint64_t offset,
-                            const std::string& what) const {
-  return content_error(name_ + ": " + std::string(where) + " at byte " + std::to_string(offset) +
-                       ": " + what);
-}
-
 Result<BasisReader> BasisReader::open(const std::string& path) {
-  Result<MappedFile> file = MappedFile::open(path);
-  if (!file) return file.error();
-  const std::span<const std::byte> bytes = file->bytes();
-  Result<BasisReader> reader = from_memory(bytes, path);
-  if (reader) reader->file_ = std::move(*file);
-  return reader;
+  return checked(SectionFile::open(path, kKind));
 }
 
 Result<BasisReader> BasisReader::from_memory(std::span<const std::byte> bytes, std::string name) {
-  BasisReader reader;
-  reader.name_ = std::move(name);
-  reader.bytes_ = bytes;
-  if (reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(double) != 0) {
-    reader.copy_ = std::make_unique_for_overwrite<std::byte[]>(bytes.size());
-    std::memcpy(reader.copy_.get(), bytes.data(), bytes.size());
-    reader.bytes_ = {reader.copy_.get(), bytes.size()};
-  }
-  if (Status status = reader.parse_header(); !status) return status.error();
-  if (Status status = reader.parse_table(); !status) return status.error();
+  return checked(SectionFile::from_memory(bytes, std::move(name), kKind));
+}
+
+Result<BasisReader> BasisReader::checked(Result<SectionFile> file) {
+  if (!file) return file.error();
+  BasisReader reader(std::move(*file));
   if (Status status = reader.read_dimensions(); !status) return status.error();
   if (Status status = reader.check_shapes(); !status) return status.error();
   return reader;
 }
 
-Status BasisReader::parse_header() {
-  if (bytes_.size() < kHeaderSize)
-    return error_at("header", 0,
-                    expected_found("a basis file has a header, bytes", kHeaderSize, bytes_.size()));
-  if (std::memcmp(bytes_.data() + header::kMagicAt, kMagic.data(), kMagic.size()) != 0)
-    return error_at("header", header::kMagicAt, "not a basis file (the magic is not TREMOLO)");
-  const auto hash = get<std::uint64_t>(bytes_, header::kHeaderHashAt);
-  if (!hash_fits(bytes_.first(header::kHeaderHashAt), hash))
-    return error_at("header", header::kHeaderHashAt, "the checksum does not fit");
-  const auto major = get<std::uint16_t>(bytes_, header::kMajorAt);
-  if (major != kMajor)
-    return error_at("header", header::kMajorAt, expected_found("major version", kMajor, major));
-  minor_ = get<std::uint16_t>(bytes_, header::kMinorAt);
-  const auto size = get<std::uint64_t>(bytes_, header::kFileSizeAt);
-  if (size != bytes_.size())
-    return error_at("header", header::kFileSizeAt,
-                    expected_found("bytes of the file (truncated?)", size, bytes_.size()));
-  const std::size_t reserved = header::kHeaderHashAt - header::kReservedAt;
-  if (const auto zeros = leading_zeros(bytes_.subspan(header::kReservedAt, reserved));
-      zeros < reserved)
-    return error_at("header", header::kReservedAt + zeros, "a reserved byte is not zero");
-  return Success{};
-}
-
-Status BasisReader::parse_table() {
-  const auto count = get<std::uint32_t>(bytes_, header::kSectionsAt);
-  if (count == 0 || count > kMaxSections || kHeaderSize + count * kEntrySize > bytes_.size())
-    return error_at("header", header::kSectionsAt,
-                    std::to_string(count) + " sections do not fit the file");
-  const auto table = bytes_.subspan(kHeaderSize, count * kEntrySize);
-  if (!hash_fits(table, get<std::uint64_t>(bytes_, header::kTableHashAt)))
-    return error_at("table", kHeaderSize, "the checksum does not fit");
-  sections_.reserve(count);
-  for (std::uint32_t index = 0; index < count; ++index)
-    if (Status status = parse_entry(index); !status) return status;
-  verified_.assign(count, false);
-  return check_packing();
-}
-
-Status BasisReader::parse_entry(std::size_t index) {
-  const std::size_t at = kHeaderSize + index * kEntrySize;
-  BasisSection section;
-  section.name = padded_name(bytes_.subspan(at + entry::kNameAt, kNameSize));
-  if (section.name.empty())
-    return error_at("table", at, "a section name is empty or not padded with zeros");
-  if (find(section.name) != nullptr)
-    return error_at("table", at, "section '" + section.name + "' appears twice");
-  const auto flags = get<std::uint32_t>(bytes_, at + entry::kFlagsAt);
-  if ((flags & ~kCritical) != 0) return error_at("table", at, "unknown flags");
-  section.critical = (flags & kCritical) != 0;
-  section.type = static_cast<ElementType>(get<std::uint32_t>(bytes_, at + entry::kTypeAt));
-  section.offset = get<std::uint64_t>(bytes_, at + entry::kOffsetAt);
-  section.size = get<std::uint64_t>(bytes_, at + entry::kSizeAt);
-  section.rows = get<std::uint64_t>(bytes_, at + entry::kRowsAt);
-  section.columns = get<std::uint64_t>(bytes_, at + entry::kColumnsAt);
-  section.hash = get<std::uint64_t>(bytes_, at + entry::kHashAt);
-
-  const std::uint64_t element = element_size(section.type);
-  if (element == 0) return error_at("table", at + entry::kTypeAt, "unknown element type");
-  std::uint64_t expected = 0;
-  if (__builtin_mul_overflow(section.rows, section.columns, &expected) ||
-      __builtin_mul_overflow(expected, element, &expected) || expected != section.size)
-    return error_at("table", at + entry::kSizeAt,
-                    "the size of section '" + section.name + "' is not rows x columns x element");
-  if (section.offset > bytes_.size() || section.size > bytes_.size() - section.offset)
-    return error_at("table", at + entry::kOffsetAt,
-                    "section '" + section.name + "' is not inside the file");
-  sections_.push_back(std::move(section));
-  return Success{};
-}
-
-// Sections follow each other in the table's order with nothing but zeros between: no overlap, no
-// hidden bytes.
-Status BasisReader::check_packing() const {
-  std::uint64_t end = kHeaderSize + sections_.size() * kEntrySize;
-  const auto skip_padding = [&](std::uint64_t to) {
-    end += leading_zeros(bytes_.subspan(end, to - end));
-    return end == to;
-  };
-  for (const BasisSection& section : sections_) {
-    const std::uint64_t start = aligned(end);
-    if (section.offset != start)
-      return error_at("table", section.offset,
-                      "section '" + section.name + "' overlaps or leaves a gap: " +
-                          expected_found("offset", start, section.offset));
-    if (!skip_padding(start)) return error_at("padding", end, "a byte is not zero");
-    end += section.size;
-  }
-  if (bytes_.size() != aligned(end))
-    return error_at("padding", end, "the file does not end behind its last section");
-  if (!skip_padding(bytes_.size())) return error_at("padding", end, "a byte is not zero");
-  return Success{};
-}
-
 Status BasisReader::read_dimensions() {
-  const BasisSection* section = find(kDimensions);
+  const BasisSection* section = file_.find(kDimensions);
   if (section == nullptr || section->rows != dimension::kCount || section->columns != 1)
-    return error_at("table", kHeaderSize, "section 'dimensions' is missing or has another shape");
-  const auto values = elements<std::uint64_t>(kDimensions);
+    return file_.error_at("table", kHeaderSize,
+                          "section 'dimensions' is missing or has another shape");
+  const auto values = file_.elements<std::uint64_t>(kDimensions);
   if (!values) return values.error();
   const std::span<const std::uint64_t> v = *values;
   dimensions_ = {v[dimension::kVertices],        v[dimension::kTetrahedra],
@@ -157,14 +37,14 @@ Status BasisReader::read_dimensions() {
   const BasisDimensions& d = dimensions_;
   if (d.modes == 0 || d.modes > kMaxModes || d.vertices == 0 || d.vertices > kMaxVertices ||
       d.surface_vertices > d.vertices || d.fixed > d.vertices || d.triangles > 4 * kMaxVertices)
-    return error_at(kDimensions, section->offset, "the dimensions are out of range");
+    return file_.error_at(kDimensions, section->offset, "the dimensions are out of range");
   return Success{};
 }
 
 // A section that is missing counts as empty here.
 SectionSizes BasisReader::sizes() const {
   const auto rows_of = [this](std::string_view name) {
-    const BasisSection* section = find(name);
+    const BasisSection* section = file_.find(name);
     return section != nullptr ? section->rows : 0;
   };
   const BasisDimensions& d = dimensions_;
@@ -183,70 +63,17 @@ SectionSizes BasisReader::sizes() const {
 
 Status BasisReader::check_shapes() const {
   const auto refuse = [this](const std::string& what) {
-    return error_at("table", kHeaderSize, what);
+    return file_.error_at("table", kHeaderSize, what);
   };
   const SectionSizes expected = sizes();
   if (expected.edges > dimensions_.vertices) return refuse("there are more edges than vertices");
   if (expected.render_vertices > kMaxVertices || expected.render_triangles > 4 * kMaxVertices)
     return refuse("the render surface is too large");
-  const std::vector<SectionShape> shapes = section_shapes(expected);
-  for (const SectionShape& shape : shapes) {
-    const std::string name(shape.name);
-    const BasisSection* section = find(name);
-    if (section == nullptr) {
-      if (shape.critical) return refuse("section '" + name + "' is missing");
-      continue;
-    }
-    if (!shape.needs.empty() && !has(shape.needs))
-      return refuse("section '" + name + "' is there, but '" + std::string(shape.needs) +
-                    "', which belongs to it, is missing");
-    if (section->type != shape.type || section->columns != shape.columns ||
-        (shape.rows != kAnyRows && section->rows != shape.rows))
-      return error_at(name, section->offset,
-                      "type or shape " + std::to_string(section->rows) + " x " +
-                          std::to_string(section->columns) + " does not fit the dimensions");
-  }
-  for (const BasisSection& section : sections_)
-    if (section.critical && std::none_of(shapes.begin(), shapes.end(), [&](const SectionShape& s) {
-          return s.name == section.name;
-        }))
-      return error_at("table", section.offset,
-                      "section '" + section.name + "' is critical and unknown to this version");
-  if (const BasisSection* edges = find(kEdgePoints); edges != nullptr && edges->rows == 0)
-    return error_at(kEdgePoints, edges->offset, "quadratic elements without edges");
-  if (const BasisSection* render = find(kRenderRest); render != nullptr && render->rows == 0)
-    return error_at(kRenderRest, render->offset, "a render surface without vertices");
-  return Success{};
-}
-
-const BasisSection* BasisReader::find(std::string_view name) const {
-  const auto found = std::find_if(sections_.begin(), sections_.end(),
-                                  [&](const BasisSection& s) { return s.name == name; });
-  return found == sections_.end() ? nullptr : &*found;
-}
-
-Status BasisReader::verify(std::size_t index) {
-  if (verified_[index]) return Success{};
-  const BasisSection& section = sections_[index];
-  if (!hash_fits(bytes_.subspan(section.offset, section.size), section.hash))
-    return error_at(section.name, section.offset, "the checksum does not fit (damaged file?)");
-  verified_[index] = true;
-  return Success{};
-}
-
-Result<std::span<const std::byte>> BasisReader::contents(std::string_view name, ElementType type) {
-  const BasisSection* section = find(name);
-  if (section == nullptr)
-    return error_at("table", kHeaderSize, "section '" + std::string(name) + "' is missing");
-  if (section->type != type)
-    return error_at(name, section->offset, "the section has another element type");
-  if (Status status = verify(section - sections_.data()); !status) return status.error();
-  return bytes_.subspan(section->offset, section->size);
-}
-
-Status BasisReader::verify_all() {
-  for (std::size_t index = 0; index < sections_.size(); ++index)
-    if (Status status = verify(index); !status) return status;
+  if (Status status = file_.check_shapes(section_shapes(expected)); !status) return status;
+  if (const BasisSection* edges = file_.find(kEdgePoints); edges != nullptr && edges->rows == 0)
+    return file_.error_at(kEdgePoints, edges->offset, "quadratic elements without edges");
+  if (const BasisSection* render = file_.find(kRenderRest); render != nullptr && render->rows == 0)
+    return file_.error_at(kRenderRest, render->offset, "a render surface without vertices");
   return Success{};
 }
 

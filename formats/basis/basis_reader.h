@@ -1,35 +1,24 @@
-// Basis file -> values. The reader trusts nothing: every size product, bound and overlap is checked
-// before anything is allocated, and a section's checksum on its first use.
+// Basis file -> values. The reader trusts nothing (formats/sections/section_file.h).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/result.h"
 #include "formats/basis/basis_data.h"
 #include "formats/basis/basis_layout.h"
 #include "formats/basis/basis_sections.h"
-#include "formats/file/mapped_file.h"
+#include "formats/sections/section_file.h"
 
 namespace tremolo {
 
-// One row of the file's table.
-struct BasisSection {
-  std::string name;
-  basis_layout::ElementType type{};
-  bool critical = false;
-  std::uint64_t offset = 0;  // bytes from the start of the file
-  std::uint64_t size = 0;    // bytes
-  std::uint64_t rows = 0;
-  std::uint64_t columns = 0;
-  std::uint64_t hash = 0;
-};
+using BasisSection = FileSection;
 
 // The section `dimensions`.
 struct BasisDimensions {
@@ -56,13 +45,13 @@ class BasisReader {
                                          std::string name = "memory");
 
   const BasisDimensions& dimensions() const { return dimensions_; }
-  const std::vector<BasisSection>& sections() const { return sections_; }
-  std::uint16_t minor_version() const { return minor_; }
-  bool has(std::string_view section) const { return find(section) != nullptr; }
+  const std::vector<BasisSection>& sections() const { return file_.sections(); }
+  std::uint16_t minor_version() const { return file_.minor_version(); }
+  bool has(std::string_view section) const { return file_.has(section); }
   // Coefficients are f32 and basis rows 16 bits with a scale a column, else everything is f64.
   bool compact() const { return has(basis_layout::kBasisScales); }
   // `cubic` and `quartic` are there but empty: V has no such terms.
-  bool linear() const { return find(basis_layout::kQuartic)->rows == 0; }
+  bool linear() const { return file_.find(basis_layout::kQuartic)->rows == 0; }
 
   // The verified contents, as they lie in the file. Doubles are finite. Valid while the reader
   // lives. An optional section that is not there is an error here: ask has() first.
@@ -93,39 +82,17 @@ class BasisReader {
   Result<Eigen::VectorXd> column_scales();
 
   // The checksum of every section, used or not.
-  Status verify_all();
+  Status verify_all() { return file_.verify_all(); }
 
  private:
-  BasisReader() = default;
-  Status parse_header();
-  Status parse_table();
-  Status parse_entry(std::size_t index);
-  Status check_packing() const;
+  explicit BasisReader(SectionFile file) : file_(std::move(file)) {}
+  static Result<BasisReader> checked(Result<SectionFile> file);
   Status read_dimensions();
   basis_layout::SectionSizes sizes() const;
   Status check_shapes() const;
-  const BasisSection* find(std::string_view name) const;
-  Result<std::span<const std::byte>> contents(std::string_view section,
-                                              basis_layout::ElementType type);
-  template <class T>
-  Result<std::span<const T>> elements(std::string_view section) {
-    const Result<std::span<const std::byte>> bytes = contents(section, basis_layout::kTypeOf<T>);
-    if (!bytes) return bytes.error();
-    return std::span(reinterpret_cast<const T*>(bytes->data()), bytes->size() / sizeof(T));
-  }
-  template <class T>
-  Result<std::span<const T>> finite(std::string_view section);
   Result<std::span<const double>> scales(std::string_view section);
-  Status verify(std::size_t index);
-  Error error_at(std::string_view where, std::uint64_t offset, const std::string& what) const;
 
-  std::string name_;
-  MappedFile file_;
-  std::unique_ptr<std::byte[]> copy_;  // when borrowed bytes are not aligned for doubles
-  std::span<const std::byte> bytes_;
-  std::uint16_t minor_ = 0;
-  std::vector<BasisSection> sections_;
-  std::vector<bool> verified_;
+  SectionFile file_;
   BasisDimensions dimensions_;
 };
 

@@ -25,20 +25,6 @@ struct SectionSizes {
   bool linear = false;                 // there are no cubic and no quartic terms
 };
 
-// The number of rows is the section's own affair.
-inline constexpr std::uint64_t kAnyRows = ~std::uint64_t{0};
-
-// critical: every file has the section, and a reader that does not know it refuses the file.
-// needs: another section that is there whenever this one is; empty: none.
-struct SectionShape {
-  std::string_view name;
-  ElementType type;
-  std::uint64_t rows;
-  std::uint64_t columns;
-  bool critical = false;
-  std::string_view needs = {};
-};
-
 // Every section that there may be, in the order in which the writer writes them: what a runtime
 // touches comes first, the interior and the provenance last. The sizes are at most kMaxModes and
 // four times kMaxVertices.

@@ -1,6 +1,5 @@
 // Sections of a basis file -> numbers.
 #include <cmath>
-#include <type_traits>
 
 #include "formats/basis/basis_reader.h"
 #include "formats/basis/compact_values.h"
@@ -9,42 +8,31 @@ namespace tremolo {
 
 using namespace basis_layout;
 
-template <class T>
-Result<std::span<const T>> BasisReader::finite(std::string_view name) {
-  Result<std::span<const T>> values = elements<T>(name);
-  if (!values) return values;
-  for (std::size_t i = 0; i < values->size(); ++i)
-    if (!std::isfinite((*values)[i]))
-      return error_at(name, find(name)->offset + i * sizeof(T), "a value is not finite");
-  return values;
-}
-
 Result<std::span<const double>> BasisReader::doubles(std::string_view name) {
-  return finite<double>(name);
+  return file_.finite<double>(name);
 }
 
 Result<std::span<const float>> BasisReader::floats(std::string_view name) {
-  return finite<float>(name);
+  return file_.finite<float>(name);
 }
 
 Result<std::span<const std::uint8_t>> BasisReader::bytes(std::string_view name) {
-  return elements<std::uint8_t>(name);
+  return file_.elements<std::uint8_t>(name);
 }
 
 Result<std::string_view> BasisReader::text(std::string_view name) {
-  const Result<std::span<const std::uint8_t>> characters = bytes(name);
-  if (!characters) return characters.error();
-  return std::string_view(reinterpret_cast<const char*>(characters->data()), characters->size());
+  return file_.text(name);
 }
 
 Result<std::span<const std::uint32_t>> BasisReader::indices(std::string_view name,
                                                             std::uint64_t bound) {
-  Result<std::span<const std::uint32_t>> values = elements<std::uint32_t>(name);
+  Result<std::span<const std::uint32_t>> values = file_.elements<std::uint32_t>(name);
   if (!values) return values;
   for (std::size_t i = 0; i < values->size(); ++i)
     if (const std::uint32_t value = (*values)[i]; value >= bound)
-      return error_at(name, find(name)->offset + i * sizeof(value),
-                      "index " + std::to_string(value) + " is not below " + std::to_string(bound));
+      return file_.error_at(
+          name, file_.find(name)->offset + i * sizeof(value),
+          "index " + std::to_string(value) + " is not below " + std::to_string(bound));
   return values;
 }
 
@@ -71,8 +59,8 @@ Result<std::span<const double>> BasisReader::scales(std::string_view name) {
   if (!values) return values;
   for (std::size_t i = 0; i < values->size(); ++i)
     if (!is_scale((*values)[i]))
-      return error_at(name, find(name)->offset + i * sizeof(double),
-                      "a scale is not positive or too large");
+      return file_.error_at(name, file_.find(name)->offset + i * sizeof(double),
+                            "a scale is not positive or too large");
   return values;
 }
 
@@ -86,13 +74,14 @@ Result<std::vector<double>> BasisReader::coefficients(std::string_view name) {
   if (!both) return both.error();
   const double scale =
       (*both)[name == kCubic ? coefficient_scale::kCubic : coefficient_scale::kQuartic];
-  const Result<std::span<const float>> rounded = elements<float>(name);
+  const Result<std::span<const float>> rounded = file_.elements<float>(name);
   if (!rounded) return rounded.error();
   values.reserve(rounded->size());
   for (std::size_t i = 0; i < rounded->size(); ++i) {
     values.push_back(scale * (*rounded)[i]);
     if (!std::isfinite(values[i]))
-      return error_at(name, find(name)->offset + i * sizeof(float), "a value is not finite");
+      return file_.error_at(name, file_.find(name)->offset + i * sizeof(float),
+                            "a value is not finite");
   }
   return values;
 }
@@ -107,7 +96,7 @@ Result<BasisRows> BasisReader::basis_rows(std::string_view name) {
   }
   const Result<std::span<const double>> column_scale = scales(kBasisScales);
   if (!column_scale) return column_scale.error();
-  const Result<std::span<const std::int16_t>> integers = elements<std::int16_t>(name);
+  const Result<std::span<const std::int16_t>> integers = file_.elements<std::int16_t>(name);
   if (!integers) return integers.error();
   BasisRows rows(std::ssize(*integers) / columns, columns);
   const std::int16_t* next = integers->data();
@@ -129,7 +118,8 @@ Result<VertexBlock> BasisReader::vertex_block(std::string_view ids, std::string_
   if (Status s = take(block.vertex_ids, indices(ids, dimensions_.vertices)); !s) return s.error();
   for (std::size_t i = 1; i < block.vertex_ids.size(); ++i)
     if (block.vertex_ids[i - 1] >= block.vertex_ids[i])
-      return error_at(ids, find(ids)->offset + sizeof(VertexId) * i, "the ids do not ascend");
+      return file_.error_at(ids, file_.find(ids)->offset + sizeof(VertexId) * i,
+                            "the ids do not ascend");
   if (Status s = take(block.rest, points(rest)); !s) return s.error();
   if (Status s = take(block.rows, basis_rows(basis)); !s) return s.error();
   if (Status s = take(block.column_scales, column_scales()); !s) return s.error();

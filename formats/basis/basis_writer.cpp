@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <span>
 #include <utility>
 
-#include "common/hash.h"
 #include "formats/basis/basis_sections.h"
 #include "formats/basis/compact_values.h"
-#include "formats/file/atomic_file.h"
-#include "formats/file/stored_values.h"
+#include "formats/sections/section_writer.h"
 
 namespace tremolo {
 namespace {
@@ -20,11 +17,6 @@ namespace {
 using namespace basis_layout;
 // The bytes of the sections that a file gets. They stay where they are in the caller's data.
 using Contents = std::map<std::string_view, std::span<const std::byte>>;
-
-template <class List>
-std::span<const std::byte> bytes_of(const List& list) {
-  return std::as_bytes(std::span(list.data(), list.size()));
-}
 
 // What a file holds beside the caller's own arrays.
 struct Additions {
@@ -152,16 +144,6 @@ Contents contents_of(const BasisData& data, const Additions& more) {
   return contents;
 }
 
-// A section to come: its bytes, or where its rows come from.
-struct Section {
-  SectionShape shape;
-  std::span<const std::byte> bytes;
-  const RowSource* source;
-
-  std::size_t row_size() const { return shape.columns * element_size(shape.type); }
-  std::size_t size() const { return shape.rows * row_size(); }
-};
-
 const RowSource* source_of(std::string_view name, const RowSources* sources) {
   if (sources == nullptr) return nullptr;
   return name == kSurfaceBasis    ? &sources->surface
@@ -170,8 +152,22 @@ const RowSource* source_of(std::string_view name, const RowSources* sources) {
                                   : nullptr;
 }
 
-Result<std::vector<Section>> list_sections(const BasisData& data, const Additions& more,
-                                           const RowSources* sources) {
+// The rows of a block, kRowsAtOnce vertices at a time.
+Status stream_rows(const RowSource& source, const SectionShape& shape, const ByteSink& sink) {
+  const std::size_t vertices = shape.rows / 3;
+  const std::size_t numbers = 3 * shape.columns;
+  std::vector<double> rows(std::min(vertices, kRowsAtOnce) * numbers);
+  for (std::size_t first = 0; first < vertices; first += kRowsAtOnce) {
+    const std::size_t count = std::min(kRowsAtOnce, vertices - first);
+    if (Status status = source(first, count, rows.data()); !status) return status;
+    if (Status status = sink(bytes_of(std::span(rows).first(count * numbers))); !status)
+      return status;
+  }
+  return Success{};
+}
+
+Result<std::vector<SectionContent>> list_sections(const BasisData& data, const Additions& more,
+                                                  const RowSources* sources) {
   const RenderSurface* render = data.render ? &data.render->surface : nullptr;
   const SectionSizes sizes = {.modes = more.dimensions[dimension::kModes],
                               .surface_vertices = data.surface.vertex_ids.size(),
@@ -185,140 +181,56 @@ Result<std::vector<Section>> list_sections(const BasisData& data, const Addition
                               .compact = more.compact.has_value(),
                               .linear = is_linear(data)};
   const Contents contents = contents_of(data, more);
-  std::vector<Section> sections;
+  std::vector<SectionContent> sections;
   for (const SectionShape& shape : section_shapes(sizes)) {
     const auto found = contents.find(shape.name);
     if (found == contents.end()) continue;
-    Section section{shape, found->second, source_of(shape.name, sources)};
+    SectionContent section{shape, found->second};
     if (shape.rows == kAnyRows) section.shape.rows = section.bytes.size() / section.row_size();
-    if (section.source == nullptr && section.bytes.size() != section.size())
+    if (const RowSource* source = source_of(shape.name, sources))
+      section.stream = [source, shape](const ByteSink& sink) {
+        return stream_rows(*source, shape, sink);
+      };
+    else if (section.bytes.size() != section.size())
       return does_not_fit(shape.name);
-    sections.push_back(section);
+    sections.push_back(std::move(section));
   }
   return sections;
 }
 
-void put_entry(std::span<std::byte> table, std::size_t at, const Section& section,
-               std::size_t offset, std::uint64_t hash) {
-  const SectionShape& shape = section.shape;
-  std::memcpy(table.data() + at + entry::kNameAt, shape.name.data(), shape.name.size());
-  put<std::uint32_t>(table, at + entry::kTypeAt, static_cast<std::uint32_t>(shape.type));
-  put<std::uint32_t>(table, at + entry::kFlagsAt, shape.critical ? kCritical : 0);
-  put<std::uint64_t>(table, at + entry::kOffsetAt, offset);
-  put<std::uint64_t>(table, at + entry::kSizeAt, section.size());
-  put<std::uint64_t>(table, at + entry::kRowsAt, shape.rows);
-  put<std::uint64_t>(table, at + entry::kColumnsAt, shape.columns);
-  put<std::uint64_t>(table, at + entry::kHashAt, hash);
-}
-
-// Takes bytes for a place of the file, in ascending order but for the header, which comes last.
-using Sink = std::function<Status(std::size_t offset, std::span<const std::byte> bytes)>;
-
-// The section's bytes to the sink; their hash.
-Result<std::uint64_t> put_section(const Section& section, std::size_t offset, const Sink& sink) {
-  if (section.source == nullptr) {
-    if (Status status = sink(offset, section.bytes); !status) return status.error();
-    return hash_bytes(section.bytes);
-  }
-  const std::size_t vertices = section.shape.rows / 3;
-  const std::size_t numbers = 3 * section.shape.columns;
-  std::vector<double> rows(std::min(vertices, kRowsAtOnce) * numbers);
-  Hasher hasher;
-  for (std::size_t first = 0; first < vertices; first += kRowsAtOnce) {
-    const std::size_t count = std::min(kRowsAtOnce, vertices - first);
-    if (Status status = (*section.source)(first, count, rows.data()); !status)
-      return status.error();
-    const std::span<const std::byte> bytes = bytes_of(std::span(rows).first(count * numbers));
-    hasher.add(bytes);
-    if (Status status = sink(offset + first * numbers * sizeof(double), bytes); !status)
-      return status.error();
-  }
-  return hasher.hash();
-}
-
-// Header, table and sections to the sink.
-Status put_file(const std::vector<Section>& sections, std::uint16_t minor, std::size_t size,
-                const Sink& sink) {
-  const std::size_t table_size = sections.size() * kEntrySize;
-  std::vector<std::byte> front(aligned(kHeaderSize + table_size));
-  const std::byte padding[kAlignment] = {};
-  std::size_t offset = front.size();
-  std::size_t at = kHeaderSize;
-  for (const Section& section : sections) {
-    Result<std::uint64_t> hash = put_section(section, offset, sink);
-    if (!hash) return hash.error();
-    put_entry(front, at, section, offset, *hash);
-    const std::size_t end = offset + section.size();
-    offset = aligned(end);
-    if (Status status = sink(end, std::span(padding).first(offset - end)); !status) return status;
-    at += kEntrySize;
-  }
-  std::memcpy(front.data() + header::kMagicAt, kMagic.data(), kMagic.size());
-  put<std::uint16_t>(front, header::kMajorAt, kMajor);
-  put<std::uint16_t>(front, header::kMinorAt, minor);
-  put<std::uint32_t>(front, header::kSectionsAt, static_cast<std::uint32_t>(sections.size()));
-  put<std::uint64_t>(front, header::kFileSizeAt, size);
-  put<std::uint64_t>(front, header::kTableHashAt,
-                     hash_bytes(std::span(front).subspan(kHeaderSize, table_size)));
-  put<std::uint64_t>(front, header::kHeaderHashAt,
-                     hash_bytes(std::span(front).first(header::kHeaderHashAt)));
-  return sink(0, front);
-}
-
-// sources: null when the rows are in `data`. start(size) is told the size of the file and gives the
-// sink for it.
-Status emit(const BasisData& data, BasisEncoding encoding, const RowSources* sources,
-            const std::function<Sink(std::size_t size)>& start) {
-  if (Status status = check_data(data, sources != nullptr); !status) return status;
+// sources: null when the rows are in `data`. use(list) writes the file while what the list refers
+// to is there.
+template <class Use>
+auto with_basis_sections(const BasisData& data, BasisEncoding encoding, const RowSources* sources,
+                         const Use& use) -> decltype(use(SectionList{})) {
+  if (Status status = check_data(data, sources != nullptr); !status) return status.error();
   const Result<Additions> more = make_additions(data, encoding);
   if (!more) return more.error();
-  const Result<std::vector<Section>> sections = list_sections(data, *more, sources);
+  Result<std::vector<SectionContent>> sections = list_sections(data, *more, sources);
   if (!sections) return sections.error();
-  std::size_t size = aligned(kHeaderSize + sections->size() * kEntrySize);
-  for (const Section& section : *sections) size = aligned(size + section.size());
   const std::uint16_t encoded = more->compact || is_linear(data) ? kMinorEncoded : kMinor;
   const std::uint16_t shown = data.render ? kMinorRender : encoded;
-  return put_file(*sections, data.edges.empty() ? shown : kMinorQuadratic, size, start(size));
+  return use(
+      SectionList{kKind, data.edges.empty() ? shown : kMinorQuadratic, std::move(*sections)});
 }
 
 }  // namespace
 
 Result<std::vector<std::byte>> encode_basis(const BasisData& data, BasisEncoding encoding) {
-  std::vector<std::byte> file;
-  const auto start = [&file](std::size_t size) -> Sink {
-    file.resize(size);
-    return [&file](std::size_t offset, std::span<const std::byte> bytes) -> Status {
-      std::copy(bytes.begin(), bytes.end(), file.begin() + offset);
-      return Success{};
-    };
-  };
-  if (Status status = emit(data, encoding, nullptr, start); !status) return status.error();
-  return file;
+  return with_basis_sections(data, encoding, nullptr,
+                             [](const SectionList& list) { return encode_sections(list); });
 }
-
-namespace {
-
-Status write_file(const std::string& path, const BasisData& data, BasisEncoding encoding,
-                  const RowSources* sources) {
-  Result<AtomicFile> file = AtomicFile::create(path);
-  if (!file) return file.error();
-  const auto start = [&file](std::size_t) -> Sink {
-    return [&file](std::size_t offset, std::span<const std::byte> bytes) {
-      return file->write_at(offset, bytes);
-    };
-  };
-  if (Status status = emit(data, encoding, sources, start); !status) return status;
-  return file->commit();
-}
-
-}  // namespace
 
 Status write_basis(const std::string& path, const BasisData& data, BasisEncoding encoding) {
-  return write_file(path, data, encoding, nullptr);
+  return with_basis_sections(data, encoding, nullptr, [&path](const SectionList& list) {
+    return write_sections(path, list);
+  });
 }
 
 Status write_basis(const std::string& path, const BasisData& data, const RowSources& sources) {
-  return write_file(path, data, BasisEncoding::kFull, &sources);
+  return with_basis_sections(
+      data, BasisEncoding::kFull, &sources,
+      [&path](const SectionList& list) { return write_sections(path, list); });
 }
 
 }  // namespace tremolo

@@ -40,6 +40,7 @@ class DrivenFrame final : public StepCoupling {
   DrivenFrame(std::shared_ptr<const FrameInertia> inertia, double step);
 
   const Pose& pose() const { return pose_; }
+  const Pose& next_pose() const { return next_; }  // at the end of the step to come
 
   // Puts the frame elsewhere, at rest, without a kick.
   void teleport(const Pose& pose);

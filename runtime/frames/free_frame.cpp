@@ -62,6 +62,7 @@ void FreeFrame::prepare(std::span<const StepForce> forces, const Vector3d& gravi
     pulls_.resize(forces.size());
   }
   load_work_ = gravity_work_ = 0.0;
+  set_contact(Vector3d::Zero(), Vector3d::Zero());
 }
 
 void FreeFrame::begin(double h, const VectorXd& q0, const VectorXd& v0) {
@@ -89,40 +90,80 @@ Vector3d FreeFrame::torque(const Matrix3d& mean_turn) const {
   return sum;
 }
 
-// omega1 from J1 omega1 + C1 v1 = Ro1^T l1 with v1 = v0 + dp - (1 - S/2) (C1^T omega1 - C0^T
-// omega0), by Newton's method to rounding.
-void FreeFrame::find_spin(const VectorXd& S, const VectorXd& dp) {
+// J1 w + C1 v1 - Ro1^T l1 with v1 = v0 + dp - (1 - S/2) (C1^T w - C0^T omega0): `inertia` is J1 less
+// what v1 takes of it, `coupled` the rest of C1 v1.
+FreeFrame::SpinTrial FreeFrame::spin_equation(const Matrix3d& inertia, const Vector3d& coupled,
+                                              const Vector3d& w) {
+  const Vector3d phi = (0.5 * h_) * (rigid_.spin + w);
+  SpinTrial trial;
+  trial.turn = cayley_matrix(phi);
+  torque_ = contact_torque_;
+  if (!forces_.empty()) torque_ += torque(0.5 * (Matrix3d::Identity() + trial.turn));
+  const Vector3d l1 = momentum0_ + h_ * torque_;
+  momentum1_ = trial.turn.transpose() * l1;
+  const Matrix3d half = Matrix3d::Identity() + 0.5 * cross_matrix(phi);
+  trial.jacobian = inertia - (0.25 * h_) * half.inverse() * cross_matrix(momentum1_ + l1);
+  trial.residual = inertia * w + coupled - momentum1_;
+  return trial;
+}
+
+// Returns the inertia of spin_equation(), and leaves v1 without the part that omega1 gives it.
+Matrix3d FreeFrame::begin_spin(const VectorXd& S, const VectorXd& dp) {
   kappa_ = 1.0 - 0.5 * S.array();  // theta h D S; zero without damping
   Matrix3d inertia = at1_.J;
   for (Index j = 0; j < S.size(); ++j)
     inertia -= kappa_[j] * at1_.C.col(j) * at1_.C.col(j).transpose();
   v1_ = v0_ + dp + kappa_.cwiseProduct(kick0_);
-  const Vector3d coupled = at1_.C * v1_;
-  Vector3d& w = spin1_;
-  double last = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kSpinIterations; ++i) {
-    const Vector3d phi = (0.5 * h_) * (rigid_.spin + w);
-    const Matrix3d turn = cayley_matrix(phi);
-    if (!forces_.empty()) torque_ = torque(0.5 * (Matrix3d::Identity() + turn));
-    const Vector3d l1 = momentum0_ + h_ * torque_;
-    momentum1_ = turn.transpose() * l1;
-    const Matrix3d half = Matrix3d::Identity() + 0.5 * cross_matrix(phi);
-    const Matrix3d jacobian =
-        inertia - (0.25 * h_) * half.inverse() * cross_matrix(momentum1_ + l1);
-    const Vector3d move = jacobian.inverse() * (momentum1_ - coupled - inertia * w);
-    w += move;
-    const double size = move.norm();
-    // At rounding the moves stop falling.
-    if (size <= 1e-16 * w.norm() || size >= last) break;
-    last = size;
-  }
-  kappa_.noalias() = at1_.C.transpose() * w;
+  return inertia;
+}
+
+// v1 and kappa from omega1.
+void FreeFrame::end_spin(const VectorXd& S, const VectorXd& dp) {
+  kappa_.noalias() = at1_.C.transpose() * spin1_;
   kappa_ -= kick0_;
   v1_ = v0_ + dp - (1.0 - 0.5 * S.array()).matrix().cwiseProduct(kappa_);
 }
 
-void FreeFrame::evaluate(const VectorXd& d, const VectorXd& S, VectorXd& dp, VectorXd& force) {
-  const Index r = inertia_->modes();
+// omega1 by Newton's method to rounding.
+void FreeFrame::find_spin(const VectorXd& S, const VectorXd& dp) {
+  const Matrix3d inertia = begin_spin(S, dp);
+  const Vector3d coupled = at1_.C * v1_;
+  double last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kSpinIterations; ++i) {
+    const SpinTrial trial = spin_equation(inertia, coupled, spin1_);
+    const Vector3d move = -(trial.jacobian.inverse() * trial.residual);
+    spin1_ += move;
+    const double size = move.norm();
+    // At rounding the moves stop falling.
+    if (size <= 1e-16 * spin1_.norm() || size >= last) break;
+    last = size;
+  }
+  end_spin(S, dp);
+}
+
+FreeFrame::SpinTrial FreeFrame::try_spin(const VectorXd& d, const VectorXd& S, const Vector3d& w,
+                                         VectorXd& dp, VectorXd& force) {
+  set_end(d);
+  const Matrix3d inertia = begin_spin(S, dp);
+  const Vector3d coupled = at1_.C * v1_;
+  spin1_ = w;
+  const SpinTrial trial = spin_equation(inertia, coupled, w);
+  end_spin(S, dp);
+  add_forces(dp, force);
+  return trial;
+}
+
+Vector3d FreeFrame::centre_residual(const Vector3d& e) const {
+  return (2.0 * inertia_->mass / h_) * (e / h_ - rigid_.velocity) - total_force_ -
+         inertia_->mass * gravity_;
+}
+
+void FreeFrame::set_contact(const Vector3d& force, const Vector3d& torque) {
+  contact_force_ = force;
+  contact_torque_ = torque;
+}
+
+void FreeFrame::set_end(const VectorXd& d) {
   q1_ = q0_ + d;
   at1_.compute(*inertia_, q1_);
   m_ = q0_ + 0.5 * d;
@@ -131,9 +172,18 @@ void FreeFrame::evaluate(const VectorXd& d, const VectorXd& S, VectorXd& dp, Vec
     arms_[i] = place.rest - inertia_->centre;
     arms_[i].noalias() += place.rows * m_;
   }
-  find_spin(S, dp);
-  dp = v1_ - v0_ + kappa_;
+}
 
+void FreeFrame::evaluate(const VectorXd& d, const VectorXd& S, VectorXd& dp, VectorXd& force) {
+  set_end(d);
+  find_spin(S, dp);
+  add_forces(dp, force);
+}
+
+// The change of p, and g and the forces of prepare(), from v1 and omega1.
+void FreeFrame::add_forces(VectorXd& dp, VectorXd& force) {
+  const Index r = inertia_->modes();
+  dp = v1_ - v0_ + kappa_;
   const Vector3d& w0 = rigid_.spin;
   bend1_.noalias() = inertia_->pairs.topRows(3 * r) * v1_;
   added_.setZero();
@@ -166,11 +216,11 @@ bool FreeFrame::finish(const VectorXd& d, double defect, VectorXd& v) {
   const Vector3d mean_spin = 0.5 * (rigid_.spin + spin1_);
   if (!forces_.empty()) {
     const Matrix3d mean = 0.5 * (Matrix3d::Identity() + cayley_matrix(h_ * mean_spin));
-    load_work_ += h_ * torque_.dot(mean_spin);
+    load_work_ += h_ * (torque_ - contact_torque_).dot(mean_spin);
     for (std::size_t i = 0; i < forces_.size(); ++i)
       load_work_ += (mean * (forces_[i].place->rows * d)).dot(pulls_[i]);
-    rigid_.momentum += h_ * (rigid_.rotation * torque_);
   }
+  if (!torque_.isZero(0.0)) rigid_.momentum += h_ * (rigid_.rotation * torque_);
   rigid_.rotation = (rigid_.rotation * cayley(h_ * mean_spin)).normalized();
   momentum1_ = rigid_.rotation.conjugate() * rigid_.momentum;
   rigid_.spin = inverse * (momentum1_ - at1_.C * v1_);
@@ -181,7 +231,7 @@ bool FreeFrame::finish(const VectorXd& d, double defect, VectorXd& v) {
 
 void FreeFrame::move_centre() {
   const Vector3d before = rigid_.velocity;
-  rigid_.velocity += h_ * (total_force_ / inertia_->mass + gravity_);
+  rigid_.velocity += h_ * ((total_force_ + contact_force_) / inertia_->mass + gravity_);
   const Vector3d path = (0.5 * h_) * (before + rigid_.velocity);
   rigid_.centre += path;
   load_work_ += total_force_.dot(path);

@@ -78,6 +78,25 @@ class FreeFrame final : public StepCoupling {
   double load_work() const { return load_work_; }
   double gravity_work() const { return gravity_work_; }
 
+  // For solvers that know more forces, which depend on where the step ends: evaluate() at a given
+  // omega1 = w. residual: J1 w + C1 v1 - Ro1^T l1, N m s, with the forces of prepare() only;
+  // jacobian: its derivative by w. turn: cay(h omega~). C1: 3 x r.
+  struct SpinTrial {
+    Eigen::Vector3d residual;
+    Eigen::Matrix3d jacobian;
+    Eigen::Matrix3d turn;
+  };
+  SpinTrial try_spin(const Eigen::VectorXd& d, const Eigen::VectorXd& S, const Eigen::Vector3d& w,
+                     Eigen::VectorXd& dp, Eigen::VectorXd& force);
+  const Eigen::Matrix3Xd& end_coupling() const { return at1_.C; }
+  // m (e/h - V0) 2/h - sum of F - m g for the path e of the centre, N, with the forces of prepare().
+  Eigen::Vector3d centre_residual(const Eigen::Vector3d& e) const;
+  double mass() const { return inertia_->mass; }
+  const Eigen::Vector3d& mesh_centre() const { return inertia_->centre; }
+  // What such a solver found, for evaluate() and finish(): a force (N, world) and the mean torque
+  // about the centre (N m, along the body's axes at the start). Until the next prepare().
+  void set_contact(const Eigen::Vector3d& force, const Eigen::Vector3d& torque);
+
   void begin(double h, const Eigen::VectorXd& q0, const Eigen::VectorXd& v0) override;
   void evaluate(const Eigen::VectorXd& d, const Eigen::VectorXd& S, Eigen::VectorXd& dp,
                 Eigen::VectorXd& force) override;
@@ -85,7 +104,12 @@ class FreeFrame final : public StepCoupling {
   bool finish(const Eigen::VectorXd& d, double defect, Eigen::VectorXd& v) override;
 
  private:
-  void gather_forces();
+  void set_end(const Eigen::VectorXd& d);
+  void add_forces(Eigen::VectorXd& dp, Eigen::VectorXd& force);
+  SpinTrial spin_equation(const Eigen::Matrix3d& inertia, const Eigen::Vector3d& coupled,
+                          const Eigen::Vector3d& w);
+  Eigen::Matrix3d begin_spin(const Eigen::VectorXd& S, const Eigen::VectorXd& dp);
+  void end_spin(const Eigen::VectorXd& S, const Eigen::VectorXd& dp);
   void find_spin(const Eigen::VectorXd& S, const Eigen::VectorXd& dp);
   Eigen::Vector3d torque(const Eigen::Matrix3d& mean_turn) const;
   void move_centre();
@@ -109,7 +133,9 @@ class FreeFrame final : public StepCoupling {
   Eigen::Vector3d spin1_;                                  // omega1
   Eigen::Vector3d momentum1_;                              // Ro1^T l1
   Eigen::Vector3d torque_ = Eigen::Vector3d::Zero();       // mean, along the axes at the start
-  Eigen::Vector3d total_force_ = Eigen::Vector3d::Zero();  // world
+  Eigen::Vector3d total_force_ = Eigen::Vector3d::Zero();  // world, without contact
+  Eigen::Vector3d contact_force_ = Eigen::Vector3d::Zero();   // world
+  Eigen::Vector3d contact_torque_ = Eigen::Vector3d::Zero();  // part of torque_
   std::vector<Eigen::Vector3d> arms_;                      // y~ of each force, body
   std::vector<Eigen::Vector3d> pulls_;                     // Ro0^T F
   double force_norm_ = 0.0;

@@ -4,7 +4,7 @@
 #include "precompute/mesher/cgal/size_field.h"
 #include "precompute/mesher/surface/surface_geometry.h"
 #include "precompute/mesher/surface/triangle_tree.h"
-#include "precompute/mesher/surface/winding_number.h"
+#include "common/mesh/winding_number.h"
 #include "tests/support/surfaces.h"
 
 namespace tremolo {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "precompute/mesher/surface/surface_weld.h"
-#include "precompute/mesher/surface/winding_number.h"
+#include "common/mesh/winding_number.h"
 #include "tests/support/surfaces.h"
 
 namespace tremolo {

@@ -1,14 +1,17 @@
 // Nothing is allocated in a step. Every request for memory is counted: operator new and Eigen both
 // end in malloc, which this executable replaces (or, under a sanitizer, hooks).
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
 
 #include "runtime/body.h"
+#include "runtime/contact/collider.h"
 #include "runtime/integrators/solve/newton.h"
 #include "runtime/world.h"
+#include "tests/support/distance_fields.h"
 #include "tests/support/dynamics.h"
 #include "tests/support/linear_model.h"
 
@@ -168,6 +171,28 @@ TEST(Allocation, ReadingTheSurfaceAndEnergyAllocatesNothingAfterTheFirstTime) {
   EXPECT_TRUE(written);
   EXPECT_GT(energy, 0.0);
   EXPECT_EQ(after - before, 0);
+}
+
+TEST(Allocation, CollidersAreAskedWithoutMemory) {
+  const Collider colliders[] = {
+      PlaneShape{},
+      SphereShape{},
+      CapsuleShape{},
+      BoxShape{},
+      CylinderShape{},
+      GridShape{std::make_shared<const DistanceGrid>(
+          testing::grid_of(testing::cube_of_nodes(1.5, 8), testing::sphere_formula(1.0)))}};
+  double sum = 0.0;
+  const long before = allocations;
+  for (const Collider& collider : colliders)
+    for (int i = 0; i < 50; ++i) {
+      const Eigen::Vector3d x(0.1 * i, 0.05 * i, 2.0 - 0.08 * i);
+      sum += signed_distance(collider, x).normal.sum() + bounds(collider).low.x() +
+             first_hit(collider, x, -x).value_or(0.0);
+    }
+  const long after = allocations;
+  EXPECT_EQ(after - before, 0);
+  EXPECT_FALSE(std::isnan(sum));
 }
 
 }  // namespace

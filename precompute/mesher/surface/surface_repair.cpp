@@ -9,7 +9,7 @@
 #include "precompute/mesher/surface/surface_geometry.h"
 #include "precompute/mesher/surface/surface_patches.h"
 #include "precompute/mesher/surface/surface_weld.h"
-#include "precompute/mesher/surface/winding_number.h"
+#include "common/mesh/winding_number.h"
 
 namespace tremolo {
 namespace {

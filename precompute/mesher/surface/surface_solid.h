@@ -6,7 +6,7 @@
 #include "common/mesh/render_surface.h"
 #include "precompute/mesher/surface/surface_repair.h"
 #include "precompute/mesher/surface/triangle_tree.h"
-#include "precompute/mesher/surface/winding_number.h"
+#include "common/mesh/winding_number.h"
 
 namespace tremolo {
 

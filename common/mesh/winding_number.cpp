@@ -1,4 +1,4 @@
-#include "precompute/mesher/surface/winding_number.h"
+#include "common/mesh/winding_number.h"
 
 #include <algorithm>
 #include <cmath>

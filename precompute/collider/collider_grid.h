@@ -1,0 +1,34 @@
+// The grid of a collider: how fine, which distances, and how far off between the nodes.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "common/distance/distance_grid.h"
+#include "common/result.h"
+#include "precompute/collider/surface_distance.h"
+
+namespace tremolo {
+
+// Between surface and border there are so many cells at least.
+inline constexpr double kLeastMarginCells = 3.0;
+
+// Cells along the longest side of the surface's box, margin in m around it (at least three cells).
+// Errors (kContent): more nodes than a grid may have, with the most cells that it could have.
+Result<GridNodes> plan_nodes(const BoundingBox& surface, int cells, double margin);
+
+// Exact at every node, m, rounded to float. The result does not depend on the number of threads.
+std::vector<float> distances_at_nodes(const SurfaceDistance& surface, const GridNodes& nodes,
+                                      unsigned threads);
+
+// Differences between the grid and the exact distance at random points, spread evenly over the
+// surface and up to two cells beside it. m.
+struct GridError {
+  std::size_t points = 0;
+  double largest = 0;
+  double root_mean_square = 0;
+};
+// The same points every time, whatever the number of threads.
+GridError measure_error(const SurfaceDistance& surface, const DistanceGrid& grid, unsigned threads);
+
+}  // namespace tremolo

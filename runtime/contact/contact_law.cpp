@@ -1,0 +1,95 @@
+#include "runtime/contact/contact_law.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d into_frame(const Pose& pose, const Vector3d& x) {
+  return pose.rotation.conjugate() * (x - pose.position);
+}
+
+// (psi(d0) - psi(d1)) / (d1 - d0) and how it falls with d1. a, b: depths of the ends, M - d, which
+// may be negative.
+struct MeanForce {
+  double value = 0.0;
+  double fall = 0.0;
+};
+
+MeanForce mean_force(double k, double a, double b) {
+  if (a <= 0.0 && b <= 0.0) return {};
+  const double third = k / 3.0;
+  if (a >= 0.0 && b >= 0.0) return {third * (a * a + a * b + b * b), third * (a + 2.0 * b)};
+  // One end is outside: the cube of the other over the whole way, b - a.
+  if (b > 0.0) {
+    const double way = b - a, cube = b * b * b;
+    return {third * cube / way, third * (3.0 * b * b * way - cube) / (way * way)};
+  }
+  const double way = a - b;
+  return {third * a * a * a / way, third * a * a * a / (way * way)};
+}
+
+// The mean rotation of the collider's frame in the step.
+Eigen::Quaterniond mid_rotation(const PlacedCollider& collider) {
+  Eigen::Quaterniond end = collider.end.rotation;
+  if (collider.start.rotation.dot(end) < 0.0) end.coeffs() = -end.coeffs();
+  return Eigen::Quaterniond(collider.start.rotation.coeffs() + end.coeffs()).normalized();
+}
+
+}  // namespace
+
+ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
+                           const Vector3d& x) {
+  ContactStart start;
+  start.place = into_frame(collider.start, x);
+  start.distance = signed_distance(collider.shape, start.place).distance;
+  start.energy = law.energy(start.distance);
+  return start;
+}
+
+ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
+                           const ContactStart& start, const Vector3d& x1, double h) {
+  ContactForce contact;
+  const Vector3d end = into_frame(collider.end, x1);
+  const double d0 = start.distance;
+  const double d1 = signed_distance(collider.shape, end).distance;
+  contact.distance = d1;
+  contact.energy = law.energy(d1);
+  const MeanForce mean = mean_force(law.stiffness, law.margin - d0, law.margin - d1);
+  if (mean.value == 0.0) return contact;
+
+  const Vector3d way = end - start.place;
+  const Vector3d middle = signed_distance(collider.shape, 0.5 * (start.place + end)).normal;
+  Vector3d normal = middle;
+  // Below this the change of distance is rounding.
+  if (const double length2 = way.squaredNorm(); length2 > 1e-18 * law.margin * law.margin)
+    normal += ((d1 - d0 - middle.dot(way)) / length2) * way;
+
+  const double speed = (d1 - d0) / h;
+  const double least = law.restitution * law.restitution;
+  const double along = std::clamp(speed / law.rebound_speed, 0.0, 1.0);
+  const double share = 1.0 - (1.0 - least) * along;
+  contact.pressure = mean.value;
+  contact.lost = (1.0 - share) * std::max(0.0, start.energy - contact.energy);
+  contact.normal_stiffness = share * mean.fall;
+  if (along > 0.0 && along < 1.0)
+    contact.normal_stiffness += mean.value * (1.0 - least) / (law.rebound_speed * h);
+
+  const Vector3d slip = way - middle.dot(way) / middle.squaredNorm() * middle;
+  const double pushed = share * mean.value * normal.norm();
+  const double whole = h * law.slip_speed;
+  const double length = slip.norm();
+  contact.tangent_stiffness = law.friction * pushed / std::max(length, whole);
+  const Vector3d rub = -contact.tangent_stiffness * slip;
+  contact.rubbed = -rub.dot(way);
+
+  const Eigen::Quaterniond turn = mid_rotation(collider);
+  contact.normal = turn * normal.normalized();
+  contact.force = turn * (share * mean.value * normal + rub);
+  return contact;
+}
+
+}  // namespace tremolo

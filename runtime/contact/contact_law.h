@@ -1,0 +1,80 @@
+// The force between a point of a body and a collider, over one step (docs/theory.md, section
+// "Contact").
+//
+// Nearer than the margin M, a point at the distance d has the energy psi(d) = k/3 (M - d)^3, a
+// convex function with two continuous derivatives. Over a step from x0 to x1, in the collider's
+// frame, the force is the discrete gradient
+//
+//     f = -s n,   s = (psi(d1) - psi(d0)) / (d1 - d0),   n.(x1 - x0) = d1 - d0
+//
+// in closed form, with n the normal in the middle, corrected along x1 - x0: its work is exactly
+// psi(d0) - psi(d1). On the way out only the share e^2 of it pushes: a point mass leaves with e
+// times the speed of its arrival. Friction is mu |s| along the tangential part t of x1 - x0 against
+// it, in proportion to |t| below a small speed, so that it only takes.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "runtime/contact/collider.h"
+#include "runtime/frames/pose.h"
+
+namespace tremolo {
+
+// margin: M, m. stiffness: k, N/m^2. restitution: e, 0 to 1. friction: mu. rebound_speed: m/s, at
+// which the share that pushes on the way out has fallen to e^2. slip_speed: m/s, at which friction
+// is whole.
+struct ContactLaw {
+  double margin = 0.0;
+  double stiffness = 0.0;
+  double restitution = 0.5;
+  double friction = 0.3;
+  double rebound_speed = 0.0;
+  double slip_speed = 0.0;
+
+  double energy(double distance) const {
+    const double depth = margin - distance;
+    return depth > 0.0 ? stiffness / 3.0 * depth * depth * depth : 0.0;
+  }
+};
+
+// A collider in the world, in one step. Its frame moves from `start` to `end`. friction,
+// restitution: of the pair with whatever touches it.
+struct PlacedCollider {
+  Collider shape;
+  Pose start, end;
+  double friction = 0.3;
+  double restitution = 0.5;
+};
+
+// A point near a collider at the start of a step. place: x0 in the collider's frame then, m.
+struct ContactStart {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  double distance = 0.0;  // d0, m
+  double energy = 0.0;    // psi(d0), J
+};
+
+// Over the step. force: on the point, N, world. normal: world. pressure: s n's length before
+// restitution's share and friction, N. normal_stiffness, tangent_stiffness: by how much the force
+// falls with the end of the way along and across the normal, N/m, not negative. energy: psi(d1), J.
+// lost: what restitution took, rubbed: what friction took, J. distance: d1, m.
+struct ContactForce {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double pressure = 0.0;
+  double normal_stiffness = 0.0;
+  double tangent_stiffness = 0.0;
+  double energy = 0.0;
+  double lost = 0.0;
+  double rubbed = 0.0;
+  double distance = 0.0;
+};
+
+// x: world, m.
+ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
+                           const Eigen::Vector3d& x);
+
+// x1: where the point ends, world, m. h: the step, s.
+ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
+                           const ContactStart& start, const Eigen::Vector3d& x1, double h);
+
+}  // namespace tremolo

@@ -1,0 +1,92 @@
+#include "runtime/contact/contact_points.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace tremolo {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+constexpr std::size_t kGroupSize = 8;
+
+// Indices into the boundary's vertices. gap receives the largest distance left.
+std::vector<std::size_t> farthest_points(const std::vector<Vector3d>& places, std::size_t most,
+                                         double& gap) {
+  std::vector<double> distance2(places.size(), std::numeric_limits<double>::infinity());
+  std::vector<std::size_t> chosen;
+  gap = 0.0;
+  // The lowest vertex along x comes first, so that the choice has no other rule in it.
+  const auto least = std::min_element(
+      places.begin(), places.end(), [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); });
+  auto next = static_cast<std::size_t>(least - places.begin());
+  while (chosen.size() < std::min(most, places.size())) {
+    chosen.push_back(next);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      distance2[i] = std::min(distance2[i], (places[i] - places[next]).squaredNorm());
+    next = static_cast<std::size_t>(std::max_element(distance2.begin(), distance2.end()) -
+                                    distance2.begin());
+    gap = std::sqrt(distance2[next]);
+    if (gap == 0.0) break;
+  }
+  return chosen;
+}
+
+// Halves along the longest side until groups are small; reorders `order`.
+void divide(const std::vector<Vector3d>& places, std::vector<std::size_t>& order, std::size_t first,
+            std::size_t last, std::vector<PointGroup>& groups) {
+  Vector3d low = places[order[first]], high = low;
+  for (std::size_t i = first; i < last; ++i) {
+    low = low.cwiseMin(places[order[i]]);
+    high = high.cwiseMax(places[order[i]]);
+  }
+  if (last - first <= kGroupSize) {
+    PointGroup group{first, last - first, 0.5 * (low + high), 0.0};
+    for (std::size_t i = first; i < last; ++i)
+      group.radius = std::max(group.radius, (places[order[i]] - group.centre).norm());
+    groups.push_back(group);
+    return;
+  }
+  Index axis = 0;
+  (high - low).maxCoeff(&axis);
+  const std::size_t middle = first + (last - first) / 2;
+  const auto at = [&](std::size_t i) { return order.begin() + static_cast<std::ptrdiff_t>(i); };
+  std::nth_element(at(first), at(middle), at(last), [&](std::size_t a, std::size_t b) {
+    return places[a][axis] < places[b][axis];
+  });
+  divide(places, order, first, middle, groups);
+  divide(places, order, middle, last, groups);
+}
+
+}  // namespace
+
+ContactPoints choose_contact_points(const Model& model, std::size_t most) {
+  const VertexBlock& surface = model.surface();
+  ContactPoints points;
+  std::vector<std::size_t> order = farthest_points(surface.rest, most, points.gap);
+  if (order.empty()) return points;
+  divide(surface.rest, order, 0, order.size(), points.groups);
+  const Index r = model.modes();
+  points.rows.resize(r, static_cast<Index>(3 * order.size()));
+  points.reach.setZero(r);
+  Vector3d low = surface.rest[order[0]], high = low;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto from = static_cast<Index>(3 * order[i]);
+    const auto to = static_cast<Index>(3 * i);
+    points.ids.push_back(surface.vertex_ids[order[i]]);
+    points.rest.push_back(surface.rest[order[i]]);
+    points.rows.middleCols<3>(to) = surface.rows.middleRows<3>(from).transpose();
+    points.reach = points.reach.cwiseMax(points.rows.middleCols<3>(to).rowwise().norm());
+    low = low.cwiseMin(points.rest.back());
+    high = high.cwiseMax(points.rest.back());
+  }
+  points.centre = 0.5 * (low + high);
+  points.extent = (high - low).maxCoeff();
+  for (const Vector3d& place : points.rest)
+    points.radius = std::max(points.radius, (place - points.centre).norm());
+  return points;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,47 @@
+// The points of a body that feel contact: a subset of its boundary's vertices, in groups.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/mesh/tet_mesh.h"
+#include "runtime/model.h"
+
+namespace tremolo {
+
+// Neighbours, whose rest places lie within `radius` (m) of `centre` (m, the mesh's coordinates).
+struct PointGroup {
+  std::size_t first = 0, count = 0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+};
+
+// rest: m. rows: r x 3n, columns 3 i .. 3 i + 2 are the transposed rows of U of point i. reach: r,
+// the farthest that a unit of a coordinate moves any point: |u| <= sum_i |q_i| reach_i. centre,
+// radius: of a ball around all. extent: the longest side of the boundary's box, m. gap: no vertex
+// of the boundary is farther from the nearest point, m: what may slip between points.
+struct ContactPoints {
+  std::vector<VertexId> ids;
+  std::vector<Eigen::Vector3d> rest;
+  Eigen::MatrixXd rows;
+  Eigen::VectorXd reach;
+  std::vector<PointGroup> groups;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+  double extent = 0.0;
+  double gap = 0.0;
+
+  std::size_t size() const { return rest.size(); }
+  // X + U q of point i.
+  Eigen::Vector3d place(std::size_t i, const Eigen::VectorXd& q) const {
+    const auto column = static_cast<Eigen::Index>(3 * i);
+    return rest[i] + rows.middleCols<3>(column).transpose() * q;
+  }
+};
+
+// At most `most` of the boundary's vertices, each the farthest from those before it, so that gap
+// falls as fast as it can.
+ContactPoints choose_contact_points(const Model& model, std::size_t most);
+
+}  // namespace tremolo

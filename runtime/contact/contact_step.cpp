@@ -1,0 +1,330 @@
+#include "runtime/contact/contact_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tremolo {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr int kIterations = 60;       // Newton's, with the line search
+constexpr double kTolerance = 1e-10;  // of the momenta in a step
+constexpr int kShorter = 12;          // halvings of a move
+
+// How far any point of a ball of `radius` about `place` moves in the world between the poses, m.
+double reach_of(const StepPoses& poses, const Vector3d& place, double radius) {
+  const double angle = turn_of(poses.start.rotation.conjugate() * poses.end.rotation).norm();
+  return (poses.end * place - poses.start * place).norm() + angle * radius;
+}
+
+}  // namespace
+
+ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
+                         const ContactOptions& contact, double mass)
+    : model_(std::move(model)),
+      options_(options),
+      points_(std::make_shared<const ContactPoints>(
+          choose_contact_points(*model_, static_cast<std::size_t>(contact.points)))),
+      mass_(mass),
+      damping_(make_inertia_damping(*model_, options, cotangent_weight)),
+      S_((0.5 + options.step * damping_.theta.array() * damping_.D.array()).inverse()),
+      workspace_(model_->potential().make_workspace(kUseSegment)) {
+  const double h = options.step;
+  law_.margin = contact.margin * points_->extent;
+  law_.stiffness = contact.stiffness * mass / (2.0 * h * h * law_.margin);
+  law_.rebound_speed = 0.01 * law_.margin / h;
+  law_.slip_speed = 0.003 * law_.margin / h;
+  const Index r = model_->modes(), n = r + 6;
+  for (VectorXd* v : {&q0_, &v0_, &q1_, &G_, &dp_, &force_, &middle_, &contact_push_}) v->setZero(r);
+  for (VectorXd* v : {&z_, &z_before_, &residual_, &move_}) v->setZero(n);
+  K_.setZero(r, r);
+  jacobian_.setIdentity(n, n);
+  factor_.compute(jacobian_);
+  push_.setZero(n, 3);
+  way_.setZero(3, n);
+}
+
+void ContactStep::reset() {
+  account_ = {};
+  std::fill(impulses_.begin(), impulses_.end(), 0.0);
+}
+
+bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPoses& poses,
+                         const VectorXd& q, const VectorXd& v) {
+  colliders_ = colliders;
+  poses_ = poses;
+  candidates_.clear();
+  candidates_.reserve(points_->size() * colliders.size());
+  impulses_.resize(colliders.size());
+  // What the coordinates move a point by: so far, and in the step.
+  const double deformed = q.cwiseAbs().dot(points_->reach);
+  const double moving = options_.step * v.cwiseAbs().dot(points_->reach);
+  for (std::size_t c = 0; c < colliders.size(); ++c) {
+    const PlacedCollider& collider = colliders[c];
+    const Vector3d centre = poses.start * points_->centre;
+    const double radius = points_->radius + deformed;
+    // The collider's own motion, of what is near the body.
+    const StepPoses its{collider.start, collider.end};
+    const Vector3d local = collider.start.rotation.conjugate() * (centre - collider.start.position);
+    // Twice: contact may speed a point up.
+    const double reach =
+        law_.margin +
+        2.0 * (moving + reach_of(poses, points_->centre, radius) + reach_of(its, local, radius));
+    if (signed_distance(collider.shape, local).distance > radius + reach) continue;
+    add_candidates(collider, c, q, reach);
+  }
+  return !candidates_.empty();
+}
+
+void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t index,
+                                 const VectorXd& q, double reach) {
+  ContactLaw law = law_;
+  law.friction = collider.friction;
+  law.restitution = collider.restitution;
+  const double deformed = q.cwiseAbs().dot(points_->reach);
+  const auto into = [&collider](const Vector3d& x) {
+    return Vector3d(collider.start.rotation.conjugate() * (x - collider.start.position));
+  };
+  for (const PointGroup& group : points_->groups) {
+    const Vector3d centre = into(poses_.start * group.centre);
+    if (signed_distance(collider.shape, centre).distance > group.radius + deformed + reach)
+      continue;
+    for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+      Candidate candidate{i, index, law, {}, poses_.start * points_->place(i, q), {}, {}};
+      candidate.start = contact_start(law, collider, candidate.x0);
+      if (candidate.start.distance <= reach) candidates_.push_back(candidate);
+    }
+  }
+}
+
+// Where the body's frame is at the end. turn: Ro0^T Ro1.
+void ContactStep::place_end(FreeFrame* free, const Matrix3d& turn) {
+  R1_ = R0_ * turn;
+  c1_ = free != nullptr ? Vector3d(c0_ + z_.tail<3>()) : poses_.end.position;
+}
+
+// The forces of contact at the present end of the step, into force_ and, of a free body, residual_;
+// with `tangent` their derivatives into jacobian_.
+void ContactStep::add_contact(FreeFrame* free, const Matrix3d& turn, bool tangent) {
+  const double h = options_.step;
+  const Index r = model_->modes();
+  const Matrix3d mean = 0.5 * (Matrix3d::Identity() + turn);
+  middle_ = q0_ + 0.5 * z_.head(r);
+  contact_force_.setZero();
+  contact_torque_.setZero();
+  contact_push_.setZero();
+  for (Candidate& candidate : candidates_) {
+    const std::size_t i = candidate.point;
+    candidate.x1 = c1_ + R1_ * (points_->place(i, q1_) - origin_);
+    candidate.now =
+        contact_force(candidate.law, colliders_[candidate.collider], candidate.start, candidate.x1, h);
+    if (candidate.now.pressure == 0.0) continue;
+    const Vector3d pull = R0_.transpose() * candidate.now.force;
+    const Vector3d arm = mean * (points_->place(i, middle_) - origin_);
+    const auto rows = points_->rows.middleCols<3>(static_cast<Index>(3 * i));
+    contact_push_.noalias() += rows * (mean.transpose() * pull);
+    contact_force_ += candidate.now.force;
+    contact_torque_ += arm.cross(pull);
+    if (tangent) add_tangent(candidate, free, turn, arm);
+  }
+  force_ -= contact_push_;
+  if (free == nullptr) return;
+  residual_.segment<3>(r) -= h * (turn.transpose() * contact_torque_);
+  residual_.tail<3>() -= contact_force_;
+}
+
+// arm: along the body's axes at the start.
+void ContactStep::add_tangent(const Candidate& candidate, FreeFrame* free, const Matrix3d& turn,
+                              const Vector3d& arm) {
+  const double h = options_.step;
+  const Index r = model_->modes(), n = free != nullptr ? r + 6 : r;
+  const auto rows = points_->rows.middleCols<3>(static_cast<Index>(3 * candidate.point));
+  const ContactForce& now = candidate.now;
+  const Matrix3d mean = 0.5 * (R0_ + R1_);
+  const Matrix3d along = now.normal * now.normal.transpose();
+  const Matrix3d stiffness = now.normal_stiffness * along +
+                             now.tangent_stiffness * (Matrix3d::Identity() - along);
+  way_.leftCols(r).noalias() = R1_ * rows.transpose();
+  push_.topRows(r).noalias() = (0.5 * h * h) * rows * mean.transpose();
+  if (free != nullptr) {
+    const Vector3d phi = (0.5 * h) * (free->rigid().spin + z_.segment<3>(r));
+    const Matrix3d turned = (0.5 * h / (1.0 + 0.25 * phi.squaredNorm())) *
+                            (Matrix3d::Identity() - 0.5 * cross_matrix(phi));
+    const Vector3d y1 = points_->place(candidate.point, q1_) - origin_;
+    way_.middleCols<3>(r) = -R1_ * cross_matrix(y1) * turned;
+    way_.rightCols<3>().setIdentity();
+    push_.middleRows<3>(r) = h * turn.transpose() * cross_matrix(arm) * R0_.transpose();
+    push_.bottomRows<3>().setIdentity();
+  }
+  push_.topRows(n) = (push_.topRows(n) * stiffness).eval();
+  jacobian_.topLeftCorner(n, n).noalias() += push_.topRows(n) * way_.leftCols(n);
+}
+
+// The residual at z_, with its Jacobian if asked. Rows: of d as in energy_preserving.cpp, in units
+// of q; of omega1, N m s; of e, N.
+double ContactStep::evaluate(const StepLoad& load, FreeFrame* free, bool tangent) {
+  const double h = options_.step;
+  const Index r = model_->modes();
+  const VectorXd& n = damping_.n;
+  const auto d = z_.head(r);
+  q1_ = q0_ + d;
+  model_->potential().averaged_gradient(q0_, q1_, workspace_, G_, nullptr);
+  dp_ = S_.cwiseProduct(n.cwiseProduct(d) / h - v0_);
+  force_ = G_ - load.average;
+  middle_ = d;
+  Matrix3d turn = (R0_.transpose() * poses_.end.rotation.toRotationMatrix()).eval();
+  if (tangent) {
+    jacobian_.setZero();
+    jacobian_.topLeftCorner(r, r) = (0.25 * h * h) * K_;
+    jacobian_.topLeftCorner(r, r).diagonal() +=
+        (0.5 * n.array().square() * S_.array() + 0.5 * h * damping_.D.array()).matrix();
+  }
+  if (free != nullptr) {
+    const FreeFrame::SpinTrial trial = free->try_spin(middle_, S_, z_.segment<3>(r), dp_, force_);
+    turn = trial.turn;
+    residual_.segment<3>(r) = trial.residual;
+    residual_.tail<3>() = free->centre_residual(z_.tail<3>());
+    if (tangent) {
+      const Eigen::Matrix3Xd& C1 = free->end_coupling();
+      for (Index j = 0; j < r; ++j) {
+        jacobian_.block<1, 3>(j, r) = (0.25 * h * n[j] * S_[j]) * C1.col(j).transpose();
+        jacobian_.block<3, 1>(r, j) = (S_[j] * n[j] / h) * C1.col(j);
+      }
+      jacobian_.block<3, 3>(r, r) = trial.jacobian;
+      jacobian_.bottomRightCorner<3, 3>().diagonal().setConstant(2.0 * mass_ / (h * h));
+    }
+  } else if (load.coupling != nullptr) {
+    load.coupling->evaluate(middle_, S_, dp_, force_);
+  }
+  place_end(free, turn);
+  add_contact(free, turn, tangent);
+  residual_.head(r) = (0.5 * h) * n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
+                      (0.5 * h) * damping_.D.cwiseProduct(d);
+  return size_of_residual(free);
+}
+
+// All rows as momenta, kg^1/2 m/s.
+double ContactStep::size_of_residual(FreeFrame* free) const {
+  const double h = options_.step;
+  const Index r = model_->modes();
+  double square = residual_.head(r).squaredNorm() * 4.0 / (h * h);
+  if (free != nullptr) {
+    const double arm2 = mass_ * points_->radius * points_->radius;
+    square += residual_.segment<3>(r).squaredNorm() / arm2;
+    square += residual_.tail<3>().squaredNorm() * h * h / mass_;
+  }
+  return std::sqrt(square);
+}
+
+bool ContactStep::solve(const StepLoad& load, FreeFrame* free, StepReport& report) {
+  const Index r = model_->modes(), n = free != nullptr ? r + 6 : r;
+  q1_ = q0_ + z_.head(r);
+  model_->potential().averaged_gradient(q0_, q1_, workspace_, G_, &K_);
+  double size = evaluate(load, free, true);
+  const double h = options_.step;
+  double scale = v0_.norm() + h * G_.norm() + h * load.average.norm();
+  if (free != nullptr)
+    scale += std::sqrt(mass_) * (free->rigid().velocity.norm() + z_.tail<3>().norm() / h +
+                                 points_->radius * free->rigid().spin.norm());
+  const double enough = std::max(kTolerance * scale, std::numeric_limits<double>::min());
+  for (int i = 0; i < kIterations; ++i) {
+    report.residual = 0.5 * h * size;
+    if (size <= enough) return true;
+    if (!std::isfinite(size)) return false;
+    factor_.compute(jacobian_.topLeftCorner(n, n));
+    move_.head(n) = factor_.solve(residual_.head(n));
+    z_before_ = z_;
+    double length = 1.0;
+    double next = 0.0;
+    for (int k = 0; k <= kShorter; ++k, length *= 0.5) {
+      z_.head(n) = z_before_.head(n) - length * move_.head(n);
+      next = evaluate(load, free, true);
+      if (next < (1.0 - 0.1 * length) * size) break;
+    }
+    ++report.iterations;
+    // At rounding no move helps.
+    if (!(next < size) && size <= 1e3 * enough) {
+      z_ = z_before_;
+      evaluate(load, free, true);
+      return true;
+    }
+    size = next;
+  }
+  return false;
+}
+
+StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free) {
+  const double h = options_.step;
+  const Index r = model_->modes();
+  q0_ = state.q;
+  v0_ = state.p;
+  if (load.coupling != nullptr) load.coupling->begin(h, q0_, v0_);
+  R0_ = poses_.start.rotation.toRotationMatrix();
+  origin_ = free != nullptr ? free->mesh_centre() : Vector3d(Vector3d::Zero());
+  c0_ = free != nullptr ? free->rigid().centre : poses_.start.position;
+  z_.head(r) = h * v0_;
+  if (free != nullptr) {
+    z_.segment<3>(r) = free->rigid().spin;
+    z_.tail<3>() = h * free->rigid().velocity;
+  }
+  StepReport report;
+  report.converged = solve(load, free, report) && z_.allFinite();
+  if (report.converged) finish(state, load, free, report);
+  return report;
+}
+
+// The state at the end, with the forces of contact as they were found: omega1 last and to rounding.
+void ContactStep::finish(State& state, const StepLoad& load, FreeFrame* free, StepReport& report) {
+  const double h = options_.step;
+  const VectorXd& n = damping_.n;
+  VectorXd& d = middle_;
+  d = z_.head(model_->modes());
+  settle_account(free);
+  if (free != nullptr) {
+    free->set_contact(contact_force_, contact_torque_);
+    dp_ = S_.cwiseProduct(n.cwiseProduct(d) / h - v0_);
+    force_ = G_ - load.average;
+    free->evaluate(d, S_, dp_, force_);
+    force_ -= contact_push_;
+  }
+  const double defect =
+      (2.0 / (h * h)) * d.dot((0.5 * h) * n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
+                              (0.5 * h) * damping_.D.cwiseProduct(d));
+  report.dissipated = damping_.D.dot(d.cwiseAbs2()) / h +
+                      h * damping_.theta.cwiseProduct(damping_.D).dot(dp_.cwiseAbs2());
+  state.q = q1_;
+  if (load.coupling == nullptr || !load.coupling->finish(d, defect, state.p)) {
+    state.p += dp_;
+    give_back(defect, 0.5 * state.p.squaredNorm(), state.p);
+  }
+}
+
+void ContactStep::settle_account(FreeFrame* free) {
+  const double before = account_.energy;
+  reset();
+  double start = 0.0;
+  for (const Candidate& candidate : candidates_) {
+    const ContactForce& now = candidate.now;
+    start += candidate.start.energy;
+    account_.energy += now.energy;
+    account_.lost += now.lost;
+    account_.rubbed += now.rubbed;
+    account_.work += now.force.dot(candidate.x1 - candidate.x0);
+    account_.penetration = std::max(account_.penetration, -now.distance);
+    if (now.pressure == 0.0) continue;
+    const double impulse = options_.step * now.force.norm();
+    impulses_[candidate.collider] += impulse;
+    account_.impulse += impulse;
+    ++account_.active;
+  }
+  if (free == nullptr) account_.work = contact_push_.dot(z_.head(model_->modes()));
+  account_.surplus = start - before;
+  account_.given = account_.work + account_.energy - start + account_.lost + account_.rubbed;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,127 @@
+// One step of a body that is near colliders (docs/theory.md, section "Contact"): the step of ep2
+// (runtime/integrators/energy_preserving.cpp), of a free body with that of
+// runtime/frames/free_frame.h, and the forces of contact_law.h on its points, all solved for
+// together. A point at y = X + U q of the body takes part with f = U^T Ro~^T F and the torque
+// (Ro~ y~) x F, so that F's work is F.(x1 - x0) exactly.
+//
+// Unknowns are d = q1 - q0 and, of a free body, omega1 and the path e of its centre: r + 6. Newton's
+// method with the tangent of the elastic force frozen, that of contact exact but for the turning of
+// its directions, and a line search.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/LU>
+
+#include "runtime/contact/contact_law.h"
+#include "runtime/contact/contact_points.h"
+#include "runtime/frames/free_frame.h"
+#include "runtime/integrator.h"
+#include "runtime/integrators/solve/inertia_filter.h"
+
+namespace tremolo {
+
+// How a body feels contact. points: at most so many of its boundary's vertices. margin: where
+// contact begins, as a share of the body's extent. stiffness: of the contact, as (h omega)^2 of the
+// whole body on one point at the depth of the margin; larger: less penetration, and shorter contacts
+// than the step resolves.
+struct ContactOptions {
+  int points = 200;
+  double margin = 0.005;
+  double stiffness = 16.0;
+};
+
+// Where the body's mesh frame is in the step. Of a free body `end` is a prediction.
+struct StepPoses {
+  Pose start, end;
+};
+
+// Of one step, J but for the last two. energy: of contact at the end. work: what contact forces did
+// to the body, or to the motion of a driven one relative to its frame. lost, rubbed: taken by
+// restitution and friction. given: by colliders and supports that move. surplus: contact energy that was there at the start and not at the end of
+// the step before. penetration: deepest of a point behind a surface, m. impulse: sum of |F| h, N s.
+struct ContactAccount {
+  double energy = 0.0, work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, surplus = 0.0;
+  double penetration = 0.0;
+  double impulse = 0.0;
+  int active = 0;  // points that push
+};
+
+class ContactStep {
+ public:
+  // mass: kg.
+  ContactStep(Model::Pointer model, const IntegratorOptions& options, const ContactOptions& contact,
+              double mass);
+
+  const ContactPoints& points() const { return *points_; }
+  const ContactLaw& law() const { return law_; }
+
+  // Finds the points that may touch a collider in the step from q, v. colliders must stay where
+  // they are until the step is made. False if there are none: the step is made without contact.
+  bool gather(std::span<const PlacedCollider> colliders, const StepPoses& poses,
+              const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+
+  // The step. free: of a free body, else null; then the poses hold. load: as for an integrator.
+  // Where it does not converge, the state is as before.
+  StepReport step(State& state, const StepLoad& load, FreeFrame* free);
+
+  // Of the last step; when nothing was near, reset() instead.
+  const ContactAccount& account() const { return account_; }
+  void reset();
+  // For each collider the impulse on it in the last step, N s; 0 where there was no contact.
+  std::span<const double> impulses() const { return impulses_; }
+
+ private:
+  struct Candidate {
+    std::size_t point;
+    std::size_t collider;
+    ContactLaw law;
+    ContactStart start;
+    Eigen::Vector3d x0;  // world
+    ContactForce now;
+    Eigen::Vector3d x1;
+  };
+
+  void add_candidates(const PlacedCollider& collider, std::size_t index, const Eigen::VectorXd& q,
+                      double reach);
+  double evaluate(const StepLoad& load, FreeFrame* free, bool tangent);
+  void place_end(FreeFrame* free, const Eigen::Matrix3d& turn);
+  void add_contact(FreeFrame* free, const Eigen::Matrix3d& turn, bool tangent);
+  void add_tangent(const Candidate& candidate, FreeFrame* free, const Eigen::Matrix3d& turn,
+                   const Eigen::Vector3d& arm);
+  double size_of_residual(FreeFrame* free) const;
+  bool solve(const StepLoad& load, FreeFrame* free, StepReport& report);
+  void finish(State& state, const StepLoad& load, FreeFrame* free, StepReport& report);
+  void settle_account(FreeFrame* free);
+
+  Model::Pointer model_;
+  IntegratorOptions options_;
+  std::shared_ptr<const ContactPoints> points_;
+  ContactLaw law_;
+  double mass_;
+  InertiaDamping damping_;
+  Eigen::VectorXd S_;
+  PotentialWorkspace workspace_;
+  std::vector<Candidate> candidates_;
+  std::vector<double> impulses_;
+  std::span<const PlacedCollider> colliders_;
+  StepPoses poses_;
+  ContactAccount account_;
+
+  Eigen::VectorXd q0_, v0_, q1_, G_, dp_, force_, middle_, contact_push_;
+  Eigen::MatrixXd K_;
+  Eigen::VectorXd z_, z_before_, residual_, move_;
+  Eigen::MatrixXd jacobian_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  Eigen::MatrixXd push_;  // n x 3: how a force on a point changes the residual
+  Eigen::MatrixXd way_;   // 3 x n: how the point's end moves with the unknowns
+  Eigen::Matrix3d R0_, R1_;
+  Eigen::Vector3d c0_, c1_;  // of the mesh's origin, or of a free body's centre of mass
+  Eigen::Vector3d origin_;   // in the mesh's coordinates, of c
+  Eigen::Vector3d contact_force_, contact_torque_;
+  double scale_ = 0.0;
+};
+
+}  // namespace tremolo
