@@ -11,10 +11,10 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/contact/contact_step.h"
 #include "runtime/display/surface.h"
 #include "runtime/energy.h"
 #include "runtime/energy_bound.h"
-#include "runtime/contact/contact_step.h"
 #include "runtime/frames/driven_frame.h"
 #include "runtime/frames/free_frame.h"
 #include "runtime/frames/point_force.h"
@@ -91,7 +91,9 @@ class Body {
   // runtime/contact/contact_step.h), a model without inertia integrals.
   Status set_contact(const ContactOptions& options = {});
   // Of the last step; zeros without contact.
-  ContactAccount contact_account() const { return contact_ ? contact_->account() : ContactAccount{}; }
+  ContactAccount contact_account() const {
+    return contact_ ? contact_->account() : ContactAccount{};
+  }
   const ContactStep* contact() const { return contact_.get(); }
 
   // Adds a load in time; its signal's clock is time(). Forces on vertices are along the world's

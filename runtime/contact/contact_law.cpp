@@ -74,21 +74,25 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
   const double share = 1.0 - (1.0 - least) * along;
   contact.pressure = mean.value;
   contact.lost = (1.0 - share) * std::max(0.0, start.energy - contact.energy);
-  contact.normal_stiffness = share * mean.fall;
-  if (along > 0.0 && along < 1.0)
-    contact.normal_stiffness += mean.value * (1.0 - least) / (law.rebound_speed * h);
+  double fall = share * mean.fall;
+  if (along > 0.0 && along < 1.0) fall += mean.value * (1.0 - least) / (law.rebound_speed * h);
 
-  const Vector3d slip = way - middle.dot(way) / middle.squaredNorm() * middle;
-  const double pushed = share * mean.value * normal.norm();
-  const double whole = h * law.slip_speed;
-  const double length = slip.norm();
-  contact.tangent_stiffness = law.friction * pushed / std::max(length, whole);
-  const Vector3d rub = -contact.tangent_stiffness * slip;
-  contact.rubbed = -rub.dot(way);
+  // Across the normal in the middle; below the slip speed in proportion to the slip.
+  const double length2 = middle.squaredNorm();
+  const Eigen::Matrix3d across =
+      Eigen::Matrix3d::Identity() - middle * middle.transpose() / length2;
+  const Vector3d slip = across * way;
+  const double length = slip.norm(), whole = h * law.slip_speed;
+  const double size = normal.norm();
+  const double rubbing = law.friction * share * mean.value * size / std::max(length, whole);
+  contact.rubbed = rubbing * slip.squaredNorm();
+  Eigen::Matrix3d stiffness = fall * normal * middle.transpose() + rubbing * across;
+  if (length > whole) stiffness -= (rubbing / (length * length)) * slip * slip.transpose();
+  stiffness -= (law.friction * fall * size / std::max(length, whole)) * slip * middle.transpose();
 
-  const Eigen::Quaterniond turn = mid_rotation(collider);
-  contact.normal = turn * normal.normalized();
-  contact.force = turn * (share * mean.value * normal + rub);
+  const Eigen::Matrix3d turn = mid_rotation(collider).toRotationMatrix();
+  contact.force = turn * (share * mean.value * normal - rubbing * slip);
+  contact.stiffness = turn * stiffness * turn.transpose();
   return contact;
 }
 

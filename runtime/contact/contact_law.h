@@ -53,16 +53,14 @@ struct ContactStart {
   double energy = 0.0;    // psi(d0), J
 };
 
-// Over the step. force: on the point, N, world. normal: world. pressure: s n's length before
+// Over the step. force: on the point, N, world. pressure: s n's length before
 // restitution's share and friction, N. normal_stiffness, tangent_stiffness: by how much the force
 // falls with the end of the way along and across the normal, N/m, not negative. energy: psi(d1), J.
 // lost: what restitution took, rubbed: what friction took, J. distance: d1, m.
 struct ContactForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double pressure = 0.0;
-  double normal_stiffness = 0.0;
-  double tangent_stiffness = 0.0;
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
   double energy = 0.0;
   double lost = 0.0;
   double rubbed = 0.0;

@@ -19,8 +19,9 @@ std::vector<std::size_t> farthest_points(const std::vector<Vector3d>& places, st
   std::vector<std::size_t> chosen;
   gap = 0.0;
   // The lowest vertex along x comes first, so that the choice has no other rule in it.
-  const auto least = std::min_element(
-      places.begin(), places.end(), [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); });
+  const auto least =
+      std::min_element(places.begin(), places.end(),
+                       [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); });
   auto next = static_cast<std::size_t>(least - places.begin());
   while (chosen.size() < std::min(most, places.size())) {
     chosen.push_back(next);
@@ -53,9 +54,8 @@ void divide(const std::vector<Vector3d>& places, std::vector<std::size_t>& order
   (high - low).maxCoeff(&axis);
   const std::size_t middle = first + (last - first) / 2;
   const auto at = [&](std::size_t i) { return order.begin() + static_cast<std::ptrdiff_t>(i); };
-  std::nth_element(at(first), at(middle), at(last), [&](std::size_t a, std::size_t b) {
-    return places[a][axis] < places[b][axis];
-  });
+  std::nth_element(at(first), at(middle), at(last),
+                   [&](std::size_t a, std::size_t b) { return places[a][axis] < places[b][axis]; });
   divide(places, order, first, middle, groups);
   divide(places, order, middle, last, groups);
 }

@@ -40,7 +40,8 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
   law_.rebound_speed = 0.01 * law_.margin / h;
   law_.slip_speed = 0.003 * law_.margin / h;
   const Index r = model_->modes(), n = r + 6;
-  for (VectorXd* v : {&q0_, &v0_, &q1_, &G_, &dp_, &force_, &middle_, &contact_push_}) v->setZero(r);
+  for (VectorXd* v : {&q0_, &v0_, &q1_, &G_, &dp_, &force_, &middle_, &contact_push_})
+    v->setZero(r);
   for (VectorXd* v : {&z_, &z_before_, &residual_, &move_}) v->setZero(n);
   K_.setZero(r, r);
   jacobian_.setIdentity(n, n);
@@ -72,9 +73,8 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
     const StepPoses its{collider.start, collider.end};
     const Vector3d local = collider.start.rotation.conjugate() * (centre - collider.start.position);
     // Twice: contact may speed a point up.
-    const double reach =
-        law_.margin +
-        2.0 * (moving + reach_of(poses, points_->centre, radius) + reach_of(its, local, radius));
+    const double reach = law_.margin + 2.0 * (moving + reach_of(poses, points_->centre, radius) +
+                                              reach_of(its, local, radius));
     if (signed_distance(collider.shape, local).distance > radius + reach) continue;
     add_candidates(collider, c, q, reach);
   }
@@ -95,22 +95,15 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
     if (signed_distance(collider.shape, centre).distance > group.radius + deformed + reach)
       continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
-      Candidate candidate{i, index, law, {}, poses_.start * points_->place(i, q), {}, {}};
+      Candidate candidate{i, index, law, {}, poses_.start * points_->place(i, q), {}, {}, {}};
       candidate.start = contact_start(law, collider, candidate.x0);
       if (candidate.start.distance <= reach) candidates_.push_back(candidate);
     }
   }
 }
 
-// Where the body's frame is at the end. turn: Ro0^T Ro1.
-void ContactStep::place_end(FreeFrame* free, const Matrix3d& turn) {
-  R1_ = R0_ * turn;
-  c1_ = free != nullptr ? Vector3d(c0_ + z_.tail<3>()) : poses_.end.position;
-}
-
-// The forces of contact at the present end of the step, into force_ and, of a free body, residual_;
-// with `tangent` their derivatives into jacobian_.
-void ContactStep::add_contact(FreeFrame* free, const Matrix3d& turn, bool tangent) {
+// The forces of contact at the present end of the step, into force_ and, of a free body, residual_.
+void ContactStep::add_contact(FreeFrame* free, const Matrix3d& turn) {
   const double h = options_.step;
   const Index r = model_->modes();
   const Matrix3d mean = 0.5 * (Matrix3d::Identity() + turn);
@@ -121,16 +114,15 @@ void ContactStep::add_contact(FreeFrame* free, const Matrix3d& turn, bool tangen
   for (Candidate& candidate : candidates_) {
     const std::size_t i = candidate.point;
     candidate.x1 = c1_ + R1_ * (points_->place(i, q1_) - origin_);
-    candidate.now =
-        contact_force(candidate.law, colliders_[candidate.collider], candidate.start, candidate.x1, h);
+    candidate.now = contact_force(candidate.law, colliders_[candidate.collider], candidate.start,
+                                  candidate.x1, h);
     if (candidate.now.pressure == 0.0) continue;
     const Vector3d pull = R0_.transpose() * candidate.now.force;
-    const Vector3d arm = mean * (points_->place(i, middle_) - origin_);
+    candidate.arm = mean * (points_->place(i, middle_) - origin_);
     const auto rows = points_->rows.middleCols<3>(static_cast<Index>(3 * i));
     contact_push_.noalias() += rows * (mean.transpose() * pull);
     contact_force_ += candidate.now.force;
-    contact_torque_ += arm.cross(pull);
-    if (tangent) add_tangent(candidate, free, turn, arm);
+    contact_torque_ += candidate.arm.cross(pull);
   }
   force_ -= contact_push_;
   if (free == nullptr) return;
@@ -138,17 +130,13 @@ void ContactStep::add_contact(FreeFrame* free, const Matrix3d& turn, bool tangen
   residual_.tail<3>() -= contact_force_;
 }
 
-// arm: along the body's axes at the start.
-void ContactStep::add_tangent(const Candidate& candidate, FreeFrame* free, const Matrix3d& turn,
-                              const Vector3d& arm) {
+// How the residual changes with a point's end, into jacobian_.
+void ContactStep::add_tangent(const Candidate& candidate, FreeFrame* free) {
   const double h = options_.step;
   const Index r = model_->modes(), n = free != nullptr ? r + 6 : r;
   const auto rows = points_->rows.middleCols<3>(static_cast<Index>(3 * candidate.point));
   const ContactForce& now = candidate.now;
   const Matrix3d mean = 0.5 * (R0_ + R1_);
-  const Matrix3d along = now.normal * now.normal.transpose();
-  const Matrix3d stiffness = now.normal_stiffness * along +
-                             now.tangent_stiffness * (Matrix3d::Identity() - along);
   way_.leftCols(r).noalias() = R1_ * rows.transpose();
   push_.topRows(r).noalias() = (0.5 * h * h) * rows * mean.transpose();
   if (free != nullptr) {
@@ -158,16 +146,17 @@ void ContactStep::add_tangent(const Candidate& candidate, FreeFrame* free, const
     const Vector3d y1 = points_->place(candidate.point, q1_) - origin_;
     way_.middleCols<3>(r) = -R1_ * cross_matrix(y1) * turned;
     way_.rightCols<3>().setIdentity();
-    push_.middleRows<3>(r) = h * turn.transpose() * cross_matrix(arm) * R0_.transpose();
+    push_.middleRows<3>(r) =
+        h * R1_.transpose() * R0_ * cross_matrix(candidate.arm) * R0_.transpose();
     push_.bottomRows<3>().setIdentity();
   }
-  push_.topRows(n) = (push_.topRows(n) * stiffness).eval();
+  push_.topRows(n) = (push_.topRows(n) * now.stiffness).eval();
   jacobian_.topLeftCorner(n, n).noalias() += push_.topRows(n) * way_.leftCols(n);
 }
 
-// The residual at z_, with its Jacobian if asked. Rows: of d as in energy_preserving.cpp, in units
-// of q; of omega1, N m s; of e, N.
-double ContactStep::evaluate(const StepLoad& load, FreeFrame* free, bool tangent) {
+// The residual at z_. Rows: of d as in energy_preserving.cpp, in units of q; of omega1, N m s; of
+// e, N.
+double ContactStep::evaluate(const StepLoad& load, FreeFrame* free) {
   const double h = options_.step;
   const Index r = model_->modes();
   const VectorXd& n = damping_.n;
@@ -177,35 +166,46 @@ double ContactStep::evaluate(const StepLoad& load, FreeFrame* free, bool tangent
   dp_ = S_.cwiseProduct(n.cwiseProduct(d) / h - v0_);
   force_ = G_ - load.average;
   middle_ = d;
-  Matrix3d turn = (R0_.transpose() * poses_.end.rotation.toRotationMatrix()).eval();
-  if (tangent) {
-    jacobian_.setZero();
-    jacobian_.topLeftCorner(r, r) = (0.25 * h * h) * K_;
-    jacobian_.topLeftCorner(r, r).diagonal() +=
-        (0.5 * n.array().square() * S_.array() + 0.5 * h * damping_.D.array()).matrix();
-  }
+  Matrix3d turn = turn_;
   if (free != nullptr) {
     const FreeFrame::SpinTrial trial = free->try_spin(middle_, S_, z_.segment<3>(r), dp_, force_);
     turn = trial.turn;
+    spin_jacobian_ = trial.jacobian;
     residual_.segment<3>(r) = trial.residual;
     residual_.tail<3>() = free->centre_residual(z_.tail<3>());
-    if (tangent) {
-      const Eigen::Matrix3Xd& C1 = free->end_coupling();
-      for (Index j = 0; j < r; ++j) {
-        jacobian_.block<1, 3>(j, r) = (0.25 * h * n[j] * S_[j]) * C1.col(j).transpose();
-        jacobian_.block<3, 1>(r, j) = (S_[j] * n[j] / h) * C1.col(j);
-      }
-      jacobian_.block<3, 3>(r, r) = trial.jacobian;
-      jacobian_.bottomRightCorner<3, 3>().diagonal().setConstant(2.0 * mass_ / (h * h));
-    }
   } else if (load.coupling != nullptr) {
     load.coupling->evaluate(middle_, S_, dp_, force_);
   }
-  place_end(free, turn);
-  add_contact(free, turn, tangent);
+  R1_ = R0_ * turn;
+  c1_ = free != nullptr ? Vector3d(c0_ + z_.tail<3>()) : poses_.end.position;
+  add_contact(free, turn);
   residual_.head(r) = (0.5 * h) * n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
                       (0.5 * h) * damping_.D.cwiseProduct(d);
   return size_of_residual(free);
+}
+
+// The Jacobian of the residual that evaluate() left, without the gyroscopic terms of a turning
+// frame and the change of the lever arms, which are of a higher order in h.
+void ContactStep::make_jacobian(FreeFrame* free) {
+  const double h = options_.step;
+  const Index r = model_->modes();
+  const VectorXd& n = damping_.n;
+  model_->potential().averaged_jacobian(q0_, q1_, workspace_, K_);
+  jacobian_.setZero();
+  jacobian_.topLeftCorner(r, r) = (0.5 * h * h) * K_;
+  jacobian_.topLeftCorner(r, r).diagonal() +=
+      (0.5 * n.array().square() * S_.array() + 0.5 * h * damping_.D.array()).matrix();
+  if (free != nullptr) {
+    const Eigen::Matrix3Xd& C1 = free->end_coupling();
+    for (Index j = 0; j < r; ++j) {
+      jacobian_.block<1, 3>(j, r) = (0.25 * h * n[j] * S_[j]) * C1.col(j).transpose();
+      jacobian_.block<3, 1>(r, j) = (S_[j] * n[j] / h) * C1.col(j);
+    }
+    jacobian_.block<3, 3>(r, r) = spin_jacobian_;
+    jacobian_.bottomRightCorner<3, 3>().diagonal().setConstant(2.0 * mass_ / (h * h));
+  }
+  for (const Candidate& candidate : candidates_)
+    if (candidate.now.pressure != 0.0) add_tangent(candidate, free);
 }
 
 // All rows as momenta, kg^1/2 m/s.
@@ -223,9 +223,7 @@ double ContactStep::size_of_residual(FreeFrame* free) const {
 
 bool ContactStep::solve(const StepLoad& load, FreeFrame* free, StepReport& report) {
   const Index r = model_->modes(), n = free != nullptr ? r + 6 : r;
-  q1_ = q0_ + z_.head(r);
-  model_->potential().averaged_gradient(q0_, q1_, workspace_, G_, &K_);
-  double size = evaluate(load, free, true);
+  double size = evaluate(load, free);
   const double h = options_.step;
   double scale = v0_.norm() + h * G_.norm() + h * load.average.norm();
   if (free != nullptr)
@@ -236,6 +234,7 @@ bool ContactStep::solve(const StepLoad& load, FreeFrame* free, StepReport& repor
     report.residual = 0.5 * h * size;
     if (size <= enough) return true;
     if (!std::isfinite(size)) return false;
+    make_jacobian(free);
     factor_.compute(jacobian_.topLeftCorner(n, n));
     move_.head(n) = factor_.solve(residual_.head(n));
     z_before_ = z_;
@@ -243,14 +242,14 @@ bool ContactStep::solve(const StepLoad& load, FreeFrame* free, StepReport& repor
     double next = 0.0;
     for (int k = 0; k <= kShorter; ++k, length *= 0.5) {
       z_.head(n) = z_before_.head(n) - length * move_.head(n);
-      next = evaluate(load, free, true);
+      next = evaluate(load, free);
       if (next < (1.0 - 0.1 * length) * size) break;
     }
     ++report.iterations;
     // At rounding no move helps.
     if (!(next < size) && size <= 1e3 * enough) {
       z_ = z_before_;
-      evaluate(load, free, true);
+      evaluate(load, free);
       return true;
     }
     size = next;
@@ -265,6 +264,7 @@ StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free
   v0_ = state.p;
   if (load.coupling != nullptr) load.coupling->begin(h, q0_, v0_);
   R0_ = poses_.start.rotation.toRotationMatrix();
+  turn_ = R0_.transpose() * poses_.end.rotation.toRotationMatrix();
   origin_ = free != nullptr ? free->mesh_centre() : Vector3d(Vector3d::Zero());
   c0_ = free != nullptr ? free->rigid().centre : poses_.start.position;
   z_.head(r) = h * v0_;

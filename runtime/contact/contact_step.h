@@ -4,9 +4,8 @@
 // together. A point at y = X + U q of the body takes part with f = U^T Ro~^T F and the torque
 // (Ro~ y~) x F, so that F's work is F.(x1 - x0) exactly.
 //
-// Unknowns are d = q1 - q0 and, of a free body, omega1 and the path e of its centre: r + 6. Newton's
-// method with the tangent of the elastic force frozen, that of contact exact but for the turning of
-// its directions, and a line search.
+// Unknowns are d = q1 - q0 and, of a free body, omega1 and the path e of its centre: r + 6, by
+// Newton's method with a line search.
 #pragma once
 
 #include <memory>
@@ -25,8 +24,8 @@ namespace tremolo {
 
 // How a body feels contact. points: at most so many of its boundary's vertices. margin: where
 // contact begins, as a share of the body's extent. stiffness: of the contact, as (h omega)^2 of the
-// whole body on one point at the depth of the margin; larger: less penetration, and shorter contacts
-// than the step resolves.
+// whole body on one point at the depth of the margin; larger: less penetration, and shorter
+// contacts than the step resolves.
 struct ContactOptions {
   int points = 200;
   double margin = 0.005;
@@ -40,8 +39,9 @@ struct StepPoses {
 
 // Of one step, J but for the last two. energy: of contact at the end. work: what contact forces did
 // to the body, or to the motion of a driven one relative to its frame. lost, rubbed: taken by
-// restitution and friction. given: by colliders and supports that move. surplus: contact energy that was there at the start and not at the end of
-// the step before. penetration: deepest of a point behind a surface, m. impulse: sum of |F| h, N s.
+// restitution and friction. given: by colliders and supports that move. surplus: contact energy
+// that was there at the start and not at the end of the step before. penetration: deepest of a
+// point behind a surface, m. impulse: sum of |F| h, N s.
 struct ContactAccount {
   double energy = 0.0, work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, surplus = 0.0;
   double penetration = 0.0;
@@ -82,15 +82,15 @@ class ContactStep {
     Eigen::Vector3d x0;  // world
     ContactForce now;
     Eigen::Vector3d x1;
+    Eigen::Vector3d arm;  // of the force about the centre, along the body's axes at the start
   };
 
   void add_candidates(const PlacedCollider& collider, std::size_t index, const Eigen::VectorXd& q,
                       double reach);
-  double evaluate(const StepLoad& load, FreeFrame* free, bool tangent);
-  void place_end(FreeFrame* free, const Eigen::Matrix3d& turn);
-  void add_contact(FreeFrame* free, const Eigen::Matrix3d& turn, bool tangent);
-  void add_tangent(const Candidate& candidate, FreeFrame* free, const Eigen::Matrix3d& turn,
-                   const Eigen::Vector3d& arm);
+  double evaluate(const StepLoad& load, FreeFrame* free);
+  void add_contact(FreeFrame* free, const Eigen::Matrix3d& turn);
+  void make_jacobian(FreeFrame* free);
+  void add_tangent(const Candidate& candidate, FreeFrame* free);
   double size_of_residual(FreeFrame* free) const;
   bool solve(const StepLoad& load, FreeFrame* free, StepReport& report);
   void finish(State& state, const StepLoad& load, FreeFrame* free, StepReport& report);
@@ -117,7 +117,7 @@ class ContactStep {
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   Eigen::MatrixXd push_;  // n x 3: how a force on a point changes the residual
   Eigen::MatrixXd way_;   // 3 x n: how the point's end moves with the unknowns
-  Eigen::Matrix3d R0_, R1_;
+  Eigen::Matrix3d R0_, R1_, turn_, spin_jacobian_;
   Eigen::Vector3d c0_, c1_;  // of the mesh's origin, or of a free body's centre of mass
   Eigen::Vector3d origin_;   // in the mesh's coordinates, of c
   Eigen::Vector3d contact_force_, contact_torque_;

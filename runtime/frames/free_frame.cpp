@@ -90,8 +90,8 @@ Vector3d FreeFrame::torque(const Matrix3d& mean_turn) const {
   return sum;
 }
 
-// J1 w + C1 v1 - Ro1^T l1 with v1 = v0 + dp - (1 - S/2) (C1^T w - C0^T omega0): `inertia` is J1 less
-// what v1 takes of it, `coupled` the rest of C1 v1.
+// J1 w + C1 v1 - Ro1^T l1 with v1 = v0 + dp - (1 - S/2) (C1^T w - C0^T omega0): `inertia` is J1
+// less what v1 takes of it, `coupled` the rest of C1 v1.
 FreeFrame::SpinTrial FreeFrame::spin_equation(const Matrix3d& inertia, const Vector3d& coupled,
                                               const Vector3d& w) {
   const Vector3d phi = (0.5 * h_) * (rigid_.spin + w);

@@ -89,7 +89,8 @@ class FreeFrame final : public StepCoupling {
   SpinTrial try_spin(const Eigen::VectorXd& d, const Eigen::VectorXd& S, const Eigen::Vector3d& w,
                      Eigen::VectorXd& dp, Eigen::VectorXd& force);
   const Eigen::Matrix3Xd& end_coupling() const { return at1_.C; }
-  // m (e/h - V0) 2/h - sum of F - m g for the path e of the centre, N, with the forces of prepare().
+  // m (e/h - V0) 2/h - sum of F - m g for the path e of the centre, N, with the forces of
+  // prepare().
   Eigen::Vector3d centre_residual(const Eigen::Vector3d& e) const;
   double mass() const { return inertia_->mass; }
   const Eigen::Vector3d& mesh_centre() const { return inertia_->centre; }
@@ -125,19 +126,19 @@ class FreeFrame final : public StepCoupling {
   Eigen::VectorXd q0_, q1_, v0_, v1_, m_;
   InertiaAt at0_, at1_;
   mutable InertiaAt scratch_;
-  Eigen::VectorXd kick0_;                                  // C0^T omega0
-  Eigen::VectorXd bend0_, bend1_;                          // 3r: rows m r + j: sum_k (c_m)_jk v_k
-  Eigen::VectorXd kappa_;                                  // C1^T omega1 - C0^T omega0
-  Eigen::VectorXd added_;                                  // what evaluate() adds to the force
-  Eigen::Vector3d momentum0_;                              // Ro0^T l0
-  Eigen::Vector3d spin1_;                                  // omega1
-  Eigen::Vector3d momentum1_;                              // Ro1^T l1
-  Eigen::Vector3d torque_ = Eigen::Vector3d::Zero();       // mean, along the axes at the start
-  Eigen::Vector3d total_force_ = Eigen::Vector3d::Zero();  // world, without contact
-  Eigen::Vector3d contact_force_ = Eigen::Vector3d::Zero();   // world
+  Eigen::VectorXd kick0_;                                    // C0^T omega0
+  Eigen::VectorXd bend0_, bend1_;                            // 3r: rows m r + j: sum_k (c_m)_jk v_k
+  Eigen::VectorXd kappa_;                                    // C1^T omega1 - C0^T omega0
+  Eigen::VectorXd added_;                                    // what evaluate() adds to the force
+  Eigen::Vector3d momentum0_;                                // Ro0^T l0
+  Eigen::Vector3d spin1_;                                    // omega1
+  Eigen::Vector3d momentum1_;                                // Ro1^T l1
+  Eigen::Vector3d torque_ = Eigen::Vector3d::Zero();         // mean, along the axes at the start
+  Eigen::Vector3d total_force_ = Eigen::Vector3d::Zero();    // world, without contact
+  Eigen::Vector3d contact_force_ = Eigen::Vector3d::Zero();  // world
   Eigen::Vector3d contact_torque_ = Eigen::Vector3d::Zero();  // part of torque_
-  std::vector<Eigen::Vector3d> arms_;                      // y~ of each force, body
-  std::vector<Eigen::Vector3d> pulls_;                     // Ro0^T F
+  std::vector<Eigen::Vector3d> arms_;                         // y~ of each force, body
+  std::vector<Eigen::Vector3d> pulls_;                        // Ro0^T F
   double force_norm_ = 0.0;
 };
 
