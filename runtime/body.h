@@ -96,6 +96,18 @@ class Body {
   }
   const ContactStep* contact() const { return contact_.get(); }
 
+  // A hand takes hold of a vertex where it is, by a spring (N/m) and a damper (N s/m) to a point
+  // that goes where move_hand() says. Returns its number. Needs set_contact(). Errors as
+  // Model::vertex; kUsage for values that are not finite or negative.
+  Result<std::size_t> grab(VertexId vertex, double stiffness, double damping = 0.0);
+  // Where the point is at the end of the next step, m, world. kUsage: no such hand, not finite.
+  Status move_hand(std::size_t hand, const Eigen::Vector3d& place);
+  // The force on the body in the last step, N, world; the hand feels the opposite. Zero for none.
+  Eigen::Vector3d hand_force(std::size_t hand) const;
+  // Numbers of other hands stay.
+  Status release(std::size_t hand);
+  double hand_work() const { return hand_work_; }  // J, since the start; part of work()
+
   // Adds a load in time; its signal's clock is time(). Forces on vertices are along the world's
   // axes, whatever the frame does; reduced ones along the frame's, and not for a free body.
   Status add_load(const Load& load);  // kUsage if its force is not r long and finite
@@ -135,8 +147,8 @@ class Body {
   double gravity_work() const { return gravity_work_; }
   // Likewise of contact: what it did to the body (part of work()), and of that what restitution and
   // friction took, what moving colliders gave, and the contact energy that was found where the step
-  // before had none (contact_error: it should be zero). work = given - lost - rubbed - growth of
-  // contact_account().energy + error.
+  // before had none (contact_error: it should be zero). contact_work = given - lost - rubbed -
+  // growth of contact_account().energy + error.
   double contact_work() const { return contact_work_; }
   double contact_lost() const { return contact_lost_; }
   double contact_rubbed() const { return contact_rubbed_; }
@@ -189,6 +201,7 @@ class Body {
   StepReport advance();
   StepReport advance_among(std::span<const PlacedCollider> colliders);
   StepPoses step_poses() const;
+  Grip* find_hand(std::size_t hand);
   double end_frame_step(bool made);
   double end_frame_motion(bool made);
   double frame_kinetic(const Eigen::VectorXd& p) const;
@@ -229,7 +242,10 @@ class Body {
   double support_work_ = 0.0;
   double gravity_work_ = 0.0;
   double contact_work_ = 0.0, contact_lost_ = 0.0, contact_rubbed_ = 0.0;
-  double contact_given_ = 0.0, contact_error_ = 0.0;
+  double contact_given_ = 0.0, contact_error_ = 0.0, hand_work_ = 0.0;
+  std::vector<Grip> grips_;         // those that hold
+  std::vector<std::size_t> hands_;  // the number of each
+  std::size_t next_hand_ = 0;
   EnergyBound bound_;
   int steps_since_look_ = 0;
   State sound_;  // at the last sound look; work and dissipation then

@@ -1,4 +1,8 @@
 // Body: colliders.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
 #include "runtime/body.h"
 
 namespace tremolo {
@@ -32,13 +36,60 @@ StepPoses Body::step_poses() const {
 
 // The step with contact where something is near.
 StepReport Body::advance_among(std::span<const PlacedCollider> colliders) {
+  if (contact_) contact_->hold(grips_);
   if (!contact_ || !contact_->gather(colliders, step_poses(), state_.q, state_.p)) {
     if (contact_) contact_->reset();
     return advance();
   }
   const StepReport report = contact_->step(state_, step_load_, free_.get());
-  if (report.converged) integrator_->reset();
+  if (report.converged) {
+    integrator_->reset();
+    for (Grip& grip : grips_) grip.start = grip.end;
+  }
   return report;
+}
+
+Result<std::size_t> Body::grab(VertexId vertex, double stiffness, double damping) {
+  if (!contact_) return usage_error("hands need set_contact() first");
+  if (!(stiffness >= 0.0) || !(damping >= 0.0) || !std::isfinite(stiffness) ||
+      !std::isfinite(damping))
+    return usage_error("a hand's stiffness and damping are finite and not negative");
+  Result<VertexRows> place = model_->vertex(vertex);
+  if (!place) return place.error();
+  Grip grip{vertex, std::move(*place), stiffness, damping};
+  grip.start = grip.end = pose() * Eigen::Vector3d(grip.place.rest + grip.place.rows * state_.q);
+  grips_.push_back(std::move(grip));
+  hands_.push_back(next_hand_);
+  return next_hand_++;
+}
+
+Grip* Body::find_hand(std::size_t hand) {
+  const auto found = std::find(hands_.begin(), hands_.end(), hand);
+  return found == hands_.end() ? nullptr
+                               : &grips_[static_cast<std::size_t>(found - hands_.begin())];
+}
+
+Status Body::move_hand(std::size_t hand, const Eigen::Vector3d& place) {
+  Grip* grip = find_hand(hand);
+  if (grip == nullptr) return usage_error("there is no hand " + std::to_string(hand));
+  if (!place.allFinite()) return usage_error("the hand's place is not finite");
+  grip->end = place;
+  return Success{};
+}
+
+Eigen::Vector3d Body::hand_force(std::size_t hand) const {
+  const auto found = std::find(hands_.begin(), hands_.end(), hand);
+  if (found == hands_.end()) return Eigen::Vector3d::Zero();
+  return grips_[static_cast<std::size_t>(found - hands_.begin())].force;
+}
+
+Status Body::release(std::size_t hand) {
+  const Grip* grip = find_hand(hand);
+  if (grip == nullptr) return usage_error("there is no hand " + std::to_string(hand));
+  const auto at = grip - grips_.data();
+  grips_.erase(grips_.begin() + at);
+  hands_.erase(hands_.begin() + at);
+  return Success{};
 }
 
 }  // namespace tremolo

@@ -167,7 +167,8 @@ double Body::end_frame_step(bool made) {
   double contact = 0.0;
   if (contact_ && made) {
     const ContactAccount& account = contact_->account();
-    contact = account.work;
+    contact = account.work + account.hand_work;
+    hand_work_ += account.hand_work;
     contact_work_ += account.work;
     contact_lost_ += account.lost;
     contact_rubbed_ += account.rubbed;

@@ -47,6 +47,7 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
   jacobian_.setIdentity(n, n);
   factor_.compute(jacobian_);
   push_.setZero(n, 3);
+  pushed_.setZero(n, 3);
   way_.setZero(3, n);
 }
 
@@ -78,7 +79,8 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
     if (signed_distance(collider.shape, local).distance > radius + reach) continue;
     add_candidates(collider, c, q, reach);
   }
-  return !candidates_.empty();
+  held_.resize(grips_.size());
+  return !candidates_.empty() || !grips_.empty();
 }
 
 void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t index,
@@ -95,47 +97,76 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
     if (signed_distance(collider.shape, centre).distance > group.radius + deformed + reach)
       continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
-      Candidate candidate{i, index, law, {}, poses_.start * points_->place(i, q), {}, {}, {}};
-      candidate.start = contact_start(law, collider, candidate.x0);
+      Candidate candidate{i, index, law, {}, {}, {}};
+      candidate.start = contact_start(law, collider, poses_.start * points_->place(i, q));
       if (candidate.start.distance <= reach) candidates_.push_back(candidate);
     }
   }
 }
 
-// The forces of contact at the present end of the step, into force_ and, of a free body, residual_.
+// mean: Ro0^T Ro~.
+template <class Rows>
+ContactStep::Touch ContactStep::touch_at(const Vector3d& rest, const Rows& rows,
+                                         const Matrix3d& mean) const {
+  const Vector3d from = rest - origin_;
+  const Vector3d y0 = from + rows.transpose() * q0_;
+  const Vector3d y1 = from + rows.transpose() * q1_;
+  return {c0_ + R0_ * y0, c1_ + R1_ * y1, mean * (0.5 * (y0 + y1))};
+}
+
+// force: world.
+template <class Rows>
+void ContactStep::add_force(const Vector3d& force, const Touch& touch, const Rows& rows,
+                            const Matrix3d& mean) {
+  const Vector3d pull = R0_.transpose() * force;
+  contact_push_.noalias() += rows * (mean.transpose() * pull);
+  contact_force_ += force;
+  contact_torque_ += touch.arm.cross(pull);
+}
+
+// A spring's mean force is that at the middle of the step, and exactly its discrete gradient.
+void ContactStep::add_grips(const Matrix3d& mean) {
+  for (std::size_t i = 0; i < grips_.size(); ++i) {
+    Grip& grip = grips_[i];
+    Touch& touch = held_[i];
+    touch = touch_at(grip.place.rest, grip.place.rows.transpose(), mean);
+    const Vector3d from = touch.x0 - grip.start, to = touch.x1 - grip.end;
+    grip.force =
+        (-0.5 * grip.stiffness) * (from + to) - (grip.damping / options_.step) * (to - from);
+    add_force(grip.force, touch, grip.place.rows.transpose(), mean);
+  }
+}
+
+// The forces of contact and hands at the present end of the step, into force_ and, of a free body,
+// residual_.
 void ContactStep::add_contact(FreeFrame* free, const Matrix3d& turn) {
   const double h = options_.step;
   const Index r = model_->modes();
   const Matrix3d mean = 0.5 * (Matrix3d::Identity() + turn);
-  middle_ = q0_ + 0.5 * z_.head(r);
   contact_force_.setZero();
   contact_torque_.setZero();
   contact_push_.setZero();
   for (Candidate& candidate : candidates_) {
-    const std::size_t i = candidate.point;
-    candidate.x1 = c1_ + R1_ * (points_->place(i, q1_) - origin_);
+    const auto rows = points_->rows.middleCols<3>(static_cast<Index>(3 * candidate.point));
+    candidate.touch = touch_at(points_->rest[candidate.point], rows, mean);
     candidate.now = contact_force(candidate.law, colliders_[candidate.collider], candidate.start,
-                                  candidate.x1, h);
-    if (candidate.now.pressure == 0.0) continue;
-    const Vector3d pull = R0_.transpose() * candidate.now.force;
-    candidate.arm = mean * (points_->place(i, middle_) - origin_);
-    const auto rows = points_->rows.middleCols<3>(static_cast<Index>(3 * i));
-    contact_push_.noalias() += rows * (mean.transpose() * pull);
-    contact_force_ += candidate.now.force;
-    contact_torque_ += candidate.arm.cross(pull);
+                                  candidate.touch.x1, h);
+    if (candidate.now.pressure != 0.0) add_force(candidate.now.force, candidate.touch, rows, mean);
   }
+  add_grips(mean);
   force_ -= contact_push_;
   if (free == nullptr) return;
   residual_.segment<3>(r) -= h * (turn.transpose() * contact_torque_);
   residual_.tail<3>() -= contact_force_;
 }
 
-// How the residual changes with a point's end, into jacobian_.
-void ContactStep::add_tangent(const Candidate& candidate, FreeFrame* free) {
+// How the residual changes with the end of a touched place, whose force falls with it by
+// `stiffness`, into jacobian_.
+template <class Rows>
+void ContactStep::add_tangent(const Matrix3d& stiffness, const Touch& touch, const Rows& rows,
+                              FreeFrame* free) {
   const double h = options_.step;
   const Index r = model_->modes(), n = free != nullptr ? r + 6 : r;
-  const auto rows = points_->rows.middleCols<3>(static_cast<Index>(3 * candidate.point));
-  const ContactForce& now = candidate.now;
   const Matrix3d mean = 0.5 * (R0_ + R1_);
   way_.leftCols(r).noalias() = R1_ * rows.transpose();
   push_.topRows(r).noalias() = (0.5 * h * h) * rows * mean.transpose();
@@ -143,15 +174,14 @@ void ContactStep::add_tangent(const Candidate& candidate, FreeFrame* free) {
     const Vector3d phi = (0.5 * h) * (free->rigid().spin + z_.segment<3>(r));
     const Matrix3d turned = (0.5 * h / (1.0 + 0.25 * phi.squaredNorm())) *
                             (Matrix3d::Identity() - 0.5 * cross_matrix(phi));
-    const Vector3d y1 = points_->place(candidate.point, q1_) - origin_;
+    const Vector3d y1 = R1_.transpose() * (touch.x1 - c1_);
     way_.middleCols<3>(r) = -R1_ * cross_matrix(y1) * turned;
     way_.rightCols<3>().setIdentity();
-    push_.middleRows<3>(r) =
-        h * R1_.transpose() * R0_ * cross_matrix(candidate.arm) * R0_.transpose();
+    push_.middleRows<3>(r) = h * R1_.transpose() * R0_ * cross_matrix(touch.arm) * R0_.transpose();
     push_.bottomRows<3>().setIdentity();
   }
-  push_.topRows(n) = (push_.topRows(n) * now.stiffness).eval();
-  jacobian_.topLeftCorner(n, n).noalias() += push_.topRows(n) * way_.leftCols(n);
+  pushed_.topRows(n).noalias() = push_.topRows(n) * stiffness;
+  jacobian_.topLeftCorner(n, n).noalias() += pushed_.topRows(n) * way_.leftCols(n);
 }
 
 // The residual at z_. Rows: of d as in energy_preserving.cpp, in units of q; of omega1, N m s; of
@@ -205,7 +235,13 @@ void ContactStep::make_jacobian(FreeFrame* free) {
     jacobian_.bottomRightCorner<3, 3>().diagonal().setConstant(2.0 * mass_ / (h * h));
   }
   for (const Candidate& candidate : candidates_)
-    if (candidate.now.pressure != 0.0) add_tangent(candidate, free);
+    if (candidate.now.pressure != 0.0)
+      add_tangent(candidate.now.stiffness, candidate.touch,
+                  points_->rows.middleCols<3>(static_cast<Index>(3 * candidate.point)), free);
+  for (std::size_t i = 0; i < grips_.size(); ++i) {
+    const double stiffness = 0.5 * grips_[i].stiffness + grips_[i].damping / h;
+    add_tangent(stiffness * Matrix3d::Identity(), held_[i], grips_[i].place.rows.transpose(), free);
+  }
 }
 
 // All rows as momenta, kg^1/2 m/s.
@@ -304,6 +340,21 @@ void ContactStep::finish(State& state, const StepLoad& load, FreeFrame* free, St
   }
 }
 
+// A hand's work, on a driven body that on its motion relative to the frame.
+void ContactStep::settle_grips(FreeFrame* free) {
+  for (std::size_t i = 0; i < grips_.size(); ++i) {
+    Grip& grip = grips_[i];
+    const Touch& touch = held_[i];
+    const Vector3d way = touch.x1 - touch.x0 - (grip.end - grip.start);
+    grip.damped = grip.damping / options_.step * way.squaredNorm();
+    const Vector3d mean_force = 0.5 * (R0_ + R1_).transpose() * grip.force;
+    grip.work = free != nullptr ? grip.force.dot(touch.x1 - touch.x0)
+                                : (grip.place.rows * z_.head(model_->modes())).dot(mean_force);
+    account_.hand_work += grip.work;
+    account_.hand_damped += grip.damped;
+  }
+}
+
 void ContactStep::settle_account(FreeFrame* free) {
   const double before = account_.energy;
   reset();
@@ -314,7 +365,7 @@ void ContactStep::settle_account(FreeFrame* free) {
     account_.energy += now.energy;
     account_.lost += now.lost;
     account_.rubbed += now.rubbed;
-    account_.work += now.force.dot(candidate.x1 - candidate.x0);
+    account_.work += now.force.dot(candidate.touch.x1 - candidate.touch.x0);
     account_.penetration = std::max(account_.penetration, -now.distance);
     if (now.pressure == 0.0) continue;
     const double impulse = options_.step * now.force.norm();
@@ -322,7 +373,9 @@ void ContactStep::settle_account(FreeFrame* free) {
     account_.impulse += impulse;
     ++account_.active;
   }
-  if (free == nullptr) account_.work = contact_push_.dot(z_.head(model_->modes()));
+  settle_grips(free);
+  if (free == nullptr)
+    account_.work = contact_push_.dot(z_.head(model_->modes())) - account_.hand_work;
   account_.surplus = start - before;
   account_.given = account_.work + account_.energy - start + account_.lost + account_.rubbed;
 }

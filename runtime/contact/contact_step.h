@@ -44,9 +44,25 @@ struct StepPoses {
 // point behind a surface, m. impulse: sum of |F| h, N s.
 struct ContactAccount {
   double energy = 0.0, work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, surplus = 0.0;
+  double hand_work = 0.0, hand_damped = 0.0;
   double penetration = 0.0;
   double impulse = 0.0;
   int active = 0;  // points that push
+};
+
+// A hand on a vertex: a spring of `stiffness` (N/m) and a damper (N s/m) from it to a point that
+// moves from `start` to `end` in the step, m, world. place: of the vertex. Both are implicit, so
+// that no stiffness is too large. force: on the body in the last step, N, world; the hand feels its
+// opposite. work: on the body in that step, J; of that the damper took `damped`, J, where the
+// spring stores energy(), J.
+struct Grip {
+  VertexId vertex = 0;
+  VertexRows place;
+  double stiffness = 0.0;
+  double damping = 0.0;
+  Eigen::Vector3d start = Eigen::Vector3d::Zero(), end = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  double work = 0.0, damped = 0.0;
 };
 
 class ContactStep {
@@ -63,6 +79,9 @@ class ContactStep {
   bool gather(std::span<const PlacedCollider> colliders, const StepPoses& poses,
               const Eigen::VectorXd& q, const Eigen::VectorXd& v);
 
+  // The hands of the step; they must stay where they are until it is made.
+  void hold(std::span<Grip> grips) { grips_ = grips; }
+
   // The step. free: of a free body, else null; then the poses hold. load: as for an integrator.
   // Where it does not converge, the state is as before.
   StepReport step(State& state, const StepLoad& load, FreeFrame* free);
@@ -74,26 +93,38 @@ class ContactStep {
   std::span<const double> impulses() const { return impulses_; }
 
  private:
+  // What a force on a place of the body, or on a hand's vertex, does. rows: r x 3.
+  struct Touch {
+    Eigen::Vector3d x0 = Eigen::Vector3d::Zero(), x1 = x0;  // world
+    Eigen::Vector3d arm = x0;  // of the force about the centre, along the body's axes at the start
+  };
   struct Candidate {
     std::size_t point;
     std::size_t collider;
     ContactLaw law;
     ContactStart start;
-    Eigen::Vector3d x0;  // world
     ContactForce now;
-    Eigen::Vector3d x1;
-    Eigen::Vector3d arm;  // of the force about the centre, along the body's axes at the start
+    Touch touch;
   };
 
   void add_candidates(const PlacedCollider& collider, std::size_t index, const Eigen::VectorXd& q,
                       double reach);
   double evaluate(const StepLoad& load, FreeFrame* free);
+  template <class Rows>
+  Touch touch_at(const Eigen::Vector3d& rest, const Rows& rows, const Eigen::Matrix3d& mean) const;
+  template <class Rows>
+  void add_force(const Eigen::Vector3d& force, const Touch& touch, const Rows& rows,
+                 const Eigen::Matrix3d& mean);
+  void add_grips(const Eigen::Matrix3d& mean);
   void add_contact(FreeFrame* free, const Eigen::Matrix3d& turn);
   void make_jacobian(FreeFrame* free);
-  void add_tangent(const Candidate& candidate, FreeFrame* free);
+  template <class Rows>
+  void add_tangent(const Eigen::Matrix3d& stiffness, const Touch& touch, const Rows& rows,
+                   FreeFrame* free);
   double size_of_residual(FreeFrame* free) const;
   bool solve(const StepLoad& load, FreeFrame* free, StepReport& report);
   void finish(State& state, const StepLoad& load, FreeFrame* free, StepReport& report);
+  void settle_grips(FreeFrame* free);
   void settle_account(FreeFrame* free);
 
   Model::Pointer model_;
@@ -105,6 +136,8 @@ class ContactStep {
   Eigen::VectorXd S_;
   PotentialWorkspace workspace_;
   std::vector<Candidate> candidates_;
+  std::span<Grip> grips_;
+  std::vector<Touch> held_;  // one a grip
   std::vector<double> impulses_;
   std::span<const PlacedCollider> colliders_;
   StepPoses poses_;
@@ -115,8 +148,9 @@ class ContactStep {
   Eigen::VectorXd z_, z_before_, residual_, move_;
   Eigen::MatrixXd jacobian_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
-  Eigen::MatrixXd push_;  // n x 3: how a force on a point changes the residual
-  Eigen::MatrixXd way_;   // 3 x n: how the point's end moves with the unknowns
+  Eigen::MatrixXd push_;    // n x 3: how a force on a point changes the residual
+  Eigen::MatrixXd pushed_;  // that times a stiffness
+  Eigen::MatrixXd way_;     // 3 x n: how the point's end moves with the unknowns
   Eigen::Matrix3d R0_, R1_, turn_, spin_jacobian_;
   Eigen::Vector3d c0_, c1_;  // of the mesh's origin, or of a free body's centre of mass
   Eigen::Vector3d origin_;   // in the mesh's coordinates, of c
