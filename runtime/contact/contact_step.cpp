@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <cstdio>
+#include <cstdlib>
 
 namespace tremolo {
 namespace {
@@ -15,6 +17,7 @@ using Eigen::VectorXd;
 constexpr int kIterations = 60;       // Newton's, with the line search
 constexpr double kTolerance = 1e-10;  // of the momenta in a step
 constexpr int kShorter = 12;          // halvings of a move
+constexpr double kRoundedWay = 1e-14;  // of the body's extent
 
 // How far any point of a ball of `radius` about `place` moves in the world between the poses, m.
 double reach_of(const StepPoses& poses, const Vector3d& place, double radius) {
@@ -257,22 +260,45 @@ double ContactStep::size_of_residual(FreeFrame* free) const {
   return std::sqrt(square);
 }
 
+// What size_of_residual() is measured by: momenta, and forces times h.
+double ContactStep::size_of_motion(const StepLoad& load, FreeFrame* free) const {
+  const double h = options_.step;
+  double size = v0_.norm() + h * (G_.norm() + load.average.norm() + contact_push_.norm());
+  if (free == nullptr) return size;
+  const RigidState& rigid = free->rigid();
+  const double root = std::sqrt(mass_);
+  size += root * (rigid.velocity.norm() + points_->radius * rigid.spin.norm());
+  size += h / root * (contact_force_.norm() + contact_torque_.norm() / points_->radius);
+  return size;
+}
+
+// By how much move_ moves any point at most, m.
+double ContactStep::way_of_move(FreeFrame* free) const {
+  const Index r = model_->modes();
+  const double way = move_.head(r).cwiseAbs().dot(points_->reach);
+  if (free == nullptr) return way;
+  const double turned = options_.step * points_->radius * move_.segment<3>(r).norm();
+  return way + turned + move_.segment<3>(r + 3).norm();
+}
+
 bool ContactStep::solve(const StepLoad& load, FreeFrame* free, StepReport& report) {
   const Index r = model_->modes(), n = free != nullptr ? r + 6 : r;
   double size = evaluate(load, free);
   const double h = options_.step;
-  double scale = v0_.norm() + h * G_.norm() + h * load.average.norm();
-  if (free != nullptr)
-    scale += std::sqrt(mass_) * (free->rigid().velocity.norm() + z_.tail<3>().norm() / h +
-                                 points_->radius * free->rigid().spin.norm());
-  const double enough = std::max(kTolerance * scale, std::numeric_limits<double>::min());
+  // The largest momentum that anything in the step amounts to.
+  double scale = 0.0;
   for (int i = 0; i < kIterations; ++i) {
     report.residual = 0.5 * h * size;
+    scale = std::max(scale, size_of_motion(load, free));
+    const double enough = std::max(kTolerance * scale, std::numeric_limits<double>::min());
     if (size <= enough) return true;
     if (!std::isfinite(size)) return false;
     make_jacobian(free);
     factor_.compute(jacobian_.topLeftCorner(n, n));
     move_.head(n) = factor_.solve(residual_.head(n));
+    if (getenv("CT")) fprintf(stderr, "  it %d size %.3e enough %.3e way %.3e\n", i, size, enough, way_of_move(free));
+    // A move that rounding of the points' places swallows.
+    if (way_of_move(free) <= kRoundedWay * points_->extent) return true;
     z_before_ = z_;
     double length = 1.0;
     double next = 0.0;

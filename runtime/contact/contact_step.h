@@ -122,6 +122,8 @@ class ContactStep {
   void add_tangent(const Eigen::Matrix3d& stiffness, const Touch& touch, const Rows& rows,
                    FreeFrame* free);
   double size_of_residual(FreeFrame* free) const;
+  double way_of_move(FreeFrame* free) const;
+  double size_of_motion(const StepLoad& load, FreeFrame* free) const;
   bool solve(const StepLoad& load, FreeFrame* free, StepReport& report);
   void finish(State& state, const StepLoad& load, FreeFrame* free, StepReport& report);
   void settle_grips(FreeFrame* free);

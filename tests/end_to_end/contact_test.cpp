@@ -1,0 +1,241 @@
+// Bodies among colliders, and hands on them, against what mechanics says: rebounds, stopping
+// distances, slopes, momenta, and an account of energy that closes with everything at once.
+#include <cmath>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "runtime/body.h"
+#include "tests/support/programs.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kGravity = 9.81;
+
+// A cube of 0.1 m and 1 kg, precomputed once for each stiffness and way of being held.
+Model::Pointer cube(const std::string& young, const std::string& held) {
+  static const std::string folder = fresh_folder();
+  const std::string name = "cube-" + young + (held == "none" ? "-free" : "-held");
+  if (!std::filesystem::exists(folder + "/" + name + ".tremolo")) {
+    testing::write_veg(folder + "/cube.veg", box_mesh({3, 3, 3}, {0.1, 0.1, 0.1}));
+    const ProgramResult made =
+        run_program(folder, kPrecompute + "cube.veg --threads 1 --order 1 --young " + young +
+                                " --poisson 0.3 --density 1000 --fix '" + held +
+                                "' --linear-modes 6 --modes 12 -o " + name + ".tremolo");
+    EXPECT_EQ(made.code, 0) << made.err;
+  }
+  Result<Model::Pointer> model = Model::load(folder + "/" + name + ".tremolo");
+  EXPECT_TRUE(model) << model.error().message;
+  return *model;
+}
+
+struct Fall {
+  double step = 1e-3;
+  double restitution = 1.0;
+  double friction = 0.0;
+  double alpha = 0.0, beta = 0.0;
+  double height = 0.05;
+  double stiffness = 16.0;  // ContactOptions
+};
+
+// A free cube whose lower side is `height` above the floor z = 0.
+Body cube_above_floor(const Model::Pointer& model, const Fall& fall) {
+  IntegratorOptions options;
+  options.step = fall.step;
+  options.alpha = fall.alpha;
+  options.beta = fall.beta;
+  Result<Body> body = Body::create(model, "ep4", options, FrameKind::kFree);
+  EXPECT_TRUE(body) << body.error().message;
+  EXPECT_TRUE(body->set_contact({.stiffness = fall.stiffness}));
+  EXPECT_TRUE(body->set_gravity({0, 0, -kGravity}));
+  Pose pose;
+  pose.position = Vector3d(0, 0, fall.height);
+  EXPECT_TRUE(body->set_pose(pose));
+  return std::move(*body);
+}
+
+std::vector<PlacedCollider> floor_of(const Fall& fall) {
+  return {{PlaneShape{}, {}, {}, fall.friction, fall.restitution}};
+}
+
+// What is in the body and its contact less what came in.
+double balance(const Body& body) {
+  return body.energy().total() - body.work() + body.dissipated();
+}
+
+TEST(Contact, RestitutionOneKeepsTheEnergyOverManyBounces) {
+  const Fall fall{.height = 0.002};
+  Body body = cube_above_floor(cube("1e6", "none"), fall);
+  const std::vector<PlacedCollider> floor = floor_of(fall);
+  const double fallen = 1.0 * kGravity * fall.height;
+  int bounces = 0;
+  bool touched = false;
+  double highest = 0.0;
+  for (int i = 0; i < 20'000; ++i) {
+    ASSERT_TRUE(body.step(floor).converged) << i;
+    const bool touches = body.contact_account().active > 0;
+    bounces += touches && !touched ? 1 : 0;
+    touched = touches;
+    highest = std::max(highest, std::abs(balance(body)));
+  }
+  EXPECT_GT(bounces, 200);
+  EXPECT_LT(highest, 1e-6 * fallen);
+  EXPECT_LT(std::abs(body.contact_error()), 1e-6 * fallen);
+  EXPECT_EQ(body.contact_lost(), 0.0);
+  EXPECT_EQ(body.contact_rubbed(), 0.0);
+  // Kinetic, elastic, contact and potential energy together are what the fall had to give.
+  const double total = body.energy().total() + body.contact_account().energy - body.gravity_work();
+  EXPECT_NEAR(total, 0.0, 1e-6 * fallen);
+}
+
+TEST(Contact, ARigidBodyLeavesWithTheShareOfItsSpeedThatRestitutionSays) {
+  for (const double restitution : {0.3, 0.5, 0.9}) {
+    // A contact of some twenty steps.
+    const Fall fall{.step = 1e-4, .restitution = restitution, .height = 0.05, .stiffness = 0.03};
+    Body body = cube_above_floor(cube("1e10", "none"), fall);
+    const std::vector<PlacedCollider> floor = floor_of(fall);
+    double arrival = 0.0, leaving = 0.0;
+    bool touched = false;
+    for (int i = 0; i < 2'000 && leaving == 0.0; ++i) {
+      const double before = body.rigid_state().velocity.z();
+      ASSERT_TRUE(body.step(floor).converged);
+      const bool touches = body.contact_account().active > 0;
+      if (touches && !touched) arrival = -before;
+      if (!touches && touched) leaving = body.rigid_state().velocity.z();
+      touched = touches;
+    }
+    EXPECT_NEAR(arrival, std::sqrt(2.0 * kGravity * fall.height), 0.02);
+    EXPECT_NEAR(leaving / arrival, restitution, 0.02);
+  }
+}
+
+TEST(Contact, ASlidingBodyStopsWhereCoulombSays) {
+  const double mu = 0.2, speed = 1.0;
+  const Fall fall{.step = 1e-3, .restitution = 0.0, .friction = mu, .height = 0.0};
+  Body body = cube_above_floor(cube("1e8", "none"), fall);
+  const std::vector<PlacedCollider> floor = floor_of(fall);
+  for (int i = 0; i < 500; ++i) ASSERT_TRUE(body.step(floor).converged);  // it settles
+  ASSERT_TRUE(body.set_motion({speed, 0, 0}, Vector3d::Zero()));
+  const Vector3d start = body.rigid_state().centre;
+  for (int i = 0; i < 1'000; ++i) ASSERT_TRUE(body.step(floor).converged);
+  const double way = (body.rigid_state().centre - start).x();
+  EXPECT_NEAR(way, speed * speed / (2.0 * mu * kGravity), 0.02 * way);
+  EXPECT_LT(body.rigid_state().velocity.norm(), 5e-3);
+  // Friction took what the motion had.
+  EXPECT_NEAR(body.contact_rubbed(), 0.5 * speed * speed, 0.02);
+}
+
+TEST(Contact, ASlopeHoldsBelowTheAngleOfFrictionAndNotAbove) {
+  const double mu = 0.5;
+  for (const double slope : {0.4, 0.7}) {  // tangent of the angle
+    const Fall fall{.step = 1e-3, .restitution = 0.0, .friction = mu, .height = 0.0};
+    Body body = cube_above_floor(cube("1e8", "none"), fall);
+    const double angle = std::atan(slope);
+    ASSERT_TRUE(body.set_gravity({kGravity * std::sin(angle), 0, -kGravity * std::cos(angle)}));
+    const std::vector<PlacedCollider> floor = floor_of(fall);
+    for (int i = 0; i < 300; ++i) ASSERT_TRUE(body.step(floor).converged);
+    const double before = body.rigid_state().velocity.x();
+    for (int i = 0; i < 500; ++i) ASSERT_TRUE(body.step(floor).converged);
+    const double gained = body.rigid_state().velocity.x() - before;
+    if (slope < mu) {
+      EXPECT_LT(std::abs(body.rigid_state().velocity.x()), body.contact()->law().slip_speed);
+    } else {
+      const double expected = 0.5 * kGravity * (std::sin(angle) - mu * std::cos(angle));
+      EXPECT_NEAR(gained, expected, 0.03 * expected);
+    }
+  }
+}
+
+TEST(Contact, WithoutFrictionAPlaneTakesNoMomentumAlongItself) {
+  const Fall fall{.restitution = 0.7, .friction = 0.0, .height = 0.03};
+  Body body = cube_above_floor(cube("1e5", "none"), fall);
+  ASSERT_TRUE(body.set_motion({0.4, -0.3, 0}, {3, 5, -2}));
+  const Vector3d linear = body.linear_momentum();
+  const double angular = body.angular_momentum().z();
+  const std::vector<PlacedCollider> floor = floor_of(fall);
+  int active = 0;
+  for (int i = 0; i < 2'000; ++i) {
+    ASSERT_TRUE(body.step(floor).converged);
+    active += body.contact_account().active;
+  }
+  EXPECT_GT(active, 100);
+  EXPECT_NEAR(body.linear_momentum().x(), linear.x(), 1e-12);
+  EXPECT_NEAR(body.linear_momentum().y(), linear.y(), 1e-12);
+  EXPECT_NEAR(body.angular_momentum().z(), angular, 1e-12);
+}
+
+// Gravity, damping, friction, restitution, a turning fall, a moving sphere and a hand at once.
+TEST(Contact, TheAccountClosesWithEverythingAtOnce) {
+  const Fall fall{
+      .step = 2e-3, .restitution = 0.4, .friction = 0.4, .alpha = 0.5, .beta = 1e-3, .height = 0.2};
+  Body body = cube_above_floor(cube("1e5", "none"), fall);
+  ASSERT_TRUE(body.set_motion({0.2, 0.1, 0}, {8, -3, 5}));
+  std::vector<PlacedCollider> colliders = floor_of(fall);
+  colliders.push_back({SphereShape{0.05}, {}, {}, 0.3, 0.4});
+  const Vector3d from(0.5, 0.05, 0.05);
+  colliders[1].end.position = from;
+  const Result<std::size_t> hand = body.grab(0, 40.0, 0.3);
+  ASSERT_TRUE(hand);
+  const double start = body.energy().total();
+  double most = 0.0, worst = 0.0;
+  for (int i = 0; i < 1'000; ++i) {
+    const double t = fall.step * (i + 1);
+    colliders[1].start = colliders[1].end;
+    colliders[1].end.position = from - Vector3d(0.4 * t, 0, 0);
+    ASSERT_TRUE(body.move_hand(*hand, {0.1 * std::sin(5 * t), 0.05, 0.15 + 0.05 * t}));
+    ASSERT_TRUE(body.step(colliders).converged) << i;
+    most = std::max(most, body.energy().total());
+    worst = std::max(worst, std::abs(balance(body) - start));
+  }
+  EXPECT_LT(worst, 1e-9 * most);
+  EXPECT_GT(body.contact_lost(), 0.0);
+  EXPECT_GT(body.contact_rubbed(), 0.0);
+  EXPECT_NE(body.contact_given(), 0.0);
+  EXPECT_NE(body.hand_work(), 0.0);
+  const double contact = body.contact_given() - body.contact_lost() - body.contact_rubbed() -
+                         body.contact_account().energy + body.contact_error();
+  EXPECT_NEAR(body.contact_work(), contact, 1e-9 * most);
+}
+
+TEST(Hand, NoStiffnessIsTooLarge) {
+  const Model::Pointer model = cube("1e5", "z<0.001");
+  for (const double stiffness : {1e2, 1e5, 1e9, 1e13}) {
+    Result<Body> body = Body::create(model, "ep4", {.step = 3e-3, .beta = 2e-3}, FrameKind::kFixed);
+    ASSERT_TRUE(body && body->set_contact());
+    const Result<std::size_t> hand = body->grab(63, stiffness, 1e-3 * stiffness);
+    ASSERT_TRUE(hand);
+    const Vector3d rest = *body->position(63), target = rest + Vector3d(0.004, 0.002, 0.003);
+    for (int i = 0; i < 1'000; ++i) {
+      ASSERT_TRUE(body->move_hand(*hand, rest + std::min(1.0, i / 200.0) * (target - rest)));
+      ASSERT_TRUE(body->step().converged) << stiffness << " " << i;
+    }
+    // At rest the body pulls as the spring does; the stiffer, the nearer to the target.
+    const Vector3d lag = *body->position(63) - target;
+    EXPECT_LT((body->hand_force(*hand) + stiffness * lag).norm(),
+              1e-3 * body->hand_force(*hand).norm());
+    if (stiffness > 1e8) {
+      EXPECT_LT(lag.norm(), 1e-6);
+    }
+    ASSERT_TRUE(body->release(*hand));
+    ASSERT_TRUE(body->step().converged);
+  }
+}
+
+TEST(Hand, BadValuesAreNamed) {
+  Result<Body> body = Body::create(cube("1e5", "z<0.001"));
+  ASSERT_TRUE(body);
+  EXPECT_FALSE(body->grab(0, 1.0));  // without set_contact()
+  ASSERT_TRUE(body->set_contact());
+  EXPECT_FALSE(body->grab(100'000, 1.0));
+  EXPECT_FALSE(body->grab(0, -1.0));
+  EXPECT_FALSE(body->move_hand(7, Vector3d::Zero()));
+  EXPECT_FALSE(body->release(7));
+  EXPECT_FALSE(body->set_contact({.points = 0}));
+  EXPECT_FALSE(body->set_contact({.margin = -1.0}));
+}
+
+}  // namespace
+}  // namespace tremolo
