@@ -32,8 +32,8 @@ void fill_distance_row(const SurfaceDistance& surface, const GridNodes& nodes, s
 std::vector<double> summed_areas(const SurfaceDistance& surface) {
   std::vector<double> sums;
   double sum = 0.0;
-  for (std::size_t t = 0; t < surface.surface().triangles.size(); ++t) {
-    const auto [a, b, c] = surface.corners(t);
+  for (std::size_t t = 0; t < surface.triangle_count(); ++t) {
+    const auto& [a, b, c] = surface.corners(t);
     sum += (b - a).cross(c - a).norm();
     sums.push_back(sum);
   }
@@ -47,7 +47,7 @@ Vector3d point_beside(const SurfaceDistance& surface, const std::vector<double>&
   const double chosen = share(random) * areas.back();
   const std::size_t t = std::min<std::size_t>(
       std::upper_bound(areas.begin(), areas.end(), chosen) - areas.begin(), areas.size() - 1);
-  const auto [a, b, c] = surface.corners(t);
+  const auto& [a, b, c] = surface.corners(t);
   double u = share(random), v = share(random);
   if (u + v > 1.0) {
     u = 1.0 - u;

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <type_traits>
+#include <utility>
+
+#include "formats/collider/collider_file.h"
 
 namespace tremolo {
 namespace {
@@ -213,6 +215,12 @@ std::optional<double> hit_of(const GridShape& shape, const Vector3d& from, const
 }
 
 }  // namespace
+
+Result<Collider> load_collider(const std::string& path) {
+  Result<ColliderFile> file = read_collider(path);
+  if (!file) return file.error();
+  return Collider(GridShape{std::make_shared<const DistanceGrid>(std::move(file->grid))});
+}
 
 const char* shape_name(const Collider& collider) {
   constexpr const char* kNames[] = {"plane", "sphere", "capsule", "box", "cylinder", "grid"};
