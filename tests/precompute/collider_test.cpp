@@ -214,6 +214,24 @@ TEST(ColliderGrid, ErrorOfASmoothSurfaceFallsFaster) {
       << coarse.error.root_mean_square << " " << fine.error.root_mean_square;
 }
 
+// A plate that lies in the middle of a layer of cells has no node inside; one of two cells has.
+TEST(ColliderGrid, WallsThatAreTooThinAreMissedAndCounted) {
+  SurfaceMesh plate = testing::box_surface({1.0, 1.0, 0.01});
+  const auto missed = [](const SurfaceMesh& surface) {
+    const SurfaceDistance distance(closed_surface(surface));
+    // Nodes at z = -0.175, -0.125 ... 0.175: none of them in the plate around z = 0.
+    const GridNodes nodes{{-0.2, -0.2, -0.175}, 0.05, {29, 29, 8}};
+    const Result<DistanceGrid> grid =
+        DistanceGrid::create(nodes, distances_at_nodes(distance, nodes, 1));
+    EXPECT_TRUE(grid) << grid.error().message;
+    return grid ? missed_share(distance, *grid, 2) : -1.0;
+  };
+  for (Vector3d& x : plate.vertices) x.z() -= 0.005;
+  EXPECT_GT(missed(plate), 0.9);
+  for (Vector3d& x : plate.vertices) x.z() *= 10.0;
+  EXPECT_EQ(missed(plate), 0.0);
+}
+
 TEST(ColliderGrid, MarginIsKeptAndLimitsAreTold) {
   const BoundingBox box{{0, 0, 0}, {1, 0.5, 0.2}};
   for (const double margin : {0.0, 0.3}) {
