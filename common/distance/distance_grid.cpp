@@ -20,13 +20,15 @@ bool may_be_neighbours(float a, float b, double spacing) {
 Status check_values(const GridNodes& nodes, std::span<const float> values) {
   const auto [nx, ny, nz] = nodes.counts;
   const std::size_t row = nx, layer = row * ny;
+  const double longest = 1.001 * (nodes.at(nx - 1, ny - 1, nz - 1) - nodes.origin).norm();
   std::size_t at = 0;
   for (std::size_t k = 0; k < nz; ++k)
     for (std::size_t j = 0; j < ny; ++j)
       for (std::size_t i = 0; i < nx; ++i, ++at) {
         const float value = values[at];
-        if (!std::isfinite(value))
-          return content_error("the distance at " + node_text(i, j, k) + " is not finite");
+        if (!(std::abs(double{value}) <= longest))
+          return content_error("the distance at " + node_text(i, j, k) +
+                               " is not finite or larger than the grid");
         const bool border = i == 0 || j == 0 || k == 0 || i + 1 == nx || j + 1 == ny || k + 1 == nz;
         if (border && !(value > 0.0F))
           return content_error("the distance at " + node_text(i, j, k) +

@@ -47,9 +47,9 @@ Status check(const GridNodes& nodes);
 class DistanceGrid {
  public:
   // values: one a node, m, negative inside. Errors (kContent): what check() finds; not as many
-  // values as nodes; a value that is not finite; neighbours that differ by more than they are
-  // apart, which no distances do; a value on the border that is not positive: the surface needs a
-  // margin.
+  // values as nodes; a value that is not finite or exceeds the grid's diagonal; neighbours that
+  // differ by more than they are apart, which no distances do; a value on the border that is not
+  // positive: the surface needs a margin.
   static Result<DistanceGrid> create(const GridNodes& nodes, std::span<const float> values);
 
   // distance: m. gradient: of `distance` exactly; its length is 1 up to the grid's error.

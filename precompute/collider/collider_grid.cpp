@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "common/format_text.h"
@@ -32,30 +33,48 @@ void fill_distance_row(const SurfaceDistance& surface, const GridNodes& nodes, s
 std::vector<double> summed_areas(const SurfaceDistance& surface) {
   std::vector<double> sums;
   double sum = 0.0;
-  for (std::size_t t = 0; t < surface.surface().triangles.size(); ++t) {
-    const auto [a, b, c] = surface.corners(t);
+  for (std::size_t t = 0; t < surface.triangle_count(); ++t) {
+    const auto& [a, b, c] = surface.corners(t);
     sum += (b - a).cross(c - a).norm();
     sums.push_back(sum);
   }
   return sums;
 }
 
-// A point beside the surface, by up to `reach` to either side.
-Vector3d point_beside(const SurfaceDistance& surface, const std::vector<double>& areas,
-                      double reach, std::mt19937_64& random) {
+struct SurfacePoint {
+  Vector3d x;
+  Vector3d normal;  // outwards
+};
+
+SurfacePoint random_surface_point(const SurfaceDistance& surface, const std::vector<double>& areas,
+                                  std::mt19937_64& random) {
   std::uniform_real_distribution<double> share(0.0, 1.0);
   const double chosen = share(random) * areas.back();
   const std::size_t t = std::min<std::size_t>(
       std::upper_bound(areas.begin(), areas.end(), chosen) - areas.begin(), areas.size() - 1);
-  const auto [a, b, c] = surface.corners(t);
+  const auto& [a, b, c] = surface.corners(t);
   double u = share(random), v = share(random);
   if (u + v > 1.0) {
     u = 1.0 - u;
     v = 1.0 - v;
   }
-  const Vector3d normal = (b - a).cross(c - a).stableNormalized();
-  const double beside = reach * (2.0 * share(random) - 1.0);
-  return a + u * (b - a) + v * (c - a) + beside * normal;
+  return {a + u * (b - a) + v * (c - a), (b - a).cross(c - a).stableNormalized()};
+}
+
+// How far it is from the point straight through to the other side; `most` if it is no less.
+double wall_behind(const SurfaceDistance& surface, const SurfacePoint& point, double most) {
+  constexpr int kLooks = 8;
+  double inside = 0.0, outside = most;
+  for (int look = 1; look <= kLooks && outside == most; ++look) {
+    const double depth = most * look / kLooks;
+    (surface.is_inside(point.x - depth * point.normal) ? inside : outside) = depth;
+  }
+  if (inside == most) return most;
+  for (int halving = 0; halving < 8; ++halving) {
+    const double middle = 0.5 * (inside + outside);
+    (surface.is_inside(point.x - middle * point.normal) ? inside : outside) = middle;
+  }
+  return inside;
 }
 
 }  // namespace
@@ -102,8 +121,11 @@ GridError measure_error(const SurfaceDistance& surface, const DistanceGrid& grid
   std::vector<double> largest(kChunks, 0.0), squares(kChunks, 0.0);
   parallel_for(kChunks, threads, [&](std::size_t chunk) {
     std::mt19937_64 random(1 + chunk);
+    std::uniform_real_distribution<double> share(0.0, 1.0);
     for (std::size_t i = 0; i < kPointsOfChunk; ++i) {
-      const Vector3d x = point_beside(surface, areas, 2.0 * grid.nodes().spacing, random);
+      const SurfacePoint point = random_surface_point(surface, areas, random);
+      const double beside = 2.0 * grid.nodes().spacing * (2.0 * share(random) - 1.0);
+      const Vector3d x = point.x + beside * point.normal;
       const double error = std::abs(grid.at(x).distance - surface.at(x));
       largest[chunk] = std::max(largest[chunk], error);
       squares[chunk] += error * error;
@@ -116,6 +138,27 @@ GridError measure_error(const SurfaceDistance& surface, const DistanceGrid& grid
   for (const double square : squares) sum += square;
   error.root_mean_square = std::sqrt(sum / static_cast<double>(error.points));
   return error;
+}
+
+double missed_share(const SurfaceDistance& surface, const DistanceGrid& grid, unsigned threads) {
+  constexpr std::size_t kChunks = 64, kPointsOfChunk = 64;
+  const std::vector<double> areas = summed_areas(surface);
+  const double most = 2.0 * grid.nodes().spacing;
+  std::vector<std::size_t> missed(kChunks, 0);
+  parallel_for(kChunks, threads, [&](std::size_t chunk) {
+    std::mt19937_64 random(1001 + chunk);
+    for (std::size_t i = 0; i < kPointsOfChunk; ++i) {
+      const SurfacePoint point = random_surface_point(surface, areas, random);
+      const double wall = wall_behind(surface, point, most);
+      if (!(wall < most)) continue;
+      const Vector3d middle = point.x - 0.5 * wall * point.normal;
+      // Beside an edge another face is nearer: that is rounded off, not missed.
+      const bool between = surface.magnitude(middle) > 0.35 * wall;
+      if (between && grid.at(middle).distance >= 0.0) ++missed[chunk];
+    }
+  });
+  const double sum = static_cast<double>(std::accumulate(missed.begin(), missed.end(), 0UL));
+  return sum / (kChunks * kPointsOfChunk);
 }
 
 }  // namespace tremolo

@@ -31,4 +31,9 @@ struct GridError {
 // The same points every time, whatever the number of threads.
 GridError measure_error(const SurfaceDistance& surface, const DistanceGrid& grid, unsigned threads);
 
+// The share of the surface behind which the solid is thinner than two cells and the grid, in the
+// middle of that wall, knows of nothing solid: what meets it there goes through. 0 to 1, found at
+// 4 096 points, the same every time.
+double missed_share(const SurfaceDistance& surface, const DistanceGrid& grid, unsigned threads);
+
 }  // namespace tremolo

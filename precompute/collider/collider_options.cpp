@@ -11,11 +11,26 @@
 #include "precompute/system/option_checks.h"
 
 namespace tremolo {
+namespace {
+
+// The words that decide what the file holds: the same work gives the same file wherever it goes.
+std::string settings_of(int count, char** words) {
+  std::string settings = "collider";
+  for (int i = 1; i < count; ++i) {
+    const std::string word = words[i];
+    if (word == "-o" || word == "--output" || word == "--threads")
+      ++i;  // and its value
+    else if (word != "--json" && !word.starts_with("--output=") && !word.starts_with("--threads="))
+      settings += " " + word;
+  }
+  return settings;
+}
+
+}  // namespace
 
 std::variant<ColliderOptions, int> parse_collider_line(int count, char** words) {
   ColliderOptions options;
-  options.command_line = "tremolo-precompute";
-  for (int i = 0; i < count; ++i) options.command_line += std::string(" ") + words[i];
+  options.command_line = settings_of(count, words);
   options.threads = std::max(1U, std::thread::hardware_concurrency());
 
   CLI::App app{
@@ -28,10 +43,10 @@ std::variant<ColliderOptions, int> parse_collider_line(int count, char** words) 
                  "OBJ, PLY, STL, OFF, glTF, FBX, ...; of a tetrahedral mesh its boundary")
       ->required();
   app.add_option("-o,--output", options.output_path, "the collider file")->required();
-  app.add_option(
-         "--cells", options.cells,
-         "of the grid along the longest side of the surface's box (default: as many as keep "
-         "the error below 0.5 % of that side, from 64 to 256)")
+  app.add_option("--cells", options.cells,
+                 "of the grid along the longest side of the surface's box (default: from 64 to "
+                 "256, as many as "
+                 "keep the error below 0.5 % of that side and miss no thin wall)")
       ->check(CLI::Range(4, static_cast<int>(kMostGridNodes)));
   app.add_option("--margin", options.margin,
                  "m around the surface that the grid covers, three cells at least (default: 5 % of "

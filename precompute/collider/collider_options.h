@@ -17,11 +17,13 @@ struct ColliderOptions {
   bool fill_holes = false;
   unsigned threads = 1;
   bool json = false;
-  std::string command_line;
+  std::string command_line;  // what of it decides the result
 };
 
-// Without --cells: the largest error that is aimed at and the margin, in parts of the longest side.
+// Without --cells: the largest error and the margin, in parts of the longest side, and the share of
+// the surface whose walls may be missed.
 inline constexpr double kColliderError = 0.005;
+inline constexpr double kColliderMissed = 0.002;
 inline constexpr double kColliderMargin = 0.05;
 // Without --cells: the first number that is tried, and the last.
 inline constexpr int kFirstCells = 64;

@@ -60,6 +60,7 @@ struct MadeGrid {
   double margin = 0;  // m
   ColliderData data;
   GridError error;
+  double missed = 0;  // share of the surface
   double seconds = 0;
 };
 
@@ -84,11 +85,16 @@ MadeGrid make_grid(const ColliderOptions& options, const SurfaceDistance& surfac
                            made.data.nodes.spacing, cells)));
   const DistanceGrid grid = unwrap(DistanceGrid::create(made.data.nodes, made.data.distances));
   made.error = measure_error(surface, grid, options.threads);
+  made.missed = missed_share(surface, grid, options.threads);
   made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return made;
 }
 
-// Without --cells: half as many again until the error is small enough, or kLastCells are reached,
+bool is_good(const MadeGrid& made, double size) {
+  return made.error.largest <= kColliderError * size && made.missed <= kColliderMissed;
+}
+
+// Without --cells: half as many again until the grid is good enough, or kLastCells are reached,
 // or a grid may have no more.
 MadeGrid make_grid_to_error(const ColliderOptions& options, const SurfaceDistance& surface,
                             const BoundingBox& box, StageLog& log) {
@@ -99,9 +105,9 @@ MadeGrid make_grid_to_error(const ColliderOptions& options, const SurfaceDistanc
     const bool last = cells == kLastCells || !plan_nodes(box, next, margin);
     try {
       MadeGrid made = make_grid(options, surface, box, cells);
-      if (last || made.error.largest <= kColliderError * longest_side(box)) return made;
-      log.note(text("%d cells: the error is %.2g %% of the size", cells,
-                    100.0 * made.error.largest / longest_side(box)));
+      if (last || is_good(made, longest_side(box))) return made;
+      log.note(text("%d cells: the error is %.2g %% of the size, %.2g %% of the surface is missed",
+                    cells, 100.0 * made.error.largest / longest_side(box), 100.0 * made.missed));
     } catch (const Failure&) {
       if (last) throw;  // too thin for these cells
     }
@@ -142,7 +148,8 @@ ColliderJson grid_json(const MadeGrid& made, double size) {
           {"error_max", made.error.largest},
           {"error_max_share", made.error.largest / size},
           {"error_rms", made.error.root_mean_square},
-          {"error_points", made.error.points}};
+          {"error_points", made.error.points},
+          {"missed_share", made.missed}};
 }
 
 std::string provenance_of(const ColliderOptions& options, const SurfaceFile& file,
@@ -171,9 +178,11 @@ void log_grid(const MadeGrid& made, double size, StageLog& log) {
            "root mean square %.2g m",
            made.error.points, made.error.largest, 100.0 * made.error.largest / size, size,
            made.error.root_mean_square));
-  if (made.error.largest > kColliderError * size)
-    log.note(text("warning: that is more than %.2g %%; more --cells make it smaller",
-                  100.0 * kColliderError));
+  if (made.missed > 0.0)
+    log.note(
+        text("%sbehind %.2g %% of the surface the solid is too thin for these cells and missed",
+             made.missed > kColliderMissed ? "warning: " : "", 100.0 * made.missed));
+  if (!is_good(made, size)) log.note("more --cells make that smaller");
 }
 
 void make_file(const ColliderOptions& options) {

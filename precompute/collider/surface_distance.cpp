@@ -1,26 +1,20 @@
 #include "precompute/collider/surface_distance.h"
 
+#include <algorithm>
 #include <cmath>
-#include <vector>
+#include <limits>
 
 #include "precompute/embedding/closest_point.h"
 
 namespace tremolo {
 namespace {
 
-SurfaceMesh without_buried(const ClosedSurface& closed) {
-  SurfaceMesh bare{closed.surface.vertices, {}};
-  for (std::size_t t = 0; t < closed.surface.triangles.size(); ++t)
-    if (closed.buried[t] == 0) bare.triangles.push_back(closed.surface.triangles[t]);
-  return bare;
-}
-
-std::vector<BoundingBox> triangle_boxes(const SurfaceMesh& surface) {
+template <class Facet>
+std::vector<BoundingBox> facet_boxes(const std::vector<Facet>& facets) {
   std::vector<BoundingBox> boxes;
-  boxes.reserve(surface.triangles.size());
-  for (const Triangle& t : surface.triangles) {
-    const Eigen::Vector3d &a = surface.vertices[t[0]], &b = surface.vertices[t[1]],
-                          &c = surface.vertices[t[2]];
+  boxes.reserve(facets.size());
+  for (const Facet& facet : facets) {
+    const auto& [a, b, c] = facet.corners;
     boxes.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
   }
   return boxes;
@@ -28,20 +22,36 @@ std::vector<BoundingBox> triangle_boxes(const SurfaceMesh& surface) {
 
 }  // namespace
 
-SurfaceDistance::SurfaceDistance(const ClosedSurface& closed)
-    : surface_(without_buried(closed)), tree_(triangle_boxes(surface_)), winding_(closed.surface) {}
-
-std::array<Eigen::Vector3d, 3> SurfaceDistance::corners(std::size_t triangle) const {
-  const Triangle& t = surface_.triangles[triangle];
-  return {surface_.vertices[t[0]], surface_.vertices[t[1]], surface_.vertices[t[2]]};
+std::vector<SurfaceDistance::Facet> SurfaceDistance::facets_of(const ClosedSurface& closed) {
+  const SurfaceMesh& surface = closed.surface;
+  std::vector<Facet> facets;
+  facets.reserve(surface.triangles.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (closed.buried[t] != 0) continue;
+    const Triangle& ids = surface.triangles[t];
+    const Eigen::Vector3d &a = surface.vertices[ids[0]], &b = surface.vertices[ids[1]],
+                          &c = surface.vertices[ids[2]];
+    const Eigen::Vector3d normal = (b - a).cross(c - a).stableNormalized();
+    facets.push_back({{a, b, c}, normal, normal.dot(a)});
+  }
+  return facets;
 }
 
+SurfaceDistance::SurfaceDistance(const ClosedSurface& closed)
+    : facets_(facets_of(closed)), tree_(facet_boxes(facets_)), winding_(closed.surface) {}
+
+// No triangle is nearer than its plane: most that the tree offers are left out by that.
 double SurfaceDistance::magnitude(const Eigen::Vector3d& x) const {
-  return std::sqrt(
-      tree_
-          .nearest(
-              x, [&](std::size_t t) { return closest_on_triangle(x, corners(t)).squared_distance; })
-          .squared_distance);
+  double best = std::numeric_limits<double>::infinity();
+  const auto squared = [&](std::size_t t) {
+    const Facet& facet = facets_[t];
+    const double to_plane = facet.normal.dot(x) - facet.offset;
+    if (to_plane * to_plane > 1.000001 * best) return best;
+    const double found = closest_on_triangle(x, facet.corners).squared_distance;
+    best = std::min(best, found);
+    return found;
+  };
+  return std::sqrt(tree_.nearest(x, squared).squared_distance);
 }
 
 double SurfaceDistance::at(const Eigen::Vector3d& x) const {

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <vector>
 
-#include "common/mesh/surface_mesh.h"
 #include "common/mesh/winding_number.h"
 #include "precompute/collider/closed_surface.h"
 #include "precompute/embedding/box_tree.h"
@@ -24,11 +25,21 @@ class SurfaceDistance {
   double at(const Eigen::Vector3d& x) const;
 
   // The triangles that bound the solid.
-  const SurfaceMesh& surface() const { return surface_; }
-  std::array<Eigen::Vector3d, 3> corners(std::size_t triangle) const;
+  std::size_t triangle_count() const { return facets_.size(); }
+  const std::array<Eigen::Vector3d, 3>& corners(std::size_t triangle) const {
+    return facets_[triangle].corners;
+  }
 
  private:
-  SurfaceMesh surface_;
+  // normal: of length 1, or zero. offset: the plane is normal . x = offset.
+  struct Facet {
+    std::array<Eigen::Vector3d, 3> corners;
+    Eigen::Vector3d normal;
+    double offset;
+  };
+  static std::vector<Facet> facets_of(const ClosedSurface& closed);
+
+  std::vector<Facet> facets_;
   BoxTree tree_;
   WindingNumber winding_;
 };

@@ -189,6 +189,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
       "`tremolo-precompute reference MESH ...` moves the whole mesh instead, to judge a basis by: "
       "see\n"
       "`tremolo-precompute reference --help`.\n"
+      "`tremolo-precompute collider SURFACE -o OUT.collider` makes what bodies bump into.\n"
       "What follows -- goes to PETSc and SLEPc (their inner solver has the prefix -st_)."};
   app.name("tremolo-precompute");
   app.failure_message(one_line_message);

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <type_traits>
+#include <utility>
+
+#include "formats/collider/collider_file.h"
 
 namespace tremolo {
 namespace {
@@ -21,7 +23,7 @@ double sign_of(double x) {
 }
 
 // Length and direction of v; of what has no direction, `otherwise`.
-double split(const Vector3d& v, const Vector3d& otherwise, Vector3d& direction) {
+double length_and_direction(const Vector3d& v, const Vector3d& otherwise, Vector3d& direction) {
   const double squared = v.squaredNorm();
   if (squared > 1e-200 && squared < 1e200) {
     const double length = std::sqrt(squared);
@@ -45,7 +47,7 @@ CollisionDistance distance_of(const PlaneShape&, const Vector3d& x) {
 
 CollisionDistance distance_of(const SphereShape& sphere, const Vector3d& x) {
   CollisionDistance found;
-  found.distance = split(x, Vector3d::UnitZ(), found.normal) - sphere.radius;
+  found.distance = length_and_direction(x, Vector3d::UnitZ(), found.normal) - sphere.radius;
   return found;
 }
 
@@ -53,7 +55,8 @@ CollisionDistance distance_of(const CapsuleShape& capsule, const Vector3d& x) {
   const double along = std::clamp(x.z(), -capsule.half_length, capsule.half_length);
   CollisionDistance found;
   found.distance =
-      split({x.x(), x.y(), x.z() - along}, Vector3d::UnitX(), found.normal) - capsule.radius;
+      length_and_direction({x.x(), x.y(), x.z() - along}, Vector3d::UnitX(), found.normal) -
+      capsule.radius;
   return found;
 }
 
@@ -66,18 +69,19 @@ CollisionDistance distance_of(const BoxShape& box, const Vector3d& x) {
   if (!(most > 0.0)) return found;
   Vector3d out = beyond.cwiseMax(0.0);
   for (int i = 0; i < 3; ++i) out[i] *= sign_of(x[i]);
-  found.distance = split(out, found.normal, found.normal);
+  found.distance = length_and_direction(out, found.normal, found.normal);
   return found;
 }
 
 CollisionDistance distance_of(const CylinderShape& cylinder, const Vector3d& x) {
   Vector3d radial;
-  const double aside = split({x.x(), x.y(), 0.0}, Vector3d::UnitX(), radial) - cylinder.radius;
+  const double aside =
+      length_and_direction({x.x(), x.y(), 0.0}, Vector3d::UnitX(), radial) - cylinder.radius;
   const double above = std::abs(x.z()) - cylinder.half_length;
   const Vector3d axial = sign_of(x.z()) * Vector3d::UnitZ();
   if (aside > 0.0 && above > 0.0) {
     CollisionDistance found;
-    found.distance = split(aside * radial + above * axial, radial, found.normal);
+    found.distance = length_and_direction(aside * radial + above * axial, radial, found.normal);
     return found;
   }
   return aside > above ? CollisionDistance{aside, radial} : CollisionDistance{above, axial};
@@ -213,6 +217,12 @@ std::optional<double> hit_of(const GridShape& shape, const Vector3d& from, const
 }
 
 }  // namespace
+
+Result<Collider> load_collider(const std::string& path) {
+  Result<ColliderFile> file = read_collider(path);
+  if (!file) return file.error();
+  return Collider(GridShape{std::make_shared<const DistanceGrid>(std::move(file->grid))});
+}
 
 const char* shape_name(const Collider& collider) {
   constexpr const char* kNames[] = {"plane", "sphere", "capsule", "box", "cylinder", "grid"};

@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <variant>
 
 #include <Eigen/Core>
@@ -46,6 +47,9 @@ struct GridShape {
 
 using Collider =
     std::variant<PlaneShape, SphereShape, CapsuleShape, BoxShape, CylinderShape, GridShape>;
+
+// A collider file (docs/collider-format.md) as a GridShape. Errors as of read_collider().
+Result<Collider> load_collider(const std::string& path);
 
 // "plane", "sphere", "capsule", "box", "cylinder" or "grid".
 const char* shape_name(const Collider& collider);

@@ -6,10 +6,12 @@
 #include <string>
 
 #include "formats/basis/basis_writer.h"
+#include "formats/collider/collider_file.h"
 #include "formats/file/checkpoint_file.h"
 #include "formats/surface/surface_answer.h"
 #include "formats/vega/reduced_files.h"
 #include "tests/support/mesh_variants.h"
+#include "tests/support/small_collider.h"
 #include "tests/support/tiny_basis.h"
 
 namespace tremolo {
@@ -52,6 +54,18 @@ void save_bases(const fs::path& root) {
   for (const fs::directory_entry& entry : fs::directory_iterator(golden))
     if (entry.path().extension() == ".tremolo")
       save(root, entry.path().stem().string(), file_contents(entry.path()));
+}
+
+void save_colliders(const fs::path& root) {
+  ColliderData data = testing::small_collider();
+  const auto save_as = [&root](const std::string& name, const ColliderData& content) {
+    save(root, name, "");
+    if (!write_collider((root / name).string(), content))
+      std::fprintf(stderr, "fuzz_seeds: a collider file cannot be written\n");
+  };
+  save_as("ball", data);
+  data.provenance.clear();
+  save_as("bare", data);
 }
 
 void save_checkpoints(const fs::path& root) {
@@ -145,6 +159,7 @@ int main(int count, char** words) {
   tremolo::save_meshes(words[1]);
   tremolo::save_bases(std::filesystem::path(words[1]) / "basis");
   tremolo::save_bases(std::filesystem::path(words[1]) / "model");
+  tremolo::save_colliders(std::filesystem::path(words[1]) / "collider");
   tremolo::save_checkpoints(std::filesystem::path(words[1]) / "checkpoint");
   tremolo::save_reduced(std::filesystem::path(words[1]) / "reduced");
   tremolo::save_surfaces(std::filesystem::path(words[1]) / "surface");

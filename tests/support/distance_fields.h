@@ -3,9 +3,8 @@
 
 #include <cmath>
 #include <functional>
+#include <utility>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 #include "common/distance/distance_grid.h"
 
@@ -49,10 +48,9 @@ inline std::vector<float> values_at_nodes(const GridNodes& nodes, const Distance
   return values;
 }
 
+// Throws if the values are refused.
 inline DistanceGrid grid_of(const GridNodes& nodes, const DistanceFormula& formula) {
-  Result<DistanceGrid> grid = DistanceGrid::create(nodes, values_at_nodes(nodes, formula));
-  EXPECT_TRUE(grid) << grid.error().message;
-  return std::move(*grid);
+  return std::move(DistanceGrid::create(nodes, values_at_nodes(nodes, formula)).value());
 }
 
 }  // namespace tremolo::testing
