@@ -14,8 +14,7 @@ namespace {
 
 using Row = PosePath::Row;
 
-// The slope at times[0] of the polynomial through the first `count` rows; `direction` -1 counts
-// from the end.
+// The slope at the first moment, or the last, of the polynomial through the four rows there.
 double end_slope(const std::vector<double>& times, const std::vector<Row>& rows, std::size_t part,
                  bool at_end) {
   const std::size_t count = std::min<std::size_t>(4, times.size());
