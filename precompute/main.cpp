@@ -7,6 +7,7 @@
 #include "precompute/command.h"
 #include "precompute/ranks/session.h"
 #include "precompute/reference/reference_options.h"
+#include "precompute/reference/world/world_run.h"
 #include "precompute/system/blas_room.h"
 #include "precompute/system/blas_threads.h"
 #include "precompute/system/petsc.h"
@@ -20,8 +21,9 @@ int run_program(int count, char** words) {
     const auto parsed = parse_reference_line(count - 1, words + 1);
     if (const int* code = std::get_if<int>(&parsed)) return *code;
     const auto& options = std::get<ReferenceOptions>(parsed);
-    return run_session(words[0], options.petsc_options, options.solid.threads,
-                       [&] { run_reference(options); });
+    return run_session(words[0], options.petsc_options, options.solid.threads, [&] {
+      moves_in_world(options) ? run_in_world(options) : run_reference(options);
+    });
   }
   if (count > 1 && std::string_view(words[1]) == "collider") {
     const auto parsed = parse_collider_line(count - 1, words + 1);

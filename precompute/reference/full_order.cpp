@@ -1,5 +1,7 @@
 #include "precompute/reference/full_order.h"
 
+#include <algorithm>
+
 #include "common/parallel.h"
 #include "precompute/problem/point_mass.h"
 #include "precompute/problem/rigid_motion.h"
@@ -67,6 +69,18 @@ void assemble_mass(FullOrder& body, MassKind kind) {
         body.mass[at] += body.solid.point_mass[body.unknowns.dof[i] / 3];
 }
 
+// Displacements and their change in the step, of all vertices, 3n.
+Field all_from(const FullOrder& body, const Vector& u) {
+  Field field = expand(body.unknowns, u);
+  if (body.support.from.size() > 0) field += body.support.from;
+  return field;
+}
+Field all_by(const FullOrder& body, const Vector& d) {
+  Field field = expand(body.unknowns, d);
+  if (body.support.by.size() > 0) field += body.support.by;
+  return field;
+}
+
 // In a free body all three components of each node are unknowns, so rows agree with the dof map.
 void find_rigid_motions(const Problem& problem, FullOrder& body) {
   constexpr const char* kDoing = "find the rigid motions";
@@ -117,7 +131,8 @@ Vector multiply(const FullOrder& body, const std::vector<double>& values, const 
 }
 
 double potential_energy(const FullOrder& body, const Vector& u) {
-  const Field field = expand(body.unknowns, u);
+  Field field = all_from(body, u);
+  if (body.support.by.size() > 0) field += body.support.by;
   const std::size_t count = body.solid.elements.size();
   std::vector<double> sums((count + kChunk - 1) / kChunk, 0.0);
   parallel_for(sums.size(), body.threads, [&](std::size_t chunk) {
@@ -132,7 +147,7 @@ double potential_energy(const FullOrder& body, const Vector& u) {
 
 Vector segment_force(const FullOrder& body, const std::vector<SegmentPoint>& points,
                      const Vector& u, const Vector& d) {
-  const Field from = expand(body.unknowns, u), by = expand(body.unknowns, d);
+  const Field from = all_from(body, u), by = all_by(body, d);
   std::vector<NodeForces> parts(body.solid.elements.size());
   in_chunks(parts.size(), body.threads,
             [&](std::size_t e) { parts[e] = element_force(body.solid, e, points, from, by); });
@@ -153,9 +168,25 @@ Vector segment_force(const FullOrder& body, const std::vector<SegmentPoint>& poi
   return force;
 }
 
+Field held_force(const FullOrder& body, const std::vector<SegmentPoint>& points, const Vector& u,
+                 const Vector& d) {
+  const Field from = all_from(body, u), by = all_by(body, d);
+  const std::vector<int>& of_dof = body.unknowns.of_dof;
+  Field force = Field::Zero(static_cast<Eigen::Index>(of_dof.size()));
+  for (std::size_t e = 0; e < body.solid.elements.size(); ++e) {
+    const ElementNodes nodes = element_nodes(body.solid.mesh, e);
+    const auto held = [&](VertexId v) { return of_dof[3 * static_cast<std::size_t>(v)] < 0; };
+    if (std::none_of(nodes.begin(), nodes.end(), held)) continue;
+    const NodeForces part = element_force(body.solid, e, points, from, by);
+    for (int a = 0; a < nodes.count; ++a)
+      if (held(nodes[a])) force.segment<3>(3 * Eigen::Index{nodes[a]}) += part.col(a);
+  }
+  return force;
+}
+
 void segment_tangent(const FullOrder& body, const std::vector<SegmentPoint>& points,
                      const Vector& u, const Vector& d, std::vector<double>& values) {
-  const Field from = expand(body.unknowns, u), by = expand(body.unknowns, d);
+  const Field from = all_from(body, u), by = all_by(body, d);
   const std::size_t blocks = element_blocks(body.solid.order());
   std::vector<Eigen::Matrix3d> parts(body.solid.elements.size() * blocks);
   const auto of_element = [&](std::size_t e) {

@@ -10,9 +10,16 @@
 
 namespace tremolo {
 
+// The displacements (m) of the held components at the start of a step and their change in it: 3n,
+// zero at the unknowns. Empty: they stay zero.
+struct SupportStep {
+  Field from, by;
+};
+
 // mass (kg), stiffness (N/m, at rest): values on `pattern`. rigid: N x 6 per part, M-orthonormal
 // rigid motions of a free body, which are removed from every motion as in a reduced basis;
-// mass_rigid: M * rigid. Both have no columns if the body is held.
+// mass_rigid: M * rigid. Both have no columns if the body is held. support: of the step being
+// taken, where the support moves.
 struct FullOrder {
   Solid solid;  // refers to the problem's mesh
   Unknowns unknowns;
@@ -20,6 +27,7 @@ struct FullOrder {
   std::vector<double> mass, stiffness;
   Columns rigid, mass_rigid;
   unsigned threads = 1;
+  SupportStep support = {};
 
   Eigen::Index size() const { return unknowns.count(); }
 };
@@ -34,7 +42,12 @@ SparseRows rows_of(const FullOrder& body, const std::vector<double>& values);
 // Returns A x for a matrix with the body's pattern.
 Vector multiply(const FullOrder& body, const std::vector<double>& values, const Vector& x);
 
-double potential_energy(const FullOrder& body, const Vector& u);  // V, J
+double potential_energy(const FullOrder& body, const Vector& u);  // V at the step's end, J
+
+// Returns the forces of the elements on the held components, N, 3n, zero elsewhere; as
+// segment_force().
+Field held_force(const FullOrder& body, const std::vector<SegmentPoint>& points, const Vector& u,
+                 const Vector& d);
 
 // Returns sum_i w_i f(u + s_i d), N; u, d: size().
 Vector segment_force(const FullOrder& body, const std::vector<SegmentPoint>& points,

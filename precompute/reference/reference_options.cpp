@@ -24,6 +24,42 @@ void add_time_options(CLI::App& app, ReferenceOptions& options, std::string& sch
       ->capture_default_str();
 }
 
+struct MotionTexts {
+  std::string gravity, spin, velocity;
+};
+
+void add_world_options(CLI::App& app, ReferenceOptions& options, MotionTexts& texts) {
+  app.add_option("--gravity", texts.gravity, "X,Y,Z, m/s^2: acts on all mass from t = 0 on");
+  app.add_option("--support-motion", options.support_motion,
+                 "CSV file, a line a moment: t, x, y, z, qw, qx, qy, qz (s, m): what is fixed "
+                 "follows these poses, with a cubic spline between them");
+  app.add_option("--spin", texts.spin,
+                 "X,Y,Z, rad/s about the centre of mass: a free body (--fix none) flies, beginning "
+                 "with this");
+  app.add_option("--velocity", texts.velocity, "X,Y,Z, m/s: likewise");
+}
+
+// Returns false if a text is no vector; the error has been printed.
+bool finish_vector(const std::string& text, const char* flag, const char* unit,
+                   std::optional<Eigen::Vector3d>& vector) {
+  if (text.empty()) return true;
+  vector.emplace();
+  if (parse_vector(text, *vector)) return true;
+  std::cerr << "tremolo-precompute: " << flag << " " << text
+            << ": expected three numbers, X,Y,Z in " << unit << "\n";
+  return false;
+}
+
+bool finish_motion_texts(const MotionTexts& texts, ReferenceOptions& options) {
+  std::optional<Eigen::Vector3d> gravity;
+  if (!finish_vector(texts.gravity, "--gravity", "m/s^2", gravity) ||
+      !finish_vector(texts.spin, "--spin", "rad/s", options.spin) ||
+      !finish_vector(texts.velocity, "--velocity", "m/s", options.velocity))
+    return false;
+  options.gravity = gravity.value_or(Eigen::Vector3d::Zero());
+  return true;
+}
+
 void add_output_options(CLI::App& app, ReferenceOptions& options) {
   app.add_option("--probe", options.probes,
                  "vertex or selector whose displacements are recorded; may be repeated");
@@ -58,11 +94,12 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
                     "read options from a TOML file, also one made for the precompute: keys that "
                     "have no meaning here are ignored");
   SolidTexts texts;
-  std::string scheme = "avf", gravity;
+  MotionTexts motion;
+  std::string scheme = "avf";
   add_solid_options(app, options.solid, texts);
   app.add_flag("--static", options.statics, "the equilibrium under the whole load, no motion");
   app.add_option("--scale", options.scale, "times the default load")->capture_default_str();
-  app.add_option("--gravity", gravity, "X,Y,Z, m/s^2: acts on all mass from t = 0 on");
+  add_world_options(app, options, motion);
   add_time_options(app, options, scheme);
   app.add_option("--tolerance", options.tolerance,
                  "of the solves: relative residual force in the energy norm")
@@ -72,7 +109,7 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
   add_output_options(app, options);
 
   const int usage = exit_code({ErrorKind::kUsage, ""});
-  for (const char* flag : {"--gravity", "--load-force"})
+  for (const char* flag : {"--gravity", "--load-force", "--spin", "--velocity"})
     if (!vectors_are_words(own, flag)) return usage;
   try {
     std::vector<std::string> reversed(own.rbegin(), own.rend());
@@ -85,11 +122,7 @@ std::variant<ReferenceOptions, int> parse_reference_line(int count, char** words
   }
   options.config_path = config_path(app);
   if (!finish_solid_options(texts, options.solid)) return usage;
-  if (!gravity.empty() && !parse_vector(gravity, options.gravity)) {
-    std::cerr << "tremolo-precompute: --gravity " << gravity
-              << ": expected three numbers, X,Y,Z in m/s^2\n";
-    return usage;
-  }
+  if (!finish_motion_texts(motion, options)) return usage;
   options.time.scheme = scheme == "midpoint" ? TimeScheme::kMidpoint : TimeScheme::kAveragedField;
   return options;
 }

@@ -21,6 +21,9 @@ struct ReferenceOptions {
   std::optional<std::string> load;                    // signal of the default load; none: impulse
   double scale = 1.0;                                 // factor of the default load
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s^2, from t = 0 on, not scaled
+  std::string support_motion;  // file of the support's poses; empty: it stands
+  // First motion of a free body that flies: rad/s about its centre of mass, and m/s, world.
+  std::optional<Eigen::Vector3d> spin, velocity;
   double tolerance = 1e-9;
   int max_iterations = 60;
   std::vector<std::string> probes;   // vertex ids or selectors

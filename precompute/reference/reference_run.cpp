@@ -1,9 +1,7 @@
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
 #include "common/format_text.h"
 #include "common/stage_log.h"
@@ -12,10 +10,10 @@
 #include "formats/file/atomic_file.h"
 #include "formats/file/standard_streams.h"
 #include "precompute/fem/control_values.h"
-#include "precompute/options/named_files.h"
 #include "precompute/problem/wall_layers.h"
 #include "precompute/reference/reference_loads.h"
 #include "precompute/reference/reference_report.h"
+#include "precompute/reference/reference_setup.h"
 #include "precompute/reference/reference_table.h"
 #include "precompute/system/blas_threads.h"
 #include "precompute/system/failure.h"
@@ -27,19 +25,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-std::vector<VertexId> probe_vertices(const ReferenceOptions& options, const TetMesh& mesh) {
-  std::vector<VertexId> ids;
-  for (const std::string& text : options.probes) {
-    VertexId id = 0;
-    const char* end = text.data() + text.size();
-    const auto [stop, code] = std::from_chars(text.data(), end, id);
-    const bool number = stop == end && code == std::errc{};
-    for (VertexId v : unwrap(resolve_selector(number ? "vertex:" + text : text, mesh)))
-      if (std::find(ids.begin(), ids.end(), v) == ids.end()) ids.push_back(v);
-  }
-  return ids;
 }
 
 // A reduced model compared alongside, until its solve fails.
@@ -74,10 +59,6 @@ std::vector<Companion> load_companions(const ReferenceOptions& options, const Pr
         {file, make_reduced_body(body, data, problem.mesh_hash, options.modes, file)});
   }
   return companions;
-}
-
-std::string table_path(const ReferenceOptions& options) {
-  return (std::filesystem::path(options.out) / "run.csv").string();
 }
 
 // Results are still reported if the table cannot be written.
@@ -288,25 +269,6 @@ void run_motion(Work& work) {
   work.json["probes"] = probe_json(work.probes, expand(work.body.unknowns, motion.u));
   report_comparisons(work);
   write_table(work, course.table);
-}
-
-void make_folder(const std::string& path) {
-  if (path.empty()) return;
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) throw Failure(system_error(path + ": cannot create: " + error.message()));
-}
-
-// Checks the output before hours of computation.
-void require_output(const ReferenceOptions& options) {
-  if (options.out.empty()) return;
-  std::vector<NamedFile> inputs = input_files(options.solid, options.config_path);
-  for (const std::string& file : options.compare) inputs.push_back({file, "--compare"});
-  for (const std::string& probe : options.probes) add_files_of_selector(probe, "--probe", inputs);
-  unwrap(keep_apart({table_path(options)}, inputs));
-  make_folder(options.out);
-  const Result<AtomicFile> file = AtomicFile::create(table_path(options));
-  if (!file) throw Failure(file.error());
 }
 
 }  // namespace

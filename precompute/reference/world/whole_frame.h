@@ -1,0 +1,28 @@
+// Where a flying body is as a whole, read off all its vertices.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "precompute/reference/world/world_body.h"
+
+namespace tremolo {
+
+// A frame x = position + rotation (X + u), and the momenta: linear, kg m/s; angular, about the
+// world's origin, N m s.
+struct WholeFrame {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d linear_momentum = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();
+};
+
+// displacement, velocity: in the world, 3n. Of a body with a support the frame is the support's
+// pose. That of a flying one carries the centre of mass and is turned by the polar decomposition of
+// int rho (x - c) (X - C)^T: the turn that comes nearest to where the masses are.
+WholeFrame whole_frame(const WorldBody& world, double time, const Field& displacement,
+                       const Field& velocity);
+
+// u of all vertices along the frame's axes, m, 3n.
+Field displacement_in(const WholeFrame& frame, const WorldBody& world, const Field& displacement);
+
+}  // namespace tremolo

@@ -1,0 +1,36 @@
+// The whole mesh with all its vertices in the coordinates of the world: the free ones are unknowns,
+// the held ones go where the support takes them. Displacements are from the rest shape, in the
+// world, however far the body has moved: St. Venant-Kirchhoff's energy does not see the rest.
+#pragma once
+
+#include "precompute/fem/assembly.h"
+#include "precompute/reference/full_order_solver.h"
+#include "precompute/reference/world/pose_path.h"
+
+namespace tremolo {
+
+// path: of the support; none: the body has none and flies. stiffness: at rest, N/m, on the body's
+// pattern. body and solver are not owned, and the solver is the body's.
+struct WorldBody {
+  FullOrder& body;
+  FullOrderSolver& solver;
+  MassKind mass = MassKind::kConsistent;
+  const PosePath* path = nullptr;
+  std::vector<double> stiffness = {};
+};
+
+// Displacements (m) of the held vertices where the support takes them, and their velocities (m/s):
+// 3n, zero at the others.
+Field held_displacement(const WorldBody& world, const RigidMotion& support);
+Field held_velocity(const WorldBody& world, const RigidMotion& support);
+
+// Velocities (m/s) that the free vertices would have at the displacements u if they rode along.
+Vector riding_velocity(const WorldBody& world, const RigidMotion& support, const Vector& u);
+
+// M x with the rows and columns of all vertices, point masses included. x: 3n.
+Field whole_mass_times(const WorldBody& world, const Field& x);
+
+// turn K turn^T of the stiffness at rest, turned node by node.
+std::vector<double> turned_stiffness(const WorldBody& world, const Eigen::Matrix3d& turn);
+
+}  // namespace tremolo

@@ -1,0 +1,139 @@
+#include "precompute/reference/world/world_step.h"
+
+#include <cmath>
+
+#include "common/format_text.h"
+#include "precompute/system/failure.h"
+
+namespace tremolo {
+namespace {
+
+RigidMotion support_at(const WorldBody& world, double time) {
+  return world.path == nullptr ? RigidMotion{} : world.path->at(time);
+}
+
+double whole_kinetic(const WorldBody& world, const Motion& motion) {
+  const Field v = whole_velocity(world, motion);
+  return 0.5 * v.dot(whole_mass_times(world, v));
+}
+
+// Multiplies the velocity relative to the support at the motion's time by `factor`.
+void damp_by_mass(const WorldBody& world, double factor, Motion& motion) {
+  if (factor == 1.0) return;
+  const RigidMotion support = support_at(world, motion.time);
+  const Vector relative = motion.v - riding_velocity(world, support, motion.u);
+  const double before = whole_kinetic(world, motion);
+  motion.v -= (1.0 - factor) * relative;
+  motion.kinetic = whole_kinetic(world, motion);
+  const double taken =
+      0.5 * (1.0 - factor * factor) * relative.dot(multiply(world.body, world.body.mass, relative));
+  motion.dissipated += taken;
+  motion.work += motion.kinetic - before + taken;
+}
+
+// What the support does in a step, J. acceleration: mean of all vertices, 3n.
+double support_work(const WorldBody& world, const std::vector<SegmentPoint>& points,
+                    const Motion& motion, const Vector& d, const Field& acceleration) {
+  if (world.path == nullptr) return 0.0;
+  const FullOrder& body = world.body;
+  const Field force = whole_mass_times(world, acceleration) + held_force(body, points, motion.u, d);
+  return force.dot(body.support.by);
+}
+
+struct StepDamping {
+  double rest = 0;  // of K in the step's equation
+  Vector riding;    // V
+};
+
+StepDamping prepare_damping(WorldBody& world, const TimeSettings& settings, const Motion& motion) {
+  if (settings.beta == 0) return {};
+  const double h = settings.step;
+  const RigidMotion middle = support_at(world, motion.time + 0.5 * h);
+  world.body.stiffness = turned_stiffness(world, middle.turn);
+  return {settings.beta / h, riding_velocity(world, middle, motion.u + (0.5 * h) * motion.v)};
+}
+
+}  // namespace
+
+Motion start_in_world(const WorldBody& world, const RigidMotion& flight) {
+  Motion motion;
+  const RigidMotion support = world.path == nullptr ? flight : support_at(world, 0.0);
+  motion.u.resize(world.body.size());
+  for (Eigen::Index i = 0; i < motion.u.size(); i += 3) {
+    const auto vertex = static_cast<std::size_t>(world.body.unknowns.dof[i] / 3);
+    const Eigen::Vector3d& rest = world.body.solid.mesh.vertices[vertex];
+    motion.u.segment<3>(i) = world.path == nullptr ? Eigen::Vector3d::Zero().eval()
+                                                   : (support.place(rest) - rest).eval();
+  }
+  motion.v = riding_velocity(world, support, motion.u);
+  motion.kinetic = whole_kinetic(world, motion);
+  return motion;
+}
+
+Field whole_displacement(const WorldBody& world, const Motion& motion) {
+  Field field = expand(world.body.unknowns, motion.u);
+  if (world.path != nullptr) field += held_displacement(world, support_at(world, motion.time));
+  return field;
+}
+
+Field whole_velocity(const WorldBody& world, const Motion& motion) {
+  Field field = expand(world.body.unknowns, motion.v);
+  if (world.path != nullptr) field += held_velocity(world, support_at(world, motion.time));
+  return field;
+}
+
+void advance_in_world(WorldBody& world, const TimeSettings& settings, const LoadHistory& load,
+                      Motion& motion) {
+  FullOrder& body = world.body;
+  const double h = settings.step, time = motion.time;
+  const double factor = std::exp(-0.5 * settings.alpha * h);
+  damp_by_mass(world, factor, motion);
+  Field acceleration = Field::Zero(static_cast<Eigen::Index>(body.unknowns.of_dof.size()));
+  if (world.path != nullptr) {
+    const RigidMotion start = support_at(world, time), end = support_at(world, time + h);
+    body.support.from = held_displacement(world, start);
+    body.support.by = held_displacement(world, end) - body.support.from;
+    acceleration = (held_velocity(world, end) - held_velocity(world, start)) / h;
+  }
+  const Vector pull = load(time, h);
+  const StepDamping damping = prepare_damping(world, settings, motion);
+  StepEquation equation{2.0 / (h * h), damping.rest, segment_points(settings.scheme), motion.u,
+                        (-2.0 / h) * multiply(body, body.mass, motion.v) - pull};
+  if (world.path != nullptr)
+    equation.constant += restrict_to(body.unknowns, whole_mass_times(world, acceleration));
+  if (damping.rest != 0)
+    equation.constant -= settings.beta * multiply(body, body.stiffness, damping.riding);
+
+  Vector d = h * motion.v;
+  if (motion.last_steps.size() == 3)
+    d = 3.0 * (motion.last_steps[0] - motion.last_steps[1]) + motion.last_steps[2];
+  const SolveReport report = solve(world.solver, equation, std::max(0.0, motion.total()), d);
+  motion.iterations += report.iterations;
+  motion.linear_iterations += report.linear_iterations;
+  motion.factorisations += report.factorisations;
+  if (!report.converged)
+    throw Failure({ErrorKind::kSolver,
+                   text("the step from t = %.6g s did not converge: take a smaller --step", time)});
+  if (report.scale > 0)
+    motion.worst_residual = std::max(motion.worst_residual, report.residual / report.scale);
+
+  acceleration += expand(body.unknowns, (2.0 / h) * (d / h - motion.v));
+  motion.work += pull.dot(d) + support_work(world, equation.points, motion, d, acceleration);
+  if (damping.rest != 0) {
+    const Vector relative = d / h - damping.riding;
+    const Vector force = settings.beta * multiply(body, body.stiffness, relative);
+    motion.dissipated += h * force.dot(relative);
+    motion.work -= h * force.dot(damping.riding);
+  }
+  motion.v = (2.0 / h) * d - motion.v;
+  motion.u += d;
+  motion.potential = potential_energy(body, motion.u);
+  ++motion.steps;
+  motion.time = static_cast<double>(motion.steps) * h;
+  motion.kinetic = whole_kinetic(world, motion);
+  damp_by_mass(world, factor, motion);
+  motion.last_steps.insert(motion.last_steps.begin(), std::move(d));
+  if (motion.last_steps.size() > 3) motion.last_steps.pop_back();
+}
+
+}  // namespace tremolo

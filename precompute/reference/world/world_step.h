@@ -1,0 +1,32 @@
+// A step of the whole mesh in the world, by the rules of time_integration.h. f, h: free and held
+// vertices; w: displacements in the world; d = w1 - w0, of which d_h is given by the support:
+//
+//     M_ff (2/h) (d_f/h - v0) + M_fh (v1_h - v0_h)/h + F_f(w0, w1) + D = load,   v1 = 2 d_f/h - v0
+//
+// with F the mean of the elements' forces over the step and v_h the support's own velocity.
+// Damping acts on the motion relative to the support: D = beta Rm K Rm^T (d_f/h - V), Rm the
+// support's turn and V the velocity of what rides along, at the middle of the step (there, at w0 +
+// h/2 v0); alpha multiplies v - V by exp(-alpha h/2) before and after. No quantity of a moving
+// frame enters: no fictitious force, no integral of the mass over a mode.
+#pragma once
+
+#include "precompute/reference/time_integration.h"
+#include "precompute/reference/world/world_body.h"
+
+namespace tremolo {
+
+// The motion at t = 0: the rest shape at the support's pose, riding along; or, of a flying body,
+// turning by `flight`.
+Motion start_in_world(const WorldBody& world, const RigidMotion& flight);
+
+// Displacements and velocities of all vertices at the motion's time, 3n.
+Field whole_displacement(const WorldBody& world, const Motion& motion);
+Field whole_velocity(const WorldBody& world, const Motion& motion);
+
+// Advances by one step. motion.work includes that of the support; with damping by the mass or the
+// stiffness also what holds the damper does. load: on the unknowns, N. Throws Failure (kSolver) if
+// the solve does not converge.
+void advance_in_world(WorldBody& world, const TimeSettings& settings, const LoadHistory& load,
+                      Motion& motion);
+
+}  // namespace tremolo
