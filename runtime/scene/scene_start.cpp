@@ -104,9 +104,11 @@ Status settle(const SceneBody& wanted, const Eigen::Vector3d& gravity, Body& bod
   return body.set_state(*q, Eigen::VectorXd::Zero(model.modes()));
 }
 
-FrameMotion frame_motion(const MotionPath& path, std::size_t piece, double t, double step) {
-  return motion_between(path.pose_in(piece, t - step), path.pose_in(piece, t),
-                        path.pose_in(piece, t + step), path.pose_in(piece, t + 2.0 * step), step);
+FrameMotion frame_motion(const MotionPath& path, std::size_t piece, std::int64_t k, double step) {
+  const auto pose = [&](std::int64_t node) {
+    return path.pose_in(piece, static_cast<double>(node) * step);
+  };
+  return motion_between(pose(k - 1), pose(k), pose(k + 1), pose(k + 2), step);
 }
 
 Status check_accelerations(const SceneBody& wanted, const MotionPath& path, const Scene& scene,
@@ -117,7 +119,7 @@ Status check_accelerations(const SceneBody& wanted, const MotionPath& path, cons
   const double looks = std::min(scene.duration / h, kMostLooks);
   for (std::int64_t k = 0; static_cast<double>(k) < looks; ++k) {
     const double t = static_cast<double>(k) * h;
-    const FrameMotion motion = frame_motion(path, path.piece(t + 0.5 * h), t, h);
+    const FrameMotion motion = frame_motion(path, path.piece(t + 0.5 * h), k, h);
     const double most =
         motion.acceleration.norm() + reach * (motion.spin_rate.norm() + motion.spin.squaredNorm());
     if (most <= wanted.acceleration_limit) continue;

@@ -2,6 +2,10 @@
 // is to.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
 #include "common/result.h"
 #include "runtime/body.h"
 #include "runtime/scene/motion.h"
@@ -19,8 +23,8 @@ Status add_loads(const std::vector<SceneLoad>& loads, Body& body);
 // Puts the body at rest where its loads at t = 0 and gravity hold it. Errors as standing_shape.
 Status settle(const SceneBody& wanted, const Eigen::Vector3d& gravity, Body& body);
 
-// The motion of the frame in the step that begins at t, and where it ends. piece: of the path.
-FrameMotion frame_motion(const MotionPath& path, std::size_t piece, double t, double step);
+// The motion of the frame in the k-th step, counted from 0. piece: of the path.
+FrameMotion frame_motion(const MotionPath& path, std::size_t piece, std::int64_t k, double step);
 
 // Errors: kContent, telling the acceleration, for a jump that says nothing of how it is meant, and
 // for an acceleration of a point within `reach` (m) of the frame's origin above the body's limit.

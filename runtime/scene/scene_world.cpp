@@ -121,7 +121,8 @@ void SceneWorld::move_frame(Actor& actor) const {
   // Poses of a path are of length one and finite: neither call can fail.
   if (piece != actor.piece) (void)actor.body.set_pose(actor.path.pose_in(piece, t));
   actor.piece = piece;
-  (void)actor.body.move_to(actor.path.pose_in(piece, t + h), frame_motion(actor.path, piece, t, h));
+  (void)actor.body.move_to(actor.path.pose_in(piece, static_cast<double>(steps_ + 1) * h),
+                           frame_motion(actor.path, piece, steps_, h));
 }
 
 std::span<const SceneWorld::Failure> SceneWorld::step() {

@@ -55,8 +55,7 @@ inline Eigen::MatrixXd mass_orthonormal(Eigen::MatrixXd fields, const std::vecto
   for (Eigen::Index j = 0; j < fields.cols(); ++j) {
     for (int pass = 0; pass < 2; ++pass)
       for (Eigen::Index i = 0; i < j; ++i)
-        fields.col(j) -=
-            fields.col(i).dot(weights.cwiseProduct(fields.col(j))) * fields.col(i);
+        fields.col(j) -= fields.col(i).dot(weights.cwiseProduct(fields.col(j))) * fields.col(i);
     fields.col(j) /= std::sqrt(fields.col(j).dot(weights.cwiseProduct(fields.col(j))));
   }
   return fields;
@@ -107,8 +106,9 @@ inline InertiaIntegrals integrals_of(const PointCloud& cloud) {
         for (Eigen::Index b = 0; b < 3; ++b) {
           integrals.linear(3 + 3 * a + b, j) += m * X[a] * phi(b, j);
           for (Eigen::Index i = 0; i <= j; ++i)
-            integrals.B(3 * a + b, static_cast<Eigen::Index>(pair_index(
-                                       static_cast<std::size_t>(i), static_cast<std::size_t>(j)))) +=
+            integrals.B(3 * a + b,
+                        static_cast<Eigen::Index>(pair_index(static_cast<std::size_t>(i),
+                                                             static_cast<std::size_t>(j)))) +=
                 m * phi(a, i) * phi(b, j);
         }
     }

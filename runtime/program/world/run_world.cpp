@@ -41,14 +41,14 @@ double processor_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-Json number(double value) {
+Json finite_number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
-Json vector(const Eigen::Vector3d& v) {
-  return {number(v.x()), number(v.y()), number(v.z())};
+Json json_vector(const Eigen::Vector3d& v) {
+  return {finite_number(v.x()), finite_number(v.y()), finite_number(v.z())};
 }
-Json quaternion(const Eigen::Quaterniond& q) {
-  return {number(q.w()), number(q.x()), number(q.y()), number(q.z())};
+Json json_quaternion(const Eigen::Quaterniond& q) {
+  return {finite_number(q.w()), finite_number(q.x()), finite_number(q.y()), finite_number(q.z())};
 }
 
 const char* kind_name(FrameKind kind) {
@@ -56,10 +56,11 @@ const char* kind_name(FrameKind kind) {
   return kind == FrameKind::kDriven ? "driven" : "fixed";
 }
 
-Json causes(const EnergyAccount& account) {
-  return {{"load", number(account.load)},         {"support", number(account.support)},
-          {"gravity", number(account.gravity)},   {"contact", number(account.contact)},
-          {"friction", number(account.friction)}, {"damping", number(account.damping)}};
+Json json_causes(const EnergyAccount& account) {
+  return {
+      {"load", finite_number(account.load)},         {"support", finite_number(account.support)},
+      {"gravity", finite_number(account.gravity)},   {"contact", finite_number(account.contact)},
+      {"friction", finite_number(account.friction)}, {"damping", finite_number(account.damping)}};
 }
 
 Json body_json(const SceneBody& body, const BodyReport& report, double step) {
@@ -71,29 +72,29 @@ Json body_json(const SceneBody& body, const BodyReport& report, double step) {
   json["steps"] = report.steps;
   json["reached"] = static_cast<double>(report.steps) * step;
   json["iterations_per_step"] =
-      number(static_cast<double>(report.iterations) / static_cast<double>(report.steps));
+      finite_number(static_cast<double>(report.iterations) / static_cast<double>(report.steps));
   json["halved_steps"] = report.halved_steps;
   const std::pair<const char*, const BodyPlace&> places[] = {{"_initial", report.start},
                                                              {"_final", report.end}};
   for (const auto& [when, place] : places) {
     const std::string ending = when;
-    json["position" + ending] = vector(place.pose.position);
-    json["quaternion" + ending] = quaternion(place.pose.rotation);
-    json["linear_momentum" + ending] = vector(place.momenta.linear);
-    json["angular_momentum" + ending] = vector(place.momenta.angular);
+    json["position" + ending] = json_vector(place.pose.position);
+    json["quaternion" + ending] = json_quaternion(place.pose.rotation);
+    json["linear_momentum" + ending] = json_vector(place.momenta.linear);
+    json["angular_momentum" + ending] = json_vector(place.momenta.angular);
   }
   const EnergyAccount& account = report.account;
-  json["energy_initial"] = number(account.at_start);
-  json["energy_final"] = number(account.total());
-  json["energy_max"] = number(report.energy_max);
-  json["energy_by_cause"] = causes(account);
-  json["energy_balance_error"] = number(report.balance_error());
-  json["high_band_final"] = number(report.high_band_final);
-  json["work"] = number(account.given() - account.damping);
-  json["dissipated"] = number(-account.damping);
-  json["size"] = number(report.size);
-  json["largest_displacement"] = number(report.largest_displacement);
-  json["largest_displacement_share"] = number(report.largest_displacement / report.size);
+  json["energy_initial"] = finite_number(account.at_start);
+  json["energy_final"] = finite_number(account.total());
+  json["energy_max"] = finite_number(report.energy_max);
+  json["energy_by_cause"] = json_causes(account);
+  json["energy_balance_error"] = finite_number(report.balance_error());
+  json["high_band_final"] = finite_number(report.high_band_final);
+  json["work"] = finite_number(account.given() - account.damping);
+  json["dissipated"] = finite_number(-account.damping);
+  json["size"] = finite_number(report.size);
+  json["largest_displacement"] = finite_number(report.largest_displacement);
+  json["largest_displacement_share"] = finite_number(report.largest_displacement / report.size);
   json["penetration_max"] = 0.0;
   json["asleep"] = false;
   json["exit_code"] = report.exit_code;
@@ -111,11 +112,11 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   json["steps"] = world.steps();
   json["reached"] = world.time();
   const double each = 1e6 * ending.seconds / static_cast<double>(world.steps());
-  json["microseconds_per_step"] = number(each);
-  json["real_time_factor"] = number(world.step_size() * 1e6 / each);
+  json["microseconds_per_step"] = finite_number(each);
+  json["real_time_factor"] = finite_number(world.step_size() * 1e6 / each);
   double worst = 0.0;
   for (const BodyLog& log : logs) worst = std::max(worst, log.report().balance_error());
-  json["energy_balance_error"] = number(worst);
+  json["energy_balance_error"] = finite_number(worst);
   json["exit_code"] = ending.exit_code;
   json["reason"] = ending.reason.empty() ? Json(nullptr) : Json(ending.reason);
   json["bodies"] = Json::array();
@@ -124,8 +125,8 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   return json;
 }
 
-// A run that looks at its own input is refused before anything is written.
-Status keep_world_apart(const SceneFile& file, const std::vector<BodyLog>&) {
+// Refuses a run that would write over its own input.
+Status keep_world_apart(const SceneFile& file) {
   if (file.outputs.out.empty()) return Success{};
   std::vector<NamedFile> inputs{{file.path, "the scene"}};
   for (const std::string& csv : file.files) inputs.push_back({csv, "a CSV file of the scene"});
@@ -157,7 +158,8 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
 }
 
 // Steps the world to the end of its time. An orbit or a step that breaks off ends the run.
-Result<WorldEnding> follow(const SceneFile& file, SceneWorld& world, std::vector<BodyLog>& logs) {
+Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
+                                 std::vector<BodyLog>& logs) {
   const Interruption interruption;
   ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
@@ -207,8 +209,8 @@ struct WorldRun {
 Result<WorldRun> run_world(const SceneFile& file) {
   Result<SceneWorld> world = SceneWorld::create(file.scene);
   if (!world) return error_of_file(file.path, value_error(world.error()));
+  if (Status s = keep_world_apart(file); !s) return s.error();
   std::vector<BodyLog> logs;
-  if (Status s = keep_world_apart(file, logs); !s) return s.error();
   for (std::size_t i = 0; i < world->size(); ++i) {
     Result<BodyLog> log = BodyLog::create(file, *world, i);
     if (!log)
@@ -216,7 +218,7 @@ Result<WorldRun> run_world(const SceneFile& file) {
                    file.path + ": body '" + world->name(i) + "': " + log.error().message};
     logs.push_back(std::move(*log));
   }
-  Result<WorldEnding> ending = follow(file, *world, logs);
+  Result<WorldEnding> ending = follow_world(file, *world, logs);
   if (!ending) return ending.error();
   for (BodyLog& log : logs)
     if (Status s = log.finish(*world); !s) return s.error();
