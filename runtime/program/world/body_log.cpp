@@ -46,18 +46,39 @@ std::unique_ptr<RunOptions> options_of(const SceneFile& file, const SceneBody& b
   return options;
 }
 
+Result<RecordedColumns> columns_of(const RunOptions& options, const Model& model) {
+  RecordedColumns columns;
+  columns.velocities = options.velocities;
+  columns.further = kFurther;
+  if (Status s = take(columns.coordinates, coordinates_of(options.coordinates, model.modes())); !s)
+    return value_error(s.error());
+  if (Status s = take(columns.probes, probes_of(options.probes, model)); !s)
+    return value_error(s.error());
+  for (const int probe : columns.probes)
+    if (const Result<VertexRows> rows = model.vertex(probe); !rows)
+      return value_error(rows.error());
+  return columns;
+}
+
 }  // namespace
+
+Status check_outputs(const SceneFile& file, const SceneWorld& world, std::size_t body) {
+  const SceneBody& known = world.scene().bodies[body];
+  const std::unique_ptr<RunOptions> options = options_of(file, known);
+  const Result<RecordedColumns> columns = columns_of(*options, world.body(body).model());
+  if (!columns) return columns.error();
+  for (const SceneLoad& load : known.loads) {
+    options->at = load.at;
+    if (Status s = keep_run_apart(*options); !s) return s;
+  }
+  return keep_run_apart(*options);
+}
 
 Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, std::size_t body) {
   std::unique_ptr<RunOptions> options = options_of(file, world.scene().bodies[body]);
   const Model& model = world.body(body).model();
-  RecordedColumns columns;
-  columns.velocities = options->velocities;
-  columns.further = kFurther;
-  if (Status s = take(columns.coordinates, coordinates_of(options->coordinates, model.modes())); !s)
-    return value_error(s.error());
-  if (Status s = take(columns.probes, probes_of(options->probes, model)); !s)
-    return value_error(s.error());
+  const Result<RecordedColumns> columns = columns_of(*options, model);
+  if (!columns) return columns.error();
   std::string csv;
   if (!options->out.empty()) {
     std::error_code error;
@@ -65,7 +86,7 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
     if (error) return system_error(options->out + ": cannot create: " + error.message());
     csv = (fs::path(options->out) / kTableName).string();
   }
-  Result<Recorder> recorder = Recorder::create(model, columns, csv);
+  Result<Recorder> recorder = Recorder::create(model, *columns, csv);
   if (!recorder) return value_error(recorder.error());
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
   BodyLog log(body, std::move(options), std::move(*recorder), steps);

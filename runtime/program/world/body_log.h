@@ -41,6 +41,10 @@ struct BodyReport {
   double balance_error() const { return energy_max > 0.0 ? remainder_max / energy_max : 0.0; }
 };
 
+// Whether the body's columns are there and none of its files is one that is read. To be asked of
+// all bodies before anything is written. Errors: kUsage, kContent.
+Status check_outputs(const SceneFile& file, const SceneWorld& world, std::size_t body);
+
 class BodyLog {
  public:
   // Makes the body's folder, out/NAME, if there is an `out`. Errors: kUsage and kContent for

@@ -210,12 +210,15 @@ Result<WorldRun> run_world(const SceneFile& file) {
   Result<SceneWorld> world = SceneWorld::create(file.scene);
   if (!world) return error_of_file(file.path, value_error(world.error()));
   if (Status s = keep_world_apart(file); !s) return s.error();
+  const auto told = [&](std::size_t i, const Error& error) {
+    return Error{error.kind, file.path + ": body '" + world->name(i) + "': " + error.message};
+  };
+  for (std::size_t i = 0; i < world->size(); ++i)
+    if (Status s = check_outputs(file, *world, i); !s) return told(i, s.error());
   std::vector<BodyLog> logs;
   for (std::size_t i = 0; i < world->size(); ++i) {
     Result<BodyLog> log = BodyLog::create(file, *world, i);
-    if (!log)
-      return Error{log.error().kind,
-                   file.path + ": body '" + world->name(i) + "': " + log.error().message};
+    if (!log) return told(i, log.error());
     logs.push_back(std::move(*log));
   }
   Result<WorldEnding> ending = follow_world(file, *world, logs);
