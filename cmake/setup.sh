@@ -60,17 +60,19 @@ build() {
 }
 
 models="beam basket bridge horse tower heart"
+scene_models="horse-free"  # more of the same meshes, which scenes need
 
-# precompute MODEL: its basis file, unless it is newer than everything it is made of.
+# precompute MODEL: its basis file, unless it is newer than everything it is made of. The mesh is that of
+# the name up to a hyphen: horse-free is another model of the horse.
 precompute() {
-  local name=$1 out=build/models/$1.tremolo log=build/models/$1.log source
-  local sources=(assets/meshes/$name.msh assets/models/$name.toml build/bin/tremolo-precompute)
+  local name=$1 mesh=assets/meshes/${1%%-*}.msh out=build/models/$1.tremolo log=build/models/$1.log source
+  local sources=($mesh assets/models/$name.toml build/bin/tremolo-precompute)
   mkdir -p build/models
   if [ -e "$out" ] && [ -e "$log" ]; then
     for source in "${sources[@]}"; do [ "$source" -nt "$out" ] && break; source=; done
     [ -z "$source" ] && return
   fi
-  build/bin/tremolo-precompute "assets/meshes/$name.msh" --config "assets/models/$name.toml" \
+  build/bin/tremolo-precompute "$mesh" --config "assets/models/$name.toml" \
     -o "$out" 2>"$log" || { cat "$log" >&2; give_up "the precompute of $name failed"; }
 }
 

@@ -47,7 +47,7 @@ Status check_frame(const Model& model, std::string_view method, FrameKind frame)
         "a free body needs a basis that is held nowhere and in one piece; this one "
         "leaves out " +
         std::to_string(model.rigid_mode_count()) +
-        " rigid motions instead of 6 (tremolo-precompute --free makes one)");
+        " rigid motions instead of 6 (tremolo-precompute --fix none makes one)");
   if (!free && model.rigid_mode_count() != 0)
     return usage_error(
         "a body whose support moves needs a basis that is held somewhere "

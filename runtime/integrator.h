@@ -15,14 +15,9 @@
 #include "runtime/load.h"
 #include "runtime/model.h"
 #include "runtime/split.h"
+#include "runtime/values/state.h"
 
 namespace tremolo {
-
-// q: kg^1/2 m. p: kg^1/2 m/s. Both r long.
-struct State {
-  Eigen::VectorXd q;
-  Eigen::VectorXd p;
-};
 
 // Why a step was not made. kSolver: the solve gave up. kNumbers: a number overflowed, as from a
 // state that was set too far out. kLoad: the same from a sound state with a load on it. kEnergy:

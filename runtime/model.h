@@ -14,6 +14,7 @@
 #include "common/result.h"
 #include "formats/basis/basis_data.h"
 #include "runtime/kernels/potential.h"
+#include "runtime/values/vertex_rows.h"
 
 namespace tremolo {
 
@@ -38,12 +39,6 @@ struct DrawnSurface {
   const BasisRows& rows;
   const std::vector<Triangle>& triangles;
   const std::vector<VertexId>& mesh_vertices;
-};
-
-// One vertex: rest position (m) and its three rows of U, 3 x r, kg^-1/2.
-struct VertexRows {
-  Eigen::Vector3d rest;
-  Eigen::Matrix<double, 3, Eigen::Dynamic> rows;
 };
 
 class Model {

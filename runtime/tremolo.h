@@ -136,6 +136,16 @@ const char* tremolo_integrator_name(size_t index);
 
 /* ---- body ---- */
 
+/* What holds a body. Fixed: its support stands still in the world. Driven: its support follows
+ * poses that are given step by step. Free: nothing does; it falls, turns and deforms. Driven bodies
+ * are for "avf", "ep2", "ep4", "newmark" and "imexv", free ones for the first three; both need a
+ * basis file with inertia integrals, a free one a basis that is held nowhere (--fix none). */
+typedef enum tremolo_frame {
+  TREMOLO_FIXED = 0,
+  TREMOLO_DRIVEN = 1,
+  TREMOLO_FREE = 2
+} tremolo_frame;
+
 /* Fill with tremolo_body_options_init and change what you want. `size` lets a program that was
  * compiled against an older header use a newer library: fields beyond it keep their defaults. */
 typedef struct tremolo_body_options {
@@ -150,6 +160,8 @@ typedef struct tremolo_body_options {
   double newmark_gamma;   /* 0.5 */
   double safety;          /* of the default split, in (0, 1]; 0.9 */
   double tolerance;       /* of a step's solve, relative; 1e-6 */
+  int32_t frame;          /* what holds it, a tremolo_frame; TREMOLO_FIXED */
+  int32_t reserved;       /* 0 */
 } tremolo_body_options;
 
 void tremolo_body_options_init(tremolo_body_options* options);
@@ -195,6 +207,56 @@ tremolo_status tremolo_body_surface_float(const tremolo_body* body, float* posit
  * coordinates above the split (runtime/energy.h). */
 tremolo_status tremolo_body_energy(const tremolo_body* body, double* kinetic, double* potential,
                                    double* high_band);
+
+/* ---- bodies whose frame moves ----
+ *
+ * A body's frame is at a position and a quaternion w, x, y, z of length one: the vertex that is at
+ * X in the mesh is at position + rotation (X + u). Positions of surfaces, forces and gravity are
+ * along the world's axes. */
+
+/* Puts the body elsewhere without a kick: a driven frame is at rest then, a free body keeps its
+ * velocities. TREMOLO_USAGE for a fixed body, for what is not finite, and for a quaternion whose
+ * length is not one to 1e-6. */
+tremolo_status tremolo_body_set_pose(tremolo_body* body, const double position[3],
+                                     const double quaternion[4]);
+
+/* Either may be NULL. */
+tremolo_status tremolo_body_pose(const tremolo_body* body, double position[3],
+                                 double quaternion[4]);
+
+/* How a frame moves in the middle of a step. */
+typedef struct tremolo_frame_motion {
+  double acceleration[3]; /* of its origin, along the world's axes, m/s^2 */
+  double spin[3];         /* along the body's axes, rad/s */
+  double spin_rate[3];    /* its rate, along the body's axes, rad/s^2 */
+} tremolo_frame_motion;
+
+/* Where the frame of a driven body is at the end of the next step; without a call it stands still.
+ * motion: of that step; NULL: it is extrapolated from the poses so far. Errors as
+ * tremolo_body_set_pose, and TREMOLO_USAGE if the body is not driven. */
+tremolo_status tremolo_body_move_to(tremolo_body* body, const double position[3],
+                                    const double quaternion[4], const tremolo_frame_motion* motion);
+
+/* Of a free body: the velocity of its centre of mass, m/s, along the world's axes, and its spin,
+ * rad/s, along its own. TREMOLO_USAGE if it is not free or a value is not finite. To read, either
+ * may be NULL; both are zero of a body that is not free. */
+tremolo_status tremolo_body_set_motion(tremolo_body* body, const double velocity[3],
+                                       const double spin[3]);
+tremolo_status tremolo_body_motion(const tremolo_body* body, double velocity[3], double spin[3]);
+
+/* Of a free body, along the world's axes: linear, kg m/s, and angular about the world's origin,
+ * N m s. Either may be NULL; both are zero of a body that is not free. */
+tremolo_status tremolo_body_momentum(const tremolo_body* body, double linear[3], double angular[3]);
+
+/* m/s^2, along the world's axes; from the next step on. TREMOLO_USAGE if it is not finite, or if
+ * the model has no inertia integrals. */
+tremolo_status tremolo_body_set_gravity(tremolo_body* body, const double gravity[3]);
+
+/* What each cause has given the body since the start, J; any may be NULL. support: the
+ * accelerations of its frame. damping: what it took, negative. Kinetic and potential energy change
+ * by their sum. */
+tremolo_status tremolo_body_work(const tremolo_body* body, double* load, double* support,
+                                 double* gravity, double* damping);
 
 /* ---- world: many bodies ----
  *

@@ -130,5 +130,7 @@ Result<Options> complete(const Options* given, void (*init)(Options*), const cha
 
 Result<tremolo_body_options> complete_body_options(const tremolo_body_options* given);
 Result<IntegratorOptions> to_integrator_options(const tremolo_body_options& options);
+// kUsage for what is no tremolo_frame.
+Result<FrameKind> to_frame(std::int32_t frame);
 
 }  // namespace tremolo::c_api

@@ -25,6 +25,20 @@ Result<IntegratorOptions> to_integrator_options(const tremolo_body_options& opti
   return result;
 }
 
+Result<FrameKind> to_frame(std::int32_t frame) {
+  switch (frame) {
+    case TREMOLO_FIXED:
+      return FrameKind::kFixed;
+    case TREMOLO_DRIVEN:
+      return FrameKind::kDriven;
+    case TREMOLO_FREE:
+      return FrameKind::kFree;
+    default:
+      return usage_error("there is no frame " + std::to_string(frame) +
+                         ": it is TREMOLO_FIXED, TREMOLO_DRIVEN or TREMOLO_FREE");
+  }
+}
+
 }  // namespace tremolo::c_api
 
 namespace {
@@ -67,7 +81,9 @@ void tremolo_body_options_init(tremolo_body_options* options) {
               .newmark_beta = defaults.newmark_beta,
               .newmark_gamma = defaults.newmark_gamma,
               .safety = defaults.split.safety,
-              .tolerance = defaults.tolerance};
+              .tolerance = defaults.tolerance,
+              .frame = TREMOLO_FIXED,
+              .reserved = 0};
 }
 
 tremolo_status tremolo_body_create(const tremolo_model* model, const tremolo_body_options* options,
@@ -80,7 +96,9 @@ tremolo_status tremolo_body_create(const tremolo_model* model, const tremolo_bod
         tremolo::c_api::to_integrator_options(*full);
     if (!integrator) return integrator.error();
     const char* name = full->integrator == nullptr ? kDefaultName : full->integrator;
-    Result<Body> made = Body::create(model->pointer, name, *integrator);
+    const Result<tremolo::FrameKind> frame = tremolo::c_api::to_frame(full->frame);
+    if (!frame) return frame.error();
+    Result<Body> made = Body::create(model->pointer, name, *integrator, *frame);
     if (!made) return made.error();
     *body = new tremolo_body{std::move(*made)};
     return Success{};

@@ -20,6 +20,8 @@ Result<GroupOptions> to_group_options(const tremolo_body_options* method,
                                       const tremolo_group_options* given, std::string& name) {
   const Result<tremolo_body_options> body = tremolo::c_api::complete_body_options(method);
   if (!body) return body.error();
+  if (body->frame != TREMOLO_FIXED)
+    return tremolo::usage_error("bodies of a world are fixed: their frame must be TREMOLO_FIXED");
   const Result<tremolo_group_options> group =
       tremolo::c_api::complete(given, tremolo_group_options_init, "tremolo_group_options_init");
   if (!group) return group.error();

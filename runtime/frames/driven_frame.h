@@ -17,7 +17,7 @@
 #include "runtime/frames/frame_inertia.h"
 #include "runtime/frames/pose.h"
 #include "runtime/frames/step_coupling.h"
-#include "runtime/integrator.h"
+#include "runtime/values/state.h"
 
 namespace tremolo {
 

@@ -36,6 +36,7 @@ Pose FreeFrame::pose() const {
 void FreeFrame::set_pose(const Pose& pose, const VectorXd& q, const VectorXd& v) {
   rigid_.rotation = pose.rotation;
   rigid_.centre = pose * inertia_->centre;
+  rigid_.centre_rest.setZero();
   set_motion(rigid_.velocity, rigid_.spin, q, v);
 }
 
@@ -233,7 +234,11 @@ void FreeFrame::move_centre() {
   const Vector3d before = rigid_.velocity;
   rigid_.velocity += h_ * ((total_force_ + contact_force_) / inertia_->mass + gravity_);
   const Vector3d path = (0.5 * h_) * (before + rigid_.velocity);
-  rigid_.centre += path;
+  // By Kahan's sum: the roundings of a long flight would show in the angular momentum.
+  const Vector3d rest = rigid_.centre_rest + path;
+  const Vector3d next = rigid_.centre + rest;
+  rigid_.centre_rest = rest - (next - rigid_.centre);
+  rigid_.centre = next;
   load_work_ += total_force_.dot(path);
   gravity_work_ += inertia_->mass * gravity_.dot(path);
 }

@@ -28,15 +28,17 @@
 #include "runtime/frames/frame_inertia.h"
 #include "runtime/frames/pose.h"
 #include "runtime/frames/step_coupling.h"
-#include "runtime/model.h"
+#include "runtime/values/vertex_rows.h"
 
 namespace tremolo {
 
-// The rigid part of a free body's state. centre: of mass, m. velocity: m/s, world. rotation: of
+// The rigid part of a free body's state. centre: of mass, m; its place is centre + centre_rest, what
+// the sum over all steps would lose to rounding. velocity: m/s, world. rotation: of
 // length one. spin: omega, rad/s, along the body's axes. momentum: spatial angular momentum about
 // the centre of mass, N m s, world.
 struct RigidState {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d centre_rest = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();
@@ -69,7 +71,8 @@ class FreeFrame final : public StepCoupling {
   Eigen::Vector3d linear_momentum() const { return inertia_->mass * rigid_.velocity; }
   // About the world's origin, N m s.
   Eigen::Vector3d angular_momentum() const {
-    return rigid_.momentum + rigid_.centre.cross(linear_momentum());
+    const Eigen::Vector3d linear = linear_momentum();
+    return rigid_.momentum + rigid_.centre.cross(linear) + rigid_.centre_rest.cross(linear);
   }
 
   // Of the next step: forces, which must stay where they are until it ends, and gravity, m/s^2.

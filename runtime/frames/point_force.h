@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "common/load_signal.h"
-#include "runtime/model.h"
+#include "runtime/values/vertex_rows.h"
 
 namespace tremolo {
 

@@ -14,7 +14,7 @@
 #include "formats/basis/basis_reader.h"
 #include "runtime/model.h"
 #include "runtime/program/output/tell.h"
-#include "runtime/program/start/selection.h"
+#include "runtime/scene/selection.h"
 
 namespace tremolo {
 namespace {

@@ -9,12 +9,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "formats/file/whole_file.h"
 #include "runtime/integrator.h"
 #include "runtime/program/export.h"
 #include "runtime/program/inspect.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run.h"
+#include "runtime/program/world/run_world.h"
+#include "runtime/scene_reader/scene_reader.h"
 
 namespace tremolo {
 namespace {
@@ -154,8 +157,18 @@ std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flag
   return {options};
 }
 
-int run_scene(int count, char** words, Request& request) {
-  Result<std::vector<RunOptions>> bodies = read_scene(request.file);
+// flags: as they were parsed; run: who knows which of them were given.
+int run_world_scene(const std::string& text, const Request& request, const RunOptions& flags,
+                    const CLI::App& run) {
+  Result<SceneFile> file = parse_world(text, request.file);
+  if (!file) return report_error(file.error());
+  const auto told = [&run](const char* flag) { return run.count(flag) > 0; };
+  if (Status s = apply_flags(flags, told, *file); !s) return report_error(s.error());
+  return run_world_command(*file, request.json);
+}
+
+int run_scene(const std::string& text, int count, char** words, Request& request) {
+  Result<std::vector<RunOptions>> bodies = parse_scene(text, request.file);
   if (!bodies) return report_error(bodies.error());
   for (RunOptions& body : *bodies) {
     Parser parser(request, body);
@@ -184,9 +197,14 @@ int run_program(int count, char** words) {
   if (*parser.plot) return plot_command(request.directories, request.picture);
   if (*parser.exporter) return export_command(request.exported);
   if (*parser.bench || *parser.reproduce) return start_laboratory(words);
-  if (std::filesystem::path(request.file).extension() == ".toml")
-    return run_scene(count, words, request);
-  return run_command(bodies_of(request, options), request.json);
+  if (std::filesystem::path(request.file).extension() != ".toml")
+    return run_command(bodies_of(request, options), request.json);
+  const Result<std::string> text = read_whole_file(request.file);
+  if (!text) return report_error(text.error());
+  const Result<bool> world = is_world(*text, request.file);
+  if (!world) return report_error(world.error());
+  if (*world) return run_world_scene(*text, request, options, *parser.run);
+  return run_scene(*text, count, words, request);
 }
 
 }  // namespace

@@ -78,9 +78,22 @@ TEST(Rooms, IncludesGoOneWay) {
     }
 }
 
+// What stands on the engine's public face, in targets of its own.
+bool is_beside_the_engine(const fs::path& path) {
+  return is_below(path, "runtime/program") || is_below(path, "runtime/scene_reader");
+}
+
 TEST(Rooms, TheLibraryKnowsNothingOfItsPrograms) {
   for (const Source& source : sources()) {
-    if (!is_below(source.path, "runtime") || is_below(source.path, "runtime/program")) continue;
+    if (!is_below(source.path, "runtime") || is_beside_the_engine(source.path)) continue;
+    for (const std::string& include : source.ours)
+      EXPECT_FALSE(is_beside_the_engine(include)) << source.path << " includes " << include;
+  }
+}
+
+TEST(Rooms, TheReaderOfScenesKnowsNothingOfThePrograms) {
+  for (const Source& source : sources()) {
+    if (!is_below(source.path, "runtime/scene_reader")) continue;
     for (const std::string& include : source.ours)
       EXPECT_FALSE(is_below(include, "runtime/program")) << source.path << " includes " << include;
   }
@@ -90,7 +103,7 @@ TEST(Rooms, TheLibraryKnowsNothingOfItsPrograms) {
 TEST(Rooms, TheEngineKnowsNoLibraryOfThePrograms) {
   for (const Source& source : sources()) {
     const bool of_engine = is_below(source.path, "common") || is_below(source.path, "runtime");
-    if (!of_engine || is_below(source.path, "runtime/program")) continue;
+    if (!of_engine || is_beside_the_engine(source.path)) continue;
     for (const std::string& include : source.foreign)
       for (const char* library : {"petsc", "slepc", "mpi", "metis", "assimp", "CGAL", "boost",
                                   "CLI", "nlohmann", "toml", "fmt", "pugixml"})

@@ -141,11 +141,24 @@ void save_texts(const fs::path& root) {
   const fs::path scenes = fs::path(TREMOLO_SOURCE_DIR) / "assets/scenes";
   if (fs::exists(scenes))
     for (const fs::directory_entry& entry : fs::directory_iterator(scenes))
-      save(root / "scene", entry.path().filename().string(), file_contents(entry.path()));
+      if (entry.path().extension() == ".toml")
+        for (const char* target : {"scene", "world"})
+          save(root / target, entry.path().filename().string(), file_contents(entry.path()));
   save(root / "scene", "all",
        "[a]\nmodel = \"a.tremolo\"\nintegrator = 'ep4'\nstep = 3e-3\nduration = 1\nmodes = 0\n"
        "linear = true\nload = \"sine\"\nat = 3\nforce = \"1,2,3\"\nprobe = [1, 2]\n"
        "coordinate = 0\nevery = 10\nplot = false\nsurface-format = \"obj\"\n[b]\nmodel='/m'\n");
+  save(root / "world", "all",
+       "step = 1e-3\nduration = 2\ngravity = [[0, 0, 0, -9], [1, 0, 0, 0]]\nevery = 2\n"
+       "[[bodies]]\nname = 'a'\nmodel = 'a.tremolo'\nkind = 'driven'\nposition = [1, 2, 3]\n"
+       "turn = [0, 0, 1, 90]\nload = 'sine'\nat = 3\nforce = [1, 2, 3]\n"
+       "[[bodies.motion]]\nkind = 'shake'\namplitude = [1, 0, 0]\nfrequency = 2\nduration = 3\n"
+       "[[bodies.motion]]\nkind = 'spin'\naxis = [0, 0, 1]\nrate = 2\nstop = 1\n"
+       "[[bodies.motion]]\nkind = 'fall'\nacceleration = [0, 0, -9]\nstop = 1\n"
+       "[[bodies.motion]]\nkind = 'keyframes'\njumps = 'smooth'\n"
+       "keys = [[0, 0, 0, 0], [1, 1, 0, 0], [1, 2, 0, 0], [2, 0, 0, 0, 0, 1, 0, 0]]\n"
+       "[[bodies]]\nname = 'b'\nmodel = '/m'\nkind = 'free'\nquaternion = [1, 0, 0, 0]\n"
+       "velocity = [0, 0, 1]\nspin = [1, 0, 0]\n");
 }
 
 }  // namespace

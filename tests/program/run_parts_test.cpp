@@ -10,7 +10,7 @@
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_progress.h"
 #include "runtime/program/start/load_search.h"
-#include "runtime/program/start/statics.h"
+#include "runtime/scene/statics.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo {

@@ -17,6 +17,7 @@ Result<Recorder> Recorder::create(const Model& model, const RecordedColumns& col
   Recorder recorder;
   recorder.columns_ = columns;
   recorder.text_ = "t,kinetic,potential,total,high_band,work,dissipated";
+  for (const std::string& name : columns.further) recorder.text_ += ',' + name;
   for (const int i : columns.coordinates) recorder.text_ += fmt::format(",q{}", i);
   if (columns.velocities)
     for (const int i : columns.coordinates) recorder.text_ += fmt::format(",p{}", i);
@@ -35,12 +36,14 @@ Result<Recorder> Recorder::create(const Model& model, const RecordedColumns& col
   return recorder;
 }
 
-Status Recorder::record(const Moment& moment, const Energy& energy) {
+Status Recorder::record(const Moment& moment, const Energy& energy,
+                        std::span<const double> further) {
   if (!file_) return Success{};
   auto out = std::back_inserter(text_);
   fmt::format_to(out, "{:.9g},{:.10g},{:.10g},{:.12g},{:.10g},{:.10g},{:.10g}", moment.time,
                  energy.kinetic, energy.potential, energy.total(), energy.high_band, moment.work,
                  moment.dissipated);
+  for (const double value : further) fmt::format_to(out, ",{:.12g}", value);
   const auto& [q, p] = moment.state;
   for (const int i : columns_.coordinates) fmt::format_to(out, ",{:.10g}", q[i]);
   if (columns_.velocities)

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "runtime/program/start/selection.h"
 #include "runtime/program/start/start_state.h"
+#include "runtime/scene/selection.h"
 
 namespace tremolo {
 namespace {

@@ -1,32 +1,20 @@
 #include "runtime/program/run/run_options.h"
 
-#include <charconv>
-#include <cmath>
-#include <filesystem>
-#include <limits>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include <toml++/toml.h>
 
 #include "formats/file/whole_file.h"
 #include "runtime/program/start/start_text.h"
+#include "runtime/scene_reader/toml_keys.h"
 
 namespace tremolo {
 namespace {
 
 // One key of a scene: how to store its value; false if the type is wrong.
 using Store = bool (*)(const toml::node&, RunOptions&);
-
-// toml++ turns any float into an integer to see whether it is one, which a large one does not bear.
-std::optional<int> whole_number(const toml::node& node) {
-  const auto* number = node.as_floating_point();
-  if (number == nullptr) return node.value<int>();
-  const double value = number->get();
-  if (!(std::abs(value) <= std::numeric_limits<int>::max()) || value != std::trunc(value))
-    return std::nullopt;
-  return static_cast<int>(value);
-}
 
 template <class T>
 std::optional<T> value_of(const toml::node& node) {
@@ -43,32 +31,10 @@ bool store(const toml::node& node, T& target) {
   return value.has_value();
 }
 
-// A vertex or a selector, a coordinate or a range of them.
-bool store_text(const toml::node& node, std::string& target) {
-  if (const auto number = whole_number(node)) {
-    target = std::to_string(*number);
-    return true;
-  }
-  const auto text = node.value_exact<std::string>();
-  if (!text || text->find('\0') != std::string::npos) return false;
-  target = *text;
-  return true;
-}
-
 bool store_list(const toml::node& node, std::vector<std::string>& target) {
-  std::string single;
-  if (store_text(node, single)) {
-    target = {single};
-    return true;
-  }
-  const toml::array* array = node.as_array();
-  if (array == nullptr) return false;
-  target.clear();
-  for (const toml::node& entry : *array) {
-    if (!store_text(entry, single)) return false;
-    target.push_back(single);
-  }
-  return true;
+  auto list = list_of_texts(node);
+  if (list) target = std::move(*list);
+  return list.has_value();
 }
 
 // A vertex or a selector.
@@ -126,17 +92,6 @@ constexpr Key kKeys[] = {
     {"hull", keep<&RunOptions::hull>},
 };
 
-Error error_at(const std::string& path, const toml::source_region& where, const std::string& what) {
-  return content_error(path + ": line " + std::to_string(where.begin.line) + ": " + what);
-}
-
-// What the scene file `path` names, relative to it.
-std::string beside(const std::string& path, const std::string& name) {
-  const std::filesystem::path file(name);
-  if (file.is_absolute()) return name;
-  return (std::filesystem::path(path).parent_path() / file).lexically_normal().string();
-}
-
 Status read_body(const std::string& path, const toml::table& table, RunOptions& body) {
   for (const auto& [key, node] : table) {
     const Key* known = nullptr;
@@ -167,22 +122,6 @@ Status read_body(const std::string& path, const toml::table& table, RunOptions& 
   return Success{};
 }
 
-// A dotted key a.b.c is a table in a table, and those are built and destroyed by recursion: without
-// a bound a small file could exhaust the stack. Scenes need neither dotted keys nor inline tables.
-Status check_nesting(std::string_view text, const std::string& path) {
-  constexpr int kDotsOfLine = 64, kBraces = 64;
-  int line = 1, dots = 0, braces = 0;
-  for (const char c : text) {
-    dots = c == '\n' ? 0 : dots + (c == '.' ? 1 : 0);
-    braces += c == '{' ? 1 : 0;
-    if (dots > kDotsOfLine || braces > kBraces)
-      return content_error(path + ": line " + std::to_string(line) +
-                           ": tables in tables: a scene has one table a body, with plain keys");
-    line += c == '\n' ? 1 : 0;
-  }
-  return Success{};
-}
-
 }  // namespace
 
 Result<std::vector<RunOptions>> read_scene(const std::string& path) {
@@ -192,15 +131,10 @@ Result<std::vector<RunOptions>> read_scene(const std::string& path) {
 }
 
 Result<std::vector<RunOptions>> parse_scene(std::string_view text, const std::string& path) {
-  if (Status status = check_nesting(text, path); !status) return status.error();
-  toml::table scene;
-  try {
-    scene = toml::parse(text, path);
-  } catch (const toml::parse_error& error) {
-    return error_at(path, error.source(), std::string(error.description()));
-  }
+  const Result<toml::table> scene = parse_toml(text, path);
+  if (!scene) return scene.error();
   std::vector<RunOptions> bodies;
-  for (const auto& [name, node] : scene) {
+  for (const auto& [name, node] : *scene) {
     const toml::table* table = node.as_table();
     if (table == nullptr)
       return error_at(path, name.source(),

@@ -18,8 +18,8 @@
 #include "runtime/program/run/run_progress.h"
 #include "runtime/program/run/watch.h"
 #include "runtime/program/start/load_search.h"
-#include "runtime/program/start/selection.h"
-#include "runtime/program/start/signal_file.h"
+#include "runtime/scene/selection.h"
+#include "runtime/scene_reader/csv_rows.h"
 
 namespace tremolo {
 namespace {

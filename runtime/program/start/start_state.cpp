@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "formats/file/whole_file.h"
-#include "runtime/program/start/selection.h"
 #include "runtime/program/start/state_row.h"
-#include "runtime/program/start/statics.h"
+#include "runtime/scene/selection.h"
+#include "runtime/scene/statics.h"
 
 namespace tremolo {
 namespace {

@@ -1,4 +1,4 @@
-#include "runtime/program/start/selection.h"
+#include "runtime/scene/selection.h"
 
 #include <charconv>
 #include <map>

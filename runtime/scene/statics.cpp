@@ -1,9 +1,13 @@
-#include "runtime/program/start/statics.h"
+#include "runtime/scene/statics.h"
+
+#include <algorithm>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <fmt/format.h>
+
+#include "common/number_text.h"
 
 namespace tremolo {
 namespace {
@@ -91,7 +95,7 @@ Result<Eigen::VectorXd> standing_shape(const Potential& potential, const Eigen::
       increment *= 2;
     } else if ((increment *= 0.5) < kLeastIncrement) {
       return Error{ErrorKind::kSolver,
-                   fmt::format("no shape at rest was found beyond {:.3g} of it", reached)};
+                   "no shape at rest was found beyond " + number_text(reached) + " of it"};
     }
   }
   if (!solver.stable(at))

@@ -1,0 +1,185 @@
+#include "runtime/program/world/body_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "runtime/program/output/plot.h"
+#include "runtime/program/run/run_body.h"
+#include "runtime/program/run/run_files.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kStepsBetweenShapes = 10;
+
+const std::vector<std::string> kFurther = {
+    "load", "support", "gravity", "contact", "friction", "damping", "x",  "y",  "z", "qw",
+    "qx",   "qy",      "qz",      "px",      "py",       "pz",      "lx", "ly", "lz"};
+
+BodyPlace place_of(const SceneWorld& world, std::size_t body) {
+  return {world.body(body).pose(), world.momenta(body)};
+}
+
+std::unique_ptr<RunOptions> options_of(const SceneFile& file, const SceneBody& body) {
+  auto options = std::make_unique<RunOptions>();
+  options->name = body.name;
+  options->model = body.model;
+  options->scene = file.path;
+  options->integrator = body.integrator;
+  options->step = file.scene.step;
+  options->duration = file.scene.duration;
+  options->probes = body.columns.probes;
+  options->coordinates = body.columns.coordinates;
+  options->velocities = body.columns.velocities;
+  const SceneOutputs& outputs = file.outputs;
+  if (!outputs.out.empty()) options->out = (fs::path(outputs.out) / body.name).string();
+  options->every = outputs.every;
+  options->surfaces = outputs.surfaces;
+  options->surface_format = outputs.surface_format;
+  options->plot = outputs.plot;
+  return options;
+}
+
+Result<RecordedColumns> columns_of(const RunOptions& options, const Model& model) {
+  RecordedColumns columns;
+  columns.velocities = options.velocities;
+  columns.further = kFurther;
+  if (Status s = take(columns.coordinates, coordinates_of(options.coordinates, model.modes())); !s)
+    return value_error(s.error());
+  if (Status s = take(columns.probes, probes_of(options.probes, model)); !s)
+    return value_error(s.error());
+  for (const int probe : columns.probes)
+    if (const Result<VertexRows> rows = model.vertex(probe); !rows)
+      return value_error(rows.error());
+  return columns;
+}
+
+}  // namespace
+
+Status check_outputs(const SceneFile& file, const SceneWorld& world, std::size_t body) {
+  const SceneBody& known = world.scene().bodies[body];
+  const std::unique_ptr<RunOptions> options = options_of(file, known);
+  const Result<RecordedColumns> columns = columns_of(*options, world.body(body).model());
+  if (!columns) return columns.error();
+  for (const SceneLoad& load : known.loads) {
+    options->at = load.at;
+    if (Status s = keep_run_apart(*options); !s) return s;
+  }
+  return keep_run_apart(*options);
+}
+
+Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, std::size_t body) {
+  std::unique_ptr<RunOptions> options = options_of(file, world.scene().bodies[body]);
+  const Model& model = world.body(body).model();
+  const Result<RecordedColumns> columns = columns_of(*options, model);
+  if (!columns) return columns.error();
+  std::string csv;
+  if (!options->out.empty()) {
+    std::error_code error;
+    fs::create_directories(options->out, error);
+    if (error) return system_error(options->out + ": cannot create: " + error.message());
+    csv = (fs::path(options->out) / kTableName).string();
+  }
+  Result<Recorder> recorder = Recorder::create(model, *columns, csv);
+  if (!recorder) return value_error(recorder.error());
+  const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
+  BodyLog log(body, std::move(options), std::move(*recorder), steps);
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& x : model.surface().rest) box.extend(x);
+  log.report_.size = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+  log.report_.start = place_of(world, body);
+  return log;
+}
+
+BodyLog::BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
+                 std::int64_t steps)
+    : body_(body),
+      options_(std::move(options)),
+      recorder_(std::move(recorder)),
+      frames_(*options_, steps) {}
+
+Result<bool> BodyLog::observe(const SceneWorld& world) {
+  const Body& body = world.body(body_);
+  look_at(body, moment_);
+  const EnergyAccount account = world.account(body_);
+  report_.account = account;
+  report_.energy_max = std::max(report_.energy_max, account.total());
+  report_.remainder_max = std::max(report_.remainder_max, std::abs(account.remainder()));
+  if (moment_.steps % kStepsBetweenShapes == 0) note_shape(body);
+  if (!options_->out.empty() && moment_.steps % options_->every == 0) {
+    const auto [pose, momenta] = place_of(world, body_);
+    const Eigen::Quaterniond& turn = pose.rotation;
+    further_ = {account.load,
+                account.support,
+                account.gravity,
+                account.contact,
+                account.friction,
+                account.damping,
+                pose.position.x(),
+                pose.position.y(),
+                pose.position.z(),
+                turn.w(),
+                turn.x(),
+                turn.y(),
+                turn.z(),
+                momenta.linear.x(),
+                momenta.linear.y(),
+                momenta.linear.z(),
+                momenta.angular.x(),
+                momenta.angular.y(),
+                momenta.angular.z()};
+    if (Status s = recorder_.record(moment_, body.energy(), further_); !s) return s.error();
+  }
+  if (frames_.due(moment_.steps))
+    if (Status s = frames_.write(body, moment_.time); !s) return s.error();
+  if (moment_.bound.sound(account.total())) return true;
+  report_.exit_code = exit_code(ErrorKind::kBound);
+  report_.reason = fmt::format(
+      "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",
+      moment_.time, account.total(), kEnergyBound);
+  return false;
+}
+
+void BodyLog::note_shape(const Body& body) {
+  const VertexBlock& surface = body.model().surface();
+  const Eigen::VectorXd moved = surface.rows * body.state().q;
+  for (Eigen::Index row = 0; row + 2 < moved.size(); row += 3)
+    report_.largest_displacement =
+        std::max(report_.largest_displacement, moved.segment<3>(row).norm());
+}
+
+void BodyLog::give_up(const StepReport& step, double time) {
+  report_.exit_code = exit_code(error_kind(step.failure));
+  report_.reason = why_not_made(step, time);
+}
+
+Status BodyLog::finish(const SceneWorld& world) {
+  const Body& body = world.body(body_);
+  note_shape(body);
+  report_.end = place_of(world, body_);
+  report_.account = world.account(body_);
+  report_.high_band_final = body.energy().high_band;
+  report_.steps = body.steps();
+  report_.iterations = body.iterations();
+  report_.halved_steps = body.halved_steps();
+  if (options_->out.empty()) return Success{};
+  if (Status s = frames_.finish(body.model()); !s) return s;
+  report_.files = frames_.files();
+  const std::string csv = (fs::path(options_->out) / kTableName).string();
+  if (Status s = recorder_.finish(); !s) return s;
+  report_.files.push_back(csv);
+  if (options_->plot) {
+    const std::string picture = (fs::path(options_->out) / kPictureName).string();
+    if (Status s = plot_energies({{options_->name, csv}}, picture); !s) return s;
+    report_.files.push_back(picture);
+  }
+  return remove_leftovers(options_->out, report_.files);
+}
+
+}  // namespace tremolo

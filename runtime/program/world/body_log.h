@@ -1,0 +1,78 @@
+// What a run of a world measures and writes of one body.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/program/run/frames.h"
+#include "runtime/program/run/march.h"
+#include "runtime/program/run/recorder.h"
+#include "runtime/program/run/run_options.h"
+#include "runtime/scene/scene_world.h"
+#include "runtime/scene_reader/scene_reader.h"
+
+namespace tremolo {
+
+// Where a body is and how it moves as a whole. pose: of the mesh's frame.
+struct BodyPlace {
+  Pose pose;
+  Momenta momenta;
+};
+
+// Energies in J.
+struct BodyReport {
+  BodyPlace start, end;
+  EnergyAccount account;       // at the end
+  double energy_max = 0.0;     // of T + V
+  double remainder_max = 0.0;  // the largest |change of T + V - all that was told|
+  double high_band_final = 0.0;
+  double largest_displacement = 0.0;  // of the surface's vertices in the body's frame, m
+  double size = 0.0;                  // the largest extent of the surface at rest, m
+  std::int64_t steps = 0;             // that this body made
+  std::int64_t iterations = 0;
+  std::int64_t halved_steps = 0;
+  int exit_code = 0;  // 0, 4 or 5
+  std::string reason;
+  std::vector<std::string> files;
+
+  // |change of T + V - all that was told| over the largest T + V; 0 where nothing ever moved.
+  double balance_error() const { return energy_max > 0.0 ? remainder_max / energy_max : 0.0; }
+};
+
+// Whether the body's columns are there and none of its files is one that is read. To be asked of
+// all bodies before anything is written. Errors: kUsage, kContent.
+Status check_outputs(const SceneFile& file, const SceneWorld& world, std::size_t body);
+
+class BodyLog {
+ public:
+  // Makes the body's folder, out/NAME, if there is an `out`. Errors: kUsage and kContent for
+  // columns that the model does not have; kSystem.
+  static Result<BodyLog> create(const SceneFile& file, const SceneWorld& world, std::size_t body);
+
+  // Takes the start and then every step. False: the orbit has left its energy bound, and the report
+  // says so.
+  Result<bool> observe(const SceneWorld& world);
+  void give_up(const StepReport& step, double time);
+  // Puts the files in their places.
+  Status finish(const SceneWorld& world);
+
+  const BodyReport& report() const { return report_; }
+  const RunOptions& options() const { return *options_; }
+
+ private:
+  BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
+          std::int64_t steps);
+  void note_shape(const Body& body);
+
+  std::size_t body_;
+  std::unique_ptr<RunOptions> options_;  // the folder and its surfaces; frames_ refers to it
+  Recorder recorder_;
+  Frames frames_;
+  Moment moment_;
+  std::vector<double> further_;
+  BodyReport report_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,251 @@
+#include "runtime/program/world/run_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/file/atomic_file.h"
+#include "formats/file/output_guard.h"
+#include "runtime/program/output/tell.h"
+#include "runtime/program/run/interruption.h"
+#include "runtime/program/run/run_body.h"
+#include "runtime/program/run/run_files.h"
+#include "runtime/program/run/run_progress.h"
+#include "runtime/program/world/body_log.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// How a run of a world ended.
+struct WorldEnding {
+  double seconds = 0.0;  // processor time of the steps
+  int exit_code = 0;
+  int signal = 0;
+  std::string reason;
+};
+
+double processor_seconds() {
+  std::timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+Json finite_number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+Json json_vector(const Eigen::Vector3d& v) {
+  return {finite_number(v.x()), finite_number(v.y()), finite_number(v.z())};
+}
+Json json_quaternion(const Eigen::Quaterniond& q) {
+  return {finite_number(q.w()), finite_number(q.x()), finite_number(q.y()), finite_number(q.z())};
+}
+
+const char* kind_name(FrameKind kind) {
+  if (kind == FrameKind::kFree) return "free";
+  return kind == FrameKind::kDriven ? "driven" : "fixed";
+}
+
+Json json_causes(const EnergyAccount& account) {
+  return {
+      {"load", finite_number(account.load)},         {"support", finite_number(account.support)},
+      {"gravity", finite_number(account.gravity)},   {"contact", finite_number(account.contact)},
+      {"friction", finite_number(account.friction)}, {"damping", finite_number(account.damping)}};
+}
+
+Json body_json(const SceneBody& body, const BodyReport& report, double step) {
+  Json json;
+  json["body"] = body.name;
+  json["model"] = body.model;
+  json["integrator"] = body.integrator;
+  json["kind"] = kind_name(body.kind);
+  json["steps"] = report.steps;
+  json["reached"] = static_cast<double>(report.steps) * step;
+  json["iterations_per_step"] =
+      finite_number(static_cast<double>(report.iterations) / static_cast<double>(report.steps));
+  json["halved_steps"] = report.halved_steps;
+  const std::pair<const char*, const BodyPlace&> places[] = {{"_initial", report.start},
+                                                             {"_final", report.end}};
+  for (const auto& [when, place] : places) {
+    const std::string ending = when;
+    json["position" + ending] = json_vector(place.pose.position);
+    json["quaternion" + ending] = json_quaternion(place.pose.rotation);
+    json["linear_momentum" + ending] = json_vector(place.momenta.linear);
+    json["angular_momentum" + ending] = json_vector(place.momenta.angular);
+  }
+  const EnergyAccount& account = report.account;
+  json["energy_initial"] = finite_number(account.at_start);
+  json["energy_final"] = finite_number(account.total());
+  json["energy_max"] = finite_number(report.energy_max);
+  json["energy_by_cause"] = json_causes(account);
+  json["energy_balance_error"] = finite_number(report.balance_error());
+  json["high_band_final"] = finite_number(report.high_band_final);
+  json["work"] = finite_number(account.given() - account.damping);
+  json["dissipated"] = finite_number(-account.damping);
+  json["size"] = finite_number(report.size);
+  json["largest_displacement"] = finite_number(report.largest_displacement);
+  json["largest_displacement_share"] = finite_number(report.largest_displacement / report.size);
+  json["penetration_max"] = 0.0;
+  json["asleep"] = false;
+  json["exit_code"] = report.exit_code;
+  json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
+  json["files"] = report.files;
+  return json;
+}
+
+Json world_json(const SceneFile& file, const SceneWorld& world, const std::vector<BodyLog>& logs,
+                const WorldEnding& ending) {
+  Json json;
+  json["scene"] = file.path;
+  json["step"] = world.step_size();
+  json["duration"] = file.scene.duration;
+  json["steps"] = world.steps();
+  json["reached"] = world.time();
+  const double each = 1e6 * ending.seconds / static_cast<double>(world.steps());
+  json["microseconds_per_step"] = finite_number(each);
+  json["real_time_factor"] = finite_number(world.step_size() * 1e6 / each);
+  double worst = 0.0;
+  for (const BodyLog& log : logs) worst = std::max(worst, log.report().balance_error());
+  json["energy_balance_error"] = finite_number(worst);
+  json["exit_code"] = ending.exit_code;
+  json["reason"] = ending.reason.empty() ? Json(nullptr) : Json(ending.reason);
+  json["bodies"] = Json::array();
+  for (std::size_t i = 0; i < logs.size(); ++i)
+    json["bodies"].push_back(body_json(file.scene.bodies[i], logs[i].report(), world.step_size()));
+  return json;
+}
+
+// Refuses a run that would write over its own input.
+Status keep_world_apart(const SceneFile& file) {
+  if (file.outputs.out.empty()) return Success{};
+  std::vector<NamedFile> inputs{{file.path, "the scene"}};
+  for (const std::string& csv : file.files) inputs.push_back({csv, "a CSV file of the scene"});
+  for (const SceneBody& body : file.scene.bodies) inputs.push_back({body.model, "a basis file"});
+  std::vector<std::string> outputs{(fs::path(file.outputs.out) / kReportName).string()};
+  for (const SceneBody& body : file.scene.bodies)
+    for (const char* name : {kTableName, kPictureName, kFramesName, kMaterialsName})
+      outputs.push_back((fs::path(file.outputs.out) / body.name / name).string());
+  return keep_apart(outputs, inputs);
+}
+
+Result<bool> observe_all(const SceneWorld& world, std::vector<BodyLog>& logs) {
+  bool inside = true;
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    if (world.failed(i)) continue;
+    const Result<bool> one = logs[i].observe(world);
+    if (!one) return one.error();
+    inside = inside && *one;
+  }
+  return inside;
+}
+
+void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
+  for (const BodyLog& log : logs) {
+    if (log.report().exit_code == 0 || ending.exit_code != 0) continue;
+    ending.exit_code = log.report().exit_code;
+    ending.reason = "body '" + log.options().name + "': " + log.report().reason;
+  }
+}
+
+// Steps the world to the end of its time. An orbit or a step that breaks off ends the run.
+Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
+                                 std::vector<BodyLog>& logs) {
+  const Interruption interruption;
+  ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
+  const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
+  WorldEnding ending;
+  Result<bool> inside = observe_all(world, logs);
+  while (inside && *inside && world.steps() < steps && ending.exit_code == 0) {
+    const double before = processor_seconds();
+    const auto failures = world.step();
+    ending.seconds += processor_seconds() - before;
+    for (const auto& [body, report] : failures) logs[body].give_up(report, world.body(body).time());
+    inside = observe_all(world, logs);
+    tell_end(logs, ending);
+    progress.reached(world.time());
+    if (ending.signal = interruption.signal(); ending.signal != 0) {
+      ending.exit_code = 128 + ending.signal;
+      ending.reason = fmt::format("ended at t = {:.6g} s by signal {} ({})", world.time(),
+                                  ending.signal, ::strsignal(ending.signal));
+    }
+  }
+  if (!inside) return inside.error();
+  tell_end(logs, ending);
+  return ending;
+}
+
+void print_bodies(const SceneFile& file, const std::vector<BodyLog>& logs) {
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    const BodyReport& report = logs[i].report();
+    const EnergyAccount& account = report.account;
+    tell("  {} ({}, {}): energy {:.6g} -> {:.6g} J; ", file.scene.bodies[i].name,
+         kind_name(file.scene.bodies[i].kind), file.scene.bodies[i].integrator, account.at_start,
+         account.total());
+    tell("load {:.4g}, support {:.4g}, gravity {:.4g}, damping {:.4g} J; balance to {:.1e}\n",
+         account.load, account.support, account.gravity, account.damping, report.balance_error());
+    if (report.size > 0)
+      tell("    deformed by {:.4g} m at most, {:.3g} % of its size\n", report.largest_displacement,
+           100 * report.largest_displacement / report.size);
+    if (!report.files.empty())
+      tell("    wrote into {}: {}\n", logs[i].options().out, list_files(report.files));
+  }
+}
+
+struct WorldRun {
+  Json json;
+  WorldEnding ending;
+};
+
+Result<WorldRun> run_world(const SceneFile& file) {
+  Result<SceneWorld> world = SceneWorld::create(file.scene);
+  if (!world) return error_of_file(file.path, value_error(world.error()));
+  if (Status s = keep_world_apart(file); !s) return s.error();
+  const auto told = [&](std::size_t i, const Error& error) {
+    return Error{error.kind, file.path + ": body '" + world->name(i) + "': " + error.message};
+  };
+  for (std::size_t i = 0; i < world->size(); ++i)
+    if (Status s = check_outputs(file, *world, i); !s) return told(i, s.error());
+  std::vector<BodyLog> logs;
+  for (std::size_t i = 0; i < world->size(); ++i) {
+    Result<BodyLog> log = BodyLog::create(file, *world, i);
+    if (!log) return told(i, log.error());
+    logs.push_back(std::move(*log));
+  }
+  Result<WorldEnding> ending = follow_world(file, *world, logs);
+  if (!ending) return ending.error();
+  for (BodyLog& log : logs)
+    if (Status s = log.finish(*world); !s) return s.error();
+  tell("{}: {} bodies reached {:.6g} of {:.6g} s in steps of {:.4g} s, {:.2f} us each\n",
+       fs::path(file.path).stem().string(), world->size(), world->time(), file.scene.duration,
+       world->step_size(), 1e6 * ending->seconds / static_cast<double>(world->steps()));
+  print_bodies(file, logs);
+  return WorldRun{world_json(file, *world, logs, *ending), *ending};
+}
+
+}  // namespace
+
+int run_world_command(const SceneFile& file, bool json) {
+  const Result<WorldRun> run = run_world(file);
+  if (!run) return report_error(run.error());
+  if (!file.outputs.out.empty()) {
+    const std::string path = (fs::path(file.outputs.out) / kReportName).string();
+    if (Status s = write_file(path, json_text(run->json)); !s) return report_error(s.error());
+  }
+  if (run->ending.exit_code != 0) tell("tremolo: {}\n", run->ending.reason);
+  if (json) print_json(run->json);
+  const Status printed = flush_standard_output();
+  if (run->ending.signal != 0) ::raise(run->ending.signal);
+  return printed ? run->ending.exit_code : report_error(printed.error());
+}
+
+}  // namespace tremolo

@@ -1,0 +1,23 @@
+// `tremolo run` of a scene with [[bodies]].
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common/result.h"
+#include "runtime/program/run/run_options.h"
+#include "runtime/scene_reader/scene_reader.h"
+
+namespace tremolo {
+
+// The flags of a command line over what the scene says. told: whether a flag, as "--step", was
+// given. Those of a method are for every body. Errors: kUsage for a flag that a world does not
+// take, or that names what is not there; kContent for a value out of range.
+Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
+                   SceneFile& file);
+
+// Runs the scene. json: one object on stdout, also when the run failed. The exit code; errors are
+// printed on stderr.
+int run_world_command(const SceneFile& file, bool json);
+
+}  // namespace tremolo

@@ -1,0 +1,71 @@
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "runtime/integrator.h"
+#include "runtime/program/world/run_world.h"
+#include "runtime/split.h"
+
+namespace tremolo {
+namespace {
+
+Status apply_to_body(const RunOptions& flags, const std::function<bool(const char*)>& told,
+                     SceneBody& body) {
+  IntegratorOptions& options = body.options;
+  if (told("--integrator")) body.integrator = flags.integrator;
+  if (told("--modes")) body.model_options.modes = flags.modes;
+  if (told("--linear")) body.model_options.linear = flags.linear;
+  if (told("--hull")) body.model_options.hull = flags.hull;
+  if (told("--alpha")) options.alpha = flags.alpha;
+  if (told("--beta")) options.beta = flags.beta;
+  if (told("--newmark-beta")) options.newmark_beta = flags.newmark_beta;
+  if (told("--newmark-gamma")) options.newmark_gamma = flags.newmark_gamma;
+  if (told("--tolerance")) options.tolerance = flags.tolerance;
+  if (told("--max-iterations")) options.max_iterations = flags.max_iterations;
+  if (told("--probe")) body.columns.probes = flags.probes;
+  if (told("--coordinate")) body.columns.coordinates = flags.coordinates;
+  if (told("--velocities")) body.columns.velocities = flags.velocities;
+  if (told("--split")) {
+    const double safety = options.split.safety;
+    if (Status s = take(options.split, parse_split(flags.split)); !s) return s;
+    options.split.safety = safety;
+  }
+  if (told("--safety")) options.split.safety = flags.safety;
+  return Success{};
+}
+
+}  // namespace
+
+Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
+                   SceneFile& file) {
+  for (const char* flag :
+       {"--load", "--signal", "--at", "--force", "--scale", "--deflect", "--start"})
+    if (told(flag))
+      return usage_error(
+          fmt::format("{} is of one body: say it in the scene, where {} has a table of its own",
+                      flag, file.scene.bodies.size() == 1 ? "the body" : "each body"));
+  const auto names = integrator_names();
+  if (told("--integrator") &&
+      std::find(names.begin(), names.end(), flags.integrator) == names.end())
+    return usage_error(fmt::format("unknown integrator '{}'; there are {}", flags.integrator,
+                                   fmt::join(names, ", ")));
+  for (SceneBody& body : file.scene.bodies)
+    if (Status s = apply_to_body(flags, told, body); !s) return s;
+  if (told("--step")) file.scene.step = flags.step;
+  if (told("--duration")) file.scene.duration = flags.duration;
+  SceneOutputs& outputs = file.outputs;
+  if (told("--out")) outputs.out = flags.out;
+  if (told("--every")) outputs.every = flags.every;
+  if (told("--surfaces")) outputs.surfaces = flags.surfaces;
+  if (told("--surface-format")) outputs.surface_format = flags.surface_format;
+  if (told("--plot")) outputs.plot = flags.plot;
+  if ((outputs.surfaces > 0 || outputs.plot) && outputs.out.empty())
+    return usage_error("--surfaces and --plot need --out DIR");
+  if (outputs.every < 1) return content_error("--every must be at least 1");
+  if (outputs.surfaces < 0) return content_error("--surfaces must not be negative");
+  return check_scene(file.scene);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,189 @@
+#include "runtime/scene/scene_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "runtime/frames/frame_inertia.h"
+#include "runtime/scene/scene_start.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+Error error_of_body(const SceneBody& body, Error error) {
+  error.message = "body '" + body.name + "': " + error.message;
+  return error;
+}
+
+bool is_identity(const Pose& pose) {
+  return pose.position.isZero(0.0) && pose.rotation.vec().isZero(0.0);
+}
+
+// A driven body that stands still is what a fixed one at another place is.
+FrameKind kind_of(const SceneBody& body) {
+  if (body.kind == FrameKind::kFixed && !is_identity(body.pose)) return FrameKind::kDriven;
+  return body.kind;
+}
+
+// The farthest that a point of the model is from its frame's origin at rest, m.
+double reach_of(const Model& model) {
+  double reach = 0.0;
+  for (const Vector3d& x : model.surface().rest) reach = std::max(reach, x.norm());
+  return reach;
+}
+
+Pose unit(const Pose& pose) {
+  return {pose.position, pose.rotation.normalized()};
+}
+
+}  // namespace
+
+Result<Model::Pointer> load_scene_model(const SceneBody& body) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(body.model, ignored)) {
+    const std::string usual = "tremolo-precompute MESH -o " + body.model +
+                              (body.kind == FrameKind::kFree ? " --fix none" : " --fix SELECTOR");
+    return system_error(body.model + ": there is no such basis file; make it with `" +
+                        (body.made_by.empty() ? usual : body.made_by) + "`");
+  }
+  return Model::load(body.model, body.model_options);
+}
+
+Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& source) {
+  if (Status s = check_scene(scene); !s) return s.error();
+  SceneWorld world(scene);
+  const std::vector<Vector3d>& values = world.scene_.gravity.values;
+  world.gravity_changes_ = values.size() > 1;
+  std::map<std::tuple<std::string, int, bool, bool>, Model::Pointer> models;
+  for (const SceneBody& wanted : world.scene_.bodies) {
+    const ModelOptions& options = wanted.model_options;
+    Model::Pointer& model = models[{wanted.model, options.modes, options.linear, options.hull}];
+    if (!model)
+      if (Status s = take(model, source(wanted)); !s) return error_of_body(wanted, s.error());
+    if (Status s = world.add(wanted, model); !s) return error_of_body(wanted, s.error());
+  }
+  world.failures_.reserve(world.actors_.size());
+  return world;
+}
+
+Status SceneWorld::add(const SceneBody& wanted, Model::Pointer model) {
+  IntegratorOptions options = wanted.options;
+  options.step = scene_.step;
+  const double reach = reach_of(*model);
+  Result<Body> body = Body::create(std::move(model), wanted.integrator, options, kind_of(wanted));
+  if (!body) return body.error();
+  Result<MotionPath> path = MotionPath::create(wanted.motion, unit(wanted.pose));
+  if (!path) return path.error();
+  if (Status s = check_accelerations(wanted, *path, scene_, reach); !s) return s;
+  Actor actor{std::move(*body), std::move(*path), nullptr, 0, 0.0, false};
+  if (actor.body.model().inertia() != nullptr)
+    actor.inertia = actor.body.model().inertia_about_origin();
+  if (Status s = begin(wanted, actor); !s) return s;
+  actor.energy_at_start = actor.body.energy().total();
+  actors_.push_back(std::move(actor));
+  return Success{};
+}
+
+Status SceneWorld::begin(const SceneBody& wanted, Actor& actor) const {
+  Body& body = actor.body;
+  if (body.frame() != FrameKind::kFixed) {
+    actor.piece = actor.path.piece(0.5 * scene_.step);
+    const Pose pose = actor.path.pose_in(actor.piece, 0.0);
+    if (Status s = body.set_pose(pose); !s) return s;
+    if (body.frame() == FrameKind::kFree)
+      if (Status s = body.set_motion(wanted.velocity, pose.rotation.conjugate() * wanted.spin); !s)
+        return s;
+  }
+  // A body makes what gravity needs when it first gets some: not inside a step.
+  for (const Vector3d& value : scene_.gravity.values)
+    if (Status s = body.set_gravity(value); !s) return s;
+  const Vector3d gravity = scene_.gravity.at(0.0);
+  if (Status s = body.set_gravity(gravity); !s) return s;
+  if (Status s = add_loads(wanted.loads, body); !s) return s;
+  return wanted.settled ? settle(wanted, gravity, body) : Status(Success{});
+}
+
+std::optional<std::size_t> SceneWorld::find(std::string_view name) const {
+  for (std::size_t i = 0; i < size(); ++i)
+    if (scene_.bodies[i].name == name) return i;
+  return std::nullopt;
+}
+
+void SceneWorld::move_frame(Actor& actor) const {
+  if (actor.path.still()) return;
+  const double h = scene_.step, t = time();
+  const std::size_t piece = actor.path.piece(t + 0.5 * h);
+  // Poses of a path are of length one and finite: neither call can fail.
+  if (piece != actor.piece) (void)actor.body.set_pose(actor.path.pose_in(piece, t));
+  actor.piece = piece;
+  (void)actor.body.move_to(actor.path.pose_in(piece, static_cast<double>(steps_ + 1) * h),
+                           frame_motion(actor.path, piece, steps_, h));
+}
+
+std::span<const SceneWorld::Failure> SceneWorld::step() {
+  failures_.clear();
+  const Vector3d gravity = scene_.gravity.at(time() + 0.5 * scene_.step);
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    Actor& actor = actors_[i];
+    if (actor.failed) continue;
+    if (gravity_changes_) (void)actor.body.set_gravity(gravity);
+    move_frame(actor);
+    const StepReport report = actor.body.step();
+    if (report.converged) continue;
+    actor.failed = true;
+    failures_.push_back({i, report});
+  }
+  ++steps_;
+  return failures_;
+}
+
+EnergyAccount SceneWorld::account(std::size_t i) const {
+  const Body& body = actors_[i].body;
+  const Energy energy = body.energy();
+  EnergyAccount account;
+  account.kinetic = energy.kinetic;
+  account.potential = energy.potential;
+  account.at_start = actors_[i].energy_at_start;
+  account.support = body.support_work();
+  account.gravity = body.gravity_work();
+  account.load = body.work() - account.support - account.gravity;
+  account.damping = 0.0 - body.dissipated();
+  return account;
+}
+
+Momenta SceneWorld::momenta(std::size_t i) const {
+  const Actor& actor = actors_[i];
+  const Body& body = actor.body;
+  if (body.frame() == FrameKind::kFree) return {body.linear_momentum(), body.angular_momentum()};
+  if (!actor.inertia) return {};
+  const FrameInertia& inertia = *actor.inertia;
+  const Eigen::VectorXd& q = body.state().q;
+  Eigen::VectorXd v(q.size());
+  body.integrator().synchronized_momentum(body.state(), v);
+  // Of the frame at the node: the mean of the steps before and behind it.
+  const Pose pose = body.pose();
+  Vector3d velocity = Vector3d::Zero(), spin = Vector3d::Zero();
+  if (!actor.path.still()) {
+    const double h = scene_.step, t = time();
+    const Pose before = actor.path.pose_in(actor.piece, t - h);
+    const Pose behind = actor.path.pose_in(actor.piece, t + h);
+    velocity = pose.rotation.conjugate() * (behind.position - before.position) / (2.0 * h);
+    spin = (turn_of(before.rotation.conjugate() * pose.rotation) +
+            turn_of(pose.rotation.conjugate() * behind.rotation)) /
+           (2.0 * h);
+  }
+  InertiaAt at(q.size());
+  at.compute(inertia, q);
+  const Vector3d moment = inertia.first_moment + inertia.s * q;
+  const Vector3d linear = inertia.mass * velocity + spin.cross(moment) + inertia.s * v;
+  const Vector3d angular = moment.cross(velocity) + at.J * spin + inertia.a * v + at.couple(v);
+  const Vector3d world = pose.rotation * linear;
+  return {world, pose.position.cross(world) + pose.rotation * angular};
+}
+
+}  // namespace tremolo

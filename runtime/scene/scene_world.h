@@ -1,0 +1,102 @@
+// A scene that goes: its bodies, stepped together.
+//
+// Each step takes every body from t to t + h. A driven body is told where its frame will be and how
+// it moves on the way, from the poses of its motion at t - h, t, t + h and t + 2h; gravity is that
+// of the middle of the step. What a body does depends on nothing but the scene's entry of it, bit
+// for bit: not on the other bodies, nor on the order in which they stand.
+//
+// A step of a body that cannot be made leaves it where it was, and it stands still from then on;
+// the others go on.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/body.h"
+#include "runtime/scene/energy_account.h"
+#include "runtime/scene/motion.h"
+#include "runtime/scene/scene.h"
+
+namespace tremolo {
+
+// Of the whole body, world: linear kg m/s; angular N m s, about the world's origin.
+struct Momenta {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+};
+
+// The model of a body of a scene.
+using ModelSource = std::function<Result<Model::Pointer>(const SceneBody&)>;
+
+// Model::load; where the file is missing the error names the command that makes it.
+Result<Model::Pointer> load_scene_model(const SceneBody& body);
+
+class SceneWorld {
+ public:
+  // source is asked once for bodies that share file and options. Errors: as check_scene; those of
+  // the source, of Body::create, of selectors and of loads, with the body's name in front; kContent
+  // for a motion that jumps and does not say how, or that accelerates a point of the body more than
+  // it may (looked at in the first 1e6 steps); kSolver where a body that should begin settled finds
+  // no shape to stand in.
+  static Result<SceneWorld> create(const Scene& scene,
+                                   const ModelSource& source = load_scene_model);
+
+  double step_size() const { return scene_.step; }                           // s
+  std::int64_t steps() const { return steps_; }                              // done so far
+  double time() const { return static_cast<double>(steps_) * scene_.step; }  // s
+  const Scene& scene() const { return scene_; }
+
+  // Bodies, in the scene's order.
+  std::size_t size() const { return actors_.size(); }
+  const Body& body(std::size_t i) const { return actors_[i].body; }
+  // To push it; the world steps it.
+  Body& body(std::size_t i) { return actors_[i].body; }
+  const std::string& name(std::size_t i) const { return scene_.bodies[i].name; }
+  std::optional<std::size_t> find(std::string_view name) const;
+
+  // One step of all bodies that have not failed. The bodies that failed in this step are returned,
+  // valid until the next one. Nothing is allocated.
+  struct Failure {
+    std::size_t body;
+    StepReport report;
+  };
+  std::span<const Failure> step();
+  bool failed(std::size_t i) const { return actors_[i].failed; }
+
+  // Evaluates the body's energy.
+  EnergyAccount account(std::size_t i) const;
+  // Of a body that is not free they need the inertia integrals; zeros without.
+  Momenta momenta(std::size_t i) const;
+
+ private:
+  struct Actor {
+    Body body;
+    MotionPath path;
+    std::shared_ptr<const FrameInertia> inertia;  // about the frame's origin; may be null
+    std::size_t piece = 0;
+    double energy_at_start = 0.0;
+    bool failed = false;
+  };
+
+  explicit SceneWorld(const Scene& scene) : scene_(scene) {}
+  Status add(const SceneBody& wanted, Model::Pointer model);
+  Status begin(const SceneBody& wanted, Actor& actor) const;
+  void move_frame(Actor& actor) const;
+
+  Scene scene_;
+  std::vector<Actor> actors_;
+  std::vector<Failure> failures_;
+  bool gravity_changes_ = false;
+  std::int64_t steps_ = 0;
+};
+
+}  // namespace tremolo

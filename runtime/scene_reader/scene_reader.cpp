@@ -1,0 +1,223 @@
+#include "runtime/scene_reader/scene_reader.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <memory>
+#include <utility>
+
+#include "formats/file/whole_file.h"
+#include "runtime/integrator.h"
+#include "runtime/scene_reader/csv_rows.h"
+#include "runtime/scene_reader/motion_reader.h"
+#include "runtime/scene_reader/toml_keys.h"
+#include "runtime/split.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr const char* kBodies = "bodies";
+
+// A name becomes that of a folder.
+bool is_folder_name(const std::string& name) {
+  return !name.empty() && name.front() != '.' &&
+         name.find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-") ==
+             std::string::npos;
+}
+
+// One value, rows t, x, y, z, or a CSV file of these.
+Status read_gravity(TomlKeys& keys, const std::string& path, SceneFile& file) {
+  const toml::node* node = keys.find("gravity");
+  if (node == nullptr) return Success{};
+  SceneGravity& gravity = file.scene.gravity;
+  if (const auto value = numbers_of(*node); value && value->size() == 3) {
+    gravity.values = {Vector3d(value->data())};
+    return Success{};
+  }
+  std::vector<std::vector<double>> rows;
+  if (const auto name = node->value_exact<std::string>()) {
+    std::string csv;
+    keys.read_path("gravity", csv);
+    if (!keys.good()) return keys.finish();
+    file.files.push_back(csv);
+    const Result<std::string> text = read_whole_file(csv);
+    if (!text) return text.error();
+    if (Status s = take(rows, parse_rows(*text, csv, {4}, "a time and gravity (t, x, y, z)")); !s)
+      return s;
+  } else if (const toml::array* array = node->as_array()) {
+    for (const toml::node& row : *array)
+      if (const auto numbers = numbers_of(row); numbers && numbers->size() == 4)
+        rows.push_back(*numbers);
+    if (rows.size() != array->size()) rows.clear();
+  }
+  if (rows.empty())
+    return error_at(path, node->source(),
+                    "'gravity' must be [x, y, z] in m/s^2, a list of [t, x, y, z] or the name of a "
+                    "CSV file with such lines");
+  for (const std::vector<double>& row : rows) {
+    gravity.times.push_back(row[0]);
+    gravity.values.emplace_back(row[1], row[2], row[3]);
+  }
+  return Success{};
+}
+
+// load or signal, at and force, scale. Nothing where the load is none.
+Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usual,
+                                         std::vector<std::string>& files) {
+  std::string name = usual, csv;
+  SceneLoad load;
+  keys.read("load", name);
+  keys.read_path("signal", csv);
+  keys.read_text_or_number("at", load.at);
+  keys.read("scale", load.scale);
+  const toml::node* force = keys.find("force");
+  if (force != nullptr && force->is_string())
+    keys.fail("force", "'force' must be a list of 3 finite numbers, N");
+  else
+    keys.read("force", load.force);
+  if (keys.has("signal") && keys.has("load"))
+    keys.fail("signal", "`signal` and `load` are two courses of one load: leave one out");
+  if (keys.has("at") != keys.has("force")) keys.fail("at", "`at` and `force` belong together");
+  if (!keys.good()) return std::vector<SceneLoad>{};
+  if (!csv.empty()) {
+    files.push_back(csv);
+    Result<SignalTable> table = read_signal(csv);
+    if (!table) return table.error();
+    load.table = std::make_shared<const SignalTable>(std::move(*table));
+    load.signal = {.kind = SignalKind::kTable};
+  } else {
+    const Result<Signal> signal = parse_signal(name);
+    if (!signal) {
+      keys.fail("load", signal.error().message);
+      return std::vector<SceneLoad>{};
+    }
+    load.signal = *signal;
+  }
+  if (load.signal.kind == SignalKind::kNone) {
+    if (keys.has("at")) keys.fail("at", "a force needs a course in time: say `load` or `signal`");
+    return std::vector<SceneLoad>{};
+  }
+  return std::vector<SceneLoad>{std::move(load)};
+}
+
+void read_method(TomlKeys& keys, SceneBody& body) {
+  IntegratorOptions& options = body.options;
+  keys.read("integrator", body.integrator);
+  const auto names = integrator_names();
+  if (std::find(names.begin(), names.end(), body.integrator) == names.end())
+    keys.fail("integrator", "unknown integrator '" + body.integrator + "'");
+  keys.read("alpha", options.alpha);
+  keys.read("beta", options.beta);
+  keys.read("newmark-beta", options.newmark_beta);
+  keys.read("newmark-gamma", options.newmark_gamma);
+  keys.read("tolerance", options.tolerance);
+  keys.read("max-iterations", options.max_iterations);
+  std::string split = "default";
+  keys.read_text_or_number("split", split);
+  const Result<SplitOptions> parsed = parse_split(split);
+  if (parsed)
+    options.split = *parsed;
+  else
+    keys.fail("split", parsed.error().message);
+  keys.read("safety", options.split.safety);
+}
+
+void read_what(TomlKeys& keys, SceneBody& body) {
+  constexpr FrameKind kKinds[] = {FrameKind::kFixed, FrameKind::kDriven, FrameKind::kFree};
+  body.kind = kKinds[keys.read_word("kind", {"fixed", "driven", "free"}, 0)];
+  keys.read_path("model", body.model);
+  if (!keys.has("model")) keys.fail("model", "it names no `model`");
+  keys.read("made-by", body.made_by);
+  keys.read("modes", body.model_options.modes);
+  keys.read("linear", body.model_options.linear);
+  keys.read("hull", body.model_options.hull);
+  body.pose = read_pose(keys);
+  keys.read("velocity", body.velocity);
+  keys.read("spin", body.spin);
+  keys.read("acceleration-limit", body.acceleration_limit);
+  body.settled = keys.read_word("start", {"rest", "static"}, 0) == 1;
+  keys.read("probe", body.columns.probes);
+  keys.read("coordinate", body.columns.coordinates);
+  keys.read("velocities", body.columns.velocities);
+}
+
+Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneFile& file) {
+  SceneBody body;
+  std::string what = "body " + std::to_string(number);
+  if (const auto name = table["name"].value_exact<std::string>()) what = "body '" + *name + "'";
+  TomlKeys keys(table, file.path, what);
+  keys.read("name", body.name);
+  if (!keys.has("name")) keys.fail("name", "it has no `name`");
+  if (keys.good() && !is_folder_name(body.name))
+    keys.fail("name", "a name has letters, digits, '.', '_', '-' only");
+  read_what(keys, body);
+  read_method(keys, body);
+  if (Status s = take(body.loads, read_load(keys, "none", file.files)); !s) return s.error();
+  for (const toml::table* entry : keys.read_tables("loads")) {
+    TomlKeys load_keys(*entry, file.path, what + ", loads");
+    Result<std::vector<SceneLoad>> more = read_load(load_keys, "square", file.files);
+    if (!more) return more.error();
+    if (Status s = load_keys.finish(); !s) return s.error();
+    std::move(more->begin(), more->end(), std::back_inserter(body.loads));
+  }
+  for (const toml::table* entry : keys.read_tables("motion")) {
+    Result<MotionPart> part = read_motion_part(*entry, file.path, what + ", motion", file.files);
+    if (!part) return part.error();
+    body.motion.parts.push_back(std::move(*part));
+  }
+  if (Status s = keys.finish(); !s) return s.error();
+  return body;
+}
+
+void read_outputs(TomlKeys& keys, SceneOutputs& outputs) {
+  keys.read("out", outputs.out);
+  keys.read("every", outputs.every);
+  keys.read("surfaces", outputs.surfaces);
+  const std::vector<std::string_view> formats = {"ply", "obj", "inc"};
+  outputs.surface_format = formats[keys.read_word("surface-format", formats, 0)];
+  keys.read("plot", outputs.plot);
+}
+
+}  // namespace
+
+Result<bool> is_world(std::string_view text, const std::string& path) {
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  return (*table)[kBodies].is_array();
+}
+
+Result<SceneFile> read_world(const std::string& path) {
+  const Result<std::string> text = read_whole_file(path);
+  if (!text) return text.error();
+  return parse_world(*text, path);
+}
+
+Result<SceneFile> parse_world(std::string_view text, const std::string& path) {
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  SceneFile file;
+  file.path = path;
+  TomlKeys keys(*table, path, "");
+  keys.read("step", file.scene.step);
+  keys.read("duration", file.scene.duration);
+  read_outputs(keys, file.outputs);
+  if (Status s = read_gravity(keys, path, file); !s) return s.error();
+  for (const char* reserved : {"colliders", "hands"})
+    if (keys.find(reserved) != nullptr)
+      keys.fail(reserved, std::string("'") + reserved +
+                              "' are not there yet: bodies touch nothing; leave them out");
+  std::size_t number = 0;
+  for (const toml::table* entry : keys.read_tables(kBodies)) {
+    Result<SceneBody> body = read_body(*entry, ++number, file);
+    if (!body) return body.error();
+    file.scene.bodies.push_back(std::move(*body));
+  }
+  if (Status s = keys.finish(); !s) return s.error();
+  if (Status s = check_scene(file.scene); !s) return error_of_file(path, s.error());
+  return file;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,183 @@
+// `tremolo run` of scenes with [[bodies]], as a user meets them: on a small block, held and free,
+// and the scenes of assets/.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/programs.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class WorldProgram : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    models_ = testing::fresh_folder();
+    testing::write_veg(models_ + "/bar.veg", box_mesh({6, 2, 2}, {0.4, 0.05, 0.06}));
+    const std::string common = TREMOLO_BIN_DIR
+        "/tremolo-precompute bar.veg --young 2e6 --density 1000 --load-at 'x>0.399' --load-force "
+        "0,0,-1 --linear-modes 5 --modes 9 --order 1 ";
+    for (const char* what : {"--fix 'x<0.001' -o held.tremolo", "--fix none -o free.tremolo"}) {
+      const ProgramResult made = run_program(models_, common + what);
+      ASSERT_EQ(made.code, 0) << made.err;
+    }
+  }
+
+  void SetUp() override { folder_ = fresh_folder(); }
+
+  static std::string body(const std::string& name, const std::string& kind,
+                          const std::string& keys = "") {
+    return "[[bodies]]\nname = \"" + name + "\"\nkind = \"" + kind + "\"\nmodel = \"" + models_ +
+           (kind == "free" ? "/free" : "/held") + ".tremolo\"\n" + keys;
+  }
+
+  ProgramResult run(const std::string& scene, const std::string& flags = "") {
+    std::ofstream(folder_ + "/scene.toml") << scene;
+    return run_program(folder_, kTremolo + "run scene.toml " + flags);
+  }
+
+  static inline std::string models_;
+  std::string folder_;
+};
+
+const char* const kShaken =
+    "load = \"square\"\nbeta = 0.001\n[[bodies.motion]]\nkind = \"shake\"\namplitude = [0.01, 0, "
+    "0.01]\n"
+    "frequency = 3\nduration = 1\n[[bodies.motion]]\nkind = \"spin\"\naxis = [0, 0, 1]\nrate = 4\n"
+    "start = 0.2\n";
+const char* const kThrown = "position = [0, 0, 2]\nvelocity = [1, 0, 0]\nspin = [1, 2, 8]\n";
+
+TEST_F(WorldProgram, TellsWhatScriptsRelyOn) {
+  const ProgramResult result =
+      run("duration = 1.2\ngravity = [0, 0, -9.81]\n" + body("shaken", "driven", kShaken) +
+              body("thrown", "free", kThrown) + body("still", "fixed"),
+          "--json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report["scene"], "scene.toml");
+  EXPECT_EQ(report["steps"], 400);
+  EXPECT_EQ(report["exit_code"], 0);
+  ASSERT_EQ(report["bodies"].size(), 3U);
+  for (const json& one : report["bodies"]) {
+    for (const char* when : {"_initial", "_final"}) {
+      EXPECT_EQ(one[std::string("position") + when].size(), 3U);
+      EXPECT_EQ(one[std::string("quaternion") + when].size(), 4U);
+      EXPECT_EQ(one[std::string("linear_momentum") + when].size(), 3U);
+      EXPECT_EQ(one[std::string("angular_momentum") + when].size(), 3U);
+    }
+    double given = 0.0;
+    for (const char* cause : {"load", "support", "gravity", "contact", "friction", "damping"})
+      given += one["energy_by_cause"][cause].get<double>();
+    const double change = one["energy_final"].get<double>() - one["energy_initial"].get<double>();
+    EXPECT_NEAR(change, given, 1e-11 * one["energy_max"].get<double>()) << one["body"];
+    EXPECT_LE(one["energy_balance_error"].get<double>(), 1e-11) << one["body"];
+    EXPECT_EQ(one["penetration_max"], 0.0);
+    EXPECT_EQ(one["asleep"], false);
+    EXPECT_EQ(one["steps"], 400);
+  }
+  const json& shaken = report["bodies"][0];
+  EXPECT_EQ(shaken["body"], "shaken");
+  EXPECT_EQ(shaken["kind"], "driven");
+  EXPECT_NE(shaken["energy_by_cause"]["support"], 0.0);
+  EXPECT_NE(shaken["energy_by_cause"]["load"], 0.0);
+  EXPECT_LT(shaken["energy_by_cause"]["damping"].get<double>(), 0.0);
+  const json& thrown = report["bodies"][1];
+  EXPECT_NEAR(thrown["position_initial"][2].get<double>(), 2.0, 1e-12);
+  EXPECT_LT(thrown["position_final"][2].get<double>(), 0.0);
+}
+
+TEST_F(WorldProgram, WritesAFolderABody) {
+  const ProgramResult result =
+      run("duration = 0.3\n" + body("shaken", "driven", kShaken) + body("thrown", "free", kThrown),
+          "--out made --every 10 --surfaces 2 --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  std::set<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ + "/made"))
+    if (entry.is_regular_file())
+      files.insert(fs::relative(entry.path(), folder_ + "/made").string());
+  EXPECT_EQ(files, (std::set<std::string>{"report.json", "shaken/frames.csv", "shaken/run.csv",
+                                          "shaken/surface-0000-t0.150000s.ply",
+                                          "shaken/surface-0001-t0.300000s.ply", "thrown/frames.csv",
+                                          "thrown/run.csv", "thrown/surface-0000-t0.150000s.ply",
+                                          "thrown/surface-0001-t0.300000s.ply"}));
+  EXPECT_EQ(json::parse(std::ifstream(folder_ + "/made/report.json")), json::parse(result.out));
+  std::ifstream table(folder_ + "/made/thrown/run.csv");
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line,
+            "t,kinetic,potential,total,high_band,work,dissipated,load,support,gravity,contact,"
+            "friction,damping,x,y,z,qw,qx,qy,qz,px,py,pz,lx,ly,lz");
+  int rows = 0;
+  while (std::getline(table, line)) ++rows;
+  EXPECT_EQ(rows, 11);
+}
+
+TEST_F(WorldProgram, OrderOfBodiesChangesNothing) {
+  const std::string one = body("a", "driven", kShaken), two = body("b", "free", kThrown);
+  const ProgramResult forth = run("duration = 0.6\n" + one + two, "--json");
+  const ProgramResult back = run("duration = 0.6\n" + two + one, "--json");
+  ASSERT_EQ(forth.code + back.code, 0) << forth.err << back.err;
+  const json a = json::parse(forth.out), b = json::parse(back.out);
+  EXPECT_EQ(a["bodies"][0], b["bodies"][1]);
+  EXPECT_EQ(a["bodies"][1], b["bodies"][0]);
+}
+
+TEST_F(WorldProgram, RefusesBeforeAnythingIsWritten) {
+  const auto refused = [this](const std::string& scene, int code, const std::string& words,
+                              const std::string& flags = "") {
+    const ProgramResult result = run(scene, "--out made " + flags);
+    EXPECT_EQ(result.code, code) << result.err;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(flags.empty() ? "scene.toml" : "--"), std::string::npos);
+    EXPECT_FALSE(fs::exists(folder_ + "/made")) << words;
+  };
+  const std::string keys =
+      "[[bodies.motion]]\nkind = \"keyframes\"\ninterpolation = \"linear\"\n"
+      "keys = [[0.1, 0, 0, 0], [0.1, 1, 0, 0]]\n";
+  refused(body("a", "driven", keys), 3, "its pose jumps at t = 0.1 s by 1 m");
+  refused(body("a", "driven", "integrator = \"verlet\"\n"), 3, "is not moved by 'verlet'");
+  refused(body("a", "free", "at = \"vertex:999999\"\nforce = [1, 0, 0]\nload = \"sine\"\n"), 3,
+          "body 'a'");
+  refused(body("a", "driven", "probe = \"nothing\"\n"), 3, "body 'a': --probe");
+  refused("[[bodies]]\nname = \"a\"\nmodel = \"none.tremolo\"\nmade-by = \"./demo\"\n", 1,
+          "there is no such basis file; make it with `./demo`");
+  refused(body("a", "fixed", "mass = 3\n"), 3, "line 5: body 'a': unknown key 'mass'");
+  refused(body("a", "fixed"), 2, "--load is of one body", "--load none");
+  refused(body("a", "fixed"), 2, "unknown integrator", "--integrator euler");
+  refused(body("a", "fixed"), 3, "duration must be positive", "--duration -1");
+  refused("[[bodies]]\nname = \"a\"\nkind = \"free\"\nmodel = \"" + models_ + "/held.tremolo\"\n",
+          3, "--fix none");
+}
+
+TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {
+  for (const char* name : {"tumbling", "shaken-tower", "stopped-horse"}) {
+    // Their models are those of this build.
+    const std::string path = std::string(TREMOLO_SOURCE_DIR "/assets/scenes/") + name + ".toml";
+    std::stringstream text;
+    text << std::ifstream(path).rdbuf();
+    std::string scene = text.str();
+    for (const auto& [from, to] :
+         {std::pair<std::string, std::string>{"../../build/models", TREMOLO_MODEL_DIR},
+          {"\"earthquake.csv\"", "\"" TREMOLO_SOURCE_DIR "/assets/scenes/earthquake.csv\""}})
+      if (const std::size_t at = scene.find(from); at != std::string::npos)
+        scene.replace(at, from.size(), to);
+    const ProgramResult result = run(scene, "--json");
+    ASSERT_EQ(result.code, 0) << name << result.err;
+    const json report = json::parse(result.out);
+    EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-11) << name;
+    EXPECT_GT(report["bodies"][0]["largest_displacement_share"].get<double>(), 0.02) << name;
+    EXPECT_LT(report["bodies"][0]["largest_displacement_share"].get<double>(), 0.3) << name;
+  }
+}
+
+}  // namespace
+}  // namespace tremolo

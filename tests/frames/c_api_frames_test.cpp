@@ -1,0 +1,152 @@
+// Bodies whose frame moves, from C: the same bits as from C++.
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "formats/basis/basis_writer.h"
+#include "runtime/tremolo.h"
+#include "tests/support/frame_models.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kHere[] = {0.0, 0.0, 0.0}, kUpright[] = {1.0, 0.0, 0.0, 0.0};
+
+class CApiFrames : public ::testing::Test {
+ protected:
+  void TearDown() override {
+    tremolo_body_destroy(body_);
+    tremolo_model_release(model_);
+  }
+
+  void make(int32_t frame) {
+    const bool free = frame == TREMOLO_FREE;
+    const testing::StrainModel strain =
+        testing::random_strain_model(testing::spread_omega(4, 14.0, 120.0), 0.2, 3);
+    const auto bytes =
+        encode_basis(testing::basis_of(testing::random_cloud(4, free, 3), strain, free));
+    ASSERT_TRUE(bytes);
+    ASSERT_EQ(tremolo_model_load_memory(bytes->data(), bytes->size(), 0, &model_), TREMOLO_OK)
+        << tremolo_last_error();
+    tremolo_body_options options;
+    tremolo_body_options_init(&options);
+    EXPECT_EQ(options.frame, TREMOLO_FIXED);
+    options.frame = frame;
+    ASSERT_EQ(tremolo_body_create(model_, &options, &body_), TREMOLO_OK) << tremolo_last_error();
+  }
+
+  // The same body in C++.
+  static Body same(FrameKind kind) {
+    return testing::make_framed(
+        testing::frame_model(4, kind == FrameKind::kFree, 14.0, 120.0, 0.2, 3), kind, {});
+  }
+
+  void expect_state(const Body& body) {
+    std::vector<double> q(4), p(4);
+    ASSERT_EQ(tremolo_body_state(body_, q.data(), p.data(), 4), TREMOLO_OK);
+    EXPECT_EQ(Eigen::Map<Eigen::VectorXd>(q.data(), 4), body.state().q);
+    EXPECT_EQ(Eigen::Map<Eigen::VectorXd>(p.data(), 4), body.state().p);
+  }
+
+  tremolo_model* model_ = nullptr;
+  tremolo_body* body_ = nullptr;
+};
+
+TEST_F(CApiFrames, FreeBodyTumblesAsInCpp) {
+  make(TREMOLO_FREE);
+  Body other = same(FrameKind::kFree);
+  const double place[] = {1.0, 2.0, 3.0}, velocity[] = {0.5, 0.0, 1.0}, spin[] = {1.0, -4.0, 7.0},
+               gravity[] = {0.0, 0.0, -9.81}, force[] = {1.0, 2.0, 0.5};
+  ASSERT_EQ(tremolo_body_set_pose(body_, place, kUpright), TREMOLO_OK) << tremolo_last_error();
+  ASSERT_EQ(tremolo_body_set_motion(body_, velocity, spin), TREMOLO_OK);
+  ASSERT_EQ(tremolo_body_set_gravity(body_, gravity), TREMOLO_OK);
+  ASSERT_EQ(tremolo_body_apply_force(body_, 5, force, 10), TREMOLO_OK);
+  ASSERT_TRUE(other.set_pose({Vector3d(place), Eigen::Quaterniond::Identity()}));
+  ASSERT_TRUE(other.set_motion(Vector3d(velocity), Vector3d(spin)));
+  ASSERT_TRUE(other.set_gravity(Vector3d(gravity)));
+  ASSERT_TRUE(other.apply_force(5, Vector3d(force), 10));
+  ASSERT_EQ(tremolo_body_step(body_, 100, nullptr), TREMOLO_OK);
+  testing::steps_of(other, 100);
+  expect_state(other);
+  Vector3d position, linear, angular, moving, turning;
+  double quaternion[4];
+  ASSERT_EQ(tremolo_body_pose(body_, position.data(), quaternion), TREMOLO_OK);
+  ASSERT_EQ(tremolo_body_momentum(body_, linear.data(), angular.data()), TREMOLO_OK);
+  ASSERT_EQ(tremolo_body_motion(body_, moving.data(), turning.data()), TREMOLO_OK);
+  EXPECT_EQ(position, other.pose().position);
+  EXPECT_EQ(quaternion[0], other.pose().rotation.w());
+  EXPECT_EQ(quaternion[3], other.pose().rotation.z());
+  EXPECT_EQ(linear, other.linear_momentum());
+  EXPECT_EQ(angular, other.angular_momentum());
+  EXPECT_EQ(moving, other.rigid_state().velocity);
+  EXPECT_EQ(turning, other.rigid_state().spin);
+  double load = 0.0, support = 1.0, fallen = 0.0, damping = 1.0;
+  ASSERT_EQ(tremolo_body_work(body_, &load, &support, &fallen, &damping), TREMOLO_OK);
+  EXPECT_NE(load, 0.0);
+  EXPECT_EQ(support, 0.0);
+  EXPECT_EQ(fallen, other.gravity_work());
+  EXPECT_EQ(damping, 0.0);
+}
+
+TEST_F(CApiFrames, DrivenBodyFollowsPosesAsInCpp) {
+  make(TREMOLO_DRIVEN);
+  Body other = same(FrameKind::kDriven);
+  for (int k = 1; k <= 100; ++k) {
+    const double place[] = {0.01 * std::sin(0.05 * k), 0.0, 0.02};
+    const double half = 0.01 * k, turn[] = {std::cos(half), 0.0, std::sin(half), 0.0};
+    const tremolo_frame_motion motion = {{1.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, {0.0, 0.1, 0.0}};
+    const bool known = k % 2 == 0;
+    ASSERT_EQ(tremolo_body_move_to(body_, place, turn, known ? &motion : nullptr), TREMOLO_OK);
+    const Pose pose{Vector3d(place), Eigen::Quaterniond(turn[0], turn[1], turn[2], turn[3])};
+    const FrameMotion same = {{1.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, {0.0, 0.1, 0.0}};
+    ASSERT_TRUE(known ? other.move_to(pose, same) : other.move_to(pose));
+    ASSERT_EQ(tremolo_body_step(body_, 1, nullptr), TREMOLO_OK);
+    ASSERT_TRUE(other.step().converged);
+  }
+  expect_state(other);
+}
+
+TEST_F(CApiFrames, WhatIsWrongIsToldAndChangesNothing) {
+  make(TREMOLO_DRIVEN);
+  const double nowhere[] = {NAN, 0.0, 0.0}, longer[] = {2.0, 0.0, 0.0, 0.0};
+  EXPECT_EQ(tremolo_body_set_pose(body_, nowhere, kUpright), TREMOLO_USAGE);
+  EXPECT_NE(std::strstr(tremolo_last_error(), "not finite"), nullptr);
+  EXPECT_EQ(tremolo_body_set_pose(body_, kHere, longer), TREMOLO_USAGE);
+  EXPECT_NE(std::strstr(tremolo_last_error(), "length 2"), nullptr);
+  EXPECT_EQ(tremolo_body_move_to(body_, kHere, longer, nullptr), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_set_motion(body_, kHere, kHere), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_set_gravity(body_, nowhere), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_set_pose(nullptr, kHere, kUpright), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_set_pose(body_, nullptr, kUpright), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_pose(body_, nullptr, nullptr), TREMOLO_OK);
+  EXPECT_EQ(tremolo_body_work(body_, nullptr, nullptr, nullptr, nullptr), TREMOLO_OK);
+  EXPECT_EQ(tremolo_body_momentum(nullptr, nullptr, nullptr), TREMOLO_USAGE);
+  tremolo_body_options options;
+  tremolo_body_options_init(&options);
+  tremolo_body* other = nullptr;
+  options.frame = 7;
+  EXPECT_EQ(tremolo_body_create(model_, &options, &other), TREMOLO_USAGE);
+  EXPECT_NE(std::strstr(tremolo_last_error(), "no frame 7"), nullptr);
+  options.frame = TREMOLO_FREE;
+  EXPECT_EQ(tremolo_body_create(model_, &options, &other), TREMOLO_USAGE);
+  // A program that knows the shorter struct gets a fixed body.
+  options.size = offsetof(tremolo_body_options, frame);
+  ASSERT_EQ(tremolo_body_create(model_, &options, &other), TREMOLO_OK) << tremolo_last_error();
+  EXPECT_EQ(tremolo_body_set_pose(other, kHere, kUpright), TREMOLO_USAGE);
+  tremolo_body_destroy(other);
+  options.size = sizeof(options);
+  options.frame = TREMOLO_DRIVEN;
+  tremolo_world* world = nullptr;
+  uint32_t group = 0;
+  ASSERT_EQ(tremolo_world_create(1, &world), TREMOLO_OK);
+  EXPECT_EQ(tremolo_world_add_group(world, model_, &options, nullptr, &group), TREMOLO_USAGE);
+  tremolo_world_destroy(world);
+}
+
+}  // namespace
+}  // namespace tremolo

@@ -1,0 +1,74 @@
+// Nothing is allocated in a step of a scene, whatever moves: this executable counts its mallocs, in
+// which operator new and Eigen end, where the C library lets it.
+#include <atomic>
+#include <cstddef>
+
+#include <gtest/gtest.h>
+
+#include "runtime/scene/scene_world.h"
+#include "tests/support/frame_models.h"
+
+#if defined(__GLIBC__) && !defined(TREMOLO_SANITIZED)
+namespace {
+std::atomic<long> scene_mallocs = 0;
+}
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+void* malloc(std::size_t size) {
+  ++scene_mallocs;
+  return __libc_malloc(size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  ++scene_mallocs;
+  return __libc_memalign(alignment, size);
+}
+}
+
+namespace tremolo {
+namespace {
+
+TEST(SceneAllocation, StepsOfAllKindsOfFramesAllocateNothing) {
+  Scene scene;
+  scene.gravity.times = {0.0, 1.0};
+  scene.gravity.values = {{0.0, 0.0, 0.0}, {0.0, 0.0, -9.81}};
+  for (const char* method : {"avf", "ep2", "ep4", "newmark", "imexv"})
+    for (const FrameKind kind : {FrameKind::kFixed, FrameKind::kDriven, FrameKind::kFree}) {
+      const std::string_view name = method;
+      if (kind == FrameKind::kFree && (name == "newmark" || name == "imexv")) continue;
+      SceneBody body;
+      body.name = std::string(method) + std::to_string(static_cast<int>(kind));
+      body.model = kind == FrameKind::kFree ? "free" : "held";
+      body.kind = kind;
+      body.integrator = method;
+      body.options.beta = 1e-3;
+      if (kind == FrameKind::kFree) body.spin = {1.0, 5.0, 2.0};
+      if (kind == FrameKind::kDriven) {
+        KeyframeMotion keys;
+        for (int k = 0; k < 5; ++k)
+          keys.keys.push_back({0.1 * k, {{0.01 * k * k, 0.0, 0.0}, turn_by({0.1 * k, 0.0, 0.0})}});
+        body.motion.parts = {
+            keys, SpinMotion{{0, 0, 1}, {0, 0, 0}, 3.0, {}},
+            ShakeMotion{{0.01, 0, 0}, 4.0, {.start = 0.0, .end = 2.0, .ramp = 0.1}}};
+      }
+      SceneLoad load;
+      load.signal = {.kind = SignalKind::kSine};
+      body.loads = {load};
+      scene.bodies.push_back(body);
+    }
+  Result<SceneWorld> world = SceneWorld::create(scene, [](const SceneBody& body) {
+    return Result<Model::Pointer>(testing::frame_model(6, body.model == "free", 14.0, 120.0));
+  });
+  ASSERT_TRUE(world) << world.error().message;
+  for (int k = 0; k < 3; ++k) ASSERT_TRUE(world->step().empty());
+  const long before = scene_mallocs;
+  bool good = true;
+  for (int k = 0; k < 200; ++k) good = good && world->step().empty();
+  const long after = scene_mallocs;
+  EXPECT_TRUE(good);
+  EXPECT_EQ(after - before, 0);
+}
+
+}  // namespace
+}  // namespace tremolo
+#endif

@@ -1,0 +1,27 @@
+// Scenes with [[bodies]]: whatever is read is a scene that check_scene() lets pass.
+#include <array>
+
+#include "runtime/integrator.h"
+#include "runtime/scene_reader/scene_reader.h"
+#include "tests/fuzz/harness.h"
+
+// The methods themselves would take minutes to build.
+std::span<const std::string_view> tremolo::integrator_names() {
+  static constexpr std::array<std::string_view, 2> kNames = {"ep4", "imexv"};
+  return kNames;
+}
+
+void tremolo::fuzz::read_input(std::string_view bytes) {
+  const Result<SceneFile> file = parse_world(bytes, "folder/input.toml");
+  check_error(file);
+  if (!file) return;
+  if (file->scene.bodies.empty()) finding("a scene without a body");
+  for (const SceneBody& body : file->scene.bodies) {
+    if (body.name.empty() || body.model.empty() || body.name.find('/') != std::string::npos)
+      finding("a body without a name or a model");
+    const Result<MotionPath> path = MotionPath::create(body.motion, body.pose);
+    if (!path) finding("a motion that is none");
+    for (const double t : {-1.0, 0.0, 0.5, 1e3})
+      if (!pose_problem(path->pose(t)).empty()) finding("a pose that is none");
+  }
+}

@@ -1,0 +1,227 @@
+// Scene files: what is read, and what is told of what is wrong.
+#include "runtime/scene_reader/scene_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "runtime/program/world/run_world.h"
+#include "tests/support/temporary_folder.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+const std::string kBody = "[[bodies]]\nname = \"a\"\nmodel = \"m.tremolo\"\n";
+const std::string kDriven = kBody + "kind = \"driven\"\n";
+
+SceneFile read_scene_text(const std::string& text, const std::string& path = "folder/s.toml") {
+  Result<SceneFile> file = parse_world(text, path);
+  EXPECT_TRUE(file) << (file ? "" : file.error().message);
+  return file ? *file : SceneFile{};
+}
+
+void expect_refused(const std::string& text, const std::string& words,
+                    const std::string& path = "folder/s.toml") {
+  const Result<SceneFile> file = parse_world(text, path);
+  ASSERT_FALSE(file) << text;
+  EXPECT_EQ(file.error().kind, ErrorKind::kContent);
+  EXPECT_NE(file.error().message.find(words), std::string::npos) << file.error().message;
+  EXPECT_EQ(file.error().message.find(path), 0U) << file.error().message;
+}
+
+TEST(SceneReader, KnowsAWorldByItsBodies) {
+  EXPECT_TRUE(*is_world(kBody, "s.toml"));
+  EXPECT_FALSE(*is_world("[horse]\nmodel = \"a\"\n", "s.toml"));
+  EXPECT_FALSE(*is_world("[bodies]\nmodel = \"a\"\n", "s.toml"));
+  EXPECT_FALSE(is_world("[", "s.toml"));
+}
+
+TEST(SceneReader, ReadsBodies) {
+  const SceneFile file = read_scene_text(
+      "step = 1e-3\nduration = 2\ngravity = [0, 1, -9.5]\nout = \"there\"\nsurfaces = 3\n"
+      "surface-format = \"obj\"\n" +
+      kBody +
+      "kind = \"free\"\nintegrator = \"ep2\"\nalpha = 0.5\nbeta = 1e-3\ntolerance = 1e-8\n"
+      "max-iterations = 7\nmodes = 4\nlinear = true\nposition = [1, 2, 3]\n"
+      "turn = [0, 0, 2, 90]\nvelocity = [1, 0, 0]\nspin = [0, 5, 0]\nprobe = [3, \"x>0\"]\n"
+      "coordinate = \"all\"\nvelocities = true\nload = \"square\"\nat = 17\nforce = [1, 2, 3]\n"
+      "scale = 2\n[[bodies]]\nname = \"b\"\nmodel = \"/n\"\nstart = \"static\"\n"
+      "[[bodies.loads]]\nat = \"z>1\"\nforce = [0, 0, 1]\n[[bodies.loads]]\nload = \"sine\"\n");
+  EXPECT_EQ(file.scene.step, 1e-3);
+  EXPECT_EQ(file.scene.gravity.at(1.0), Vector3d(0.0, 1.0, -9.5));
+  EXPECT_EQ(file.outputs.out, "there");
+  EXPECT_EQ(file.outputs.surface_format, "obj");
+  ASSERT_EQ(file.scene.bodies.size(), 2U);
+  const SceneBody& a = file.scene.bodies[0];
+  EXPECT_EQ(a.model, "folder/m.tremolo");
+  EXPECT_EQ(a.kind, FrameKind::kFree);
+  EXPECT_EQ(a.integrator, "ep2");
+  EXPECT_EQ(a.options.alpha, 0.5);
+  EXPECT_EQ(a.options.max_iterations, 7);
+  EXPECT_EQ(a.model_options.modes, 4);
+  EXPECT_TRUE(a.model_options.linear);
+  EXPECT_NEAR(a.pose.rotation.z(), std::sqrt(0.5), 1e-15);
+  EXPECT_EQ(a.pose.position, Vector3d(1.0, 2.0, 3.0));
+  EXPECT_EQ(a.velocity, Vector3d(1.0, 0.0, 0.0));
+  EXPECT_EQ(a.spin, Vector3d(0.0, 5.0, 0.0));
+  EXPECT_EQ(a.columns.probes, (std::vector<std::string>{"3", "x>0"}));
+  ASSERT_EQ(a.loads.size(), 1U);
+  EXPECT_EQ(a.loads[0].at, "17");
+  EXPECT_EQ(a.loads[0].force, Vector3d(1.0, 2.0, 3.0));
+  EXPECT_EQ(a.loads[0].scale, 2.0);
+  const SceneBody& b = file.scene.bodies[1];
+  EXPECT_EQ(b.model, "/n");
+  EXPECT_EQ(b.kind, FrameKind::kFixed);
+  EXPECT_EQ(b.integrator, "ep4");
+  EXPECT_TRUE(b.settled);
+  ASSERT_EQ(b.loads.size(), 2U);
+  EXPECT_EQ(b.loads[0].signal.kind, SignalKind::kSquare);
+  EXPECT_EQ(b.loads[1].signal.kind, SignalKind::kSine);
+}
+
+TEST(SceneReader, ReadsMotions) {
+  const SceneFile file = read_scene_text(
+      kDriven +
+      "[[bodies.motion]]\nkind = \"shake\"\namplitude = [0.1, 0, 0]\nfrequency = 4\nstart = 1\n"
+      "duration = 3\n[[bodies.motion]]\nkind = \"spin\"\naxis = [0, 0, 1]\nrate = 2\n"
+      "[[bodies.motion]]\nkind = \"glide\"\nvelocity = [1, 0, 0]\nstop = 2\nramp = 0.2\n"
+      "[[bodies.motion]]\nkind = \"fall\"\nacceleration = [0, 0, -9]\nstop = 1\n"
+      "[[bodies.motion]]\nkind = \"keyframes\"\ninterpolation = \"linear\"\n"
+      "keys = [[0, 0, 0, 0], [1, 1, 0, 0]]\n");
+  const std::vector<MotionPart>& parts = file.scene.bodies[0].motion.parts;
+  ASSERT_EQ(parts.size(), 5U);
+  const auto& shake = std::get<ShakeMotion>(parts[0]);
+  EXPECT_EQ(shake.course.start, 1.0);
+  EXPECT_EQ(shake.course.ramp, 0.25);  // a period
+  EXPECT_EQ(shake.course.end, 3.75);   // the ramp down ends at 4
+  EXPECT_EQ(std::get<SpinMotion>(parts[1]).course.start, kSinceEver);
+  EXPECT_EQ(std::get<GlideMotion>(parts[2]).course.end, 2.0);
+  EXPECT_EQ(std::get<FallMotion>(parts[3]).course.start, 0.0);
+  EXPECT_EQ(std::get<KeyframeMotion>(parts[4]).interpolation, Interpolation::kLinear);
+}
+
+TEST(SceneReader, ReadsCsvFilesBesideTheScene) {
+  const std::string folder = testing::fresh_folder();
+  std::ofstream(folder + "/poses.csv") << "t,x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n1,2,0,0,0,1,0,0\n";
+  std::ofstream(folder + "/quake.csv") << "# a record\nt,ax,ay,az\n0 0 0 0\n1 2 0 0\n2 0 0 0\n";
+  std::ofstream(folder + "/gravity.csv") << "0,0,0,-9\n1,0,0,0\n";
+  std::ofstream(folder + "/course.csv") << "0,0\n1,2\n";
+  const SceneFile file = read_scene_text(
+      "gravity = \"gravity.csv\"\n" + kDriven +
+          "signal = \"course.csv\"\n[[bodies.motion]]\nkind = \"csv\"\nfile = \"poses.csv\"\n"
+          "start = 3\nscale = 0.5\n[[bodies.motion]]\nkind = \"csv\"\nfile = \"quake.csv\"\n"
+          "quantity = \"acceleration\"\n",
+      folder + "/s.toml");
+  EXPECT_EQ(file.files.size(), 4U);
+  EXPECT_EQ(file.scene.gravity.at(0.5), Vector3d(0.0, 0.0, -4.5));
+  ASSERT_EQ(file.scene.bodies.size(), 1U);
+  const SceneBody& body = file.scene.bodies[0];
+  EXPECT_EQ(body.loads[0].table->values[1], 2.0);
+  const auto& keys = std::get<KeyframeMotion>(body.motion.parts[0]);
+  EXPECT_EQ(keys.keys[1].time, 4.0);
+  EXPECT_EQ(keys.keys[1].pose.position.x(), 1.0);
+  EXPECT_EQ(keys.keys[1].pose.rotation.x(), 1.0);
+  EXPECT_EQ(std::get<RecordMotion>(body.motion.parts[1]).accelerations[1].x(), 2.0);
+}
+
+TEST(SceneReader, TellsFileLineAndKeyOfWhatIsWrong) {
+  expect_refused("stop = 1\n" + kBody, "line 1: unknown key 'stop'");
+  expect_refused(kBody + "weight = 1\n", "line 4: body 'a': unknown key 'weight'");
+  expect_refused(kBody + "position = [1, 2]\n",
+                 "line 4: body 'a': 'position' must be a list of 3 finite numbers");
+  expect_refused(kBody + "position = [1, 2, nan]\n", "3 finite numbers");
+  expect_refused(kBody + "quaternion = [1, 1, 0, 0]\n",
+                 "line 4: body 'a': the quaternion is of length 1.41421, must be 1");
+  expect_refused(kBody + "turn = [0, 0, 1, 9]\nquaternion = [1, 0, 0, 0]\n", "say one thing");
+  expect_refused(kBody + "kind = \"loose\"\n", "must be one of fixed, driven, free");
+  expect_refused(kBody + "integrator = \"euler\"\n", "unknown integrator 'euler'");
+  expect_refused(kBody + "split = \"some\"\n", "line 4: body 'a'");
+  expect_refused("[[bodies]]\nmodel = \"m\"\n", "body 1: it has no `name`");
+  expect_refused("[[bodies]]\nname = \"a\"\n", "body 'a': it names no `model`");
+  expect_refused("[[bodies]]\nname = \"a/b\"\nmodel = \"m\"\n", "letters, digits");
+  expect_refused(kBody + kBody, "two bodies are named 'a'");
+  expect_refused("bodies = []\n", "the scene has no body");
+  expect_refused("bodies = [1]\n", "'bodies' must be a table or a list of tables");
+  expect_refused("gravity = [1, 2]\n" + kBody, "line 1: 'gravity' must be");
+  expect_refused("gravity = [[1, 0, 0, 0], [0, 0, 0, 0]]\n" + kBody, "the times must ascend");
+  expect_refused("step = -1\n" + kBody, "step must be positive");
+  expect_refused("[[colliders]]\nshape = \"plane\"\n" + kBody, "'colliders' are not there yet");
+  expect_refused("[[hands]]\nbody = \"a\"\n" + kBody, "'hands' are not there yet");
+  expect_refused(kBody + "at = 3\n", "`at` and `force` belong together");
+  expect_refused(kBody + "at = 3\nforce = [1, 0, 0]\n", "say `load` or `signal`");
+  expect_refused(kBody + "load = \"triangle\"\n", "unknown load 'triangle'");
+}
+
+TEST(SceneReader, TellsWhatIsWrongWithAMotion) {
+  const auto with = [](const std::string& keys) { return kDriven + "[[bodies.motion]]\n" + keys; };
+  expect_refused(with("rate = 1\n"), "body 'a', motion: it needs a `kind`");
+  expect_refused(with("kind = \"jump\"\n"),
+                 "must be one of shake, spin, glide, fall, keyframes, csv");
+  expect_refused(with("kind = \"shake\"\nfrequency = 0\n"), "its frequency must be positive");
+  expect_refused(with("kind = \"spin\"\nspeed = 3\n"),
+                 "line 7: body 'a', motion: unknown key 'speed'");
+  expect_refused(with("kind = \"glide\"\nstart = 0\nstop = 1\nduration = 2\n"), "say one thing");
+  expect_refused(with("kind = \"keyframes\"\nkeys = [[0, 1]]\n"), "must be a list of lists");
+  expect_refused(with("kind = \"keyframes\"\nkeys = [[0, 0, 0, 0, 2, 0, 0, 0]]\n"),
+                 "key 1: the quaternion is of length 2");
+  expect_refused(with("kind = \"csv\"\n"), "needs a `file`");
+  expect_refused(kBody + "[[bodies.motion]]\nkind = \"glide\"\n",
+                 "a motion moves a driven body only");
+  const Result<SceneFile> missing =
+      parse_world(with("kind = \"csv\"\nfile = \"none.csv\"\n"), "s.toml");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().kind, ErrorKind::kSystem);
+  EXPECT_NE(missing.error().message.find("none.csv"), std::string::npos);
+}
+
+TEST(SceneReader, TellsTheLineOfACsvFile) {
+  const std::string folder = testing::fresh_folder();
+  const auto refused = [&](const std::string& rows, const std::string& words) {
+    std::ofstream(folder + "/m.csv") << rows;
+    const Result<SceneFile> file = parse_world(
+        kDriven + "[[bodies.motion]]\nkind = \"csv\"\nfile = \"m.csv\"\n", folder + "/s.toml");
+    ASSERT_FALSE(file);
+    EXPECT_EQ(file.error().message.find(folder + "/m.csv"), 0U) << file.error().message;
+    EXPECT_NE(file.error().message.find(words), std::string::npos) << file.error().message;
+  };
+  refused("t,x,y,z\n0,0,0,0\n1,0,0\n", "line 3");
+  refused("t,x,y,z\n0,0,0,zero\n", "line 2");
+  refused("0,0,0,0\n1,0,0,0\n0.5,0,0,0\n", "moment 3 is earlier");
+  refused("t,x,y,z\n", "no rows");
+}
+
+TEST(WorldFlags, WinOverTheSceneAndAreRefusedWhereTheyAreOfOneBody) {
+  SceneFile file = read_scene_text("step = 1e-3\nduration = 5\n" + kBody);
+  RunOptions flags;
+  flags.step = 2e-3;
+  flags.duration = 9.0;
+  flags.integrator = "ep2";
+  const auto apply = [&](std::vector<std::string> given) {
+    return apply_flags(
+        flags,
+        [&given](const char* flag) {
+          return std::find(given.begin(), given.end(), flag) != given.end();
+        },
+        file);
+  };
+  ASSERT_TRUE(apply({"--step", "--integrator"}));
+  EXPECT_EQ(file.scene.step, 2e-3);
+  EXPECT_EQ(file.scene.duration, 5.0);
+  EXPECT_EQ(file.scene.bodies[0].integrator, "ep2");
+  const Status one = apply({"--deflect"});
+  ASSERT_FALSE(one);
+  EXPECT_EQ(one.error().kind, ErrorKind::kUsage);
+  flags.integrator = "euler";
+  EXPECT_EQ(apply({"--integrator"}).error().kind, ErrorKind::kUsage);
+  flags.duration = -1.0;
+  EXPECT_EQ(apply({"--duration"}).error().kind, ErrorKind::kContent);
+}
+
+}  // namespace
+}  // namespace tremolo
