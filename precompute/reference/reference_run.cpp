@@ -25,10 +25,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 std::vector<VertexId> probe_vertices(const ReferenceOptions& options, const TetMesh& mesh) {
   std::vector<VertexId> ids;
   for (const std::string& text : options.probes) {
