@@ -48,12 +48,14 @@ build() {
   [ $# -gt 0 ] && shift
   [ $# -gt 0 ] && targets=(--target "$@")
   say "building ($preset)"
-  # A tree that was configured with another generator keeps it.
-  local generator=() tree=build
+  # A new tree compiles the files of a target by eights, which takes two thirds of the time. One that
+  # was configured otherwise stays as it is.
+  local fresh=() tree=build
   [ "$preset" = release ] || tree=build/$preset
-  [ -e "$tree/CMakeCache.txt" ] || generator=(-G Ninja)
+  [ -e "$tree/CMakeCache.txt" ] ||
+    fresh=(-G Ninja -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8)
   mkdir -p "$tree"
-  cmake --preset "$preset" "${generator[@]}" "${options[@]}" >"$tree/configure.log" 2>&1 ||
+  cmake --preset "$preset" "${fresh[@]}" "${options[@]}" >"$tree/configure.log" 2>&1 ||
     { cat "$tree/configure.log" >&2; give_up "cmake could not configure"; }
   cmake --build --preset "$preset" --parallel "$(nproc)" "${targets[@]}" ||
     give_up "the build failed"

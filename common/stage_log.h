@@ -18,6 +18,10 @@ struct StageRecord {
   std::string limit_reason;      // what that time is made of
 };
 
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 // Collects stages and, unless quiet, prints a line a stage on stderr: the name when it begins (only
 // on a terminal), name, seconds, peak and detail when it ends, and the limit if there is one.
 class StageLog {

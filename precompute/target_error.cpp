@@ -12,6 +12,8 @@
 namespace tremolo {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr int kMostLinearModes = 24;
 constexpr int kMostGrowths = 2;
 
@@ -83,7 +85,6 @@ std::string table_text(const TargetFindings& findings) {
 }
 
 nlohmann::ordered_json target_json(const std::optional<TargetFindings>& findings) {
-  using Json = nlohmann::ordered_json;
   if (!findings) return nullptr;
   const auto numbers = [](const TargetRow& row) {
     return Json{{"modes", row.modes},

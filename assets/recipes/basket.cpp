@@ -22,7 +22,7 @@ constexpr double kWeaverRadius = 0.0076;
 constexpr double kFirstWeaver = 0.031;  // z of the lowest weaver
 constexpr double kWeaverPitch = 0.020;
 constexpr double kWave = 0.0048;       // how far a weaver swings in and out
-constexpr double kFillet = 0.008;      // rounds the creases between fused canes
+constexpr double kCaneFillet = 0.008;  // rounds the creases between fused canes
 constexpr double kRopeFillet = 0.005;  // the same between the two strands of a rope
 constexpr double kHandleTop = 0.265;
 
@@ -107,9 +107,9 @@ double basket_distance(const Point& p) {
   const Polar polar{std::hypot(p.x(), p.y()), std::atan2(p.y(), p.x()), p.z()};
   double wall = std::min(rim(polar), foot_ring(polar));
   for (int row = 0; row < kWeavers; ++row) wall = std::min(wall, weaver(polar, row));
-  double d = shapes::smooth_union(wall, stake(p, polar), kFillet);
-  d = shapes::smooth_union(d, floor_plate(polar), kFillet);
-  d = shapes::smooth_union(d, handle(p), kFillet);
+  double d = shapes::smooth_union(wall, stake(p, polar), kCaneFillet);
+  d = shapes::smooth_union(d, floor_plate(polar), kCaneFillet);
+  d = shapes::smooth_union(d, handle(p), kCaneFillet);
   return 0.85 * d;  // the weavers' swing steepens the function by up to a sixth
 }
 

@@ -20,12 +20,12 @@ constexpr double kDeck = 0.075;      // height of the deck's middle
 constexpr double kHalfDeck = 0.008;
 constexpr double kRib = 0.0095;
 constexpr double kHanger = 0.0056;
-constexpr double kBrace = 0.006;
-constexpr double kFillet = 0.006;
+constexpr double kWindBrace = 0.006;
+constexpr double kBridgeFillet = 0.006;
 constexpr int kPanels = 10;
 constexpr int kArchPieces = 40;
 
-struct Rod {
+struct BridgeRod {
   Point a, b;
   double radius;
 };
@@ -37,8 +37,8 @@ Point rib_at(double x, int side) {
   return {x, side * (kHalfWidth - 0.09 * rise), kDeck - 0.012 + rise};
 }
 
-std::vector<Rod> make_rods() {
-  std::vector<Rod> rods;
+std::vector<BridgeRod> make_rods() {
+  std::vector<BridgeRod> rods;
   for (const int side : {-1, 1}) {
     for (int i = 0; i < kArchPieces; ++i) {
       const double x = kHalfSpan * (2.0 * i / kArchPieces - 1.0);
@@ -55,20 +55,20 @@ std::vector<Rod> make_rods() {
     const double x = kHalfSpan * (2.0 * i / kPanels - 1.0);
     const double next = x + 2.0 * kHalfSpan / kPanels;
     const int side = i % 2 == 0 ? 1 : -1;
-    rods.push_back({rib_at(x, -1), rib_at(x, 1), kBrace});
-    if (i < kPanels - 3) rods.push_back({rib_at(x, side), rib_at(next, -side), kBrace});
+    rods.push_back({rib_at(x, -1), rib_at(x, 1), kWindBrace});
+    if (i < kPanels - 3) rods.push_back({rib_at(x, side), rib_at(next, -side), kWindBrace});
   }
   return rods;
 }
 
-double rods_distance(const std::vector<Rod>& rods, const Point& p, double far) {
+double rods_distance(const std::vector<BridgeRod>& rods, const Point& p, double far) {
   double nearest = far;
-  for (const Rod& rod : rods) {
+  for (const BridgeRod& rod : rods) {
     // Cheaper than the capsule: most rods are too far away to matter.
     const double centre = (p - 0.5 * (rod.a + rod.b)).norm() - 0.5 * (rod.b - rod.a).norm();
-    if (centre - rod.radius > nearest + kFillet) continue;
+    if (centre - rod.radius > nearest + kBridgeFillet) continue;
     nearest = shapes::smooth_union(
-        nearest, shapes::capsule(p, rod.a, rod.b, rod.radius, rod.radius), kFillet);
+        nearest, shapes::capsule(p, rod.a, rod.b, rod.radius, rod.radius), kBridgeFillet);
   }
   return nearest;
 }
@@ -82,14 +82,14 @@ double deck_distance(const Point& p) {
         shapes::smooth_union(abutments,
                              shapes::box(p, Point(end * (kHalfSpan + 0.012), 0, 0.5 * kDeck),
                                          Point(0.03, kHalfWidth + 0.02, 0.5 * kDeck), 0.008),
-                             kFillet);
+                             kBridgeFillet);
   return abutments;
 }
 
 }  // namespace
 
 Recipe bridge_recipe() {
-  const auto rods = std::make_shared<const std::vector<Rod>>(make_rods());
+  const auto rods = std::make_shared<const std::vector<BridgeRod>>(make_rods());
   Recipe recipe;
   recipe.name = "bridge";
   recipe.bounds = {{-0.36, -0.1, -0.01}, {0.36, 0.1, 0.26}};

@@ -14,7 +14,7 @@ namespace {
 
 using shapes::Point;
 
-constexpr double kScale = 0.02;
+constexpr double kHeartScale = 0.02;
 constexpr double kLift = 6.6;  // cm
 
 // A vessel that ends in the air: its tube, and the hollow of its cut end.
@@ -200,15 +200,15 @@ Recipe heart_recipe() {
   const Point lift(0.0, 0.0, kLift);
   Recipe recipe;
   recipe.name = "heart";
-  recipe.bounds = {Point(-6.0, -4.6, -6.9) * kScale + kScale * lift,
-                   Point(5.6, 5.2, 10.6) * kScale + kScale * lift};
+  recipe.bounds = {Point(-6.0, -4.6, -6.9) * kHeartScale + kHeartScale * lift,
+                   Point(5.6, 5.2, 10.6) * kHeartScale + kHeartScale * lift};
   recipe.distance = [heart, lift](const Point& p) {
-    return kScale * heart_distance(*heart, p / kScale - lift);
+    return kHeartScale * heart_distance(*heart, p / kHeartScale - lift);
   };
   recipe.size = [heart, lift](const Point& p) {
-    return kScale * heart_size(*heart, p / kScale - lift);
+    return kHeartScale * heart_size(*heart, p / kHeartScale - lift);
   };
-  recipe.surface_error = 0.04 * kScale;
+  recipe.surface_error = 0.04 * kHeartScale;
   return recipe;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 using Point = Eigen::Vector3d;
 
-constexpr double kScale = 0.1;
+constexpr double kHorseScale = 0.1;
 
 struct Horse {
   Strand trunk{{{{-0.60, 0.0, 1.31}, 0.235},
@@ -176,10 +176,14 @@ Recipe horse_recipe() {
   const auto horse = std::make_shared<const Horse>(make_horse());
   Recipe recipe;
   recipe.name = "horse";
-  recipe.bounds = {Point(-1.15, -0.42, -0.03) * kScale, Point(1.5, 0.42, 2.35) * kScale};
-  recipe.distance = [horse](const Point& p) { return kScale * horse_distance(*horse, p / kScale); };
-  recipe.size = [horse](const Point& p) { return kScale * horse_size(*horse, p / kScale); };
-  recipe.surface_error = 0.0055 * kScale;
+  recipe.bounds = {Point(-1.15, -0.42, -0.03) * kHorseScale, Point(1.5, 0.42, 2.35) * kHorseScale};
+  recipe.distance = [horse](const Point& p) {
+    return kHorseScale * horse_distance(*horse, p / kHorseScale);
+  };
+  recipe.size = [horse](const Point& p) {
+    return kHorseScale * horse_size(*horse, p / kHorseScale);
+  };
+  recipe.surface_error = 0.0055 * kHorseScale;
   return recipe;
 }
 

@@ -20,11 +20,11 @@ constexpr double kSecond = 0.185;
 constexpr double kThird = 0.41;
 constexpr double kTop = 0.5;
 constexpr double kChord = 0.0046;
-constexpr double kBrace = 0.0037;
-constexpr double kFillet = 0.003;
+constexpr double kTowerBrace = 0.0037;
+constexpr double kTowerFillet = 0.003;
 constexpr double kStretch = 1.04;  // of y against x
 
-struct Rod {
+struct TowerRod {
   Point a, b;
   double ra, rb;
   Point middle;
@@ -32,7 +32,7 @@ struct Rod {
 };
 
 struct Tower {
-  std::vector<Rod> rods;
+  std::vector<TowerRod> rods;
   void add(const Point& a, const Point& b, double ra, double rb) {
     const Point p(a.x(), kStretch * a.y(), a.z());
     const Point q(b.x(), kStretch * b.y(), b.z());
@@ -68,11 +68,11 @@ void add_leg_panel(Tower& tower, int leg, double low, double high) {
     const Point c = leg_corner(leg, corner, high);
     const Point d = leg_corner(leg, next, high);
     tower.add(a, c, kChord, kChord);
-    tower.add(c, d, kBrace, kBrace);
+    tower.add(c, d, kTowerBrace, kTowerBrace);
     // The two outer faces are seen: they have crosses.
     if (corner == 1 || corner == 2) continue;
-    tower.add(a, d, kBrace, kBrace);
-    tower.add(b, c, kBrace, kBrace);
+    tower.add(a, d, kTowerBrace, kTowerBrace);
+    tower.add(b, c, kTowerBrace, kTowerBrace);
   }
 }
 
@@ -98,9 +98,9 @@ void add_shaft(Tower& tower) {
       const Point c = shaft_corner(corner, kLevels[i + 1]);
       const Point d = shaft_corner(next, kLevels[i + 1]);
       tower.add(a, c, kChord, kChord);
-      tower.add(c, d, kBrace, kBrace);
-      tower.add(a, d, kBrace, kBrace);
-      tower.add(b, c, kBrace, kBrace);
+      tower.add(c, d, kTowerBrace, kTowerBrace);
+      tower.add(a, d, kTowerBrace, kTowerBrace);
+      tower.add(b, c, kTowerBrace, kTowerBrace);
     }
 }
 
@@ -117,18 +117,18 @@ void add_arches(Tower& tower) {
   };
   for (int side = 0; side < 4; ++side)
     for (int i = 0; i < kPieces; ++i)
-      tower.add(at(side, static_cast<double>(i) / kPieces), at(side, (i + 1.0) / kPieces), kBrace,
-                kBrace);
+      tower.add(at(side, static_cast<double>(i) / kPieces), at(side, (i + 1.0) / kPieces),
+                kTowerBrace, kTowerBrace);
 }
 
 double rods_distance(const Tower& tower, const Point& p, double far) {
   double nearest = far;
-  for (const Rod& rod : tower.rods) {
+  for (const TowerRod& rod : tower.rods) {
     // Cheaper than the capsule: most rods are too far away to matter.
-    const double limit = nearest + kFillet + rod.reach;
+    const double limit = nearest + kTowerFillet + rod.reach;
     if (limit > 0.0 && (p - rod.middle).squaredNorm() > limit * limit) continue;
-    nearest =
-        shapes::smooth_union(nearest, shapes::capsule(p, rod.a, rod.b, rod.ra, rod.rb), kFillet);
+    nearest = shapes::smooth_union(nearest, shapes::capsule(p, rod.a, rod.b, rod.ra, rod.rb),
+                                   kTowerFillet);
   }
   return nearest;
 }
@@ -149,7 +149,7 @@ double solids_distance(const Point& p) {
       shapes::capsule(p, Point(0, 0, kThird), Point(0, 0, kThird + 0.024), 0.0095, 0.007);
   const double spire =
       shapes::capsule(p, Point(0, 0, kThird + 0.02), Point(0, 0, kTop), 0.0055, 0.0028);
-  nearest = shapes::smooth_union(nearest, std::min(cabin, spire), kFillet);
+  nearest = shapes::smooth_union(nearest, std::min(cabin, spire), kTowerFillet);
   for (int leg = 0; leg < 4; ++leg) {
     const Point foot = 0.5 * (leg_corner(leg, 0, 0.006) + leg_corner(leg, 2, 0.006));
     nearest = std::min(nearest, shapes::box(p, Point(foot.x(), kStretch * foot.y(), 0.006),

@@ -15,6 +15,9 @@
 
 namespace tremolo {
 
+// Whether numbers of a little-endian file have the other byte order than this machine.
+inline constexpr bool kSwapsLittleEndian = std::endian::native != std::endian::little;
+
 // Walks over bytes that must outlive it. A read that fails returns false and leaves an error
 // (kContent) that names file and byte offset, what was expected and what was found.
 class ByteScanner {

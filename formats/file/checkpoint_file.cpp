@@ -11,7 +11,7 @@
 namespace tremolo {
 namespace {
 
-using namespace checkpoint_layout;
+namespace layout = checkpoint_layout;
 
 // 0: unknown.
 std::uint64_t element_size(ArrayType type) {
@@ -39,11 +39,11 @@ Status check_arrays(const std::string& path, std::span<const NamedArray> arrays)
   const auto bad = [&path](const NamedArray& array, const char* what) {
     return content_error(path + ": array '" + array.name + "': " + what);
   };
-  if (arrays.empty() || arrays.size() > kMaxArrays)
+  if (arrays.empty() || arrays.size() > layout::kMaxArrays)
     return content_error(path + ": no arrays, or too many");
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     const NamedArray& array = arrays[i];
-    if (array.name.empty() || array.name.size() > kNameSize ||
+    if (array.name.empty() || array.name.size() > layout::kNameSize ||
         array.name.find('\0') != std::string::npos)
       return bad(array, "no name for an array");
     for (std::size_t other = 0; other < i; ++other)
@@ -57,25 +57,25 @@ Status check_arrays(const std::string& path, std::span<const NamedArray> arrays)
 
 // Header and table.
 std::vector<std::byte> encode_front(std::span<const NamedArray> arrays) {
-  std::vector<std::byte> front(kHeaderSize + arrays.size() * kEntrySize);
-  const std::span<std::byte> header = std::span(front).first(kHeaderSize);
-  const std::span<std::byte> table = std::span(front).subspan(kHeaderSize);
+  std::vector<std::byte> front(layout::kHeaderSize + arrays.size() * layout::kEntrySize);
+  const std::span<std::byte> header = std::span(front).first(layout::kHeaderSize);
+  const std::span<std::byte> table = std::span(front).subspan(layout::kHeaderSize);
   std::uint64_t size = front.size();
   for (std::size_t i = 0; i < arrays.size(); ++i) {
-    const std::span<std::byte> entry = table.subspan(i * kEntrySize, kEntrySize);
+    const std::span<std::byte> entry = table.subspan(i * layout::kEntrySize, layout::kEntrySize);
     std::memcpy(entry.data(), arrays[i].name.data(), arrays[i].name.size());
-    put(entry, kTypeAt, arrays[i].type);
-    put(entry, kRowsAt, arrays[i].rows);
-    put(entry, kColumnsAt, arrays[i].columns);
-    put(entry, kHashAt, hash_bytes(arrays[i].bytes));
+    put(entry, layout::kTypeAt, arrays[i].type);
+    put(entry, layout::kRowsAt, arrays[i].rows);
+    put(entry, layout::kColumnsAt, arrays[i].columns);
+    put(entry, layout::kHashAt, hash_bytes(arrays[i].bytes));
     size += arrays[i].bytes.size();
   }
-  std::memcpy(header.data(), kMagic.data(), kMagic.size());
-  put(header, kVersionAt, kVersion);
-  put(header, kArraysAt, static_cast<std::uint32_t>(arrays.size()));
-  put(header, kFileSizeAt, size);
-  put(header, kTableHashAt, hash_bytes(table));
-  put(header, kHeaderHashAt, hash_bytes(header.first(kHeaderHashAt)));
+  std::memcpy(header.data(), layout::kMagic.data(), layout::kMagic.size());
+  put(header, layout::kVersionAt, layout::kVersion);
+  put(header, layout::kArraysAt, static_cast<std::uint32_t>(arrays.size()));
+  put(header, layout::kFileSizeAt, size);
+  put(header, layout::kTableHashAt, hash_bytes(table));
+  put(header, layout::kHeaderHashAt, hash_bytes(header.first(layout::kHeaderHashAt)));
   return front;
 }
 
@@ -131,67 +131,74 @@ Result<CheckpointFile> CheckpointFile::from_memory(std::span<const std::byte> by
 }
 
 Status CheckpointFile::parse_header() {
-  if (bytes_.size() < kHeaderSize)
+  if (bytes_.size() < layout::kHeaderSize)
     return error_at("header", 0,
                     std::to_string(bytes_.size()) + " bytes are no checkpoint: it was cut off");
-  if (std::memcmp(bytes_.data(), kMagic.data(), kMagic.size()) != 0)
+  if (std::memcmp(bytes_.data(), layout::kMagic.data(), layout::kMagic.size()) != 0)
     return error_at("header", 0, "not a checkpoint (the magic is not TREMCKPT)");
-  if (!hash_fits(bytes_.first(kHeaderHashAt), get<std::uint64_t>(bytes_, kHeaderHashAt)))
-    return error_at("header", kHeaderHashAt, "the checksum does not fit");
-  if (const auto version = get<std::uint32_t>(bytes_, kVersionAt); version != kVersion)
+  if (!hash_fits(bytes_.first(layout::kHeaderHashAt),
+                 get<std::uint64_t>(bytes_, layout::kHeaderHashAt)))
+    return error_at("header", layout::kHeaderHashAt, "the checksum does not fit");
+  if (const auto version = get<std::uint32_t>(bytes_, layout::kVersionAt);
+      version != layout::kVersion)
+    return error_at("header", layout::kVersionAt,
+                    "version " + std::to_string(version) + ", this program writes " +
+                        std::to_string(layout::kVersion));
+  if (const auto size = get<std::uint64_t>(bytes_, layout::kFileSizeAt); size != bytes_.size())
     return error_at(
-        "header", kVersionAt,
-        "version " + std::to_string(version) + ", this program writes " + std::to_string(kVersion));
-  if (const auto size = get<std::uint64_t>(bytes_, kFileSizeAt); size != bytes_.size())
-    return error_at(
-        "header", kFileSizeAt,
+        "header", layout::kFileSizeAt,
         std::to_string(size) + " bytes were written, there are " + std::to_string(bytes_.size()));
-  const std::size_t reserved = kHeaderHashAt - kReservedAt;
-  if (const auto zeros = leading_zeros(bytes_.subspan(kReservedAt, reserved)); zeros < reserved)
-    return error_at("header", kReservedAt + zeros, "a reserved byte is not zero");
+  const std::size_t reserved = layout::kHeaderHashAt - layout::kReservedAt;
+  if (const auto zeros = leading_zeros(bytes_.subspan(layout::kReservedAt, reserved));
+      zeros < reserved)
+    return error_at("header", layout::kReservedAt + zeros, "a reserved byte is not zero");
   return Success{};
 }
 
 Status CheckpointFile::parse_table() {
-  const auto count = get<std::uint32_t>(bytes_, kArraysAt);
-  if (count == 0 || count > kMaxArrays || kHeaderSize + count * kEntrySize > bytes_.size())
-    return error_at("header", kArraysAt, std::to_string(count) + " arrays do not fit the file");
-  if (!hash_fits(bytes_.subspan(kHeaderSize, count * kEntrySize),
-                 get<std::uint64_t>(bytes_, kTableHashAt)))
-    return error_at("table", kHeaderSize, "the checksum does not fit");
-  std::uint64_t offset = kHeaderSize + count * kEntrySize;
+  const auto count = get<std::uint32_t>(bytes_, layout::kArraysAt);
+  if (count == 0 || count > layout::kMaxArrays ||
+      layout::kHeaderSize + count * layout::kEntrySize > bytes_.size())
+    return error_at("header", layout::kArraysAt,
+                    std::to_string(count) + " arrays do not fit the file");
+  if (!hash_fits(bytes_.subspan(layout::kHeaderSize, count * layout::kEntrySize),
+                 get<std::uint64_t>(bytes_, layout::kTableHashAt)))
+    return error_at("table", layout::kHeaderSize, "the checksum does not fit");
+  std::uint64_t offset = layout::kHeaderSize + count * layout::kEntrySize;
   for (std::size_t index = 0; index < count; ++index)
     if (Status status = parse_entry(index, offset); !status) return status;
   if (offset != bytes_.size())
-    return error_at("table", kHeaderSize,
+    return error_at("table", layout::kHeaderSize,
                     "the arrays end at byte " + std::to_string(offset) + ", the file does not");
   return Success{};
 }
 
 // offset: where this array begins; afterwards, where the next one does.
 Status CheckpointFile::parse_entry(std::size_t index, std::uint64_t& offset) {
-  const std::size_t at = kHeaderSize + index * kEntrySize;
-  const std::span<const std::byte> entry = bytes_.subspan(at, kEntrySize);
+  const std::size_t at = layout::kHeaderSize + index * layout::kEntrySize;
+  const std::span<const std::byte> entry = bytes_.subspan(at, layout::kEntrySize);
   NamedArray array;
-  array.name = padded_name(entry.first(kNameSize));
+  array.name = padded_name(entry.first(layout::kNameSize));
   if (array.name.empty()) return error_at("table", at, "a name is empty or not padded with zeros");
   for (const NamedArray& other : arrays_)
     if (other.name == array.name)
       return error_at("table", at, "array '" + array.name + "' appears twice");
-  if (get<std::uint32_t>(entry, kZeroAt) != 0)
-    return error_at("table", at + kZeroAt, "a reserved byte is not zero");
-  array.type = get<ArrayType>(entry, kTypeAt);
-  array.rows = get<std::uint64_t>(entry, kRowsAt);
-  array.columns = get<std::uint64_t>(entry, kColumnsAt);
+  if (get<std::uint32_t>(entry, layout::kZeroAt) != 0)
+    return error_at("table", at + layout::kZeroAt, "a reserved byte is not zero");
+  array.type = get<ArrayType>(entry, layout::kTypeAt);
+  array.rows = get<std::uint64_t>(entry, layout::kRowsAt);
+  array.columns = get<std::uint64_t>(entry, layout::kColumnsAt);
   std::uint64_t size = 0;
   if (!find_size(array.type, array.rows, array.columns, size))
-    return error_at("table", at + kTypeAt, "array '" + array.name + "' has no possible size");
+    return error_at("table", at + layout::kTypeAt,
+                    "array '" + array.name + "' has no possible size");
   if (size > bytes_.size() - offset)
-    return error_at("table", at + kRowsAt, "array '" + array.name + "' is not inside the file");
+    return error_at("table", at + layout::kRowsAt,
+                    "array '" + array.name + "' is not inside the file");
   array.bytes = bytes_.subspan(offset, size);
   offset += size;
   arrays_.push_back(std::move(array));
-  hashes_.push_back(get<std::uint64_t>(entry, kHashAt));
+  hashes_.push_back(get<std::uint64_t>(entry, layout::kHashAt));
   return Success{};
 }
 
@@ -203,7 +210,7 @@ Result<NamedArray> CheckpointFile::checked(std::string_view name, ArrayType type
   const auto found = std::find_if(arrays_.begin(), arrays_.end(),
                                   [&](const NamedArray& array) { return array.name == name; });
   if (found == arrays_.end())
-    return error_at("table", kHeaderSize, "array '" + std::string(name) + "' is missing");
+    return error_at("table", layout::kHeaderSize, "array '" + std::string(name) + "' is missing");
   if (found->type != type) return error_at(name, offset_of(*found), "the array has another type");
   if (!hash_fits(found->bytes, hashes_[found - arrays_.begin()]))
     return error_at(name, offset_of(*found), "the checksum does not fit (damaged file?)");

@@ -13,7 +13,7 @@ struct NumberedKind {
   CellKind kind;
 };
 
-constexpr NumberedKind kMsh[] = {
+constexpr NumberedKind kMshKinds[] = {
     {1, {"lines", 2}},
     {2, {"triangles", 3}},
     {3, {"quadrangles", 4}},
@@ -49,7 +49,7 @@ constexpr NumberedKind kMsh[] = {
     {93, {"125-node hexahedra", 125}},
 };
 
-constexpr NumberedKind kVtk[] = {
+constexpr NumberedKind kVtkKinds[] = {
     {0, {"empty cells", 0}},
     {1, {"points", 1}},
     {2, {"point sets", 0}},
@@ -93,11 +93,11 @@ const CellKind* find(std::span<const NumberedKind> kinds, std::int64_t type) {
 }  // namespace
 
 const CellKind* msh_cell(std::int64_t type) {
-  return find(kMsh, type);
+  return find(kMshKinds, type);
 }
 
 const CellKind* vtk_cell(std::int64_t type) {
-  return find(kVtk, type);
+  return find(kVtkKinds, type);
 }
 
 }  // namespace tremolo

@@ -27,6 +27,9 @@ struct CellKind {
   bool is_kept() const { return role == Role::kTetrahedron || is_quadratic(); }
 };
 
+// Beyond 2^53 doubles skip integers: a larger number names no region.
+inline constexpr double kMostExact = 9007199254740992.0;
+
 // Element types of MSH files (Gmsh reference manual, section "MSH file format"); nullptr if
 // unknown.
 const CellKind* msh_cell(std::int64_t type);

@@ -10,7 +10,6 @@
 namespace tremolo {
 namespace {
 
-constexpr double kMostExact = 9007199254740992.0;  // 2^53: beyond, doubles skip integers
 constexpr TextStyle kTetgenStyle{.comment = '#', .lines = true};
 
 // The first line of either file: a count, a width, and what each line has behind it.

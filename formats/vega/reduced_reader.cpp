@@ -10,8 +10,6 @@
 namespace tremolo {
 namespace {
 
-constexpr bool kSwap = std::endian::native != std::endian::little;
-
 Result<std::size_t> read_count(ByteScanner& scanner, const std::string& what, std::uint64_t low,
                                std::uint64_t high) {
   std::int32_t count = 0;
@@ -46,7 +44,7 @@ Status read_numbers(ByteScanner& scanner, std::size_t count, double* values) {
 }  // namespace
 
 Result<ReducedForces> read_cub(std::string_view bytes, const std::string& path) {
-  ByteScanner scanner(bytes, path, 0, kSwap);
+  ByteScanner scanner(bytes, path, 0, kSwapsLittleEndian);
   const Result<std::size_t> size =
       read_count(scanner, "r, the number of coordinates,", 1, basis_layout::kMaxModes);
   if (!size) return size.error();
@@ -75,7 +73,7 @@ Result<ReducedForces> read_cub(std::string_view bytes, const std::string& path) 
 }
 
 Result<Eigen::MatrixXd> read_basis_matrix(std::string_view bytes, const std::string& path) {
-  ByteScanner scanner(bytes, path, 0, kSwap);
+  ByteScanner scanner(bytes, path, 0, kSwapsLittleEndian);
   constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max();
   const Result<std::size_t> rows = read_count(scanner, "a number of rows", 1, kMost);
   if (!rows) return rows.error();

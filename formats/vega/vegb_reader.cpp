@@ -8,7 +8,6 @@
 //   i32 sets, of which the first, all elements, is not stored; each: text name, i32 count, i32
 //       elements from 0
 //   i32 regions; each: i32 material, i32 set
-#include <bit>
 #include <limits>
 #include <string>
 #include <vector>
@@ -23,8 +22,6 @@
 
 namespace tremolo {
 namespace {
-
-constexpr bool kSwap = std::endian::native != std::endian::little;
 
 // Regions repeat the names of their set and material: without a bound they would take far more than
 // the file.
@@ -190,7 +187,7 @@ Status read_regions(ByteScanner& input, const std::vector<std::string>& sets, Ve
 }  // namespace
 
 Result<MeshFile> read_vegb(std::string_view bytes, const std::string& path) {
-  ByteScanner input(bytes, path, 0, kSwap);
+  ByteScanner input(bytes, path, 0, kSwapsLittleEndian);
   MeshBuilder builder(path);
   VegRegions regions;
   std::vector<std::string> names{"allElements"};

@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::string_view kRegionArrays[] = {"material",  "region",     "gmsh:physical",
                                               "medit:ref", "cellentity", "subdomain"};
-constexpr double kMostExact = 9007199254740992.0;  // 2^53: beyond, doubles skip integers
 
 // "Material_IDs" -> "material".
 std::string plain_name(std::string_view array) {

@@ -15,6 +15,8 @@
 namespace tremolo {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr SolveOptions kSolving{};
 
 // A body at rest under the default load.
@@ -142,7 +144,6 @@ std::string describe(const ErrorBudget& budget) {
 }
 
 nlohmann::ordered_json budget_json(const std::optional<ErrorBudget>& budget) {
-  using Json = nlohmann::ordered_json;
   if (!budget) return nullptr;
   const auto number_or_null = [](const std::optional<double>& value) {
     return value ? Json(*value) : Json(nullptr);

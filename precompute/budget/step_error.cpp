@@ -21,17 +21,17 @@ constexpr int kParts = 15;          // of it in the run that counts as exact
 constexpr double kDuration = 0.45;  // s
 
 // A folder for the runs' tables, removed at the end.
-class Scratch {
+class ScratchFolder {
  public:
-  Scratch() {
+  ScratchFolder() {
     std::string pattern = (fs::temp_directory_path() / "tremolo-budget-XXXXXX").string();
     if (::mkdtemp(pattern.data()) == nullptr)
       throw Failure(system_error("no folder can be made in " + fs::temp_directory_path().string()));
     path_ = pattern;
   }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  ~Scratch() {
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
   }
@@ -71,7 +71,7 @@ double step_error(const std::string& file) {
         system_error("the program tremolo, which moves the reduced model, is not beside "
                      "this one (" +
                      looked_at + ")"));
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const auto run = [&](const std::string& name, int parts) {
     const int status = run_child(
         program,

@@ -11,13 +11,13 @@ void dgemm_(const char* trans_a, const char* trans_b, const int* m, const int* n
 namespace tremolo {
 namespace {
 
-int as_int(Eigen::Index value) {
+int blas_int(Eigen::Index value) {
   return static_cast<int>(value);
 }
 
 // BLAS requires a leading dimension of at least one, even for empty matrices.
 int stride(Eigen::Index value) {
-  return as_int(std::max<Eigen::Index>(value, 1));
+  return blas_int(std::max<Eigen::Index>(value, 1));
 }
 
 }  // namespace
@@ -25,7 +25,7 @@ int stride(Eigen::Index value) {
 Eigen::MatrixXd transposed_product(const ColumnsRef& a, const ColumnsRef& b) {
   Eigen::MatrixXd c = Eigen::MatrixXd::Zero(a.cols(), b.cols());
   if (c.size() == 0 || a.rows() == 0) return c;
-  const int m = as_int(a.cols()), n = as_int(b.cols()), k = as_int(a.rows());
+  const int m = blas_int(a.cols()), n = blas_int(b.cols()), k = blas_int(a.rows());
   const int lda = stride(a.outerStride()), ldb = stride(b.outerStride());
   const double one = 1.0, zero = 0.0;
   dgemm_("T", "N", &m, &n, &k, &one, a.data(), &lda, b.data(), &ldb, &zero, c.data(), &m);
@@ -35,7 +35,7 @@ Eigen::MatrixXd transposed_product(const ColumnsRef& a, const ColumnsRef& b) {
 void add_product(double alpha, const ColumnsRef& a, const ColumnsRef& b, double beta,
                  ColumnsOut c) {
   if (c.size() == 0) return;
-  const int m = as_int(c.rows()), n = as_int(c.cols()), k = as_int(a.cols());
+  const int m = blas_int(c.rows()), n = blas_int(c.cols()), k = blas_int(a.cols());
   const int lda = stride(a.outerStride()), ldb = stride(b.outerStride());
   const int ldc = stride(c.outerStride());
   dgemm_("N", "N", &m, &n, &k, &alpha, a.data(), &lda, b.data(), &ldb, &beta, c.data(), &ldc);

@@ -30,7 +30,7 @@ void dtrmm_(const char* side, const char* half, const char* trans, const char* u
 namespace tremolo {
 namespace {
 
-int as_int(Eigen::Index value) {
+int lapack_int(Eigen::Index value) {
   return static_cast<int>(value);
 }
 
@@ -45,7 +45,7 @@ std::vector<double> workspace(double size) {
 
 // Returns R of a = Q R with zeros below the diagonal. a: m x n, m >= n; overwritten.
 Eigen::MatrixXd upper_of_qr(Eigen::MatrixXd& a) {
-  const int m = as_int(a.rows()), n = as_int(a.cols());
+  const int m = lapack_int(a.rows()), n = lapack_int(a.cols());
   std::vector<double> tau(n);
   double size = 0;
   int query = -1, info = 0;
@@ -60,7 +60,7 @@ Eigen::MatrixXd upper_of_qr(Eigen::MatrixXd& a) {
 }  // namespace
 
 EigenPairs large_eigenpairs(const Eigen::MatrixXd& a) {
-  const int n = as_int(a.rows());
+  const int n = lapack_int(a.rows());
   EigenPairs pairs{Eigen::VectorXd(a.rows()), a, false};
   double size = 0;
   int whole = 0, query = -1, info = 0;
@@ -84,7 +84,7 @@ SingularPairs large_left_singular_pairs(const Eigen::MatrixXd& a) {
   } else {
     square = a;
   }
-  const int m = as_int(square.rows()), n = as_int(square.cols());
+  const int m = lapack_int(square.rows()), n = lapack_int(square.cols());
   SingularPairs pairs{Eigen::VectorXd(n), Eigen::MatrixXd(m, n)};
   Eigen::MatrixXd right(n, n);
   std::vector<int> numbers(8 * static_cast<std::size_t>(n));
@@ -101,7 +101,7 @@ SingularPairs large_left_singular_pairs(const Eigen::MatrixXd& a) {
 }
 
 PivotedCholesky pivoted_cholesky(Eigen::MatrixXd a, double tolerance) {
-  const int n = as_int(a.rows());
+  const int n = lapack_int(a.rows());
   std::vector<int> pivots(n);
   std::vector<double> work(2 * static_cast<std::size_t>(n));
   int rank = 0, info = 0;
@@ -114,7 +114,7 @@ PivotedCholesky pivoted_cholesky(Eigen::MatrixXd a, double tolerance) {
 }
 
 Eigen::MatrixXd cholesky_factor(Eigen::MatrixXd a) {
-  const int n = as_int(a.rows());
+  const int n = lapack_int(a.rows());
   int info = 0;
   dpotrf_("U", &n, a.data(), &n, &info);
   if (info != 0) fail("dpotrf", info);
@@ -124,16 +124,16 @@ Eigen::MatrixXd cholesky_factor(Eigen::MatrixXd a) {
 
 void divide_by_upper(const ColumnsRef& r, ColumnsOut b) {
   if (b.size() == 0) return;
-  const int m = as_int(b.rows()), n = as_int(b.cols());
-  const int ldr = as_int(r.outerStride()), ldb = as_int(b.outerStride());
+  const int m = lapack_int(b.rows()), n = lapack_int(b.cols());
+  const int ldr = lapack_int(r.outerStride()), ldb = lapack_int(b.outerStride());
   const double one = 1.0;
   dtrsm_("R", "U", "N", "N", &m, &n, &one, r.data(), &ldr, b.data(), &ldb);
 }
 
 void multiply_by_upper(const ColumnsRef& r, ColumnsOut b) {
   if (b.size() == 0) return;
-  const int m = as_int(b.rows()), n = as_int(b.cols());
-  const int ldr = as_int(r.outerStride()), ldb = as_int(b.outerStride());
+  const int m = lapack_int(b.rows()), n = lapack_int(b.cols());
+  const int ldr = lapack_int(r.outerStride()), ldb = lapack_int(b.outerStride());
   const double one = 1.0;
   dtrmm_("L", "U", "N", "N", &m, &n, &one, r.data(), &ldr, b.data(), &ldb);
 }

@@ -8,7 +8,7 @@
 namespace tremolo {
 namespace {
 
-void require(PetscErrorCode code) {
+void require_assembly(PetscErrorCode code) {
   check_petsc(code, "assemble the matrices");
 }
 
@@ -58,16 +58,17 @@ int position(const DofMap& map, int node, int other) {
 // Creates a distributed matrix; PETSc copies the rows.
 PetscMatrix make_sparse(const LocalDofs& local, Rows rows) {
   PetscMatrix matrix;
-  require(MatCreate(PETSC_COMM_WORLD, matrix.out()));
-  require(MatSetSizes(matrix.get(), local.dofs(), local.dofs(), PETSC_DETERMINE, PETSC_DETERMINE));
-  require(MatSetBlockSize(matrix.get(), 3));
-  require(MatSetType(matrix.get(), MATAIJ));
-  require(MatSeqAIJSetPreallocationCSR(matrix.get(), rows.start.data(), rows.column.data(),
-                                       rows.value.data()));
-  require(MatMPIAIJSetPreallocationCSR(matrix.get(), rows.start.data(), rows.column.data(),
-                                       rows.value.data()));
-  require(MatSetOption(matrix.get(), MAT_SYMMETRIC, PETSC_TRUE));
-  require(MatSetOption(matrix.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  require_assembly(MatCreate(PETSC_COMM_WORLD, matrix.out()));
+  require_assembly(
+      MatSetSizes(matrix.get(), local.dofs(), local.dofs(), PETSC_DETERMINE, PETSC_DETERMINE));
+  require_assembly(MatSetBlockSize(matrix.get(), 3));
+  require_assembly(MatSetType(matrix.get(), MATAIJ));
+  require_assembly(MatSeqAIJSetPreallocationCSR(matrix.get(), rows.start.data(), rows.column.data(),
+                                                rows.value.data()));
+  require_assembly(MatMPIAIJSetPreallocationCSR(matrix.get(), rows.start.data(), rows.column.data(),
+                                                rows.value.data()));
+  require_assembly(MatSetOption(matrix.get(), MAT_SYMMETRIC, PETSC_TRUE));
+  require_assembly(MatSetOption(matrix.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   return matrix;
 }
 
@@ -98,9 +99,9 @@ Matrices assemble(const Solid& solid, const DofMap& map, const LocalDofs& local,
 
 PetscMatrix shifted_stiffness(const Matrices& matrices, double shift) {
   PetscMatrix shifted;
-  require(MatDuplicate(matrices.stiffness.get(), MAT_COPY_VALUES, shifted.out()));
+  require_assembly(MatDuplicate(matrices.stiffness.get(), MAT_COPY_VALUES, shifted.out()));
   // The pattern of M is a subset of that of K.
-  require(MatAXPY(shifted.get(), -shift, matrices.mass.get(), SUBSET_NONZERO_PATTERN));
+  require_assembly(MatAXPY(shifted.get(), -shift, matrices.mass.get(), SUBSET_NONZERO_PATTERN));
   return shifted;
 }
 

@@ -9,8 +9,6 @@
 namespace tremolo {
 namespace {
 
-using Json = nlohmann::json;
-
 static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
 static_assert(sizeof(Tetrahedron) == 4 * sizeof(VertexId));
 
@@ -34,7 +32,7 @@ Error no_answer() {
 }  // namespace
 
 std::vector<std::byte> encode_answer(const Result<MesherAnswer>& answer) {
-  Json head;
+  nlohmann::json head;
   if (answer) {
     head["format"] = answer->format;
     head["notes"] = answer->notes;
@@ -45,7 +43,8 @@ std::vector<std::byte> encode_answer(const Result<MesherAnswer>& answer) {
     head["message"] = answer.error().message;
   }
   // A name in a file need not be UTF-8.
-  const std::string line = head.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n";
+  const std::string line =
+      head.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
   std::vector<std::byte> bytes(line.size());
   std::memcpy(bytes.data(), line.data(), line.size());
   if (answer) {
@@ -60,7 +59,7 @@ Result<MesherAnswer> decode_answer(std::span<const std::byte> bytes) {
   if (end == bytes.end()) return no_answer();
   const auto length = static_cast<std::size_t>(end - bytes.begin());
   const std::string_view line(reinterpret_cast<const char*>(bytes.data()), length);
-  const Json head = Json::parse(line, nullptr, false);
+  const nlohmann::json head = nlohmann::json::parse(line, nullptr, false);
   if (!head.is_object()) return no_answer();
   try {
     if (head.contains("message"))
@@ -81,7 +80,7 @@ Result<MesherAnswer> decode_answer(std::span<const std::byte> bytes) {
     take(bytes, answer.mesh.vertices);
     take(bytes, answer.mesh.tetrahedra);
     return answer;
-  } catch (const Json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     return no_answer();
   }
 }

@@ -12,18 +12,18 @@
 namespace tremolo {
 namespace {
 
-void require(PetscErrorCode code) {
+void require_modes(PetscErrorCode code) {
   check_petsc(code, "compute the modes");
 }
 
 Eigen::ArrayXd local_diagonal(Mat matrix, Eigen::Index rows) {
   PetscVector diagonal;
-  require(MatCreateVecs(matrix, diagonal.out(), nullptr));
-  require(MatGetDiagonal(matrix, diagonal.get()));
+  require_modes(MatCreateVecs(matrix, diagonal.out(), nullptr));
+  require_modes(MatGetDiagonal(matrix, diagonal.get()));
   const double* values = nullptr;
-  require(VecGetArrayRead(diagonal.get(), &values));
+  require_modes(VecGetArrayRead(diagonal.get(), &values));
   Eigen::ArrayXd entries = Eigen::Map<const Eigen::ArrayXd>(values, rows);
-  require(VecRestoreArrayRead(diagonal.get(), &values));
+  require_modes(VecRestoreArrayRead(diagonal.get(), &values));
   return entries;
 }
 

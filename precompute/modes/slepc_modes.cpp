@@ -8,7 +8,7 @@
 namespace tremolo {
 namespace {
 
-void require(PetscErrorCode code) {
+void require_slepc(PetscErrorCode code) {
   check_petsc(code, "compute the modes");
 }
 
@@ -24,9 +24,9 @@ struct InnerSolver {
 
 InnerSolver inner_solver(EPS eps) {
   InnerSolver inner;
-  require(EPSGetST(eps, &inner.transform));
-  require(STGetKSP(inner.transform, &inner.linear));
-  require(KSPGetPC(inner.linear, &inner.preconditioner));
+  require_slepc(EPSGetST(eps, &inner.transform));
+  require_slepc(STGetKSP(inner.transform, &inner.linear));
+  require_slepc(KSPGetPC(inner.linear, &inner.preconditioner));
   return inner;
 }
 
@@ -35,17 +35,17 @@ InnerSolver inner_solver(EPS eps) {
 PetscErrorCode apply_shifted_solver(PC shell, Vec b, Vec x) {
   try {
     void* context = nullptr;
-    require(PCShellGetContext(shell, &context));
+    require_slepc(PCShellGetContext(shell, &context));
     PetscInt rows = 0;
     const double* from = nullptr;
     double* to = nullptr;
-    require(VecGetLocalSize(b, &rows));
-    require(VecGetArrayRead(b, &from));
-    require(VecGetArrayWrite(x, &to));
+    require_slepc(VecGetLocalSize(b, &rows));
+    require_slepc(VecGetArrayRead(b, &from));
+    require_slepc(VecGetArrayWrite(x, &to));
     static_cast<const ShiftedSolver*>(context)->solve(Eigen::Map<const Columns>(from, rows, 1),
                                                       Eigen::Map<Columns>(to, rows, 1));
-    require(VecRestoreArrayWrite(x, &to));
-    require(VecRestoreArrayRead(b, &from));
+    require_slepc(VecRestoreArrayWrite(x, &to));
+    require_slepc(VecRestoreArrayRead(b, &from));
     return 0;
   } catch (const std::exception&) {
     return PETSC_ERR_LIB;
@@ -55,24 +55,24 @@ PetscErrorCode apply_shifted_solver(PC shell, Vec b, Vec x) {
 // Sets up shift-invert with the shifted solver, or with a factor of PETSc's own if options ask for
 // one.
 void set_shift_invert(EPS eps, ShiftedSolver& solver) {
-  require(EPSSetType(eps, EPSKRYLOVSCHUR));
-  require(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
+  require_slepc(EPSSetType(eps, EPSKRYLOVSCHUR));
+  require_slepc(EPSSetWhichEigenpairs(eps, EPS_TARGET_MAGNITUDE));
   const InnerSolver first = inner_solver(eps);
-  require(STSetType(first.transform, STSINVERT));
+  require_slepc(STSetType(first.transform, STSINVERT));
   // The pattern of M is a subset of that of K.
-  require(STSetMatStructure(first.transform, SUBSET_NONZERO_PATTERN));
+  require_slepc(STSetMatStructure(first.transform, SUBSET_NONZERO_PATTERN));
   const InnerSolver inner = inner_solver(eps);
-  require(KSPSetType(inner.linear, KSPPREONLY));
+  require_slepc(KSPSetType(inner.linear, KSPPREONLY));
   if (inner_options_given()) {
     const bool one = mpi_ranks() == 1;
-    require(PCSetType(inner.preconditioner, PCCHOLESKY));
-    require(
+    require_slepc(PCSetType(inner.preconditioner, PCCHOLESKY));
+    require_slepc(
         PCFactorSetMatSolverType(inner.preconditioner, one ? MATSOLVERCHOLMOD : MATSOLVERMUMPS));
-    if (one) require(PCFactorSetMatOrderingType(inner.preconditioner, MATORDERINGNATURAL));
+    if (one) require_slepc(PCFactorSetMatOrderingType(inner.preconditioner, MATORDERINGNATURAL));
   } else {
-    require(PCSetType(inner.preconditioner, PCSHELL));
-    require(PCShellSetContext(inner.preconditioner, &solver));
-    require(PCShellSetApply(inner.preconditioner, apply_shifted_solver));
+    require_slepc(PCSetType(inner.preconditioner, PCSHELL));
+    require_slepc(PCShellSetContext(inner.preconditioner, &solver));
+    require_slepc(PCShellSetApply(inner.preconditioner, apply_shifted_solver));
   }
 }
 
@@ -86,12 +86,12 @@ Columns start_vector(Eigen::Index rows, PetscInt first) {
 // Returns the square root of M's mean diagonal entry, an estimate of |M x| for an M-normalised x.
 double mass_scale(Mat mass) {
   PetscVector diagonal;
-  require(MatCreateVecs(mass, diagonal.out(), nullptr));
-  require(MatGetDiagonal(mass, diagonal.get()));
+  require_slepc(MatCreateVecs(mass, diagonal.out(), nullptr));
+  require_slepc(MatGetDiagonal(mass, diagonal.get()));
   PetscScalar sum = 0;
   PetscInt size = 0;
-  require(VecSum(diagonal.get(), &sum));
-  require(VecGetSize(diagonal.get(), &size));
+  require_slepc(VecSum(diagonal.get(), &sum));
+  require_slepc(VecGetSize(diagonal.get(), &size));
   return std::sqrt(sum / static_cast<double>(size));
 }
 
@@ -116,31 +116,31 @@ Columns start_block(Eigen::Index rows, PetscInt first, Eigen::Index columns) {
 void set_spaces(EPS eps, const Columns& start, const Columns& deflated) {
   const std::vector<PetscVector> starts = copied_vectors(start), away = copied_vectors(deflated);
   std::vector<Vec> from = handles_of(starts), rigid = handles_of(away);
-  require(EPSSetInitialSpace(eps, static_cast<PetscInt>(from.size()), from.data()));
+  require_slepc(EPSSetInitialSpace(eps, static_cast<PetscInt>(from.size()), from.data()));
   if (!rigid.empty())
-    require(EPSSetDeflationSpace(eps, static_cast<PetscInt>(rigid.size()), rigid.data()));
+    require_slepc(EPSSetDeflationSpace(eps, static_cast<PetscInt>(rigid.size()), rigid.data()));
 }
 
 void set_pencil(EPS eps, const Pencil& pencil, int wanted) {
-  require(EPSSetOperators(eps, pencil.stiffness(), pencil.mass()));
-  require(EPSSetProblemType(eps, EPS_GHEP));
-  require(EPSSetDimensions(eps, wanted, PETSC_DEFAULT, PETSC_DEFAULT));
+  require_slepc(EPSSetOperators(eps, pencil.stiffness(), pencil.mass()));
+  require_slepc(EPSSetProblemType(eps, EPS_GHEP));
+  require_slepc(EPSSetDimensions(eps, wanted, PETSC_DEFAULT, PETSC_DEFAULT));
 }
 
 PetscInt first_row(const Pencil& pencil) {
   PetscInt first = 0;
-  require(MatGetOwnershipRange(pencil.stiffness(), &first, nullptr));
+  require_slepc(MatGetOwnershipRange(pencil.stiffness(), &first, nullptr));
   return first;
 }
 
 SlepcModes solve_and_copy(EPS eps, const Pencil& pencil, int wanted) {
-  require(EPSSetFromOptions(eps));
-  require(EPSSolve(eps));
+  require_slepc(EPSSetFromOptions(eps));
+  require_slepc(EPSSolve(eps));
   PetscInt found = 0, iterations = 0;
-  require(EPSGetConverged(eps, &found));
-  require(EPSGetIterationNumber(eps, &iterations));
+  require_slepc(EPSGetConverged(eps, &found));
+  require_slepc(EPSGetIterationNumber(eps, &iterations));
   EPSType type = nullptr;
-  require(EPSGetType(eps, &type));
+  require_slepc(EPSGetType(eps, &type));
   if (found < wanted)
     throw Failure({ErrorKind::kSolver, "SLEPc (" + std::string(type) + ") found " +
                                            std::to_string(found) + " of " + std::to_string(wanted) +
@@ -154,7 +154,7 @@ SlepcModes solve_and_copy(EPS eps, const Pencil& pencil, int wanted) {
   for (int i = 0; i < wanted; ++i) {
     PetscScalar value = 0;
     Vec column = columns[i].get();
-    require(EPSGetEigenpair(eps, i, &value, nullptr, column, nullptr));
+    require_slepc(EPSGetEigenpair(eps, i, &value, nullptr, column, nullptr));
     modes.squared_frequencies[i] = value;
   }
   return modes;
@@ -175,19 +175,19 @@ SlepcModes krylov_schur_modes(const Pencil& pencil, ShiftedSolver& solver, doubl
   SlepcModes modes;
   {
     PetscEigenSolver keeper;
-    require(EPSCreate(PETSC_COMM_WORLD, keeper.out()));
+    require_slepc(EPSCreate(PETSC_COMM_WORLD, keeper.out()));
     EPS eps = keeper.get();
     set_pencil(eps, pencil, wanted);
     set_shift_invert(eps, solver);
-    require(EPSSetTarget(eps, sigma));
+    require_slepc(EPSSetTarget(eps, sigma));
     // A tolerance of the shift-inverted problem; it gives residuals of the pencil near rounding.
-    require(EPSSetTolerances(eps, 1e-13, 500));
+    require_slepc(EPSSetTolerances(eps, 1e-13, 500));
     set_spaces(eps, start_vector(pencil.rows(), first_row(pencil)), pencil.rigid);
     modes = solve_and_copy(eps, pencil, wanted);
     modes.solver = "SLEPc Krylov-Schur, shift-invert";
     if (inner_options_given()) {
       MatSolverType package = nullptr;
-      require(PCFactorGetMatSolverType(inner_solver(eps).preconditioner, &package));
+      require_slepc(PCFactorGetMatSolverType(inner_solver(eps).preconditioner, &package));
       modes.factorisation = package == nullptr ? "petsc" : package;
     }
   }
@@ -197,24 +197,24 @@ SlepcModes krylov_schur_modes(const Pencil& pencil, ShiftedSolver& solver, doubl
 
 SlepcModes lobpcg_modes(const Pencil& pencil, double sigma, int wanted, double residual) {
   PetscEigenSolver keeper;
-  require(EPSCreate(PETSC_COMM_WORLD, keeper.out()));
+  require_slepc(EPSCreate(PETSC_COMM_WORLD, keeper.out()));
   EPS eps = keeper.get();
   set_pencil(eps, pencil, wanted);
-  require(EPSSetType(eps, EPSLOBPCG));
-  require(EPSSetWhichEigenpairs(eps, EPS_SMALLEST_REAL));
-  require(EPSLOBPCGSetBlockSize(eps, wanted));
-  require(EPSSetTolerances(eps, residual, 1000));
+  require_slepc(EPSSetType(eps, EPSLOBPCG));
+  require_slepc(EPSSetWhichEigenpairs(eps, EPS_SMALLEST_REAL));
+  require_slepc(EPSLOBPCGSetBlockSize(eps, wanted));
+  require_slepc(EPSSetTolerances(eps, residual, 1000));
   double scale = mass_scale(pencil.mass());
-  require(EPSSetConvergenceTestFunction(eps, relative_to_inertia, &scale, nullptr));
+  require_slepc(EPSSetConvergenceTestFunction(eps, relative_to_inertia, &scale, nullptr));
   const PetscMatrix shifted =
       sigma == 0.0 ? PetscMatrix() : shifted_stiffness(pencil.matrices, sigma);
   Mat definite = sigma == 0.0 ? pencil.stiffness() : shifted.get();
   ST transform = nullptr;
-  require(EPSGetST(eps, &transform));
-  require(STSetType(transform, STPRECOND));
+  require_slepc(EPSGetST(eps, &transform));
+  require_slepc(STSetType(transform, STPRECOND));
   const InnerSolver inner = inner_solver(eps);
-  require(KSPSetType(inner.linear, KSPPREONLY));
-  require(STSetPreconditionerMat(inner.transform, definite));
+  require_slepc(KSPSetType(inner.linear, KSPPREONLY));
+  require_slepc(STSetPreconditionerMat(inner.transform, definite));
   set_multigrid(inner.preconditioner, definite, pencil.positions);
   const Eigen::Index rows = pencil.rows();
   set_spaces(eps, start_block(rows, first_row(pencil), wanted), pencil.rigid);

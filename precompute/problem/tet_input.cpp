@@ -10,8 +10,8 @@ namespace tremolo {
 namespace {
 
 // Extents outside these bounds, in m, suggest a missing unit; surfaces use the same bounds.
-constexpr double kLarge = 100;
-constexpr double kSmall = 1e-3;
+constexpr double kVeryLarge = 100;
+constexpr double kVerySmall = 1e-3;
 
 // Rejects options for surfaces, which would otherwise be ignored silently.
 void refuse_surface_options(const ProblemRequest& request) {
@@ -71,7 +71,7 @@ MeshFile load_tetrahedra(const ProblemRequest& request) {
         " applies to the render surface; the mesh's coordinates are taken as metres "
         "(else: --mesh-unit)");
   const double size = extent(file.mesh);
-  if (unit.empty() && size > 0 && (size > kLarge || size < kSmall))
+  if (unit.empty() && size > 0 && (size > kVeryLarge || size < kVerySmall))
     file.notes.push_back("the mesh is " + number_text(size) +
                          " m across: if its unit is not 1 m, say so, as in " + flag + " mm or " +
                          flag + " cm");

@@ -10,6 +10,8 @@
 namespace tremolo {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 // For each side 4 t + f, returns the same face's side in the other tetrahedron; kNone on the
@@ -173,7 +175,6 @@ std::vector<std::string> describe(const Locking& locking) {
 }
 
 nlohmann::ordered_json to_json(const Locking& locking) {
-  using Json = nlohmann::ordered_json;
   const auto wall = [&locking](double WallLayers::*what) {
     return locking.walls ? Json((*locking.walls).*what) : Json(nullptr);
   };

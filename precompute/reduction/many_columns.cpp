@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "common/format_text.h"
+#include "common/stage_log.h"
 #include "precompute/dense/large_decompositions.h"
 #include "precompute/dense/parallel_columns.h"
 #include "precompute/dense/sparse_rows.h"
@@ -15,10 +16,6 @@ namespace tremolo {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // Moves the columns order[0], order[1], ... (`count` of them) to the front, in place.
 void take_to_front(const std::vector<Eigen::Index>& order, Eigen::Index count, Columns& columns) {

@@ -16,7 +16,7 @@ using PetscLinearSolver = PetscHandle<KSP, KSPDestroy>;
 constexpr double kSolveTolerance = 1e-11;  // relative to |b|, in the preconditioned norm
 constexpr int kMostIterations = 1000;
 
-void require(PetscErrorCode code) {
+void require_iteration(PetscErrorCode code) {
   check_petsc(code, "solve by iteration");
 }
 
@@ -34,26 +34,26 @@ void set_null_space(Mat stiffness, const Columns& rigid) {
   const std::vector<PetscVector> own = copied_vectors(plainly_orthonormal(rigid));
   std::vector<Vec> raw = handles_of(own);
   MatNullSpace space = nullptr;
-  require(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_FALSE, static_cast<PetscInt>(raw.size()),
-                             raw.data(), &space));
-  require(MatSetNullSpace(stiffness, space));
-  require(MatNullSpaceDestroy(&space));
+  require_iteration(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_FALSE,
+                                       static_cast<PetscInt>(raw.size()), raw.data(), &space));
+  require_iteration(MatSetNullSpace(stiffness, space));
+  require_iteration(MatNullSpaceDestroy(&space));
 }
 
 // With the rigid motions as near null space, coarse grids represent them.
 void set_near_null_space(Mat matrix, const std::vector<Eigen::Vector3d>& positions) {
   PetscVector coordinates;
-  require(MatCreateVecs(matrix, coordinates.out(), nullptr));
-  require(VecSetBlockSize(coordinates.get(), 3));
+  require_iteration(MatCreateVecs(matrix, coordinates.out(), nullptr));
+  require_iteration(VecSetBlockSize(coordinates.get(), 3));
   double* values = nullptr;
-  require(VecGetArrayWrite(coordinates.get(), &values));
+  require_iteration(VecGetArrayWrite(coordinates.get(), &values));
   for (const Eigen::Vector3d& x : positions) values = std::copy(x.data(), x.data() + 3, values);
   values -= 3 * positions.size();
-  require(VecRestoreArrayWrite(coordinates.get(), &values));
+  require_iteration(VecRestoreArrayWrite(coordinates.get(), &values));
   MatNullSpace motions = nullptr;
-  require(MatNullSpaceCreateRigidBody(coordinates.get(), &motions));
-  require(MatSetNearNullSpace(matrix, motions));
-  require(MatNullSpaceDestroy(&motions));
+  require_iteration(MatNullSpaceCreateRigidBody(coordinates.get(), &motions));
+  require_iteration(MatSetNearNullSpace(matrix, motions));
+  require_iteration(MatNullSpaceDestroy(&motions));
 }
 
 class MultigridSolver final : public ShiftedSolver {
@@ -67,7 +67,7 @@ class MultigridSolver final : public ShiftedSolver {
     Columns solution(loads.rows(), loads.cols());
     const std::vector<PetscVector> from = as_vectors(loads), to = as_vectors(solution);
     for (std::size_t c = 0; c < from.size(); ++c) {
-      require(KSPSolve(gradients_.get(), from[c].get(), to[c].get()));
+      require_iteration(KSPSolve(gradients_.get(), from[c].get(), to[c].get()));
       require_converged();
     }
     x = solution;
@@ -87,17 +87,18 @@ class MultigridSolver final : public ShiftedSolver {
     if (sigma != 0.0) shifted_ = shifted_stiffness(pencil_.matrices, sigma);
     Mat definite = sigma == 0.0 ? stiffness : shifted_.get();
     set_null_space(stiffness, pencil_.rigid);
-    require(KSPCreate(PETSC_COMM_WORLD, gradients_.out()));
+    require_iteration(KSPCreate(PETSC_COMM_WORLD, gradients_.out()));
     KSP ksp = gradients_.get();
-    require(KSPSetOptionsPrefix(ksp, "cg_"));
-    require(KSPSetOperators(ksp, stiffness, definite));
-    require(KSPSetType(ksp, KSPCG));
-    require(KSPSetTolerances(ksp, kSolveTolerance, 1e-300, PETSC_DEFAULT, kMostIterations));
+    require_iteration(KSPSetOptionsPrefix(ksp, "cg_"));
+    require_iteration(KSPSetOperators(ksp, stiffness, definite));
+    require_iteration(KSPSetType(ksp, KSPCG));
+    require_iteration(
+        KSPSetTolerances(ksp, kSolveTolerance, 1e-300, PETSC_DEFAULT, kMostIterations));
     PC preconditioner = nullptr;
-    require(KSPGetPC(ksp, &preconditioner));
+    require_iteration(KSPGetPC(ksp, &preconditioner));
     set_multigrid(preconditioner, definite, pencil_.positions);
-    require(KSPSetFromOptions(ksp));
-    require(KSPSetUp(ksp));
+    require_iteration(KSPSetFromOptions(ksp));
+    require_iteration(KSPSetUp(ksp));
   }
   void free_factor() override {
     gradients_ = PetscLinearSolver();
@@ -107,8 +108,8 @@ class MultigridSolver final : public ShiftedSolver {
   void require_converged() const {
     KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
     PetscInt iterations = 0;
-    require(KSPGetConvergedReason(gradients_.get(), &reason));
-    require(KSPGetIterationNumber(gradients_.get(), &iterations));
+    require_iteration(KSPGetConvergedReason(gradients_.get(), &reason));
+    require_iteration(KSPGetIterationNumber(gradients_.get(), &iterations));
     if (reason >= 0) return;
     throw Failure({ErrorKind::kSolver,
                    std::string("conjugate gradients with multigrid did not converge (") +
@@ -126,9 +127,9 @@ class MultigridSolver final : public ShiftedSolver {
 
 void set_multigrid(PC preconditioner, Mat definite, const std::vector<Eigen::Vector3d>& positions) {
   set_near_null_space(definite, positions);
-  require(PCSetType(preconditioner, PCGAMG));
-  require(PCGAMGSetType(preconditioner, PCGAMGAGG));
-  require(PCGAMGSetNSmooths(preconditioner, 1));
+  require_iteration(PCSetType(preconditioner, PCGAMG));
+  require_iteration(PCGAMGSetType(preconditioner, PCGAMGAGG));
+  require_iteration(PCGAMGSetNSmooths(preconditioner, 1));
 }
 
 std::unique_ptr<ShiftedSolver> make_multigrid_solver(const Pencil& pencil) {

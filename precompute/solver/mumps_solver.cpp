@@ -5,21 +5,21 @@
 namespace tremolo {
 namespace {
 
-void require(PetscErrorCode code) {
+void require_mumps(PetscErrorCode code) {
   check_petsc(code, "factorise by MUMPS");
 }
 
 PetscMatrix mumps_factor(Mat matrix) {
   PetscMatrix factor;
-  require(MatGetFactor(matrix, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, factor.out()));
+  require_mumps(MatGetFactor(matrix, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, factor.out()));
   return factor;
 }
 
 void factorise(Mat matrix, Mat factor) {
   MatFactorInfo info;
-  require(MatFactorInfoInitialize(&info));
-  require(MatCholeskyFactorSymbolic(factor, matrix, nullptr, &info));
-  require(MatCholeskyFactorNumeric(factor, matrix, &info));
+  require_mumps(MatFactorInfoInitialize(&info));
+  require_mumps(MatCholeskyFactorSymbolic(factor, matrix, nullptr, &info));
+  require_mumps(MatCholeskyFactorNumeric(factor, matrix, &info));
   require_factorised(factor);
 }
 
@@ -31,7 +31,7 @@ class MumpsSolver final : public ShiftedSolver {
     const Columns load = b;
     Columns solution(load.rows(), load.cols());
     const PetscMatrix from = as_dense(load), to = as_dense(solution);
-    require(MatMatSolve(factor_.get(), from.get(), to.get()));
+    require_mumps(MatMatSolve(factor_.get(), from.get(), to.get()));
     x = solution;
   }
 
@@ -63,15 +63,15 @@ std::unique_ptr<ShiftedSolver> make_mumps_solver(const Pencil& pencil) {
 InertiaCount count_negative_by_mumps(const Matrices& matrices, double bound) {
   const PetscMatrix shifted = shifted_stiffness(matrices, bound);
   // The matrix is symmetric but indefinite, and MUMPS must not treat it as positive definite.
-  require(MatSetOption(shifted.get(), MAT_SPD, PETSC_FALSE));
-  require(MatSetOption(shifted.get(), MAT_SYMMETRIC, PETSC_TRUE));
+  require_mumps(MatSetOption(shifted.get(), MAT_SPD, PETSC_FALSE));
+  require_mumps(MatSetOption(shifted.get(), MAT_SYMMETRIC, PETSC_TRUE));
   const PetscMatrix factor = mumps_factor(shifted.get());
-  require(MatMumpsSetIcntl(factor.get(), 24, 1));  // detect null pivots
-  require(MatMumpsSetIcntl(factor.get(), 13,
-                           1));  // the inertia of a ScaLAPACK root node is not reported
+  require_mumps(MatMumpsSetIcntl(factor.get(), 24, 1));  // detect null pivots
+  require_mumps(MatMumpsSetIcntl(factor.get(), 13,
+                                 1));  // the inertia of a ScaLAPACK root node is not reported
   factorise(shifted.get(), factor.get());
   PetscInt negative = 0, zero = 0, positive = 0;
-  require(MatGetInertia(factor.get(), &negative, &zero, &positive));
+  require_mumps(MatGetInertia(factor.get(), &negative, &zero, &positive));
   if (zero > 0)
     throw Failure({ErrorKind::kSolver, "the count of modes by inertia met " + std::to_string(zero) +
                                            " pivots that are zero"});

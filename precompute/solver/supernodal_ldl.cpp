@@ -45,13 +45,13 @@ struct Factorisation {
 };
 
 // Buffers of one thread.
-struct Scratch {
+struct PanelScratch {
   std::vector<int> at;         // row of the factor -> row of the current panel
   std::vector<double> scaled;  // L D of the rows that are columns of the panel
   std::vector<double> product;
 };
 
-void assemble_panel(const Factorisation& w, int s, Scratch& scratch) {
+void assemble_panel(const Factorisation& w, int s, PanelScratch& scratch) {
   const int rows = w.rows(s), first = w.f.first_column[s];
   double* panel = w.panel(s);
   std::fill(panel, panel + static_cast<std::size_t>(rows) * w.columns(s), 0.0);
@@ -67,7 +67,7 @@ void assemble_panel(const Factorisation& w, int s, Scratch& scratch) {
 }
 
 // Subtracts L_d D_d L_d^T from panel s, where the next rows of panel d are columns of s.
-void update_from(const Factorisation& w, int s, int d, Scratch& scratch) {
+void update_from(const Factorisation& w, int s, int d, PanelScratch& scratch) {
   const int rows = w.rows(d), columns = w.columns(d), begin = w.next_row[d];
   const int* row = w.row(d);
   int end = begin;
@@ -94,7 +94,7 @@ void update_from(const Factorisation& w, int s, int d, Scratch& scratch) {
 }
 
 // Computes L D L^T of a dense trapezoid in place, in blocks of columns.
-void factorise_panel(double* panel, int rows, int columns, Scratch& scratch) {
+void factorise_panel(double* panel, int rows, int columns, PanelScratch& scratch) {
   constexpr int kWidth = 48;
   const auto at = [&](int i, int c) -> double& {
     return panel[static_cast<std::size_t>(c) * rows + i];
@@ -126,7 +126,7 @@ void factorise_panel(double* panel, int rows, int columns, Scratch& scratch) {
   }
 }
 
-void compute_supernode(Factorisation& w, int s, Scratch& scratch) {
+void compute_supernode(Factorisation& w, int s, PanelScratch& scratch) {
   assemble_panel(w, s, scratch);
   for (int d = w.first_pending[s]; d >= 0;) {
     const int next = w.next_pending[d];
@@ -145,7 +145,7 @@ int next_target(Factorisation& w, int d, int last) {
 }
 
 // Computes supernodes first..last in order. Returns the panels whose next update is beyond `last`.
-std::vector<int> compute_range(Factorisation& w, int first, int last, Scratch& scratch) {
+std::vector<int> compute_range(Factorisation& w, int first, int last, PanelScratch& scratch) {
   std::vector<int> outgoing;
   scratch.at.resize(w.node_of.size());
   const auto queue_update = [&](int d, int done) {
@@ -255,7 +255,7 @@ void compute_subtrees(Factorisation& w, const std::vector<Range>& ranges, unsign
   std::vector<std::vector<int>> outgoing(ranges.size());
   const BlasThreads single(1);
   parallel_for(ranges.size(), threads, [&](std::size_t i) {
-    Scratch scratch;
+    PanelScratch scratch;
     outgoing[i] = compute_range(w, ranges[i].first, ranges[i].last, scratch);
   });
   for (const std::vector<int>& panels : outgoing)
@@ -267,7 +267,7 @@ void compute_top(Factorisation& w, const std::vector<Range>& ranges, unsigned th
   // Small panels are not worth sharing, since the threads would mostly wait for each other.
   constexpr int kWorthwhile = 1500;  // rows
   const BlasThreads shared(w.f.most_rows < kWorthwhile ? 1 : static_cast<int>(threads));
-  Scratch scratch;
+  PanelScratch scratch;
   scratch.at.resize(w.a.rows);
   std::size_t range = 0;
   for (int s = 0; s < static_cast<int>(w.f.count); ++s) {

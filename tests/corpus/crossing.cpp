@@ -1,6 +1,5 @@
 // Surfaces that cross themselves, have one side only, or edges with more than two faces.
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -10,8 +9,6 @@
 
 namespace tremolo::corpus {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Shape turned(const Shape& shape, double angle, const Vector3d& axis) {
   const Eigen::AngleAxisd rotation(angle, axis.normalized());

@@ -9,11 +9,7 @@
 #include <Eigen/Geometry>
 
 namespace tremolo::corpus {
-namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-}  // namespace
+namespace {}  // namespace
 
 Vector3d Dice::direction() {
   const double z = between(-1, 1);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -11,6 +12,7 @@
 namespace tremolo::corpus {
 
 using Eigen::Vector3d;
+inline constexpr double kPi = std::numbers::pi;
 using Polygon = std::vector<int>;
 
 // faces: polygons of indices into points, counter-clockwise seen from outside.

@@ -14,7 +14,7 @@
 namespace tremolo {
 namespace {
 
-using namespace checkpoint_layout;
+namespace layout = checkpoint_layout;
 using testing::fresh_folder;
 using testing::slurp;
 
@@ -25,7 +25,7 @@ const std::string kText = std::string("a\0b", 3) + "\n";
 std::vector<NamedArray> sample_arrays() {
   return {named_array("text", kText), named_array("values", kValues, 3, 2),
           named_array("integers", kIntegers), named_array("empty", std::span<const double>{}, 0),
-          named_array(std::string(kNameSize, 'n'), kValues, 6)};
+          named_array(std::string(layout::kNameSize, 'n'), kValues, 6)};
 }
 
 std::string sample_path() {
@@ -48,12 +48,12 @@ bool readable(const std::string& text) {
 }
 
 template <class T>
-void put(std::string& bytes, std::size_t at, T value) {
+void put_number(std::string& bytes, std::size_t at, T value) {
   std::memcpy(bytes.data() + at, &value, sizeof(value));
 }
 
 template <class T>
-T get(const std::string& bytes, std::size_t at) {
+T number_at(const std::string& bytes, std::size_t at) {
   T value;
   std::memcpy(&value, bytes.data() + at, sizeof(value));
   return value;
@@ -64,11 +64,12 @@ std::uint64_t hash_of(const std::string& bytes, std::size_t at, std::size_t size
 }
 
 // Makes the checksums of header and table right again, as an attacker would.
-void reseal(std::string& bytes) {
-  const std::size_t table = std::min<std::size_t>(get<std::uint32_t>(bytes, kArraysAt) * kEntrySize,
-                                                  bytes.size() - kHeaderSize);
-  put(bytes, kTableHashAt, hash_of(bytes, kHeaderSize, table));
-  put(bytes, kHeaderHashAt, hash_of(bytes, 0, kHeaderHashAt));
+void reseal_checkpoint(std::string& bytes) {
+  const std::size_t table =
+      std::min<std::size_t>(number_at<std::uint32_t>(bytes, layout::kArraysAt) * layout::kEntrySize,
+                            bytes.size() - layout::kHeaderSize);
+  put_number(bytes, layout::kTableHashAt, hash_of(bytes, layout::kHeaderSize, table));
+  put_number(bytes, layout::kHeaderHashAt, hash_of(bytes, 0, layout::kHeaderHashAt));
 }
 
 TEST(CheckpointFile, GivesBackEveryBit) {
@@ -84,7 +85,7 @@ TEST(CheckpointFile, GivesBackEveryBit) {
   const auto empty = file->matrix("empty");
   ASSERT_TRUE(empty) << empty.error().message;
   EXPECT_EQ(empty->size(), 0);
-  EXPECT_EQ(file->matrix(std::string(kNameSize, 'n'))->rows(), 6);
+  EXPECT_EQ(file->matrix(std::string(layout::kNameSize, 'n'))->rows(), 6);
 }
 
 TEST(CheckpointFile, TheSameArraysAreTheSameBytes) {
@@ -123,14 +124,14 @@ TEST(CheckpointFile, AnyDamagedByteIsNoticed) {
 // Every field of header and table set to values that sizes overflow with, checksums made right.
 TEST(CheckpointFile, NoFieldIsTrusted) {
   const std::string bytes = slurp(sample_path());
-  const std::size_t front = kHeaderSize + sample_arrays().size() * kEntrySize;
+  const std::size_t front = layout::kHeaderSize + sample_arrays().size() * layout::kEntrySize;
   for (std::size_t at = 0; at + 8 <= front; at += 4)
     for (const std::uint64_t value :
          {std::uint64_t{1} << 29, std::uint64_t{1} << 31, std::uint64_t{1} << 40,
           std::uint64_t{1} << 61, std::uint64_t{1} << 63, ~std::uint64_t{0}}) {
       std::string changed = bytes;
-      put(changed, at, value);
-      reseal(changed);
+      put_number(changed, at, value);
+      reseal_checkpoint(changed);
       // A name may be any text; then nothing is lost.
       const auto file = CheckpointFile::from_memory(std::as_bytes(std::span(changed)));
       if (!file) continue;
@@ -145,16 +146,17 @@ TEST(CheckpointFile, NoFieldIsTrusted) {
 
 TEST(CheckpointFile, CountsThatTheFileDoesNotHoldAreRefused) {
   const std::string bytes = slurp(sample_path());
-  for (const std::uint32_t count : {0u, 1u, 4u, 6u, kMaxArrays, kMaxArrays + 1, ~0u}) {
+  for (const std::uint32_t count :
+       {0u, 1u, 4u, 6u, layout::kMaxArrays, layout::kMaxArrays + 1, ~0u}) {
     std::string changed = bytes;
-    put(changed, kArraysAt, count);
-    reseal(changed);
+    put_number(changed, layout::kArraysAt, count);
+    reseal_checkpoint(changed);
     EXPECT_FALSE(readable(changed)) << count;
   }
   for (const std::uint64_t rows : {0ull, 2ull, 4ull, 1ull << 60, (1ull << 61) + 3, ~0ull}) {
     std::string changed = bytes;
-    put(changed, kHeaderSize + kEntrySize + kRowsAt, rows);
-    reseal(changed);
+    put_number(changed, layout::kHeaderSize + layout::kEntrySize + layout::kRowsAt, rows);
+    reseal_checkpoint(changed);
     EXPECT_FALSE(readable(changed)) << rows;
   }
 }
@@ -162,10 +164,10 @@ TEST(CheckpointFile, CountsThatTheFileDoesNotHoldAreRefused) {
 // 0 x 2^40 takes no memory, but whoever loops over its columns would not come back.
 TEST(CheckpointFile, NothingHasOneColumn) {
   std::string bytes = slurp(sample_path());
-  const std::size_t entry = kHeaderSize + 3 * kEntrySize;  // of "empty"
+  const std::size_t entry = layout::kHeaderSize + 3 * layout::kEntrySize;  // of "empty"
   for (const std::uint64_t columns : {0ull, 2ull, 1ull << 40}) {
-    put(bytes, entry + kColumnsAt, std::uint64_t{columns});
-    reseal(bytes);
+    put_number(bytes, entry + layout::kColumnsAt, std::uint64_t{columns});
+    reseal_checkpoint(bytes);
     EXPECT_FALSE(readable(bytes)) << columns;
   }
 }
@@ -188,8 +190,8 @@ TEST(CheckpointFile, NumbersThatAreNoneAreRefused) {
 
 TEST(CheckpointFile, AnotherVersionSaysSo) {
   std::string bytes = slurp(sample_path());
-  put(bytes, kVersionAt, kVersion + 1);
-  reseal(bytes);
+  put_number(bytes, layout::kVersionAt, layout::kVersion + 1);
+  reseal_checkpoint(bytes);
   const auto file = CheckpointFile::from_memory(std::as_bytes(std::span(bytes)), "old");
   ASSERT_FALSE(file);
   EXPECT_EQ(file.error().message, "old: header at byte 8: version 2, this program writes 1");
@@ -203,13 +205,13 @@ TEST(CheckpointFile, TheWriterRefusesWhatTheReaderWould) {
   };
   EXPECT_TRUE(refused({}));
   EXPECT_TRUE(refused({named_array("", kText)}));
-  EXPECT_TRUE(refused({named_array(std::string(kNameSize + 1, 'n'), kText)}));
+  EXPECT_TRUE(refused({named_array(std::string(layout::kNameSize + 1, 'n'), kText)}));
   EXPECT_TRUE(refused({named_array(std::string("a\0b", 3), kText)}));
   EXPECT_TRUE(refused({named_array("a", kText), named_array("a", kText)}));
   EXPECT_TRUE(refused({named_array("a", kValues, 5)}));
   EXPECT_TRUE(refused({named_array("a", std::span<const double>{}, 0, 4)}));
   EXPECT_TRUE(refused({named_array("a", kValues, std::uint64_t{1} << 63, 2)}));
-  EXPECT_TRUE(refused(std::vector<NamedArray>(kMaxArrays + 1, named_array("a", kText))));
+  EXPECT_TRUE(refused(std::vector<NamedArray>(layout::kMaxArrays + 1, named_array("a", kText))));
 }
 
 TEST(CheckpointFile, AFullDiskIsAnErrorWithThePath) {

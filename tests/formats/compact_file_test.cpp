@@ -19,7 +19,8 @@ namespace {
 using namespace basis_layout;
 using namespace testing;
 
-constexpr const char* kGolden = TREMOLO_SOURCE_DIR "/tests/formats/golden/tiny-compact-1.1.tremolo";
+constexpr const char* kGoldenCompact =
+    TREMOLO_SOURCE_DIR "/tests/formats/golden/tiny-compact-1.1.tremolo";
 
 Bytes compact_bytes(const BasisData& data = tiny_basis()) {
   return *encode_basis(data, BasisEncoding::kCompact);
@@ -74,11 +75,11 @@ double largest_relative(const std::vector<double>& kept, const std::vector<doubl
 }
 
 TEST(CompactFile, WritesTheGoldenBytesOfVersionOneOne) {
-  EXPECT_EQ(compact_bytes(), read_file(kGolden));
+  EXPECT_EQ(compact_bytes(), read_file(kGoldenCompact));
 }
 
 TEST(CompactFile, ReadsTheGoldenFileOfVersionOneOne) {
-  const auto data = read_basis(kGolden);
+  const auto data = read_basis(kGoldenCompact);
   ASSERT_TRUE(data) << data.error().message;
   EXPECT_EQ(data->lambda, tiny_basis().lambda);
   EXPECT_EQ(data->cubic, tiny_basis().cubic) << "these are f32 as they are";

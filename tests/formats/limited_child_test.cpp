@@ -19,9 +19,9 @@
 namespace tremolo {
 namespace {
 
-using Bytes = std::vector<std::byte>;
+using ChildBytes = std::vector<std::byte>;
 
-Bytes bytes_of(const std::string& text) {
+ChildBytes bytes_of(const std::string& text) {
   const auto* begin = reinterpret_cast<const std::byte*>(text.data());
   return {begin, begin + text.size()};
 }
@@ -29,7 +29,7 @@ Bytes bytes_of(const std::string& text) {
 constexpr ChildLimits kLimits = {.seconds = 20, .memory = 0, .answer = 10'000'000};
 
 std::string message_of(const ChildWork& work, const ChildLimits& limits = kLimits) {
-  const Result<Bytes> answer = answer_of_child(work, limits);
+  const Result<ChildBytes> answer = answer_of_child(work, limits);
   return answer ? "answered" : answer.error().message;
 }
 
@@ -39,34 +39,34 @@ void expect_no_child_left() {
 }
 
 TEST(LimitedChild, AnswersCrossWhole) {
-  Bytes sent(3'000'000);
+  ChildBytes sent(3'000'000);
   for (std::size_t i = 0; i < sent.size(); ++i) sent[i] = static_cast<std::byte>(i * i % 251);
-  const Result<Bytes> answer = answer_of_child([&] { return sent; }, kLimits);
+  const Result<ChildBytes> answer = answer_of_child([&] { return sent; }, kLimits);
   ASSERT_TRUE(answer);
   EXPECT_EQ(*answer, sent);
-  EXPECT_TRUE(answer_of_child([] { return Bytes(); }, kLimits)->empty());
+  EXPECT_TRUE(answer_of_child([] { return ChildBytes(); }, kLimits)->empty());
   expect_no_child_left();
 }
 
 TEST(LimitedChild, ACrashIsAnError) {
-  EXPECT_EQ(message_of([]() -> Bytes {
+  EXPECT_EQ(message_of([]() -> ChildBytes {
               ::raise(SIGSEGV);
               return {};
             }),
             "crashed (signal 11)");
-  EXPECT_EQ(message_of([]() -> Bytes { std::abort(); }), "crashed (signal 6)");
-  EXPECT_NE(message_of([]() -> Bytes { throw std::runtime_error("no"); }), "answered");
-  EXPECT_NE(message_of([]() -> Bytes { ::_exit(5); }), "answered");
+  EXPECT_EQ(message_of([]() -> ChildBytes { std::abort(); }), "crashed (signal 6)");
+  EXPECT_NE(message_of([]() -> ChildBytes { throw std::runtime_error("no"); }), "answered");
+  EXPECT_NE(message_of([]() -> ChildBytes { ::_exit(5); }), "answered");
   expect_no_child_left();
 }
 
 TEST(LimitedChild, WhatNeverEndsIsEnded) {
-  const auto for_ever = []() -> Bytes {
+  const auto for_ever = []() -> ChildBytes {
     for (;;) ::pause();
   };
   EXPECT_EQ(message_of(for_ever, {.seconds = 0.05, .answer = 10}), "took longer than 0.05 s");
   // One that talks all the time is not waited for either.
-  const auto chatter = []() -> Bytes {
+  const auto chatter = []() -> ChildBytes {
     for (;;)
       if (::write(3, "x", 1) != 1) ::_exit(0);
   };
@@ -76,8 +76,10 @@ TEST(LimitedChild, WhatNeverEndsIsEnded) {
 }
 
 TEST(LimitedChild, AnAnswerThatIsTooLongIsNotTaken) {
-  EXPECT_NE(message_of([] { return Bytes(1001); }, {.seconds = 20, .answer = 1000}), "answered");
-  EXPECT_EQ(message_of([] { return Bytes(1000); }, {.seconds = 20, .answer = 1000}), "answered");
+  EXPECT_NE(message_of([] { return ChildBytes(1001); }, {.seconds = 20, .answer = 1000}),
+            "answered");
+  EXPECT_EQ(message_of([] { return ChildBytes(1000); }, {.seconds = 20, .answer = 1000}),
+            "answered");
   expect_no_child_left();
 }
 
@@ -87,8 +89,8 @@ TEST(LimitedChild, MemoryIsWhatItMayBe) {
 #endif
   const auto take = [](std::size_t count) {
     return [count] {
-      const Bytes taken(count, std::byte{1});
-      return Bytes(1, taken[count / 2]);
+      const ChildBytes taken(count, std::byte{1});
+      return ChildBytes(1, taken[count / 2]);
     };
   };
   const ChildLimits limits = {.seconds = 20, .memory = 100'000'000, .answer = 1000};
@@ -98,7 +100,7 @@ TEST(LimitedChild, MemoryIsWhatItMayBe) {
 
 TEST(LimitedChild, ItWritesNoFilesAndHasNoOtherDescriptors) {
   const int here = ::dup(2);
-  const Result<Bytes> answer = answer_of_child(
+  const Result<ChildBytes> answer = answer_of_child(
       [] {
         std::string open;
         for (int descriptor = 0; descriptor < 64; ++descriptor)
@@ -123,7 +125,7 @@ TEST(LimitedChild, SignalsAreAsAtTheStartOfAProgram) {
   sigaddset(&term, SIGTERM);
   sigset_t mask;
   pthread_sigmask(SIG_BLOCK, &term, &mask);
-  EXPECT_EQ(message_of([]() -> Bytes {
+  EXPECT_EQ(message_of([]() -> ChildBytes {
               ::raise(SIGTERM);
               return {};
             }),
@@ -147,10 +149,10 @@ TEST(LimitedChild, SignalsToTheParentDoNotCutTheAnswerShort) {
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
   });
-  const Result<Bytes> answer = answer_of_child(
+  const Result<ChildBytes> answer = answer_of_child(
       [] {
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
-        return Bytes(2'000'000);
+        return ChildBytes(2'000'000);
       },
       kLimits);
   done = true;
@@ -166,7 +168,7 @@ TEST(LimitedChild, WhereChildrenAreNotWaitedForTheAnswerStillComes) {
   struct sigaction before = {};
   ignore.sa_handler = SIG_IGN;
   ::sigaction(SIGCHLD, &ignore, &before);
-  const std::string message = message_of([] { return Bytes(10); });
+  const std::string message = message_of([] { return ChildBytes(10); });
   ::sigaction(SIGCHLD, &before, nullptr);
   EXPECT_EQ(message, "answered");
 }
@@ -177,7 +179,7 @@ TEST(LimitedChild, ItDiesWithItsParent) {
   const pid_t parent = ::fork();
   if (parent == 0) {
     (void)answer_of_child(
-        [&]() -> Bytes {
+        [&]() -> ChildBytes {
           // Says who it is through the answer's pipe's owner: descriptor 3 is all it has.
           for (;;) ::pause();
         },

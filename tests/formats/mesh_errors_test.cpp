@@ -35,7 +35,7 @@ void expect_error(const std::string& name, const std::string& bytes, Parts parts
 // Little-endian bytes of a number, for files made by msh2_binary(false) and msh4_binary(false).
 template <class T>
 std::string bytes_of(T value) {
-  return testing::Bytes(false).put(value).str();
+  return testing::ByteWriter(false).put(value).str();
 }
 
 void expect_tetgen_error(const std::string& node, const std::string& ele, Parts parts) {

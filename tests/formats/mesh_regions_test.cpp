@@ -90,7 +90,7 @@ TEST(Regions, OfALegacyVtkFileAreItsCellData) {
 }
 
 TEST(Regions, OfABinaryVtkFileAreItsCellData) {
-  testing::Bytes bytes(true);
+  testing::ByteWriter bytes(true);
   bytes.text(testing::vtk_binary_5_1()).text("CELL_DATA 3\nSCALARS material int 1\n");
   bytes.text("LOOKUP_TABLE default\n");
   for (std::int32_t value : {9, 3, 4}) bytes.put(value);

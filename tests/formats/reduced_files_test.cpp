@@ -12,13 +12,13 @@
 namespace tremolo {
 namespace {
 
-using testing::Bytes;
+using testing::ByteWriter;
 
 constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
 
 // r = 2: every coefficient is another number.
 std::string small_cub() {
-  Bytes bytes(false);
+  ByteWriter bytes(false);
   for (std::int32_t count : {2, 2, 3, 4}) bytes.put(count);
   for (int value = 1; value <= 18; ++value) bytes.put(static_cast<double>(value));
   return bytes.str();

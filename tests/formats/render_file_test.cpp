@@ -15,7 +15,8 @@ namespace {
 using namespace basis_layout;
 using namespace testing;
 
-const char* const kGolden = TREMOLO_SOURCE_DIR "/tests/formats/golden/tiny-render-1.2.tremolo";
+const char* const kGoldenRender =
+    TREMOLO_SOURCE_DIR "/tests/formats/golden/tiny-render-1.2.tremolo";
 
 constexpr std::string_view kNeeded[] = {kRenderRest,      kRenderBasis,   kRenderAnchors,
                                         kRenderTriangles, kRenderObjects, kRenderMaterials,
@@ -46,11 +47,11 @@ void expect_refused(Bytes bytes, const std::string& what) {
 }
 
 TEST(RenderFile, WritesTheGoldenBytesOfVersionOneTwo) {
-  EXPECT_EQ(render_bytes(), read_file(kGolden));
+  EXPECT_EQ(render_bytes(), read_file(kGoldenRender));
 }
 
 TEST(RenderFile, ReadsTheGoldenFileOfVersionOneTwo) {
-  const auto data = read_basis(kGolden);
+  const auto data = read_basis(kGoldenRender);
   ASSERT_TRUE(data) << data.error().message;
   expect_equal(*data, tiny_basis());
   ASSERT_TRUE(data->render);

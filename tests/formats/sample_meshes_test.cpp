@@ -36,7 +36,7 @@ std::size_t parts_joined_by_faces(const TetMesh& mesh) {
   return parts;
 }
 
-class SampleMesh : public testing::TestWithParam<const char*> {
+class SampleMesh : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     const std::string path =
@@ -73,7 +73,7 @@ TEST_P(SampleMesh, IsNowherePinchedToAVertexOrAnEdge) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SampleMesh,
-                         testing::Values("beam", "basket", "bridge", "horse", "tower", "heart"),
+                         ::testing::Values("beam", "basket", "bridge", "horse", "tower", "heart"),
                          [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace

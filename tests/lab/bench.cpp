@@ -16,11 +16,11 @@
 namespace tremolo::bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-Json to_json(const std::string& page, const std::vector<Criterion>& criteria,
-             const std::vector<std::string>& sentences, const std::optional<Speed>& speed) {
-  Json json;
+OrderedJson to_json(const std::string& page, const std::vector<Criterion>& criteria,
+                    const std::vector<std::string>& sentences, const std::optional<Speed>& speed) {
+  OrderedJson json;
   json["page"] = page;
   json["recommendations"] = sentences;
   json["criteria"] = tremolo::to_json(criteria);

@@ -23,7 +23,7 @@ namespace {
 
 using testing::symmetric_box;
 
-struct System {
+struct ClusteredSystem {
   TetMesh mesh;
   MeshReport report;
   DofMap map;
@@ -31,7 +31,7 @@ struct System {
   Matrices matrices;
   Marker marker;
 
-  System(const TetMesh& source, const std::vector<VertexId>& fixed)
+  ClusteredSystem(const TetMesh& source, const std::vector<VertexId>& fixed)
       : mesh(source),
         report(*check_mesh(mesh)),
         map(make_dof_map(mesh, fixed, 1)),
@@ -60,16 +60,16 @@ TetMesh square_beam(int cells = 8) {
   for (Eigen::Vector3d& x : mesh.vertices) x = turn * x;
   return mesh;
 }
-std::vector<VertexId> one_end(const TetMesh& mesh) {
+std::vector<VertexId> low_end(const TetMesh& mesh) {
   std::vector<VertexId> ids;
   const double low = bounding_box(mesh.vertices).low.x();
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (mesh.vertices[v].x() < low + 1e-6) ids.push_back(static_cast<VertexId>(v));
   return ids;
 }
-System clamped_beam(int cells = 8) {
+ClusteredSystem clamped_beam(int cells = 8) {
   const TetMesh mesh = square_beam(cells);
-  return System(mesh, one_end(mesh));
+  return ClusteredSystem(mesh, low_end(mesh));
 }
 
 // While it lives SLEPc finds the modes.
@@ -125,8 +125,8 @@ TEST(ModeClusters, OfASlenderBodyAreWiderByItsRounding) {
 }
 
 TEST(ModeClusters, AreTheSameHoweverASolverTurnedThem) {
-  const System beam = clamped_beam();
-  const System cube(symmetric_box({3, 3, 3}, {0.3, 0.3, 0.3}), {});
+  const ClusteredSystem beam = clamped_beam();
+  const ClusteredSystem cube(symmetric_box({3, 3, 3}, {0.3, 0.3, 0.3}), {});
   const Modes of_beam = beam.modes(12, true).modes;
   testing::SolvedPencil free(cube.matrices, cube.rigid(), -100.0);
   const Modes of_cube = cube.modes(free, 16, true).modes;
@@ -150,7 +150,7 @@ TEST(ModeClusters, AreTheSameHoweverASolverTurnedThem) {
 
 TEST(ModeClusters, AreTheSameByBlocksAndBySlepc) {
   for (int cells : {8, 40}) {
-    const System beam = clamped_beam(cells);
+    const ClusteredSystem beam = clamped_beam(cells);
     const Modes blocks = beam.modes(10, true).modes;
     ASSERT_GT(blocks.solves, 0);
     const BySlepc by_slepc;
@@ -165,7 +165,7 @@ TEST(ModeClusters, OfEqualPartsBelongToOnePartEach) {
   const TetMesh beam = symmetric_box({8, 2, 1}, {0.4, 0.1, 0.06});
   TetMesh two = beam;
   testing::join(two, beam, {0, 0.3, 0});
-  const System system(two, one_end(two));
+  const ClusteredSystem system(two, low_end(two));
   const Modes modes = system.modes(4).modes;
   ASSERT_EQ(find_clusters(modes.squared_frequencies, {kClusterGap}).size(), 2u);
   Columns turned = modes.vectors;
@@ -175,12 +175,12 @@ TEST(ModeClusters, OfEqualPartsBelongToOnePartEach) {
 }
 
 TEST(ModeClusters, DoNotDependOnPlaceSizeOrNumbersOfVertices) {
-  const System beam = clamped_beam();
+  const ClusteredSystem beam = clamped_beam();
   testing::Random random(2);
   const auto order = testing::random_permutation(beam.mesh.vertices.size(), random);
   TetMesh other = testing::renumbered(beam.mesh, order);
   for (Eigen::Vector3d& x : other.vertices) x = 8.0 * x + Eigen::Vector3d(1, -2, 3);
-  const System moved(other, one_end(other));
+  const ClusteredSystem moved(other, low_end(other));
   const Eigen::MatrixXd a =
       expand_to_vertices(beam.map, beam.local, beam.modes(8, true).modes.vectors);
   const Eigen::MatrixXd b =
@@ -194,7 +194,7 @@ TEST(ModeClusters, DoNotDependOnPlaceSizeOrNumbersOfVertices) {
 }
 
 TEST(ModeClusters, CutInAPairGiveItsFirstAndANote) {
-  const System beam = clamped_beam();
+  const ClusteredSystem beam = clamped_beam();
   const WholeModes both = beam.modes(2);
   EXPECT_EQ(both.note, "") << both.note;
   testing::SolvedPencil solved(beam.matrices);
@@ -220,7 +220,7 @@ TEST(ModeClusters, LargerThanAPairAreComputedToTheirEnd) {
   const TetMesh plate = symmetric_box({4, 3, 1}, {0.4, 0.23, 0.03});
   TetMesh five = plate;
   for (int i = 1; i < 5; ++i) testing::join(five, plate, {0, 0, 0.1 * i});
-  const System system(five, one_end(five));
+  const ClusteredSystem system(five, low_end(five));
   const WholeModes one = system.modes(1);
   EXPECT_NE(one.note.find("modes 1 to 5 have"), std::string::npos) << one.note;
   EXPECT_NE(one.note.find("--linear-modes 5 takes all"), std::string::npos) << one.note;

@@ -22,7 +22,7 @@ namespace {
 
 using testing::box_mesh;
 
-const Material kMaterial{2e5, 0.4, 1000.0};
+const Material kQuadraticMaterial{2e5, 0.4, 1000.0};
 
 std::mt19937& engine() {
   static std::mt19937 random(7);
@@ -127,7 +127,7 @@ double energy_from_products(const Solid& solid, const FieldRef& u) {
 
 TEST(QuadraticElement, EnergyIsTheProductOfBernsteinPolynomials) {
   const TetMesh mesh = quadratic(uneven_mesh());
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kQuadraticMaterial);
   const Field u = random_field(mesh, 0.05);
   const double expected = energy_from_products(solid, u);
   EXPECT_NEAR(strain_energy(solid, u), expected, 1e-13 * expected);
@@ -153,7 +153,8 @@ Field transposed_elevation(const TetMesh& mesh, Field force, Eigen::Index size) 
 
 TEST(QuadraticElement, HoldsTheLinearOneInItself) {
   const TetMesh coarse = uneven_mesh(), mesh = quadratic(coarse);
-  const Solid linear = make_solid(coarse, kMaterial), solid = make_solid(mesh, kMaterial);
+  const Solid linear = make_solid(coarse, kQuadraticMaterial),
+              solid = make_solid(mesh, kQuadraticMaterial);
   const Field u = random_field(coarse, 0.05), up = elevated(mesh, u);
   const double energy = strain_energy(linear, u);
   EXPECT_NEAR(strain_energy(solid, up), energy, 1e-13 * energy);
@@ -183,7 +184,7 @@ TEST(QuadraticElement, HoldsTheLinearOneInItself) {
 TEST(QuadraticElement, AgreesWithNodalQuadratics) {
   // Nodal polynomials: l_a (2 l_a - 1) and 4 l_a l_b; nodal values are T times control values.
   const TetMesh mesh = quadratic(uneven_mesh({1, 1, 1}));
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kQuadraticMaterial);
   Eigen::MatrixXd nodal_of_control = Eigen::MatrixXd::Identity(10, 10);
   for (int e = 0; e < 6; ++e) {
     nodal_of_control(4 + e, 4 + e) = 0.5;
@@ -243,7 +244,8 @@ TEST(QuadraticElement, AFieldQuadraticInXIsExact) {
   };
   const TetMesh one = quadratic(box_mesh({1, 1, 1}, {0.3, 0.2, 0.25}));
   const TetMesh many = quadratic(uneven_mesh({3, 2, 4}));
-  const Solid of_one = make_solid(one, kMaterial), of_many = make_solid(many, kMaterial);
+  const Solid of_one = make_solid(one, kQuadraticMaterial),
+              of_many = make_solid(many, kQuadraticMaterial);
   const double energy = strain_energy(of_one, field_on(one));
   EXPECT_NEAR(strain_energy(of_many, field_on(many)), energy, 1e-12 * energy);
   // In the middle of an edge the displacement is the field itself.
@@ -272,7 +274,7 @@ MaterialTable several_materials(std::size_t tetrahedra) {
   wood.orthotropic->young = {9e6, 1e6, 5e5};
   wood.orthotropic->poisson = {0.3, 0.35, 0.02};
   wood.orthotropic->shear = {4e5, 5e5, 6e5};
-  MaterialTable table{{{"a", kMaterial}, {"b", wood}, {"c", {5e6, 0.45, 1200.0}}}, {}};
+  MaterialTable table{{{"a", kQuadraticMaterial}, {"b", wood}, {"c", {5e6, 0.45, 1200.0}}}, {}};
   for (std::size_t t = 0; t < tetrahedra; ++t)
     table.of_tet.push_back(static_cast<std::int32_t>(t % 3));
   return table;
@@ -284,7 +286,7 @@ INSTANTIATE_TEST_SUITE_P(Materials, QuadraticLoops, ::testing::Values(false, tru
 TEST_P(QuadraticLoops, OfEightElementsAreThoseOfOne) {
   const TetMesh mesh = quadratic(uneven_mesh({2, 3, 1}));
   const Solid solid = GetParam() ? make_solid(mesh, several_materials(mesh.tetrahedra.size()))
-                                 : make_solid(mesh, kMaterial);
+                                 : make_solid(mesh, kQuadraticMaterial);
   const Eigen::Index size = 3 * static_cast<Eigen::Index>(mesh.vertices.size());
   BasisRows fields(size, 3);
   for (double& x : fields.reshaped()) x = uniform(-0.1, 0.1);
@@ -307,7 +309,7 @@ TEST_P(QuadraticLoops, OfEightElementsAreThoseOfOne) {
 TEST_P(QuadraticLoops, ThePolynomialIsTheEnergyAndTheForceOfTheMesh) {
   const TetMesh mesh = quadratic(uneven_mesh({2, 1, 3}));
   const Solid solid = GetParam() ? make_solid(mesh, several_materials(mesh.tetrahedra.size()))
-                                 : make_solid(mesh, kMaterial);
+                                 : make_solid(mesh, kQuadraticMaterial);
   const int r = 4;
   BasisRows basis(3 * static_cast<Eigen::Index>(mesh.vertices.size()), r);
   for (double& x : basis.reshaped()) x = uniform(-1, 1);
@@ -338,7 +340,7 @@ LameError lame_error(int cells, int order) {
   const Eigen::Vector3d size(0.1, 0.1, 0.1 / cells);
   TetMesh mesh = box_mesh({cells, cells, 1}, size);
   if (order == 2) mesh = quadratic(mesh);
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kQuadraticMaterial);
   // The normal displacement is zero on all six walls.
   Eigen::VectorXi unknown = Eigen::VectorXi::Constant(3 * std::ssize(mesh.vertices), -1);
   int count = 0;
@@ -377,7 +379,8 @@ LameError lame_error(int cells, int order) {
   // Inverse iteration: the mode is the lowest.
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(k);
   for (int round = 0; round < 60; ++round) u = factor.solve(m * u).normalized();
-  const double exact = std::sqrt(2.0 * lame_mu(kMaterial) / kMaterial.density) * a;
+  const double exact =
+      std::sqrt(2.0 * lame_mu(kQuadraticMaterial) / kQuadraticMaterial.density) * a;
   LameError error;
   error.frequency = std::sqrt(u.dot(k * u) / u.dot(m * u)) / exact - 1.0;
   // Sums over points that are exact for degree 4: the mode's size, and what is off it.
@@ -416,7 +419,7 @@ TEST(QuadraticElement, LamesModeConvergesWithTheFourthOrderAndItsShapeWithTheThi
 TEST_P(QuadraticLoops, TheAssembledStiffnessIsTheQuadraticPartOfTheEnergy) {
   const TetMesh mesh = quadratic(uneven_mesh({2, 1, 2}));
   const Solid solid = GetParam() ? make_solid(mesh, several_materials(mesh.tetrahedra.size()))
-                                 : make_solid(mesh, kMaterial);
+                                 : make_solid(mesh, kQuadraticMaterial);
   BasisRows basis(3 * static_cast<Eigen::Index>(mesh.vertices.size()), 3);
   for (double& x : basis.reshaped()) x = uniform(-1, 1);
   const Eigen::MatrixXd gram = strain_gram(solid, basis, 0, solid.elements.size(), 1);
@@ -435,7 +438,7 @@ TEST_P(QuadraticLoops, TheAssembledStiffnessIsTheQuadraticPartOfTheEnergy) {
 TEST(QuadraticElement, PassesThePatchTest) {
   // A linear field needs no force inside, at vertices and at edge points.
   const TetMesh mesh = quadratic(uneven_mesh({3, 3, 2}));
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kQuadraticMaterial);
   Eigen::Matrix3d gradient;
   for (double& x : gradient.reshaped()) x = uniform(-0.3, 0.3);
   Field u(3 * static_cast<Eigen::Index>(mesh.vertices.size()));

@@ -17,18 +17,18 @@ namespace {
 
 using testing::ReferenceBody;
 
-const Material kMaterial{2e5, 0.3, 1000.0};
+const Material kReferenceMaterial{2e5, 0.3, 1000.0};
 
 // A block of 24 free dofs, or free altogether, and the basis of its mesh.
-struct Block {
+struct ReducedBlock {
   PrecomputeOptions request;
   PrecomputeResult result;
 
-  Block(bool free_body, int modes) {
+  ReducedBlock(bool free_body, int modes) {
     const testing::TemporaryFolder folder;
     const auto files = testing::as_veg(testing::box_mesh({2, 1, 1}, {0.3, 0.1, 0.12}));
     request.mesh_path = folder.write(files.front().first, files.front().second);
-    request.material = kMaterial;
+    request.material = kReferenceMaterial;
     request.fix = {free_body ? "none" : "x<0.01"};
     request.linear_modes = modes;
     request.modes = modes;
@@ -64,7 +64,7 @@ Vector mass_times(const FullOrder& body, const Vector& u) {
 class CompleteBasis : public ::testing::TestWithParam<bool> {};
 
 TEST_P(CompleteBasis, ReproducesStaticsAndMotion) {
-  const Block block(GetParam(), GetParam() ? 30 : 24);
+  const ReducedBlock block(GetParam(), GetParam() ? 30 : 24);
   ReferenceBody full(block.problem());
   full.solver.options.tolerance = 1e-12;
   const ReducedBody reduced = block.reduced(full.body);
@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(Bodies, CompleteBasis, ::testing::Values(false, true),
                          [](const auto& body) { return body.param ? "Free" : "Held"; });
 
 TEST(ReferenceComparison, AShorterBasisIsWorseButNeverBetterThanItsProjection) {
-  const Block block(false, 24);
+  const ReducedBlock block(false, 24);
   ReferenceBody full(block.problem());
   const Vector load = full.tip_load(8.0);
   const Vector u = static_solution(full.system, load).u;
@@ -160,7 +160,7 @@ void expect_refused(const FullOrder& body, const BasisData& data, const std::str
 }
 
 TEST(ReferenceComparison, AnotherMeshMaterialOrFixIsRefused) {
-  const Block block(false, 6);
+  const ReducedBlock block(false, 6);
   const ReferenceBody full(block.problem());
   expect_refused(full.body, block.result.data, "0123456789abcdef", "made of another mesh");
   BasisData nameless = block.result.data;
@@ -190,7 +190,7 @@ TEST(ReferenceComparison, AnotherMeshMaterialOrFixIsRefused) {
   loose.fixed.clear();
   loose.free_body = true;
   expect_refused(ReferenceBody(loose).body, block.result.data, loose.mesh_hash, "moves here");
-  const Block floating(true, 6);
+  const ReducedBlock floating(true, 6);
   expect_refused(full.body, floating.result.data, block.problem().mesh_hash, "held here");
 }
 

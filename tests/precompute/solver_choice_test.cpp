@@ -16,7 +16,7 @@ namespace {
 using testing::box_mesh;
 using testing::vertices_on_plane;
 
-struct System {
+struct ChosenSystem {
   TetMesh mesh;
   MeshReport report;
   DofMap map;
@@ -25,7 +25,7 @@ struct System {
   Matrices matrices;
   Columns rigid;
 
-  System(const std::array<int, 3>& cells, bool clamped)
+  ChosenSystem(const std::array<int, 3>& cells, bool clamped)
       : mesh(box_mesh(cells, {1.0, 0.21, 0.26})),
         report(*check_mesh(mesh)),
         map(make_dof_map(mesh, clamped ? vertices_on_plane(mesh, 0, 0.0) : std::vector<VertexId>{},
@@ -45,7 +45,7 @@ struct System {
 
 TEST(SolverChoice, TheFactorIsAsLargeAsForetold) {
   for (const std::array<int, 3>& cells : {std::array{40, 3, 3}, {20, 8, 7}, {12, 12, 12}}) {
-    const System system(cells, true);
+    const ChosenSystem system(cells, true);
     const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
     EXPECT_NEAR(count_factor_entries(system.map), static_cast<double>(factor.entries()),
                 0.2 * static_cast<double>(factor.entries()));
@@ -53,7 +53,7 @@ TEST(SolverChoice, TheFactorIsAsLargeAsForetold) {
 }
 
 TEST(SolverChoice, GoesByTheMemoryThereIs) {
-  const System system({12, 12, 12}, true);
+  const ChosenSystem system({12, 12, 12}, true);
   SolverRequest request;
   request.linear_modes = 4;
   request.modes = 8;
@@ -69,7 +69,7 @@ TEST(SolverChoice, GoesByTheMemoryThereIs) {
 }
 
 TEST(SolverChoice, SaysWhatWouldFitWhenNothingDoes) {
-  const System system({12, 12, 12}, true);
+  const ChosenSystem system({12, 12, 12}, true);
   SolverRequest request;
   request.linear_modes = request.modes = 60;
   SolverRequest less = request;
@@ -87,7 +87,7 @@ TEST(SolverChoice, SaysWhatWouldFitWhenNothingDoes) {
 
 TEST(Iterative, ModesAndDerivativesAreThoseOfAFactor) {
   for (const bool clamped : {true, false}) {
-    const System system({10, 3, 4}, clamped);
+    const ChosenSystem system({10, 3, 4}, clamped);
     const double shift = clamped ? 0.0 : -200.0;
     testing::SolvedPencil factor(system.matrices, system.rigid, shift);
     testing::SolvedPencil multigrid(system.matrices, system.rigid, shift, 1,

@@ -24,14 +24,14 @@ using testing::box_mesh;
 using testing::SolvedPencil;
 using testing::vertices_on_plane;
 
-struct System {
+struct SolvedSystem {
   TetMesh mesh;
   DofMap map;
   LocalDofs local;
   Solid solid;
   Matrices matrices;
 
-  System(const std::array<int, 3>& cells, const Eigen::Vector3d& size, bool clamped)
+  SolvedSystem(const std::array<int, 3>& cells, const Eigen::Vector3d& size, bool clamped)
       : mesh(box_mesh(cells, size)),
         map(make_dof_map(mesh, clamped ? vertices_on_plane(mesh, 0, 0.0) : std::vector<VertexId>{},
                          1)),
@@ -53,7 +53,7 @@ Columns random_columns(Eigen::Index rows, Eigen::Index columns) {
 TEST(SparseCholesky, SolvesAnyNumberOfColumnsInPlaceOrNot) {
   // Flat and compact: supernodes from one column to some dozens, whole tiles and remainders.
   for (const std::array<int, 3>& cells : {std::array{6, 2, 3}, {7, 5, 5}, {20, 1, 1}}) {
-    const System system(cells, {0.6, 0.2, 0.25}, true);
+    const SolvedSystem system(cells, {0.6, 0.2, 0.25}, true);
     const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
     const Eigen::MatrixXd k = system.dense(system.matrices.stiffness);
     const Eigen::LLT<Eigen::MatrixXd> reference(k);
@@ -74,7 +74,7 @@ TEST(SparseCholesky, SolvesAnyNumberOfColumnsInPlaceOrNot) {
 }
 
 TEST(SparseCholesky, AColumnDoesNotDependOnItsNeighbours) {
-  const System system({7, 4, 5}, {0.6, 0.2, 0.25}, true);
+  const SolvedSystem system({7, 4, 5}, {0.6, 0.2, 0.25}, true);
   const SparseCholesky factor(sparse_rows(system.matrices.stiffness.get()));
   SparseCholesky::Workspace workspace;
   const Columns b = random_columns(system.local.dofs(), 8);
@@ -85,7 +85,7 @@ TEST(SparseCholesky, AColumnDoesNotDependOnItsNeighbours) {
 }
 
 TEST(SparseCholesky, AnIndefiniteMatrixIsRefused) {
-  const System system({6, 2, 3}, {0.6, 0.2, 0.25}, true);
+  const SolvedSystem system({6, 2, 3}, {0.6, 0.2, 0.25}, true);
   PetscMatrix shifted;
   ASSERT_EQ(MatDuplicate(system.matrices.stiffness.get(), MAT_COPY_VALUES, shifted.out()), 0);
   // Above many eigenvalues: CHOLMOD meets a negative pivot.
@@ -94,7 +94,7 @@ TEST(SparseCholesky, AnIndefiniteMatrixIsRefused) {
 }
 
 TEST(SparseRows, MultiplyAsPetscDoes) {
-  const System system({5, 3, 2}, {0.6, 0.2, 0.25}, false);
+  const SolvedSystem system({5, 3, 2}, {0.6, 0.2, 0.25}, false);
   const Columns x = random_columns(system.local.dofs(), 7);
   Columns y(x.rows(), x.cols());
   multiply(sparse_rows(system.matrices.stiffness.get()), x, y);
@@ -103,7 +103,7 @@ TEST(SparseRows, MultiplyAsPetscDoes) {
 }
 
 // The largest distance of the pairs from what a dense solver finds, relative.
-void expect_lowest_modes(const System& system, const LanczosPairs& pairs, int left_out,
+void expect_lowest_modes(const SolvedSystem& system, const LanczosPairs& pairs, int left_out,
                          double shift) {
   const Eigen::MatrixXd m = system.dense(system.matrices.mass);
   const EigenPairs reference = eigenpairs(system.dense(system.matrices.stiffness), m);
@@ -118,14 +118,14 @@ void expect_lowest_modes(const System& system, const LanczosPairs& pairs, int le
 }
 
 TEST(BlockLanczos, FindsTheLowestModesOfAClampedBlock) {
-  const System system({8, 4, 4}, {0.6, 0.2, 0.2}, true);  // a square section: double modes
+  const SolvedSystem system({8, 4, 4}, {0.6, 0.2, 0.2}, true);  // a square section: double modes
   SolvedPencil solved(system.matrices, 2);
   solved.solver->prepare(0.0);
   expect_lowest_modes(system, block_lanczos(solved.pencil, *solved.solver, 15, 1e-11), 0, 0.0);
 }
 
 TEST(BlockLanczos, DoesNotDependOnTheThreads) {
-  const System system({8, 4, 4}, {0.6, 0.2, 0.2}, true);
+  const SolvedSystem system({8, 4, 4}, {0.6, 0.2, 0.2}, true);
   const auto pairs = [&](unsigned threads) {
     SolvedPencil solved(system.matrices, threads);
     solved.solver->prepare(0.0);
@@ -137,7 +137,7 @@ TEST(BlockLanczos, DoesNotDependOnTheThreads) {
 }
 
 TEST(BlockLanczos, StaysAwayFromRigidMotion) {
-  const System system({6, 4, 4}, {0.6, 0.2, 0.25}, false);
+  const SolvedSystem system({6, 4, 4}, {0.6, 0.2, 0.25}, false);
   const MeshReport report = *check_mesh(const_cast<TetMesh&>(system.mesh));
   const Columns rigid =
       rigid_modes(system.mesh, report.part_of_vertex, 1, system.local, system.matrices.mass.get());
@@ -148,7 +148,7 @@ TEST(BlockLanczos, StaysAwayFromRigidMotion) {
 }
 
 TEST(BlockLanczos, EndsWhenTheSpaceDoes) {
-  const System system({1, 1, 1}, {0.6, 0.2, 0.25}, true);  // twelve dofs, blocks of eight
+  const SolvedSystem system({1, 1, 1}, {0.6, 0.2, 0.25}, true);  // twelve dofs, blocks of eight
   SolvedPencil solved(system.matrices, 2);
   solved.solver->prepare(0.0);
   const LanczosPairs pairs = block_lanczos(solved.pencil, *solved.solver, 5, 1e-11);
@@ -157,7 +157,7 @@ TEST(BlockLanczos, EndsWhenTheSpaceDoes) {
 }
 
 TEST(Modes, OfAFactorByMumpsAreThoseOfCholmod) {
-  const System system({12, 5, 5}, {0.6, 0.2, 0.2}, true);  // double modes
+  const SolvedSystem system({12, 5, 5}, {0.6, 0.2, 0.2}, true);  // double modes
   const Columns none(system.local.dofs(), 0);
   const Modes cholmod = SolvedPencil(system.matrices, 2).modes(9);
   const Modes mumps = SolvedPencil(system.matrices, none, 0.0, 2, LinearSolver::kMumps).modes(9);
@@ -170,7 +170,7 @@ TEST(Modes, OfAFactorByMumpsAreThoseOfCholmod) {
 }
 
 TEST(Modes, OfALargerMeshAreTheSameByBlocksAndBySlepc) {
-  const System system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
+  const SolvedSystem system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
   SolvedPencil solved(system.matrices, 2);
   const Modes blocks = solved.modes(10);
   ASSERT_GT(blocks.solves, 0);
@@ -188,7 +188,7 @@ TEST(Modes, OfALargerMeshAreTheSameByBlocksAndBySlepc) {
 
 TEST(SupernodalLdl, CountsTheNegativeEigenvaluesAsMumpsDoes) {
   // Large enough that subtrees run side by side.
-  const System system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
+  const SolvedSystem system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
   const Modes modes = SolvedPencil(system.matrices, 2).modes(10);
   const auto& w2 = modes.squared_frequencies;
   // -1: the factorisation, which does not pivot, was not stable.
@@ -215,7 +215,7 @@ TEST(SupernodalLdl, CountsTheNegativeEigenvaluesAsMumpsDoes) {
 }
 
 TEST(SupernodalLdl, GrowthIsOneForADefiniteMatrix) {
-  const System system({10, 5, 5}, {0.6, 0.2, 0.25}, true);
+  const SolvedSystem system({10, 5, 5}, {0.6, 0.2, 0.25}, true);
   const SparseRows rows = sparse_rows(system.matrices.stiffness.get());
   SparseCholesky factor(rows);
   const LdlReport report = factor.count_negative(rows, 2);
@@ -224,7 +224,7 @@ TEST(SupernodalLdl, GrowthIsOneForADefiniteMatrix) {
 }
 
 TEST(Modes, AMissedOneIsSeenInTheMemoryOfTheFactorToo) {
-  const System system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
+  const SolvedSystem system({20, 6, 6}, {0.6, 0.2, 0.25}, true);
   SolvedPencil solved(system.matrices, 2);
   Modes modes = solved.modes(7);
   Eigen::VectorXd thinned(6);
@@ -238,7 +238,7 @@ TEST(Modes, AMissedOneIsSeenInTheMemoryOfTheFactorToo) {
 }
 
 TEST(ElementGroup, SecondDerivativesAreThoseOfOneElementAtATime) {
-  const System system({5, 3, 3}, {0.6, 0.2, 0.25}, true);
+  const SolvedSystem system({5, 3, 3}, {0.6, 0.2, 0.25}, true);
   const Columns fields = 0.01 * random_columns(3 * system.mesh.vertices.size(), 4);
   const std::vector<ColumnPair> pairs = {{0, 0}, {0, 1}, {2, 3}, {3, 3}};
   // 270 elements and one less: a last group that is not full.

@@ -18,7 +18,7 @@ namespace {
 using testing::box_mesh;
 using testing::random_field;
 
-const Material kMaterial{2e5, 0.4, 1000.0};
+const Material kSoft{2e5, 0.4, 1000.0};
 
 TetMesh sample_mesh(int order) {
   return testing::of_order(box_mesh({3, 2, 2}, {0.3, 0.2, 0.25}), order);
@@ -39,7 +39,7 @@ Field rigid_motion(const TetMesh& mesh, const Eigen::Matrix3d& rotation,
 
 TEST_P(Elements, RigidTranslationAndRotationCostNoEnergy) {
   const TetMesh mesh = sample_mesh(GetParam());
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kSoft);
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(2.2, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
   const Field moved = rigid_motion(mesh, turn, {0.3, -5.0, 2.0});
@@ -52,7 +52,7 @@ TEST_P(Elements, RigidTranslationAndRotationCostNoEnergy) {
 
 TEST_P(Elements, EnergyDoesNotChangeUnderASuperposedRotation) {
   const TetMesh mesh = sample_mesh(GetParam());
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kSoft);
   const Field u = random_field(mesh, 0.1, 2);
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(1.1, Eigen::Vector3d(0.2, 1, 3).normalized()).toRotationMatrix();
@@ -67,7 +67,7 @@ TEST_P(Elements, EnergyDoesNotChangeUnderASuperposedRotation) {
 
 TEST_P(Elements, ForceIsTheGradientOfTheEnergy) {
   const TetMesh mesh = sample_mesh(GetParam());
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kSoft);
   const Field u = random_field(mesh, 0.05, 3);
   const Field direction = random_field(mesh, 0.05, 4);
   const double slope = internal_force(solid, u).dot(direction);
@@ -85,7 +85,7 @@ TEST_P(Elements, ForceIsTheGradientOfTheEnergy) {
 
 TEST_P(Elements, RestStiffnessIsTheDerivativeOfTheForce) {
   const TetMesh mesh = testing::of_order(box_mesh({1, 1, 1}, {0.1, 0.12, 0.09}), GetParam());
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kSoft);
   const Field u = random_field(mesh, 1e-3, 5);
   Field product = Field::Zero(u.size());
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
@@ -107,7 +107,7 @@ TEST_P(Elements, RestStiffnessIsTheDerivativeOfTheForce) {
 
 TEST_P(Elements, SecondDerivativeIsThePolarFormOfTheForce) {
   const TetMesh mesh = sample_mesh(GetParam());
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kSoft);
   const Field a = random_field(mesh, 0.1, 6);
   const Field b = random_field(mesh, 0.2, 7);
   std::vector<int> elements, rows;
@@ -126,7 +126,7 @@ TEST_P(Elements, SecondDerivativeIsThePolarFormOfTheForce) {
 // v, v]; C[a, b, c] is the difference of such cubes over the signs of b and c.
 TEST_P(Elements, ThirdDerivativeIsThePolarFormOfTheForce) {
   const TetMesh mesh = sample_mesh(GetParam());
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kSoft);
   const std::array<Field, 3> fields{random_field(mesh, 0.1, 6), random_field(mesh, 0.2, 7),
                                     random_field(mesh, 0.15, 8)};
   std::vector<int> elements, rows;
@@ -147,18 +147,18 @@ TEST_P(Elements, ThirdDerivativeIsThePolarFormOfTheForce) {
 TEST_P(Elements, StretchedBarHasTheClosedFormEnergy) {
   // Uniform stretch s along x without lateral strain: E_xx = s + s^2/2.
   const TetMesh mesh = sample_mesh(GetParam());
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kSoft);
   const double stretch = 0.3;
   const Field u = rigid_motion(mesh, Eigen::Vector3d(1 + stretch, 1, 1).asDiagonal(), {0, 0, 0});
   const double strain = stretch + 0.5 * stretch * stretch;
-  const double modulus = lame_lambda(kMaterial) + 2 * lame_mu(kMaterial);
+  const double modulus = lame_lambda(kSoft) + 2 * lame_mu(kSoft);
   const double expected = 0.5 * modulus * strain * strain * (0.3 * 0.2 * 0.25);
   EXPECT_NEAR(strain_energy(solid, u), expected, 1e-13 * expected);
 }
 
 TEST_P(Elements, TheMassMatricesAddUpToTheMassOfTheBody) {
   const TetMesh mesh = sample_mesh(GetParam());
-  const Solid solid = make_solid(mesh, kMaterial);
+  const Solid solid = make_solid(mesh, kSoft);
   const double expected = 1000.0 * 0.3 * 0.2 * 0.25;
   EXPECT_NEAR(total_mass(solid), expected, 1e-13 * expected);
   for (MassKind kind : {MassKind::kConsistent, MassKind::kLumped}) {

@@ -13,16 +13,16 @@ namespace {
 
 using testing::make;
 
-constexpr double kStep = 3e-3;
+constexpr double kStiffStep = 3e-3;
 
 // h omega from 0.1 to 3, one row high at rest, strongly coupled. blocks: that many leading
 // coordinates do not couple with the others.
-testing::StrainModel strain_model(double nonlinearity = 0.5, Eigen::Index blocks = 0) {
+testing::StrainModel stiff_strain_model(double nonlinearity = 0.5, Eigen::Index blocks = 0) {
   return testing::random_strain_model(testing::spread_omega(6, 33.0, 1000.0), nonlinearity, 5,
                                       blocks);
 }
 
-State start_state(double size) {
+State stiff_state(double size) {
   return {size * testing::random_vector(6, 1.0, 3), Eigen::VectorXd::Zero(6)};
 }
 
@@ -36,11 +36,11 @@ double largest_low_eigenvalue(const Model& model, const Eigen::VectorXd& q, Eige
 }
 
 TEST(AdaptiveSplit, LowBlockNeverExceedsItsBoundWhereAStepBegins) {
-  const Model::Pointer model = testing::make_model(strain_model());
-  const IntegratorOptions options{.step = kStep};
+  const Model::Pointer model = testing::make_model(stiff_strain_model());
+  const IntegratorOptions options{.step = kStiffStep};
   const auto integrator = make("imexv-adaptive", model, options);
-  State state = start_state(0.15);
-  const double bound = std::pow(2.0 * 0.95 / kStep, 2);
+  State state = stiff_state(0.15);
+  const double bound = std::pow(2.0 * 0.95 / kStiffStep, 2);
   int moved = 0;
   Eigen::Index low = integrator->split()->low;
   for (int k = 0; k < 2000; ++k) {
@@ -57,11 +57,11 @@ TEST(AdaptiveSplit, LowBlockNeverExceedsItsBoundWhereAStepBegins) {
 }
 
 TEST(AdaptiveSplit, KeepsItsEnergyWhereTheFixedSplitBlowsUp) {
-  const testing::StrainModel strain = strain_model();
+  const testing::StrainModel strain = stiff_strain_model();
   const Model::Pointer model = testing::make_model(strain);
   const auto worst_energy = [&](const char* name, double size) {
-    const auto integrator = make(name, model, {.step = kStep});
-    State state = start_state(size);
+    const auto integrator = make(name, model, {.step = kStiffStep});
+    State state = stiff_state(size);
     const auto energy = [&] {
       return 0.5 * state.p.squaredNorm() + testing::strain_energy(strain, state.q);
     };
@@ -85,29 +85,29 @@ TEST(AdaptiveSplit, KeepsItsEnergyWhereTheFixedSplitBlowsUp) {
 }
 
 TEST(AdaptiveSplit, SmallMotionIsThatOfTheFixedSplit) {
-  const Model::Pointer model = testing::make_model(strain_model());
-  const IntegratorOptions options{.step = kStep, .alpha = 0.3, .beta = 1e-5};
-  State a = start_state(1e-3), b = a;
-  testing::run(*make("imexv-adaptive", model, options), a, {}, kStep, 500);
-  testing::run(*make("imexv", model, options), b, {}, kStep, 500);
-  EXPECT_LE((a.q - b.q).norm(), 1e-12 * start_state(1e-3).q.norm());  // the same operations
+  const Model::Pointer model = testing::make_model(stiff_strain_model());
+  const IntegratorOptions options{.step = kStiffStep, .alpha = 0.3, .beta = 1e-5};
+  State a = stiff_state(1e-3), b = a;
+  testing::run(*make("imexv-adaptive", model, options), a, {}, kStiffStep, 500);
+  testing::run(*make("imexv", model, options), b, {}, kStiffStep, 500);
+  EXPECT_LE((a.q - b.q).norm(), 1e-12 * stiff_state(1e-3).q.norm());  // the same operations
 }
 
 TEST(AdaptiveSplit, CoordinatesComeBackOnlyAfterTheMotionHasCalmedDown) {
   // Without coupling between low and high rows no energy comes in, which would be for good.
-  const Model::Pointer model = testing::make_model(strain_model(0.5, 5));
-  const IntegratorOptions options{.step = kStep};
+  const Model::Pointer model = testing::make_model(stiff_strain_model(0.5, 5));
+  const IntegratorOptions options{.step = kStiffStep};
   const auto integrator = make("imexv-adaptive", model, options);
   const Eigen::Index at_rest = integrator->split()->low;
-  State state = start_state(0.2);
-  testing::run(*integrator, state, {}, kStep, 100);
+  State state = stiff_state(0.2);
+  testing::run(*integrator, state, {}, kStiffStep, 100);
   ASSERT_LT(integrator->split()->low, at_rest);
   // Calm from now on.
-  state = start_state(1e-4);
+  state = stiff_state(1e-4);
   const Eigen::Index left = integrator->split()->low;
-  testing::run(*integrator, state, {}, kStep, 60);
+  testing::run(*integrator, state, {}, kStiffStep, 60);
   EXPECT_EQ(integrator->split()->low, left) << "came back at once";
-  testing::run(*integrator, state, {}, kStep, 1000);
+  testing::run(*integrator, state, {}, kStiffStep, 1000);
   EXPECT_EQ(integrator->split()->low, at_rest);
 }
 

@@ -10,7 +10,7 @@
 namespace tremolo {
 namespace {
 
-testing::StrainModel strain_model(double nonlinearity) {
+testing::StrainModel body_strain_model(double nonlinearity) {
   return testing::random_strain_model(testing::spread_omega(5, 5.0, 900.0), nonlinearity, 41);
 }
 
@@ -18,7 +18,7 @@ Body make_body(std::string_view integrator, double nonlinearity = 0.4,
                IntegratorOptions options = {}) {
   options.tolerance = 1e-12;
   Result<Body> body =
-      Body::create(testing::make_model(strain_model(nonlinearity)), integrator, options);
+      Body::create(testing::make_model(body_strain_model(nonlinearity)), integrator, options);
   EXPECT_TRUE(body);
   return std::move(*body);
 }
@@ -113,7 +113,7 @@ TEST(Body, DefaultLoadIsTheModelsTimesTheScale) {
 }
 
 TEST(Body, ModelWithoutADefaultLoadSaysSo) {
-  BasisData data = testing::sample_basis(strain_model(0.1));
+  BasisData data = testing::sample_basis(body_strain_model(0.1));
   data.load = {};
   Result<Body> body = Body::create(*Model::from_data(data), "imexv", {});
   EXPECT_EQ(body->add_default_load({.kind = SignalKind::kImpulse}).error().kind, ErrorKind::kUsage);
@@ -165,13 +165,13 @@ TEST(Body, HighBandHoldsTheEnergyOfTheHighRowsOscillation) {
   const Eigen::VectorXd p = testing::random_vector(5, 1.0, 2);
   ASSERT_TRUE(body.set_state(q, p));
   double expected = 0.0;
-  const Eigen::VectorXd force = testing::strain_force(strain_model(0.4), q);
+  const Eigen::VectorXd force = testing::strain_force(body_strain_model(0.4), q);
   for (Eigen::Index i = low; i < 5; ++i)
     expected += 0.5 * p[i] * p[i] + 0.5 * force[i] * force[i] / body.model().lambda()[i];
   const Energy energy = body.energy();
   EXPECT_NEAR(energy.high_band, expected, 1e-14 * expected);
   EXPECT_NEAR(energy.kinetic, 0.5 * p.squaredNorm(), 1e-15 * p.squaredNorm());
-  EXPECT_NEAR(energy.potential, testing::strain_energy(strain_model(0.4), q),
+  EXPECT_NEAR(energy.potential, testing::strain_energy(body_strain_model(0.4), q),
               1e-12 * energy.potential);
 }
 

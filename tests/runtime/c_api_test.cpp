@@ -17,7 +17,7 @@ extern "C" int tremolo_c_round_trip(const char* path);
 namespace tremolo {
 namespace {
 
-testing::StrainModel strain_model() {
+testing::StrainModel c_strain_model() {
   return testing::random_strain_model(testing::spread_omega(4, 5.0, 900.0), 0.3, 71);
 }
 
@@ -28,7 +28,7 @@ bool error_names(const char* word) {
 class CApi : public ::testing::Test {
  protected:
   void SetUp() override {
-    bytes_ = *encode_basis(testing::sample_basis(strain_model()));
+    bytes_ = *encode_basis(testing::sample_basis(c_strain_model()));
     ASSERT_EQ(tremolo_model_load_memory(bytes_.data(), bytes_.size(), 0, &model_), TREMOLO_OK)
         << tremolo_last_error();
     tremolo_body_options_init(&options_);
@@ -55,14 +55,14 @@ class CApi : public ::testing::Test {
 
 TEST_F(CApi, RoundTripFromC) {
   const std::string path = ::testing::TempDir() + "c_api_test.tremolo";
-  ASSERT_TRUE(write_basis(path, testing::sample_basis(strain_model())));
+  ASSERT_TRUE(write_basis(path, testing::sample_basis(c_strain_model())));
   EXPECT_EQ(tremolo_c_round_trip(path.c_str()), 0)
       << "line of c_api_test.c; " << tremolo_last_error();
   std::filesystem::remove(path);
 }
 
 TEST_F(CApi, StepsAreThoseOfTheEngine) {
-  Result<Body> body = Body::create(testing::make_model(strain_model()), "ep4", {});
+  Result<Body> body = Body::create(testing::make_model(c_strain_model()), "ep4", {});
   const double force[3] = {1.0, 2.0, 3.0};
   ASSERT_TRUE(body->apply_force(5, {1.0, 2.0, 3.0}, 3));
   ASSERT_EQ(tremolo_body_apply_force(body_, 5, force, 3), TREMOLO_OK);

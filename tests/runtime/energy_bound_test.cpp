@@ -2,7 +2,6 @@
 #include "runtime/energy_bound.h"
 
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -12,10 +11,10 @@
 namespace tremolo {
 namespace {
 
+using testing::crowd_model;
+using testing::kCrowdModes;
+using testing::kNever;
 using testing::random_vector;
-
-constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr Eigen::Index kModes = 9;
 
 TEST(EnergyBound, FirstKickOfAnExplicitMethodIsNotJudgedByTheWorkThatLagsBehind) {
   EnergyBound bound;
@@ -57,11 +56,6 @@ TEST(EnergyBound, RoundingOfAPotentialWhoseTermsCancelIsNoExplosion) {
   EXPECT_TRUE(bound.holds(1e-6, 1.0));
 }
 
-Model::Pointer test_model(double nonlinearity = 0.05) {
-  return testing::make_model(
-      testing::random_strain_model(testing::spread_omega(kModes, 5.0, 900.0), nonlinearity, 61));
-}
-
 // h omega of the highest mode is 5.4 for the explicit methods, and a large motion stiffens what the
 // others kick explicitly.
 constexpr double kTooLong = 6e-3;
@@ -77,7 +71,7 @@ StepReport step_until_failure(Body& body, int count) {
 
 TEST(EnergyBound, BodyWhoseMethodExplodesSaysSoAndIsPutBackToASoundState) {
   for (const std::string_view method : kExploding) {
-    Body body = std::move(*Body::create(test_model(), method, {.step = kTooLong}));
+    Body body = std::move(*Body::create(crowd_model(0.05), method, {.step = kTooLong}));
     ASSERT_TRUE(body.apply_force(5, {30.0, -20.0, 40.0}, 1000));
     double most = 0.0;
     StepReport report;
@@ -97,7 +91,8 @@ TEST(EnergyBound, BodyWhoseMethodExplodesSaysSoAndIsPutBackToASoundState) {
     EXPECT_TRUE(body.load_to_come());
     body.clear_forces();
     EXPECT_FALSE(body.load_to_come());
-    ASSERT_TRUE(body.set_state(Eigen::VectorXd::Zero(kModes), Eigen::VectorXd::Zero(kModes)));
+    ASSERT_TRUE(
+        body.set_state(Eigen::VectorXd::Zero(kCrowdModes), Eigen::VectorXd::Zero(kCrowdModes)));
     for (int k = 0; k < 20; ++k) ASSERT_TRUE(body.step().converged) << method;
     EXPECT_EQ(body.steps(), steps + 20);
   }
@@ -105,7 +100,7 @@ TEST(EnergyBound, BodyWhoseMethodExplodesSaysSoAndIsPutBackToASoundState) {
 
 TEST(EnergyBound, WorkAndDissipationOfABodyThatIsPutBackBelongToTheStateItHas) {
   Body body = std::move(
-      *Body::create(test_model(0.0), "verlet", {.step = 1.001 * 2.0 / 900.0, .alpha = 0.01}));
+      *Body::create(crowd_model(0.0), "verlet", {.step = 1.001 * 2.0 / 900.0, .alpha = 0.01}));
   ASSERT_TRUE(body.apply_force(5, {30.0, -20.0, 40.0}, 40));
   const StepReport report = step_until_failure(body, 5000);
   ASSERT_EQ(report.failure, StepFailure::kEnergy);
@@ -115,15 +110,15 @@ TEST(EnergyBound, WorkAndDissipationOfABodyThatIsPutBackBelongToTheStateItHas) {
 }
 
 TEST(EnergyBound, StateThatIsSetIsTheNewMeasure) {
-  Body body = std::move(*Body::create(test_model()));
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(kModes);
+  Body body = std::move(*Body::create(crowd_model(0.05)));
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(kCrowdModes);
   for (const double size : {1e-6, 1e-2, 1e-5}) {
-    ASSERT_TRUE(body.set_state(random_vector(kModes, size, 3), none));
+    ASSERT_TRUE(body.set_state(random_vector(kCrowdModes, size, 3), none));
     for (int k = 0; k < 40; ++k) ASSERT_TRUE(body.step().converged) << size;
   }
-  Body unstable = std::move(*Body::create(test_model(), "verlet", {.step = kTooLong}));
-  ASSERT_TRUE(unstable.set_state(random_vector(kModes, 1.0, 3), none));
-  ASSERT_TRUE(unstable.set_state(random_vector(kModes, 1e-6, 3), none));
+  Body unstable = std::move(*Body::create(crowd_model(0.05), "verlet", {.step = kTooLong}));
+  ASSERT_TRUE(unstable.set_state(random_vector(kCrowdModes, 1.0, 3), none));
+  ASSERT_TRUE(unstable.set_state(random_vector(kCrowdModes, 1e-6, 3), none));
   const double energy = unstable.energy().total();
   ASSERT_EQ(step_until_failure(unstable, 200).failure, StepFailure::kEnergy);
   EXPECT_LE(unstable.energy().total(), 10.0 * energy);  // not of the large one before
@@ -164,7 +159,7 @@ TEST(EnergyBound, SoundRunsOfEveryMethodWithLoadAndDampingNeverFail) {
                           : testing::is_explicit(method) ? 5e-4
                                                          : 3e-3;
       Body body =
-          std::move(*Body::create(test_model(0.02), method, {.step = step, .alpha = alpha}));
+          std::move(*Body::create(crowd_model(0.02), method, {.step = step, .alpha = alpha}));
       ASSERT_TRUE(
           body.add_load({.kind = SignalKind::kSine, .frequency = 2.0}, 5, {0.5, 1.0, -0.7}));
       for (int k = 0; k < 2000; ++k) {
@@ -179,10 +174,10 @@ TEST(EnergyBound, SoundRunsOfEveryMethodWithLoadAndDampingNeverFail) {
 
 TEST(EnergyBound, LookingChangesNoOrbit) {
   for (const std::string_view method : integrator_names()) {
-    const Model::Pointer model = test_model();
+    const Model::Pointer model = crowd_model(0.05);
     const IntegratorOptions options{.step = testing::is_explicit(method) ? 1e-4 : 3e-3};
     Body body = std::move(*Body::create(model, method, options));
-    State state{random_vector(kModes, 1e-3, 1), random_vector(kModes, 0.1, 2)};
+    State state{random_vector(kCrowdModes, 1e-3, 1), random_vector(kCrowdModes, 0.1, 2)};
     ASSERT_TRUE(body.set_state(state.q, state.p));
     const auto alone = testing::make(method, model, options);
     testing::run(*alone, state, {}, options.step, 100);
@@ -210,8 +205,8 @@ std::vector<BodyId> add_crowd(World& world, GroupId group, unsigned count) {
   for (unsigned b = 0; b < count; ++b) {
     bodies.push_back(*world.add_body(group));
     const double size = b % 5 == 2 ? 0.3 : 1e-4;
-    EXPECT_TRUE(world.set_state(bodies[b], random_vector(kModes, size, 100 + b),
-                                Eigen::VectorXd::Zero(kModes)));
+    EXPECT_TRUE(world.set_state(bodies[b], random_vector(kCrowdModes, size, 100 + b),
+                                Eigen::VectorXd::Zero(kCrowdModes)));
   }
   return bodies;
 }
@@ -224,7 +219,7 @@ GroupOptions exploding_group(const LaneCase& lane) {
 }
 
 TEST(EnergyBound, BodyOfAWorldThatExplodesIsPutBackToASoundStateAndToSleepAndIsNamed) {
-  const Model::Pointer model = test_model(0.5);
+  const Model::Pointer model = crowd_model(0.5);
   for (const LaneCase& lane : kLaneCases) {
     World world = std::move(*World::create());
     const std::vector<BodyId> bodies =
@@ -256,15 +251,15 @@ TEST(EnergyBound, BodyOfAWorldThatExplodesIsPutBackToASoundStateAndToSleepAndIsN
 }
 
 TEST(EnergyBound, WhereAnExplodedBodyIsPutDependsNeitherOnThreadsNorOnOthers) {
-  const Model::Pointer model = test_model(0.5);
+  const Model::Pointer model = crowd_model(0.5);
   const auto story = [&](const LaneCase& lane, unsigned threads, unsigned others) {
     World world = std::move(*World::create(threads));
     const GroupId group = *world.add_group(model, exploding_group(lane));
     add_crowd(world, group, 8);
     for (unsigned b = 0; b < others; ++b) {
       const BodyId other = *world.add_body(group);
-      EXPECT_TRUE(world.set_state(other, random_vector(kModes, 0.2, 900 + b),
-                                  random_vector(kModes, 1.0, 950 + b)));
+      EXPECT_TRUE(world.set_state(other, random_vector(kCrowdModes, 0.2, 900 + b),
+                                  random_vector(kCrowdModes, 1.0, 950 + b)));
     }
     for (int k = 0; k < 300; ++k) {
       if (k % 7 == 3 && others > 0) {
@@ -289,7 +284,7 @@ TEST(EnergyBound, WhereAnExplodedBodyIsPutDependsNeitherOnThreadsNorOnOthers) {
 }
 
 TEST(EnergyBound, ForcesOfALaneCountAsPutInAndSleepKeepsTheCount) {
-  const Model::Pointer model = test_model();
+  const Model::Pointer model = crowd_model(0.05);
   for (const LaneCase& lane : kLaneCases) {
     GroupOptions options{.integrator = lane.method, .precision = lane.precision};
     options.options.step = 1e-3;
@@ -311,7 +306,7 @@ TEST(EnergyBound, ForcesOfALaneCountAsPutInAndSleepKeepsTheCount) {
 }
 
 TEST(EnergyBound, ForceThatIsTooLargeIsRefusedOrNamedAndCanBeCleared) {
-  const Model::Pointer model = test_model();
+  const Model::Pointer model = crowd_model(0.05);
   Body body = std::move(*Body::create(model));
   const Status refused = body.apply_force(5, {1e308, -1e308, 1e308});
   ASSERT_FALSE(refused);
@@ -330,9 +325,9 @@ TEST(EnergyBound, ForceThatIsTooLargeIsRefusedOrNamedAndCanBeCleared) {
       EXPECT_NE(why.find("overflow under the load"), std::string::npos) << why;
       pushed.clear_forces();
       EXPECT_TRUE(pushed.step().converged) << method << size;
-      EXPECT_EQ(pushed.state().q, Eigen::VectorXd::Zero(kModes)) << method << size;
-      const Eigen::VectorXd q = random_vector(kModes, 1e-3, 8);
-      ASSERT_TRUE(pushed.set_state(q, Eigen::VectorXd::Zero(kModes)));
+      EXPECT_EQ(pushed.state().q, Eigen::VectorXd::Zero(kCrowdModes)) << method << size;
+      const Eigen::VectorXd q = random_vector(kCrowdModes, 1e-3, 8);
+      ASSERT_TRUE(pushed.set_state(q, Eigen::VectorXd::Zero(kCrowdModes)));
       EXPECT_TRUE(pushed.step().converged) << method << size;
 
       World world = std::move(*World::create());
@@ -346,22 +341,22 @@ TEST(EnergyBound, ForceThatIsTooLargeIsRefusedOrNamedAndCanBeCleared) {
         }
       }
       EXPECT_FALSE(*world.is_awake(one)) << method << size;
-      EXPECT_EQ(world.state(one)->q, Eigen::VectorXd::Zero(kModes)) << method << size;
+      EXPECT_EQ(world.state(one)->q, Eigen::VectorXd::Zero(kCrowdModes)) << method << size;
     }
 }
 
 TEST(EnergyBound, ForcesOfAWorldsBodyCanBeCleared) {
   for (const std::string_view method : {"ep4", "imexv-linear"}) {
     World world = std::move(*World::create());
-    const GroupId group = *world.add_group(test_model(), {.integrator = method});
+    const GroupId group = *world.add_group(crowd_model(0.05), {.integrator = method});
     const BodyId pushed = *world.add_body(group), other = *world.add_body(group);
     for (const BodyId body : {pushed, other})
       ASSERT_TRUE(world.apply_force(body, 5, {1.0, 0.0, 0.0}, 50));
     ASSERT_TRUE(world.clear_forces(pushed));
     EXPECT_TRUE(*world.is_awake(pushed));
     world.step();
-    EXPECT_EQ(world.state(pushed)->q, Eigen::VectorXd::Zero(kModes)) << method;
-    EXPECT_NE(world.state(other)->q, Eigen::VectorXd::Zero(kModes)) << method;
+    EXPECT_EQ(world.state(pushed)->q, Eigen::VectorXd::Zero(kCrowdModes)) << method;
+    EXPECT_NE(world.state(other)->q, Eigen::VectorXd::Zero(kCrowdModes)) << method;
     EXPECT_FALSE(world.clear_forces(7));
   }
 }
@@ -369,12 +364,12 @@ TEST(EnergyBound, ForcesOfAWorldsBodyCanBeCleared) {
 TEST(World, DefaultMethodIsOneThatCannotExplode) {
   EXPECT_EQ(GroupOptions{}.integrator, "ep4");
   World world = std::move(*World::create());
-  const Model::Pointer model = test_model(0.5);
+  const Model::Pointer model = crowd_model(0.5);
   const GroupId group = *world.add_group(model, {});
   const BodyId body = *world.add_body(group);
   // The state that explodes in lanes at the same step.
-  ASSERT_TRUE(
-      world.set_state(body, random_vector(kModes, 0.3, 102), Eigen::VectorXd::Zero(kModes)));
+  ASSERT_TRUE(world.set_state(body, random_vector(kCrowdModes, 0.3, 102),
+                              Eigen::VectorXd::Zero(kCrowdModes)));
   const double energy = world.energy(body)->total();
   for (int k = 0; k < 400; ++k) ASSERT_TRUE(world.step().failed.empty()) << k;
   EXPECT_NEAR(world.energy(body)->total(), energy, 1e-9 * energy);

@@ -11,20 +11,12 @@
 namespace tremolo {
 namespace {
 
+using testing::kStrongForce;
 using testing::make;
+using testing::strong_state;
+using testing::strong_strain_model;
 
 constexpr const char* kFamily[] = {"avf", "ep2", "ep4"};
-
-testing::StrainModel strain_model() {
-  return testing::random_strain_model(testing::spread_omega(4, 3.0, 40.0), 0.8, 21);
-}
-
-// At |q| = 0.3 the quartic part is as large as the quadratic.
-State start_state() {
-  return {Eigen::Vector4d(0.25, -0.15, 0.1, 0.05), Eigen::Vector4d(-0.6, 1.0, 0.7, -1.1)};
-}
-
-const Eigen::Vector4d kForce(8.0, -20.0, 30.0, 50.0);
 
 double energy_of(const testing::StrainModel& strain, const State& state) {
   return 0.5 * state.p.squaredNorm() + testing::strain_energy(strain, state.q);
@@ -33,13 +25,13 @@ double energy_of(const testing::StrainModel& strain, const State& state) {
 // The largest |H1 - H0 - work + dissipated| of any step, over the largest H.
 double worst_balance(std::string_view name, const IntegratorOptions& options, double size,
                      bool loaded, int steps) {
-  const testing::StrainModel strain = strain_model();
+  const testing::StrainModel strain = strong_strain_model();
   const auto integrator = make(name, testing::make_model(strain), options);
-  State state{size * start_state().q, size * start_state().p};
+  State state{size * strong_state().q, size * strong_state().p};
   std::vector<Load> loads;
   if (loaded)
-    loads = {{{.kind = SignalKind::kSine, .frequency = 1.3}, kForce},
-             {{.kind = SignalKind::kSquare, .start = 0.1, .duration = 0.11}, -kForce}};
+    loads = {{{.kind = SignalKind::kSine, .frequency = 1.3}, kStrongForce},
+             {{.kind = SignalKind::kSquare, .start = 0.1, .duration = 0.11}, -kStrongForce}};
   StepLoad load = make_step_load(4);
   double worst = 0.0, highest = 0.0;
   for (int k = 0; k < steps; ++k) {
@@ -85,10 +77,10 @@ TEST(EnergyPreserving, BalanceHoldsWhereAStepEndsAlmostAtRest) {
   // Motion from rest, turned round, comes back to rest: there is no momentum from which what the
   // solve left could be taken back.
   for (const char* name : kFamily) {
-    const Model::Pointer model = testing::make_model(strain_model());
+    const Model::Pointer model = testing::make_model(strong_strain_model());
     const auto integrator = make(name, model, {.step = 1e-2});
-    const auto energy = [&](const State& s) { return energy_of(strain_model(), s); };
-    State state = start_state();
+    const auto energy = [&](const State& s) { return energy_of(strong_strain_model(), s); };
+    State state = strong_state();
     state.p.setZero();
     const double before = energy(state);
     double worst = 0.0, slowest = state.q.norm();
@@ -126,17 +118,17 @@ TEST(EnergyPreserving, StepsThatAreTakenInPartsKeepTheBalance) {
 double error_of(std::string_view name, IntegratorOptions options, int steps, bool loaded) {
   constexpr double kDuration = 0.4;
   const auto force = [&](double t) {
-    return Eigen::VectorXd(loaded ? std::sin(2.0 * M_PI * 1.3 * t) * kForce
+    return Eigen::VectorXd(loaded ? std::sin(2.0 * M_PI * 1.3 * t) * kStrongForce
                                   : Eigen::Vector4d(Eigen::Vector4d::Zero()));
   };
-  const State exact = testing::reference_orbit(strain_model(), start_state(), options.alpha,
+  const State exact = testing::reference_orbit(strong_strain_model(), strong_state(), options.alpha,
                                                options.beta, force, kDuration, 16000);
   options.step = kDuration / steps;
   options.tolerance = 1e-13;
-  const auto integrator = make(name, testing::make_model(strain_model()), options);
-  State state = start_state();
+  const auto integrator = make(name, testing::make_model(strong_strain_model()), options);
+  State state = strong_state();
   std::vector<Load> loads;
-  if (loaded) loads = {{{.kind = SignalKind::kSine, .frequency = 1.3}, kForce}};
+  if (loaded) loads = {{{.kind = SignalKind::kSine, .frequency = 1.3}, kStrongForce}};
   testing::run(*integrator, state, loads, options.step, steps);
   return (state.q - exact.q).norm() + (state.p - exact.p).norm() / 40.0;
 }
@@ -219,23 +211,23 @@ TEST(EnergyPreserving, Ep2TurnsLinearModesByTheirExactAngle) {
 }
 
 TEST(EnergyPreserving, MotionReturnsWhenTheMomentaAreTurnedRound) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(strong_strain_model());
   for (const char* name : kFamily) {
     const IntegratorOptions options{.step = 3e-2, .tolerance = 1e-13};
     const auto integrator = make(name, model, options);
-    State state = start_state();
+    State state = strong_state();
     testing::run(*integrator, state, {}, options.step, 50);
-    EXPECT_GE((state.q - start_state().q).norm(), 0.05) << name << " did not move";
+    EXPECT_GE((state.q - strong_state().q).norm(), 0.05) << name << " did not move";
     state.p = -state.p;
     testing::run(*integrator, state, {}, options.step, 50);
     // The solves' 1e-13, stretched by 100 steps of a strongly nonlinear motion at h omega = 1.2.
     // ep4 with its filter at the predicted midpoint misses by 0.08.
-    EXPECT_LE((state.q - start_state().q).norm(), 1e-7) << name;
+    EXPECT_LE((state.q - strong_state().q).norm(), 1e-7) << name;
   }
 }
 
 TEST(EnergyPreserving, AveragedJacobianIsTheDerivativeOfTheAveragedGradient) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(strong_strain_model());
   const Potential& potential = model->potential();
   PotentialWorkspace workspace = potential.make_workspace();
   const Eigen::VectorXd q0 = testing::random_vector(4, 0.4, 3);

@@ -12,15 +12,15 @@ namespace {
 
 using testing::make;
 
-testing::StrainModel strain_model() {
+testing::StrainModel five_coordinates() {
   return testing::random_strain_model(testing::spread_omega(5, 5.0, 400.0), 0.6, 33);
 }
 
-State start_state() {
+State five_moving() {
   return {testing::random_vector(5, 0.05, 1), testing::random_vector(5, 0.8, 2)};
 }
 
-IntegratorOptions options_of(double step, int low) {
+IntegratorOptions split_options(double step, int low) {
   IntegratorOptions options{.step = step};
   options.split = {.rule = SplitRule::kCount, .count = low};
   options.tolerance = 1e-13;
@@ -38,16 +38,16 @@ double distance(const State& a, const State& b) {
 }
 
 TEST(Equivalence, SplittingMethodsWithAllRowsLowAreVerlet) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(five_coordinates());
   for (const bool damped : {false, true}) {
-    IntegratorOptions options = options_of(2e-3, 5);
+    IntegratorOptions options = split_options(2e-3, 5);
     options.alpha = damped ? 0.5 : 0.0;
     options.beta = damped ? 1e-4 : 0.0;
-    State b = start_state();
+    State b = five_moving();
     testing::run(*make("verlet", model, options), b, loads_of(), options.step, 200);
     for (const std::string_view name : {"imexv", "imexv-linear", "imexv-coupled"}) {
       if (damped && name == "imexv-coupled") continue;  // damps its drift, not its kicks
-      State a = start_state();
+      State a = five_moving();
       testing::run(*make(name, model, options), a, loads_of(), options.step, 200);
       EXPECT_LE(distance(a, b), 1e-12) << name;  // the same operations
     }
@@ -55,12 +55,12 @@ TEST(Equivalence, SplittingMethodsWithAllRowsLowAreVerlet) {
 }
 
 TEST(Equivalence, SplitsThatSolveForEveryForceAreMidpointWithAllRowsHigh) {
-  const Model::Pointer model = testing::make_model(strain_model());
-  const IntegratorOptions options = options_of(5e-3, 0);
-  State b = start_state();
+  const Model::Pointer model = testing::make_model(five_coordinates());
+  const IntegratorOptions options = split_options(5e-3, 0);
+  State b = five_moving();
   testing::run(*make("midpoint", model, options), b, loads_of(), options.step, 100);
   for (const char* name : {"imexv", "imexv-coupled"}) {
-    State a = start_state();
+    State a = five_moving();
     testing::run(*make(name, model, options), a, loads_of(), options.step, 100);
     // The same equation solved to 1e-13 a step, over 100 steps of a nonlinear motion.
     EXPECT_LE(distance(a, b), 1e-10) << name;
@@ -68,33 +68,33 @@ TEST(Equivalence, SplitsThatSolveForEveryForceAreMidpointWithAllRowsHigh) {
 }
 
 TEST(Equivalence, DampedSplitsWithAllRowsHighAgree) {
-  const Model::Pointer model = testing::make_model(strain_model());
-  IntegratorOptions options = options_of(5e-3, 0);
+  const Model::Pointer model = testing::make_model(five_coordinates());
+  IntegratorOptions options = split_options(5e-3, 0);
   options.alpha = 0.5;
   options.beta = 1e-4;
-  State b = start_state();
+  State b = five_moving();
   testing::run(*make("imexv", model, options), b, loads_of(), options.step, 200);
-  State a = start_state();
+  State a = five_moving();
   testing::run(*make("imexv-coupled", model, options), a, loads_of(), options.step, 200);
   EXPECT_LE(distance(a, b), 1e-10);
 }
 
 TEST(Equivalence, ExplicitNewmarkIsVerlet) {
-  const Model::Pointer model = testing::make_model(strain_model());
-  IntegratorOptions options = options_of(2e-3, 5);
+  const Model::Pointer model = testing::make_model(five_coordinates());
+  IntegratorOptions options = split_options(2e-3, 5);
   options.newmark_beta = 0.0;
-  State a = start_state(), b = start_state();
+  State a = five_moving(), b = five_moving();
   testing::run(*make("newmark", model, options), a, loads_of(), options.step, 200);
   testing::run(*make("verlet", model, options), b, loads_of(), options.step, 200);
   EXPECT_LE(distance(a, b), 1e-11);  // rounding over 200 steps
 }
 
 TEST(Equivalence, ThesisFormHasTheOrbitOfImexvWhenItStartsHalfAKickBack) {
-  const Model::Pointer model = testing::make_model(strain_model());
-  const IntegratorOptions options = options_of(5e-3, 3);
+  const Model::Pointer model = testing::make_model(five_coordinates());
+  const IntegratorOptions options = split_options(5e-3, 3);
   const auto symmetric = make("imexv", model, options);
   const auto thesis = make("imexv-thesis", model, options);
-  State a = start_state(), b = start_state();
+  State a = five_moving(), b = five_moving();
   Eigen::VectorXd momentum = b.p;
   thesis->synchronized_momentum(b, momentum);
   b.p -= momentum - b.p;
@@ -112,13 +112,13 @@ TEST(Equivalence, ThesisFormHasTheOrbitOfImexvWhenItStartsHalfAKickBack) {
 }
 
 TEST(Equivalence, ChangingTheStateFromOutsideIsNoticed) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(five_coordinates());
   for (const std::string_view name : integrator_names()) {
-    const IntegratorOptions options = options_of(2e-3, 3);
+    const IntegratorOptions options = split_options(2e-3, 3);
     const auto used = make(name, model, options);
     State warm{testing::random_vector(5, 0.05, 8), testing::random_vector(5, 0.5, 9)};
     testing::run(*used, warm, {}, options.step, 3);
-    State a = start_state(), b = start_state();
+    State a = five_moving(), b = five_moving();
     testing::run(*used, a, {}, options.step, 5);
     testing::run(*make(name, model, options), b, {}, options.step, 5);
     EXPECT_EQ(a.q, b.q) << name;
@@ -127,8 +127,8 @@ TEST(Equivalence, ChangingTheStateFromOutsideIsNoticed) {
 }
 
 TEST(Failure, SolveThatGivesUpRestoresTheStateAndSaysSo) {
-  const Model::Pointer model = testing::make_model(strain_model());
-  IntegratorOptions options = options_of(2e-2, 2);
+  const Model::Pointer model = testing::make_model(five_coordinates());
+  IntegratorOptions options = split_options(2e-2, 2);
   options.max_iterations = 1;  // far too few for this state
   options.halvings = 0;
   const State before{testing::random_vector(5, 0.6, 5), testing::random_vector(5, 60.0, 6)};
@@ -145,11 +145,11 @@ TEST(Failure, SolveThatGivesUpRestoresTheStateAndSaysSo) {
 }
 
 TEST(Failure, FailedStepLeavesNoTraceInTheNextOne) {
-  const Model::Pointer model = testing::make_model(strain_model());
-  const IntegratorOptions options = options_of(2e-3, 3);
+  const Model::Pointer model = testing::make_model(five_coordinates());
+  const IntegratorOptions options = split_options(2e-3, 3);
   for (const std::string_view name : integrator_names()) {
     const auto integrator = make(name, model, options);
-    State a = start_state(), b = start_state();
+    State a = five_moving(), b = five_moving();
     testing::run(*integrator, a, {}, options.step, 2);
     StepLoad broken = make_step_load(5);
     broken.start.setConstant(std::nan(""));
@@ -163,11 +163,12 @@ TEST(Failure, FailedStepLeavesNoTraceInTheNextOne) {
 }
 
 TEST(Failure, NumbersThatOverflowAreNoConvergence) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(five_coordinates());
   for (const std::string_view name : integrator_names()) {
     const State before{Eigen::VectorXd::Constant(5, 1e150), Eigen::VectorXd::Zero(5)};
     State state = before;
-    EXPECT_FALSE(make(name, model, options_of(2e-3, 3))->step(state, make_step_load(5)).converged)
+    EXPECT_FALSE(
+        make(name, model, split_options(2e-3, 3))->step(state, make_step_load(5)).converged)
         << name;
     EXPECT_EQ(state.q, before.q) << name;
     EXPECT_EQ(state.p, before.p) << name;
@@ -175,11 +176,11 @@ TEST(Failure, NumbersThatOverflowAreNoConvergence) {
 }
 
 TEST(Rest, BodyAtRestStaysThereWithoutASolve) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(five_coordinates());
   for (const std::string_view name : integrator_names()) {
     State state{Eigen::VectorXd::Zero(5), Eigen::VectorXd::Zero(5)};
     const StepReport report =
-        make(name, model, options_of(2e-3, 3))->step(state, make_step_load(5));
+        make(name, model, split_options(2e-3, 3))->step(state, make_step_load(5));
     EXPECT_TRUE(report.converged) << name;
     EXPECT_EQ(report.iterations, 0) << name;
     EXPECT_EQ(state.q, Eigen::VectorXd::Zero(5)) << name;
@@ -187,20 +188,20 @@ TEST(Rest, BodyAtRestStaysThereWithoutASolve) {
 }
 
 TEST(Rest, MotionThatHasAllButDiedOutStillConverges) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(five_coordinates());
   for (const std::string_view name : integrator_names())
     for (const double size : {1e-80, 1e-140, 1e-200, 1e-300}) {
       State state{Eigen::VectorXd::Constant(5, size), Eigen::VectorXd::Constant(5, size)};
-      testing::run(*make(name, model, options_of(2e-3, 3)), state, {}, 2e-3, 20);
+      testing::run(*make(name, model, split_options(2e-3, 3)), state, {}, 2e-3, 20);
     }
 }
 
 TEST(Rest, DampedMotionPassesThroughTheSmallestNumbersToRest) {
   // Squares vanish below 1e-162, and with them norms, before the numbers themselves do.
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(five_coordinates());
   for (const std::string_view name : integrator_names())
     for (int exponent = 145; exponent < 325; ++exponent) {
-      IntegratorOptions options = options_of(2e-3, 3);
+      IntegratorOptions options = split_options(2e-3, 3);
       options.alpha = 30.0;
       options.beta = 1e-4;
       const double size = std::pow(10.0, -exponent);
@@ -293,7 +294,7 @@ TEST(Newton, QuarticWellIsSolvedFromFarAway) {
 }
 
 TEST(Factory, UnknownNameIsAUsageErrorThatListsTheKnownOnes) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(five_coordinates());
   const auto unknown = make_integrator("leapfrog", model, {});
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().kind, ErrorKind::kUsage);
@@ -302,7 +303,7 @@ TEST(Factory, UnknownNameIsAUsageErrorThatListsTheKnownOnes) {
 }
 
 TEST(Factory, EveryNameMakesAMethodOfThatName) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(five_coordinates());
   for (const std::string_view name : integrator_names()) {
     const auto integrator = make(name, model, {});
     EXPECT_EQ(integrator->name(), name);
@@ -311,14 +312,14 @@ TEST(Factory, EveryNameMakesAMethodOfThatName) {
 }
 
 TEST(Factory, ThesisFormUsesTheDefaultSplitUnlessToldOtherwise) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(five_coordinates());
   const Split by_default = *choose_split(model->lambda(), 3e-3, {});
   EXPECT_EQ(make("imexv-thesis", model, {})->split()->low, by_default.low);
-  EXPECT_EQ(make("imexv-thesis", model, options_of(3e-3, 1))->split()->low, 1);
+  EXPECT_EQ(make("imexv-thesis", model, split_options(3e-3, 1))->split()->low, 1);
 }
 
 TEST(Factory, RefusesOptionsOutsideTheirRange) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(five_coordinates());
   const auto refuses = [&](auto change) {
     IntegratorOptions options;
     change(options);

@@ -12,21 +12,14 @@
 namespace tremolo {
 namespace {
 
+using testing::kOscillatorRounding;
+using testing::kOscillatorStep;
 using testing::make;
-
-constexpr double kStep = 0.01;  // s
-// A few dozen operations a step, relative to the largest number among them.
-constexpr double kRounding = 1e-13;
+using testing::oscillator_options;
 
 Model::Pointer oscillator(double step_omega) {
-  return testing::make_model(
-      testing::random_strain_model(Eigen::VectorXd::Constant(1, step_omega / kStep), 0.0, 1));
-}
-
-IntegratorOptions options_of(double alpha = 0.0, double beta = 0.0) {
-  IntegratorOptions options{.step = kStep, .alpha = alpha, .beta = beta};
-  options.tolerance = 1e-13;  // a linear equation is solved by one correction
-  return options;
+  return testing::make_model(testing::random_strain_model(
+      Eigen::VectorXd::Constant(1, step_omega / kOscillatorStep), 0.0, 1));
 }
 
 // One coordinate: (q, p).
@@ -41,23 +34,23 @@ Pair slope(const Pair& z, double f, double lambda, double rate) {
 }
 
 Pair explicit_euler_step(const Pair& z, const Forcing& f, double lambda, double rate) {
-  return z + kStep * slope(z, f.average, lambda, rate);
+  return z + kOscillatorStep * slope(z, f.average, lambda, rate);
 }
 
 Pair implicit_euler_step(const Pair& z, const Forcing& f, double lambda, double rate) {
   // p1 (1 + h D + h^2 lambda) = p0 + h (f - lambda q0)
-  const double p =
-      (z[1] + kStep * (f.average - lambda * z[0])) / (1.0 + kStep * rate + kStep * kStep * lambda);
-  return {z[0] + kStep * p, p};
+  const double p = (z[1] + kOscillatorStep * (f.average - lambda * z[0])) /
+                   (1.0 + kOscillatorStep * rate + kOscillatorStep * kOscillatorStep * lambda);
+  return {z[0] + kOscillatorStep * p, p};
 }
 
 Pair rk2_step(const Pair& z, const Forcing& f, double lambda, double rate) {
-  const Pair middle = z + 0.5 * kStep * slope(z, f.start, lambda, rate);
-  return z + kStep * slope(middle, f.average, lambda, rate);
+  const Pair middle = z + 0.5 * kOscillatorStep * slope(z, f.start, lambda, rate);
+  return z + kOscillatorStep * slope(middle, f.average, lambda, rate);
 }
 
 Pair rk4_step(const Pair& z, const Forcing& f, double lambda, double rate) {
-  const double h = kStep;
+  const double h = kOscillatorStep;
   const Pair k1 = slope(z, f.start, lambda, rate);
   const Pair k2 = slope(z + 0.5 * h * k1, f.middle(), lambda, rate);
   const Pair k3 = slope(z + 0.5 * h * k2, f.middle(), lambda, rate);
@@ -91,26 +84,28 @@ TEST(ContrastRecurrence, EveryMethodFollowsItsOwnDampedAndForced) {
   const double alpha = 0.7, beta = 2e-4;
   for (const auto& [name, step] : methods)
     for (const double x : {0.1, 0.5, 1.7}) {
-      const double lambda = x * x / (kStep * kStep);
-      const auto integrator = make(name, oscillator(x), options_of(alpha, beta));
+      const double lambda = x * x / (kOscillatorStep * kOscillatorStep);
+      const auto integrator = make(name, oscillator(x), oscillator_options(alpha, beta));
       follow(*integrator, [&](const StepLoad& load, const State& state, Pair& z, unsigned k) {
         z = step(z, {load.start[0], load.average[0], load.end[0]}, lambda, alpha + beta * lambda);
         // Sizes of this motion; the growing ones carry their rounding along.
-        const double omega = x / kStep, p_scale = 10.0 + std::hypot(omega * z[0], z[1]);
-        ASSERT_NEAR(state.q[0], z[0], kRounding * p_scale / omega) << name << ' ' << x << ' ' << k;
-        ASSERT_NEAR(state.p[0], z[1], kRounding * p_scale) << name << ' ' << x << ' ' << k;
+        const double omega = x / kOscillatorStep, p_scale = 10.0 + std::hypot(omega * z[0], z[1]);
+        ASSERT_NEAR(state.q[0], z[0], kOscillatorRounding * p_scale / omega)
+            << name << ' ' << x << ' ' << k;
+        ASSERT_NEAR(state.p[0], z[1], kOscillatorRounding * p_scale)
+            << name << ' ' << x << ' ' << k;
       });
     }
 }
 
 // One undamped step at h omega = y as a matrix on (omega q, p).
 Eigen::Matrix2d map_of(std::string_view name, double y) {
-  const double omega = y / kStep;
-  const auto integrator = make(name, oscillator(y), options_of());
+  const double omega = y / kOscillatorStep;
+  const auto integrator = make(name, oscillator(y), oscillator_options());
   State from_q{Eigen::VectorXd::Constant(1, 1.0 / omega), Eigen::VectorXd::Zero(1)};
   State from_p{Eigen::VectorXd::Zero(1), Eigen::VectorXd::Ones(1)};
-  testing::run(*integrator, from_q, {}, kStep, 1);
-  testing::run(*integrator, from_p, {}, kStep, 1);
+  testing::run(*integrator, from_q, {}, kOscillatorStep, 1);
+  testing::run(*integrator, from_p, {}, kOscillatorStep, 1);
   Eigen::Matrix2d map;
   map << omega * from_q.q[0], omega * from_p.q[0], from_q.p[0], from_p.p[0];
   return map;
@@ -123,17 +118,20 @@ double amplification(std::string_view name, double y) {
 
 TEST(Amplification, IsTheClosedFormOfEachContrastMethod) {
   for (const double y : {0.01, 0.1, 0.5, 1.0, 2.0, 2.9}) {
-    EXPECT_NEAR(amplification("explicit-euler", y), std::hypot(1.0, y), kRounding * (1.0 + y));
-    EXPECT_NEAR(amplification("implicit-euler", y), 1.0 / std::hypot(1.0, y), kRounding);
-    EXPECT_NEAR(amplification("rk2", y), std::sqrt(1.0 + std::pow(y, 4) / 4.0), kRounding * 5.0);
+    EXPECT_NEAR(amplification("explicit-euler", y), std::hypot(1.0, y),
+                kOscillatorRounding * (1.0 + y));
+    EXPECT_NEAR(amplification("implicit-euler", y), 1.0 / std::hypot(1.0, y), kOscillatorRounding);
+    EXPECT_NEAR(amplification("rk2", y), std::sqrt(1.0 + std::pow(y, 4) / 4.0),
+                kOscillatorRounding * 5.0);
     EXPECT_NEAR(amplification("rk4", y),
-                std::sqrt(1.0 - std::pow(y, 6) / 72.0 + std::pow(y, 8) / 576.0), kRounding * 5.0);
+                std::sqrt(1.0 - std::pow(y, 6) / 72.0 + std::pow(y, 8) / 576.0),
+                kOscillatorRounding * 5.0);
   }
 }
 
 TEST(Amplification, OfRungeKuttaFourEndsAtTheRootOfEight) {
   const double limit = std::sqrt(8.0);
-  EXPECT_NEAR(amplification("rk4", limit), 1.0, kRounding * 5.0);
+  EXPECT_NEAR(amplification("rk4", limit), 1.0, kOscillatorRounding * 5.0);
   EXPECT_LT(amplification("rk4", limit - 1e-3), 1.0);
   EXPECT_GT(amplification("rk4", limit + 1e-3), 1.0);
 }
@@ -162,14 +160,14 @@ TEST(Verlet4, IsStableToThreePointOneSix) {
 
 TEST(Stability, OfSplittingMethodsIsThatOfVerletOnLowRowsAndUnlimitedOnHighRows) {
   for (const char* name : {"imexv", "imexv-adaptive", "imexv-linear", "imexv-coupled"}) {
-    IntegratorOptions options = options_of();
+    IntegratorOptions options = oscillator_options();
     options.split = {.rule = SplitRule::kCount, .count = 1};
     const auto half_trace = [&](double y) {
       const auto integrator = make(name, oscillator(y), options);
       State from_q{Eigen::VectorXd::Ones(1), Eigen::VectorXd::Zero(1)};
       State from_p{Eigen::VectorXd::Zero(1), Eigen::VectorXd::Ones(1)};
-      testing::run(*integrator, from_q, {}, kStep, 1);
-      testing::run(*integrator, from_p, {}, kStep, 1);
+      testing::run(*integrator, from_q, {}, kOscillatorStep, 1);
+      testing::run(*integrator, from_p, {}, kOscillatorStep, 1);
       return std::abs(0.5 * (from_q.q[0] + from_p.p[0]));
     };
     EXPECT_LT(half_trace(1.99), 1.0) << name;
@@ -186,7 +184,7 @@ TEST(Stability, OfSplittingMethodsIsThatOfVerletOnLowRowsAndUnlimitedOnHighRows)
 
 TEST(Verlet4, KeepsTheAreaOfThePhasePlane) {
   for (const double y : {0.1, 1.0, 3.0})
-    EXPECT_NEAR(map_of("verlet4", y).determinant(), 1.0, kRounding * 5.0) << y;
+    EXPECT_NEAR(map_of("verlet4", y).determinant(), 1.0, kOscillatorRounding * 5.0) << y;
 }
 
 TEST(Verlet4, TurnsByItsAngleUpToASmallFifthPower) {
@@ -206,24 +204,25 @@ TEST(Verlet4, FollowsItsRecurrenceDampedAndForced) {
   const std::array b = {b1, b2, b3, 1.0 - 2.0 * (b1 + b2 + b3), b3, b2, b1};
   for (const auto& [alpha, beta] : {std::pair{0.0, 0.0}, {0.7, 0.0}, {0.7, 2e-4}})
     for (const double x : {0.1, 0.5, 1.7}) {
-      const double lambda = x * x / (kStep * kStep), rate = alpha + beta * lambda;
-      const auto integrator = make("verlet4", oscillator(x), options_of(alpha, beta));
+      const double lambda = x * x / (kOscillatorStep * kOscillatorStep),
+                   rate = alpha + beta * lambda;
+      const auto integrator = make("verlet4", oscillator(x), oscillator_options(alpha, beta));
       follow(*integrator, [&](const StepLoad& load, const State& state, Pair& z, unsigned k) {
         double t = 0.0;
         for (std::size_t i = 0; i < b.size(); ++i) {
           Eigen::VectorXd f(1);
           load_at(load, t, f);
-          z[1] += b[i] * kStep * (f[0] - lambda * z[0]);
+          z[1] += b[i] * kOscillatorStep * (f[0] - lambda * z[0]);
           if (i == a.size()) break;
-          const double s = a[i] * kStep;
+          const double s = a[i] * kOscillatorStep;
           z[0] += rate == 0.0 ? s * z[1] : z[1] * (1.0 - std::exp(-rate * s)) / rate;
           z[1] *= std::exp(-rate * s);
           t += a[i];
         }
         // 1 - e^-x loses 1/x of its digits, here up to 1/2e-3, in a term of h p.
-        const double omega = x / kStep, p_scale = 50.0;
-        ASSERT_NEAR(state.q[0], z[0], kRounding * p_scale / omega) << x << ' ' << k;
-        ASSERT_NEAR(state.p[0], z[1], kRounding * p_scale) << x << ' ' << k;
+        const double omega = x / kOscillatorStep, p_scale = 50.0;
+        ASSERT_NEAR(state.q[0], z[0], kOscillatorRounding * p_scale / omega) << x << ' ' << k;
+        ASSERT_NEAR(state.p[0], z[1], kOscillatorRounding * p_scale) << x << ' ' << k;
       });
     }
 }
@@ -231,27 +230,29 @@ TEST(Verlet4, FollowsItsRecurrenceDampedAndForced) {
 TEST(Verlet4, MassDampingTakesItsShareOfEachLinearModeExactly) {
   const double alpha = 4.0;
   for (const double x : {0.1, 1.0, 3.0}) {
-    const auto integrator = make("verlet4", oscillator(x), options_of(alpha));
+    const auto integrator = make("verlet4", oscillator(x), oscillator_options(alpha));
     State from_q{Eigen::VectorXd::Ones(1), Eigen::VectorXd::Zero(1)};
     State from_p{Eigen::VectorXd::Zero(1), Eigen::VectorXd::Ones(1)};
-    testing::run(*integrator, from_q, {}, kStep, 1);
-    testing::run(*integrator, from_p, {}, kStep, 1);
+    testing::run(*integrator, from_q, {}, kOscillatorStep, 1);
+    testing::run(*integrator, from_p, {}, kOscillatorStep, 1);
     const double area = from_q.q[0] * from_p.p[0] - from_p.q[0] * from_q.p[0];
-    EXPECT_NEAR(area, std::exp(-alpha * kStep), kRounding * 5.0) << x;
+    EXPECT_NEAR(area, std::exp(-alpha * kOscillatorStep), kOscillatorRounding * 5.0) << x;
   }
 }
 
 TEST(Verlet4, DampingThatVanishesIsNoDamping) {
   State free{Eigen::VectorXd::Ones(1), Eigen::VectorXd::Ones(1)}, damped = free;
-  testing::run(*make("verlet4", oscillator(0.5), options_of(0.0)), free, {}, kStep, 3);
-  testing::run(*make("verlet4", oscillator(0.5), options_of(1e-322)), damped, {}, kStep, 3);
+  testing::run(*make("verlet4", oscillator(0.5), oscillator_options(0.0)), free, {},
+               kOscillatorStep, 3);
+  testing::run(*make("verlet4", oscillator(0.5), oscillator_options(1e-322)), damped, {},
+               kOscillatorStep, 3);
   EXPECT_EQ(free.q, damped.q);
   EXPECT_EQ(free.p, damped.p);
 }
 
 // |H1 - H0 - work + dissipated| over 0.4 s of a strongly nonlinear, damped and loaded motion.
 double imbalance(std::string_view name, int steps) {
-  const auto strain = testing::random_strain_model(testing::spread_omega(4, 3.0, 40.0), 0.8, 21);
+  const auto strain = testing::strong_strain_model();
   const Eigen::Vector4d force(8.0, -20.0, 30.0, 50.0);
   IntegratorOptions options{.step = 0.4 / steps, .alpha = 0.9, .beta = 3e-3};
   options.tolerance = 1e-13;

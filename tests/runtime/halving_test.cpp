@@ -9,10 +9,7 @@ namespace tremolo {
 namespace {
 
 using testing::make;
-
-testing::StrainModel strain_model() {
-  return testing::random_strain_model(testing::spread_omega(4, 3.0, 40.0), 0.8, 21);
-}
+using testing::strong_strain_model;
 
 State violent_state() {
   return {Eigen::Vector4d(0.5, -0.3, 0.2, 0.1), Eigen::Vector4d(-6.0, 10.0, 7.0, -11.0)};
@@ -56,7 +53,7 @@ TEST(LoadInsideAStep, PartsAddUpToTheWhole) {
 }
 
 TEST(Halving, StepInPartsIsThatOfTheSmallerSteps) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(strong_strain_model());
   for (const char* name : {"midpoint", "newmark", "imexv", "imexv-coupled", "implicit-euler"}) {
     // One iteration solves half a step to this tolerance, but not the whole one.
     bool seen = false;
@@ -99,7 +96,7 @@ TEST(Halving, StepInPartsIsThatOfTheSmallerSteps) {
 }
 
 TEST(Halving, GivesUpAfterTheLastOneAndRestoresTheState) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(strong_strain_model());
   for (const char* name : {"midpoint", "ep4"}) {
     IntegratorOptions options{.step = 0.3};
     options.tolerance = 1e-13;
@@ -114,7 +111,7 @@ TEST(Halving, GivesUpAfterTheLastOneAndRestoresTheState) {
 }
 
 TEST(Halving, ImplicitMethodsSurviveStepsThatAreFarTooLarge) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(strong_strain_model());
   for (const char* name : {"midpoint", "newmark", "avf", "ep2", "ep4", "implicit-euler"})
     for (const double step : {0.1, 0.5}) {  // h omega up to 20, and V ten times as stiff as at rest
       State state = violent_state();

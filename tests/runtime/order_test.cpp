@@ -8,18 +8,12 @@
 namespace tremolo {
 namespace {
 
+using testing::kStrongForce;
 using testing::make;
+using testing::strong_state;
+using testing::strong_strain_model;
 
-// Four coordinates of 3 to 40 rad/s; at |q| = 0.3 the quartic part is as large as the quadratic.
-testing::StrainModel strain_model(Eigen::Index blocks = 0) {
-  return testing::random_strain_model(testing::spread_omega(4, 3.0, 40.0), 0.8, 21, blocks);
-}
-
-State start_state() {
-  return {Eigen::Vector4d(0.25, -0.15, 0.1, 0.05), Eigen::Vector4d(-0.6, 1.0, 0.7, -1.1)};
-}
-
-IntegratorOptions options_of(double step) {
+IntegratorOptions precise_options(double step) {
   IntegratorOptions options{.step = step};
   options.split = {.rule = SplitRule::kCount, .count = 2};
   options.tolerance = 1e-13;
@@ -32,12 +26,11 @@ struct Setting {
   bool loaded = false;
 };
 
-const Eigen::Vector4d kForce(8.0, -20.0, 30.0, 50.0);
 constexpr double kFrequency = 1.3;  // Hz
 constexpr double kDuration = 0.4;   // s
 
 Eigen::VectorXd sine_load(double t) {
-  return std::sin(2.0 * M_PI * kFrequency * t) * kForce;
+  return std::sin(2.0 * M_PI * kFrequency * t) * kStrongForce;
 }
 
 State reference(const Setting& setting) {
@@ -45,17 +38,17 @@ State reference(const Setting& setting) {
     return setting.loaded ? sine_load(t) : Eigen::VectorXd(Eigen::Vector4d::Zero());
   };
   // Step 2.5e-5 s: fourth order leaves an error near 1e-12.
-  return testing::reference_orbit(strain_model(), start_state(), setting.alpha, setting.beta, force,
-                                  kDuration, 16000);
+  return testing::reference_orbit(strong_strain_model(), strong_state(), setting.alpha,
+                                  setting.beta, force, kDuration, 16000);
 }
 
 double error_of(std::string_view name, const Setting& setting, const State& exact, int steps) {
-  const Model::Pointer model = testing::make_model(strain_model());
-  IntegratorOptions options = options_of(kDuration / steps);
+  const Model::Pointer model = testing::make_model(strong_strain_model());
+  IntegratorOptions options = precise_options(kDuration / steps);
   options.alpha = setting.alpha;
   options.beta = setting.beta;
   const auto integrator = make(name, model, options);
-  State state = start_state();
+  State state = strong_state();
   Eigen::VectorXd momentum = state.p;
   if (name == "imexv-thesis") {
     // Its low momenta lag by half a kick; the load is zero at the start.
@@ -64,7 +57,7 @@ double error_of(std::string_view name, const Setting& setting, const State& exac
   }
   std::vector<Load> loads;
   if (setting.loaded)
-    loads.push_back({{.kind = SignalKind::kSine, .frequency = kFrequency}, kForce});
+    loads.push_back({{.kind = SignalKind::kSine, .frequency = kFrequency}, kStrongForce});
   testing::run(*integrator, state, loads, options.step, steps);
   integrator->synchronized_momentum(state, momentum);
   return (state.q - exact.q).norm() + (momentum - exact.p).norm() / 40.0;
@@ -118,14 +111,14 @@ TEST(Order, EveryMethodButTheThesisFormIsOfItsOrderAgainstDampingAndLoad) {
 }
 
 TEST(Order, NewmarkIsOfFirstOrderWhereGammaIsNotOneHalf) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(strong_strain_model());
   const State exact = reference({});
   const auto error = [&](int steps) {
-    IntegratorOptions options = options_of(kDuration / steps);
+    IntegratorOptions options = precise_options(kDuration / steps);
     options.newmark_beta = 0.3025;
     options.newmark_gamma = 0.6;
     const auto integrator = make("newmark", model, options);
-    State state = start_state();
+    State state = strong_state();
     testing::run(*integrator, state, {}, options.step, steps);
     return (state.q - exact.q).norm();
   };
@@ -133,53 +126,53 @@ TEST(Order, NewmarkIsOfFirstOrderWhereGammaIsNotOneHalf) {
 }
 
 TEST(Reversibility, MotionReturnsWhenTheMomentaAreTurnedRound) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(strong_strain_model());
   for (const char* name :
        {"verlet", "midpoint", "newmark", "imexv", "verlet4", "imexv-linear", "imexv-coupled"}) {
-    const auto integrator = make(name, model, options_of(1e-2));
-    State state = start_state();
+    const auto integrator = make(name, model, precise_options(1e-2));
+    State state = strong_state();
     testing::run(*integrator, state, {}, 1e-2, 300);
     const State turning_point = state;
     state.p = -state.p;
     testing::run(*integrator, state, {}, 1e-2, 300);
     // Rounding and the solves' 1e-13, stretched by 600 steps of a nonlinear motion; a method that
     // does not return misses by more than 1e-3, see below.
-    EXPECT_LE((state.q - start_state().q).norm(), 1e-7) << name;
-    EXPECT_LE((state.p + start_state().p).norm(), 1e-6) << name;
-    EXPECT_GE((turning_point.q - start_state().q).norm(), 0.05) << name << " did not move";
+    EXPECT_LE((state.q - strong_state().q).norm(), 1e-7) << name;
+    EXPECT_LE((state.p + strong_state().p).norm(), 1e-6) << name;
+    EXPECT_GE((turning_point.q - strong_state().q).norm(), 0.05) << name << " did not move";
   }
 }
 
 TEST(Reversibility, NewmarkWithGammaAboveOneHalfDoesNotReturn) {
-  const Model::Pointer model = testing::make_model(strain_model());
-  IntegratorOptions options = options_of(1e-2);
+  const Model::Pointer model = testing::make_model(strong_strain_model());
+  IntegratorOptions options = precise_options(1e-2);
   options.newmark_beta = 0.3025;
   options.newmark_gamma = 0.6;
   const auto integrator = make("newmark", model, options);
-  State state = start_state();
+  State state = strong_state();
   testing::run(*integrator, state, {}, 1e-2, 300);
   state.p = -state.p;
   testing::run(*integrator, state, {}, 1e-2, 300);
-  EXPECT_GE((state.q - start_state().q).norm(), 1e-3);
+  EXPECT_GE((state.q - strong_state().q).norm(), 1e-3);
 }
 
 TEST(Reversibility, ContrastMethodsDoNotReturn) {
-  const Model::Pointer model = testing::make_model(strain_model());
+  const Model::Pointer model = testing::make_model(strong_strain_model());
   for (const char* name : {"explicit-euler", "implicit-euler", "rk2", "rk4"}) {
-    const auto integrator = make(name, model, options_of(5e-3));
-    State state = start_state();
+    const auto integrator = make(name, model, precise_options(5e-3));
+    State state = strong_state();
     testing::run(*integrator, state, {}, 5e-3, 40);
     state.p = -state.p;
     testing::run(*integrator, state, {}, 5e-3, 40);
     // rk4 misses by 4e-6, the others by more; rounding is below 1e-12.
-    EXPECT_GE((state.q - start_state().q).norm(), 1e-6) << name;
+    EXPECT_GE((state.q - strong_state().q).norm(), 1e-6) << name;
   }
 }
 
 // max |J^T Omega J - Omega| of one step's derivative J, Omega the symplectic form.
 double symplectic_defect(std::string_view name, const testing::StrainModel& strain) {
   const Model::Pointer model = testing::make_model(strain);
-  const auto integrator = make(name, model, options_of(2e-2));
+  const auto integrator = make(name, model, precise_options(2e-2));
   const Eigen::Index r = 4;
   const auto map = [&](const Eigen::VectorXd& z) {
     State state{z.head(r), z.tail(r)};
@@ -189,7 +182,7 @@ double symplectic_defect(std::string_view name, const testing::StrainModel& stra
     return image;
   };
   Eigen::VectorXd z(2 * r);
-  z << start_state().q, start_state().p;
+  z << strong_state().q, strong_state().p;
   Eigen::MatrixXd jacobian(2 * r, 2 * r);
   for (Eigen::Index i = 0; i < 2 * r; ++i) {
     const auto difference = [&](double s) {
@@ -212,29 +205,29 @@ constexpr double kSymplectic = 1e-7;
 
 TEST(Symplecticity, VariationalMethodsKeepTheFormHoweverTheCoordinatesCouple) {
   for (const char* name : {"verlet", "midpoint", "verlet4", "imexv-linear", "imexv-coupled"})
-    EXPECT_LE(symplectic_defect(name, strain_model()), kSymplectic) << name;
+    EXPECT_LE(symplectic_defect(name, strong_strain_model()), kSymplectic) << name;
 }
 
 TEST(Symplecticity, ContrastMethodsDoNotKeepTheForm) {
   for (const char* name : {"explicit-euler", "implicit-euler", "rk2", "rk4"})
-    EXPECT_GE(symplectic_defect(name, strain_model()), 1e3 * kSymplectic) << name;
+    EXPECT_GE(symplectic_defect(name, strong_strain_model()), 1e3 * kSymplectic) << name;
 }
 
 TEST(Symplecticity, ImexvKeepsTheFormWhereLowAndHighDoNotCouple) {
-  EXPECT_LE(symplectic_defect("imexv", strain_model(2)), kSymplectic);
+  EXPECT_LE(symplectic_defect("imexv", strong_strain_model(2)), kSymplectic);
 }
 
 TEST(Symplecticity, ImexvDoesNotKeepTheFormWhereLowAndHighCouple) {
-  EXPECT_GE(symplectic_defect("imexv", strain_model()), 1e3 * kSymplectic);
+  EXPECT_GE(symplectic_defect("imexv", strong_strain_model()), 1e3 * kSymplectic);
 }
 
 TEST(Energy, UndampedEnergyOscillatesAndDoesNotDrift) {
-  const testing::StrainModel strain = strain_model();
+  const testing::StrainModel strain = strong_strain_model();
   const Model::Pointer model = testing::make_model(strain);
   for (const char* name :
        {"verlet", "midpoint", "newmark", "imexv", "verlet4", "imexv-linear", "imexv-coupled"}) {
-    const auto integrator = make(name, model, options_of(2e-3));
-    State state{0.4 * start_state().q, 0.4 * start_state().p};
+    const auto integrator = make(name, model, precise_options(2e-3));
+    State state{0.4 * strong_state().q, 0.4 * strong_state().p};
     const auto energy = [&] {
       return 0.5 * state.p.squaredNorm() + testing::strain_energy(strain, state.q);
     };

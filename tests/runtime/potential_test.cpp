@@ -11,12 +11,12 @@ namespace {
 using testing::random_vector;
 
 // Frequencies over two decades, so that a wrong index shows.
-testing::StrainModel strain_model(Eigen::Index r) {
+testing::StrainModel wide_strain_model(Eigen::Index r) {
   return testing::random_strain_model(testing::spread_omega(r, 10.0, 1000.0), 0.3, 11);
 }
 
 Potential make_potential(Eigen::Index r) {
-  const BasisData data = testing::sample_basis(strain_model(r));
+  const BasisData data = testing::sample_basis(wide_strain_model(r));
   Result<Potential> potential = Potential::create(data.lambda, data.cubic, data.quartic);
   EXPECT_TRUE(potential);
   return *potential;
@@ -28,7 +28,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, PotentialSize,
 
 TEST_P(PotentialSize, KernelEqualsTheSumOverAllIndices) {
   const auto r = static_cast<std::size_t>(GetParam());
-  const BasisData data = testing::sample_basis(strain_model(GetParam()));
+  const BasisData data = testing::sample_basis(wide_strain_model(GetParam()));
   const Eigen::VectorXd q = random_vector(GetParam(), 0.5, 3);
   const auto at = [&](std::size_t i) { return q[static_cast<Eigen::Index>(i)]; };
   double energy = 0.0, magnitude = 0.0;
@@ -58,7 +58,7 @@ TEST_P(PotentialSize, KernelEqualsTheSumOverAllIndices) {
 }
 
 TEST_P(PotentialSize, EqualsTheStrainEnergyItWasExpandedFrom) {
-  const testing::StrainModel model = strain_model(GetParam());
+  const testing::StrainModel model = wide_strain_model(GetParam());
   const Potential potential = make_potential(GetParam());
   PotentialWorkspace workspace = potential.make_workspace();
   Evaluation evaluation = potential.make_evaluation();
@@ -94,7 +94,7 @@ TEST_P(PotentialSize, TangentIsSymmetricToTheLastBit) {
 
 TEST_P(PotentialSize, LeadingPotentialIsTheOneMadeOfTheLeadingCoordinates) {
   const Eigen::Index r = GetParam();
-  const BasisData data = testing::sample_basis(strain_model(r));
+  const BasisData data = testing::sample_basis(wide_strain_model(r));
   const Potential full = make_potential(r);
   for (Eigen::Index kept = 1; kept <= r; ++kept) {
     const Result<Potential> made =
@@ -118,7 +118,7 @@ TEST_P(PotentialSize, LeadingPotentialIsTheOneMadeOfTheLeadingCoordinates) {
 
 TEST_P(PotentialSize, LeadingCoordinatesEqualZeroPadding) {
   const Eigen::Index r = GetParam();
-  const BasisData data = testing::sample_basis(strain_model(r));
+  const BasisData data = testing::sample_basis(wide_strain_model(r));
   const Potential full = make_potential(r);
   PotentialWorkspace full_workspace = full.make_workspace();
   Evaluation full_evaluation = full.make_evaluation();
@@ -229,7 +229,7 @@ TEST(Potential, FillsOnlyWhatIsWanted) {
 }
 
 TEST(Potential, RefusesArraysThatAreTooShort) {
-  const BasisData data = testing::sample_basis(strain_model(3));
+  const BasisData data = testing::sample_basis(wide_strain_model(3));
   std::vector<double> shorter(data.quartic.begin(), data.quartic.end() - 1);
   const Result<Potential> potential = Potential::create(data.lambda, data.cubic, shorter);
   ASSERT_FALSE(potential);
@@ -239,7 +239,7 @@ TEST(Potential, RefusesArraysThatAreTooShort) {
 }
 
 TEST(Potential, RefusesACoefficientThatIsNotFinite) {
-  BasisData data = testing::sample_basis(strain_model(3));
+  BasisData data = testing::sample_basis(wide_strain_model(3));
   data.cubic[4] = std::nan("");
   const Result<Potential> potential = Potential::create(data.lambda, data.cubic, data.quartic);
   ASSERT_FALSE(potential);

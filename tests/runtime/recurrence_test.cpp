@@ -9,61 +9,57 @@
 namespace tremolo {
 namespace {
 
+using testing::kOscillatorRounding;
+using testing::kOscillatorStep;
 using testing::make;
-
-constexpr double kStep = 0.01;  // s
-
-// What is left is rounding, which a few dozen steps add up: relative to the amplitude.
-constexpr double kRounding = 1e-13;
+using testing::oscillator_options;
 
 testing::StrainModel oscillators(const std::vector<double>& step_omegas) {
   Eigen::VectorXd omega(static_cast<Eigen::Index>(step_omegas.size()));
   for (std::size_t i = 0; i < step_omegas.size(); ++i)
-    omega[static_cast<Eigen::Index>(i)] = step_omegas[i] / kStep;
+    omega[static_cast<Eigen::Index>(i)] = step_omegas[i] / kOscillatorStep;
   return testing::random_strain_model(omega, 0.0, 1);
-}
-
-IntegratorOptions tight(double alpha = 0.0, double beta = 0.0) {
-  IntegratorOptions options{.step = kStep, .alpha = alpha, .beta = beta};
-  // A linear equation is solved by one correction; then rounding decides.
-  options.tolerance = 1e-13;
-  return options;
 }
 
 // q_n = q0 cos(n theta) + (p0/w) sin(n theta), and p_n = p0 cos(n theta) - q0 w sin(n theta).
 void expect_rotation(std::string_view name, const IntegratorOptions& options, double omega,
                      double theta, double w) {
-  const Model::Pointer model = testing::make_model(oscillators({kStep * omega}));
+  const Model::Pointer model = testing::make_model(oscillators({kOscillatorStep * omega}));
   const auto integrator = make(name, model, options);
   const double q0 = 0.3, p0 = 0.7 * omega;
   State state{Eigen::VectorXd::Constant(1, q0), Eigen::VectorXd::Constant(1, p0)};
   for (int n = 1; n <= 50; ++n) {
-    testing::run(*integrator, state, {}, kStep, 1);
+    testing::run(*integrator, state, {}, kOscillatorStep, 1);
     const double c = std::cos(n * theta), s = std::sin(n * theta);
     // theta itself is rounded: n times that, and 1/w grows towards the limit of stability.
     const double q_size = q0 + p0 / w, p_size = p0 + q0 * w;
-    EXPECT_NEAR(state.q[0], q0 * c + p0 / w * s, kRounding * q_size) << name << ' ' << n;
-    EXPECT_NEAR(state.p[0], p0 * c - q0 * w * s, kRounding * p_size) << name << ' ' << n;
+    EXPECT_NEAR(state.q[0], q0 * c + p0 / w * s, kOscillatorRounding * q_size) << name << ' ' << n;
+    EXPECT_NEAR(state.p[0], p0 * c - q0 * w * s, kOscillatorRounding * p_size) << name << ' ' << n;
   }
 }
 
 TEST(Recurrence, VerletTurnsByItsClosedFormAngle) {
   for (const double x : {0.1, 0.5, 1.0, 1.5, 1.9}) {
     const double theta = std::acos(1.0 - 0.5 * x * x);
-    expect_rotation("verlet", tight(), x / kStep, theta, std::sin(theta) / kStep);
-    IntegratorOptions explicit_newmark = tight();
+    expect_rotation("verlet", oscillator_options(), x / kOscillatorStep, theta,
+                    std::sin(theta) / kOscillatorStep);
+    IntegratorOptions explicit_newmark = oscillator_options();
     explicit_newmark.newmark_beta = 0.0;
-    expect_rotation("newmark", explicit_newmark, x / kStep, theta, std::sin(theta) / kStep);
+    expect_rotation("newmark", explicit_newmark, x / kOscillatorStep, theta,
+                    std::sin(theta) / kOscillatorStep);
   }
 }
 
 TEST(Recurrence, MidpointAndNewmarkTurnByTwiceTheArcTangent) {
   for (const double x : {0.1, 1.0, 2.0, 5.0, 50.0}) {
     const double theta = 2.0 * std::atan(0.5 * x);
-    expect_rotation("midpoint", tight(), x / kStep, theta, x / kStep);
+    expect_rotation("midpoint", oscillator_options(), x / kOscillatorStep, theta,
+                    x / kOscillatorStep);
     // Newmark's equation holds at the end of the step: its terms cancel to 1/(h omega)^2 of their
     // size, which at 50 leaves three digits less.
-    if (x < 10.0) expect_rotation("newmark", tight(), x / kStep, theta, x / kStep);
+    if (x < 10.0)
+      expect_rotation("newmark", oscillator_options(), x / kOscillatorStep, theta,
+                      x / kOscillatorStep);
   }
 }
 
@@ -71,8 +67,10 @@ TEST(Recurrence, SplittingMethodsTurnLowRowsLikeVerletAndHighRowsLikeMidpoint) {
   const double low = 1.2, high = 7.0;
   const double low_angle = std::acos(1.0 - 0.5 * low * low);
   for (const char* name : {"imexv", "imexv-linear", "imexv-coupled"}) {
-    expect_rotation(name, tight(), low / kStep, low_angle, std::sin(low_angle) / kStep);
-    expect_rotation(name, tight(), high / kStep, 2.0 * std::atan(0.5 * high), high / kStep);
+    expect_rotation(name, oscillator_options(), low / kOscillatorStep, low_angle,
+                    std::sin(low_angle) / kOscillatorStep);
+    expect_rotation(name, oscillator_options(), high / kOscillatorStep, 2.0 * std::atan(0.5 * high),
+                    high / kOscillatorStep);
   }
 }
 
@@ -81,41 +79,41 @@ struct Scalar {
   double q, p;
   double load_before = 0.0;
 };
-struct Forcing {
+struct StepForces {
   double start, average, end;
 };
 
 // Half a step of p' = -D p + f, exactly.
 double damped_kick(double p, double force, double rate) {
-  const double decay = std::exp(-0.5 * kStep * rate);
+  const double decay = std::exp(-0.5 * kOscillatorStep * rate);
   return decay * p + (1.0 - decay) / rate * force;
 }
 
-Scalar verlet_step(Scalar s, Forcing f, double lambda, double rate) {
+Scalar verlet_step(Scalar s, StepForces f, double lambda, double rate) {
   s.p = damped_kick(s.p, f.start - lambda * s.q, rate);
-  s.q += kStep * s.p;
+  s.q += kOscillatorStep * s.p;
   s.p = damped_kick(s.p, f.end - lambda * s.q, rate);
   return s;
 }
 
 // The coupled split: undamped kicks, the exact flow of q' = p, p' = -D p between them.
-Scalar coupled_low_step(Scalar s, Forcing f, double lambda, double rate) {
-  s.p += 0.5 * kStep * (f.start - lambda * s.q);
-  const double decay = std::exp(-kStep * rate);
+Scalar coupled_low_step(Scalar s, StepForces f, double lambda, double rate) {
+  s.p += 0.5 * kOscillatorStep * (f.start - lambda * s.q);
+  const double decay = std::exp(-kOscillatorStep * rate);
   s.q += (1.0 - decay) / rate * s.p;
-  s.p = decay * s.p + 0.5 * kStep * (f.end - lambda * s.q);
+  s.p = decay * s.p + 0.5 * kOscillatorStep * (f.end - lambda * s.q);
   return s;
 }
 
-Scalar midpoint_step(Scalar s, Forcing f, double lambda, double rate) {
-  const double h = kStep;
+Scalar midpoint_step(Scalar s, StepForces f, double lambda, double rate) {
+  const double h = kOscillatorStep;
   const double d = (h * s.p + 0.5 * h * h * (f.average - lambda * s.q)) /
                    (1.0 + 0.25 * h * h * lambda + 0.5 * h * rate);
   return {s.q + d, 2.0 * d / h - s.p};
 }
 
-Scalar newmark_step(Scalar s, Forcing f, double lambda, double rate, double beta, double gamma) {
-  const double h = kStep;
+Scalar newmark_step(Scalar s, StepForces f, double lambda, double rate, double beta, double gamma) {
+  const double h = kOscillatorStep;
   const double a0 = f.start - rate * s.p - lambda * s.q;
   const double q = s.q + h * s.p + h * h * (0.5 - beta) * a0;
   const double p = s.p + h * (1.0 - gamma) * a0;
@@ -126,8 +124,8 @@ Scalar newmark_step(Scalar s, Forcing f, double lambda, double rate, double beta
 
 // The midpoint rule with theta of runtime/integrators/solve/damping.h, from the roots e^{-c/2 +- i
 // psi}, tan(psi/2) = (w^2 - c^2/4)^{1/2}/2: below critical damping.
-Scalar imexv_high_step(Scalar s, Forcing f, double lambda, double rate) {
-  const double h = kStep, c = h * rate, w2 = h * h * lambda;
+Scalar imexv_high_step(Scalar s, StepForces f, double lambda, double rate) {
+  const double h = kOscillatorStep, c = h * rate, w2 = h * h * lambda;
   const double psi = 2.0 * std::atan(0.5 * std::sqrt(w2 - 0.25 * c * c));
   const double product = 1.0 + std::exp(-c) - 2.0 * std::exp(-0.5 * c) * std::cos(psi);
   const double sigma = 0.5 + (1.0 - std::exp(-c)) / product - c / w2;
@@ -137,27 +135,27 @@ Scalar imexv_high_step(Scalar s, Forcing f, double lambda, double rate) {
   return {s.q + d, s.p + (d / h - s.p) / sigma};
 }
 
-Scalar linear_high_step(Scalar s, Forcing f, double lambda, double rate) {
-  s.p += 0.5 * kStep * f.start;
+Scalar linear_high_step(Scalar s, StepForces f, double lambda, double rate) {
+  s.p += 0.5 * kOscillatorStep * f.start;
   s = imexv_high_step(s, {0.0, 0.0, 0.0}, lambda, rate);
-  s.p += 0.5 * kStep * f.end;
+  s.p += 0.5 * kOscillatorStep * f.end;
   return s;
 }
 
-Scalar thesis_low_step(Scalar s, Forcing f, double lambda, double rate) {
-  s.p += kStep * (0.5 * (s.load_before + f.start) - lambda * s.q - rate * s.p);
-  return {s.q + kStep * s.p, s.p, f.end};
+Scalar thesis_low_step(Scalar s, StepForces f, double lambda, double rate) {
+  s.p += kOscillatorStep * (0.5 * (s.load_before + f.start) - lambda * s.q - rate * s.p);
+  return {s.q + kOscillatorStep * s.p, s.p, f.end};
 }
 
-Scalar thesis_high_step(Scalar s, Forcing f, double lambda, double rate) {
-  const double h = kStep;
+Scalar thesis_high_step(Scalar s, StepForces f, double lambda, double rate) {
+  const double h = kOscillatorStep;
   // d - h p + (h^2/2)(lambda (q + d/2) + rate (2 d/h - p) - f) = 0
   const double d = (h * s.p + 0.5 * h * h * (f.average - lambda * s.q + rate * s.p)) /
                    (1.0 + 0.25 * h * h * lambda + h * rate);
   return {s.q + d, 2.0 * d / h - s.p};
 }
 
-using ScalarStep = std::function<Scalar(Scalar, Forcing)>;
+using ScalarStep = std::function<Scalar(Scalar, StepForces)>;
 
 // Sixty steps of two uncoupled oscillators, the first low and the second high, under a load whose
 // three values differ, against the two scalar recurrences.
@@ -176,17 +174,17 @@ void expect_recurrence(std::string_view name, IntegratorOptions options,
     low = first(low, {load.start[0], load.average[0], load.end[0]});
     high = second(high, {load.start[1], load.average[1], load.end[1]});
     const double q_scale = 0.1, p_scale = 10.0;  // sizes of this motion
-    EXPECT_NEAR(state.q[0], low.q, kRounding * q_scale) << name << ' ' << k;
-    EXPECT_NEAR(state.q[1], high.q, kRounding * q_scale) << name << ' ' << k;
-    EXPECT_NEAR(state.p[0], low.p, kRounding * p_scale) << name << ' ' << k;
-    EXPECT_NEAR(state.p[1], high.p, kRounding * p_scale) << name << ' ' << k;
+    EXPECT_NEAR(state.q[0], low.q, kOscillatorRounding * q_scale) << name << ' ' << k;
+    EXPECT_NEAR(state.q[1], high.q, kOscillatorRounding * q_scale) << name << ' ' << k;
+    EXPECT_NEAR(state.p[0], low.p, kOscillatorRounding * p_scale) << name << ' ' << k;
+    EXPECT_NEAR(state.p[1], high.p, kOscillatorRounding * p_scale) << name << ' ' << k;
   }
 }
 
 constexpr double kAlpha = 0.7, kBeta = 2e-4;
 
 double lambda_of(double step_omega) {
-  return step_omega * step_omega / (kStep * kStep);
+  return step_omega * step_omega / (kOscillatorStep * kOscillatorStep);
 }
 double rate_of(double step_omega) {
   return kAlpha + kBeta * lambda_of(step_omega);
@@ -194,26 +192,27 @@ double rate_of(double step_omega) {
 
 TEST(Recurrence, VerletDampedAndForced) {
   const auto step = [](double x) {
-    return [x](Scalar s, Forcing f) { return verlet_step(s, f, lambda_of(x), rate_of(x)); };
+    return [x](Scalar s, StepForces f) { return verlet_step(s, f, lambda_of(x), rate_of(x)); };
   };
-  expect_recurrence("verlet", tight(kAlpha, kBeta), {0.5, 1.7}, step(0.5), step(1.7));
+  expect_recurrence("verlet", oscillator_options(kAlpha, kBeta), {0.5, 1.7}, step(0.5), step(1.7));
 }
 
 TEST(Recurrence, MidpointDampedAndForced) {
   const auto step = [](double x) {
-    return [x](Scalar s, Forcing f) { return midpoint_step(s, f, lambda_of(x), rate_of(x)); };
+    return [x](Scalar s, StepForces f) { return midpoint_step(s, f, lambda_of(x), rate_of(x)); };
   };
-  expect_recurrence("midpoint", tight(kAlpha, kBeta), {0.5, 6.0}, step(0.5), step(6.0));
+  expect_recurrence("midpoint", oscillator_options(kAlpha, kBeta), {0.5, 6.0}, step(0.5),
+                    step(6.0));
 }
 
 TEST(Recurrence, NewmarkDampedAndForcedForSeveralPairs) {
   for (const auto& [beta, gamma] : {std::pair{0.25, 0.5}, {0.3025, 0.6}, {0.0, 0.5}, {0.1, 0.5}}) {
     const auto step = [beta = beta, gamma = gamma](double x) {
-      return [=](Scalar s, Forcing f) {
+      return [=](Scalar s, StepForces f) {
         return newmark_step(s, f, lambda_of(x), rate_of(x), beta, gamma);
       };
     };
-    IntegratorOptions options = tight(kAlpha, kBeta);
+    IntegratorOptions options = oscillator_options(kAlpha, kBeta);
     options.newmark_beta = beta;
     options.newmark_gamma = gamma;
     expect_recurrence("newmark", options, {0.5, 1.7}, step(0.5), step(1.7));
@@ -221,40 +220,40 @@ TEST(Recurrence, NewmarkDampedAndForcedForSeveralPairs) {
 }
 
 TEST(Recurrence, ImexvAndTheCoupledSplitDampedAndForced) {
-  const auto high = [](Scalar s, Forcing f) {
+  const auto high = [](Scalar s, StepForces f) {
     return imexv_high_step(s, f, lambda_of(6.0), rate_of(6.0));
   };
   expect_recurrence(
-      "imexv", tight(kAlpha, kBeta), {0.5, 6.0},
-      [](Scalar s, Forcing f) { return verlet_step(s, f, lambda_of(0.5), rate_of(0.5)); }, high);
+      "imexv", oscillator_options(kAlpha, kBeta), {0.5, 6.0},
+      [](Scalar s, StepForces f) { return verlet_step(s, f, lambda_of(0.5), rate_of(0.5)); }, high);
   expect_recurrence(
-      "imexv-coupled", tight(kAlpha, kBeta), {0.5, 6.0},
-      [](Scalar s, Forcing f) { return coupled_low_step(s, f, lambda_of(0.5), rate_of(0.5)); },
+      "imexv-coupled", oscillator_options(kAlpha, kBeta), {0.5, 6.0},
+      [](Scalar s, StepForces f) { return coupled_low_step(s, f, lambda_of(0.5), rate_of(0.5)); },
       high);
 }
 
 TEST(Recurrence, LinearSplitDampedAndForced) {
   expect_recurrence(
-      "imexv-linear", tight(kAlpha, kBeta), {0.5, 6.0},
-      [](Scalar s, Forcing f) { return verlet_step(s, f, lambda_of(0.5), rate_of(0.5)); },
-      [](Scalar s, Forcing f) { return linear_high_step(s, f, lambda_of(6.0), rate_of(6.0)); });
+      "imexv-linear", oscillator_options(kAlpha, kBeta), {0.5, 6.0},
+      [](Scalar s, StepForces f) { return verlet_step(s, f, lambda_of(0.5), rate_of(0.5)); },
+      [](Scalar s, StepForces f) { return linear_high_step(s, f, lambda_of(6.0), rate_of(6.0)); });
 }
 
 TEST(Recurrence, ImexvThesisDampedAndForced) {
   expect_recurrence(
-      "imexv-thesis", tight(kAlpha, kBeta), {0.5, 6.0},
-      [](Scalar s, Forcing f) { return thesis_low_step(s, f, lambda_of(0.5), rate_of(0.5)); },
-      [](Scalar s, Forcing f) { return thesis_high_step(s, f, lambda_of(6.0), rate_of(6.0)); });
+      "imexv-thesis", oscillator_options(kAlpha, kBeta), {0.5, 6.0},
+      [](Scalar s, StepForces f) { return thesis_low_step(s, f, lambda_of(0.5), rate_of(0.5)); },
+      [](Scalar s, StepForces f) { return thesis_high_step(s, f, lambda_of(6.0), rate_of(6.0)); });
 }
 
 // The area of the phase plane that one step of a linear mode keeps: the determinant of its map.
 double area_factor(std::string_view name, double step_omega, double alpha) {
   const Model::Pointer model = testing::make_model(oscillators({step_omega}));
-  const auto integrator = make(name, model, tight(alpha));
+  const auto integrator = make(name, model, oscillator_options(alpha));
   State from_q{Eigen::VectorXd::Ones(1), Eigen::VectorXd::Zero(1)};
   State from_p{Eigen::VectorXd::Zero(1), Eigen::VectorXd::Ones(1)};
-  testing::run(*integrator, from_q, {}, kStep, 1);
-  testing::run(*integrator, from_p, {}, kStep, 1);
+  testing::run(*integrator, from_q, {}, kOscillatorStep, 1);
+  testing::run(*integrator, from_p, {}, kOscillatorStep, 1);
   return from_q.q[0] * from_p.p[0] - from_p.q[0] * from_q.p[0];
 }
 
@@ -265,16 +264,17 @@ TEST(Recurrence, DampingDecaysExplicitModesExactlyAndImplicitOnesNearly) {
       const bool is_verlet = std::string_view(name) == "verlet";
       if (is_verlet && x > 2.0) continue;
       // Implicit rows, from x = 1.8, keep the midpoint rule's inertia: off by O(c^2), c = 0.04.
-      const double bound = x < 1.8 || is_verlet ? kRounding : 1e-5;
-      EXPECT_NEAR(area_factor(name, x, alpha), std::exp(-alpha * kStep), bound) << name << x;
+      const double bound = x < 1.8 || is_verlet ? kOscillatorRounding : 1e-5;
+      EXPECT_NEAR(area_factor(name, x, alpha), std::exp(-alpha * kOscillatorStep), bound)
+          << name << x;
     }
   // The midpoint rule takes alpha as part of D and underdamps fast modes.
-  EXPECT_GT(area_factor("midpoint", 30.0, alpha), std::exp(-0.1 * alpha * kStep));
+  EXPECT_GT(area_factor("midpoint", 30.0, alpha), std::exp(-0.1 * alpha * kOscillatorStep));
 }
 
 TEST(NewmarkGuess, SolvesALinearEquationAndSavesCorrectionsInANonlinearOne) {
   // After one step the last factor is that of the linear equation itself: nothing is left to do.
-  IntegratorOptions options{.step = kStep, .alpha = 0.3, .beta = 1e-4};
+  IntegratorOptions options{.step = kOscillatorStep, .alpha = 0.3, .beta = 1e-4};
   const auto linear =
       make("newmark", testing::make_model(oscillators({0.1, 0.7, 2.0, 9.0})), options);
   State state{testing::random_vector(4, 0.1, 1), testing::random_vector(4, 10.0, 2)};

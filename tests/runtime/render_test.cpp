@@ -19,11 +19,11 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr Eigen::Index kModes = 6;
+constexpr Eigen::Index kTubeModes = 6;
 
 BasisData tube_data() {
   return testing::sample_render_basis(
-      testing::random_strain_model(testing::spread_omega(kModes, 5.0, 400.0), 0.02, 91));
+      testing::random_strain_model(testing::spread_omega(kTubeModes, 5.0, 400.0), 0.02, 91));
 }
 
 Model::Pointer tube_model(ModelOptions options = {}) {
@@ -33,7 +33,7 @@ Model::Pointer tube_model(ModelOptions options = {}) {
 }
 
 VectorXd some_q() {
-  return testing::random_vector(kModes, 0.05, 3);
+  return testing::random_vector(kTubeModes, 0.05, 3);
 }
 
 Body body_at(const Model::Pointer& model, const VectorXd& q) {
@@ -44,7 +44,7 @@ Body body_at(const Model::Pointer& model, const VectorXd& q) {
 
 TEST(Render, WhatIsShownIsTheAuthorsSurface) {
   const Model::Pointer model = tube_model();
-  const RenderBlock tube = testing::tube(kModes);
+  const RenderBlock tube = testing::tube(kTubeModes);
   const VectorXd q = some_q();
   const Body body = body_at(model, q);
   const std::size_t size = 3 * tube.surface.vertices.size();
@@ -135,7 +135,7 @@ TEST(Render, ASeamIsNoCrack) {
 }
 
 TEST(Render, AtRestATubesNormalsAreThoseItCameWith) {
-  const Body body = body_at(tube_model(), VectorXd::Zero(kModes));
+  const Body body = body_at(tube_model(), VectorXd::Zero(kTubeModes));
   const RenderSurface& surface = body.model().render()->surface;
   std::vector<float> positions(3 * surface.vertices.size()), normals(positions);
   ASSERT_TRUE(body.surface(positions, normals));
@@ -176,7 +176,7 @@ TEST(Render, AWorldShowsItToo) {
   for (unsigned b = 0; b < 6; ++b) {
     ASSERT_TRUE(world->add_body(*group));
     ASSERT_TRUE(world->set_shown(b, true));
-    ASSERT_TRUE(world->set_state(b, some_q() * b, VectorXd::Zero(kModes)));
+    ASSERT_TRUE(world->set_state(b, some_q() * b, VectorXd::Zero(kTubeModes)));
   }
   EXPECT_EQ(world->update_surfaces(), 6u);
   for (unsigned b = 0; b < 6; ++b) {
@@ -205,7 +205,7 @@ TEST(Render, ACompactFileShowsItFromItsIntegers) {
 
 TEST(Render, FewerModesTakeItsLeadingColumns) {
   const Model::Pointer coarse = tube_model({.modes = 2});
-  EXPECT_EQ(coarse->render()->rows, testing::tube(kModes).rows.leftCols(2));
+  EXPECT_EQ(coarse->render()->rows, testing::tube(kTubeModes).rows.leftCols(2));
 }
 
 TEST(Render, PartsThatDoNotFitAreRefused) {
@@ -238,7 +238,7 @@ TEST_F(RenderFromC, TheRoundFromC) {
 }
 
 TEST_F(RenderFromC, IsWhatTheModelHas) {
-  const RenderBlock tube = testing::tube(kModes);
+  const RenderBlock tube = testing::tube(kTubeModes);
   const std::size_t s = tube.surface.vertices.size(), t = tube.surface.triangles.size();
   std::vector<float> uvs(2 * s);
   std::vector<std::uint8_t> colours(4 * s);

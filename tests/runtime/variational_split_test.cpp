@@ -11,17 +11,17 @@ namespace {
 
 using testing::make;
 
-constexpr double kStep = 3e-3;  // s
+constexpr double kSplitStep = 3e-3;  // s
 
 // Four coordinates, the last two with h omega of 2.8 and 4.5.
-testing::StrainModel strain_model() {
+testing::StrainModel split_strain_model() {
   return testing::random_strain_model(Eigen::Vector4d(20.0, 90.0, 930.0, 1500.0), 0.5, 17);
 }
 
 // The largest energy over 20 000 steps relative to the first; infinity if a step fails.
 double energy_growth(const char* name, double size) {
-  const testing::StrainModel strain = strain_model();
-  IntegratorOptions options{.step = kStep};
+  const testing::StrainModel strain = split_strain_model();
+  IntegratorOptions options{.step = kSplitStep};
   options.halvings = 0;
   const auto integrator = make(name, testing::make_model(strain), options);
   EXPECT_EQ(integrator->split()->low, 2);
@@ -51,16 +51,16 @@ TEST(VariationalSplit, StiffeningBreaksTheLinearOneBeforeTheOthers) {
 
 TEST(VariationalSplit, LinearOneSolvesNothing) {
   const auto integrator =
-      make("imexv-linear", testing::make_model(strain_model()), {.step = kStep});
+      make("imexv-linear", testing::make_model(split_strain_model()), {.step = kSplitStep});
   State state{testing::random_vector(4, 0.02, 1), testing::random_vector(4, 1.0, 2)};
   EXPECT_EQ(integrator->step(state, make_step_load(4)).iterations, 0);
 }
 
 TEST(VariationalSplit, SplitOutsideTheModelIsRefused) {
-  IntegratorOptions options{.step = kStep};
+  IntegratorOptions options{.step = kSplitStep};
   options.split = {.rule = SplitRule::kCount, .count = 5};
   for (const char* name : {"imexv-linear", "imexv-coupled"}) {
-    const auto made = make_integrator(name, testing::make_model(strain_model()), options);
+    const auto made = make_integrator(name, testing::make_model(split_strain_model()), options);
     ASSERT_FALSE(made) << name;
     EXPECT_EQ(made.error().kind, ErrorKind::kUsage) << name;
   }

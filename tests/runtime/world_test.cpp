@@ -1,7 +1,6 @@
 #include "runtime/world.h"
 
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -10,15 +9,10 @@
 namespace tremolo {
 namespace {
 
+using testing::crowd_model;
+using testing::kCrowdModes;
+using testing::kNever;
 using testing::random_vector;
-
-constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr Eigen::Index kModes = 9;
-
-Model::Pointer test_model(double nonlinearity = 0.02) {
-  return testing::make_model(
-      testing::random_strain_model(testing::spread_omega(kModes, 5.0, 900.0), nonlinearity, 61));
-}
 
 // With a step of 3 ms imexv-linear has three rows above its split; verlet needs a shorter one.
 GroupOptions group_options(std::string_view integrator, double alpha = 0.3, double beta = 1e-6) {
@@ -30,10 +24,10 @@ GroupOptions group_options(std::string_view integrator, double alpha = 0.3, doub
 }
 
 Eigen::VectorXd some_q(unsigned body) {
-  return random_vector(kModes, 0.02, 100 + body);
+  return random_vector(kCrowdModes, 0.02, 100 + body);
 }
 Eigen::VectorXd some_p(unsigned body) {
-  return random_vector(kModes, 1.0, 500 + body);
+  return random_vector(kCrowdModes, 1.0, 500 + body);
 }
 
 struct Crowd {
@@ -94,7 +88,7 @@ TEST(World, LanesInDoubleMoveAsBodiesDo) {
       const GroupOptions options = group_options(method, damped ? 0.3 : 0.0, damped ? 1e-6 : 0.0);
       // Rounding of 1e-16 a step, and neighbouring orbits part no faster than in proportion to
       // time.
-      EXPECT_LE(difference_to_bodies(test_model(), options, 300), 1e-12) << method << damped;
+      EXPECT_LE(difference_to_bodies(crowd_model(), options, 300), 1e-12) << method << damped;
     }
 }
 
@@ -102,7 +96,7 @@ TEST(World, LanesInFloatMoveAsBodiesDoToFloatRounding) {
   for (const std::string_view method : {"verlet", "imexv-linear"}) {
     GroupOptions options = group_options(method);
     options.precision = LanePrecision::kFloat;
-    const double difference = difference_to_bodies(test_model(), options, 300);
+    const double difference = difference_to_bodies(crowd_model(), options, 300);
     // 6e-8 of the nonlinear force a step; the state itself is double.
     EXPECT_LE(difference, 3e-6) << method;
     EXPECT_GT(difference, 1e-12) << method;  // it is float that was asked for
@@ -112,16 +106,16 @@ TEST(World, LanesInFloatMoveAsBodiesDoToFloatRounding) {
 TEST(World, LanesInFloatAreExactWhereTheModelIsLinear) {
   GroupOptions options = group_options("imexv-linear");
   options.precision = LanePrecision::kFloat;
-  EXPECT_LE(difference_to_bodies(test_model(0.0), options, 300), 1e-12);
+  EXPECT_LE(difference_to_bodies(crowd_model(0.0), options, 300), 1e-12);
 }
 
 TEST(World, OtherMethodsAreBodies) {
-  EXPECT_EQ(difference_to_bodies(test_model(), group_options("ep4"), 30), 0.0);
+  EXPECT_EQ(difference_to_bodies(crowd_model(), group_options("ep4"), 30), 0.0);
 }
 
 // A crowd of three groups in which bodies are pushed, fail, sleep and wake; all states at its end.
 std::vector<State> busy_story(unsigned threads) {
-  const Model::Pointer model = test_model();
+  const Model::Pointer model = crowd_model();
   World world = std::move(*World::create(threads));
   std::vector<GroupId> groups;
   for (const std::string_view method : {"imexv-linear", "verlet", "ep4"}) {
@@ -143,8 +137,8 @@ std::vector<State> busy_story(unsigned threads) {
     }
     if (k == 50) {
       for (const unsigned b : {3u, 4u})
-        EXPECT_TRUE(world.set_state(bodies[b], Eigen::VectorXd::Constant(kModes, 1e200),
-                                    Eigen::VectorXd::Zero(kModes)));
+        EXPECT_TRUE(world.set_state(bodies[b], Eigen::VectorXd::Constant(kCrowdModes, 1e200),
+                                    Eigen::VectorXd::Zero(kCrowdModes)));
     }
     const WorldReport& report = world.step();
     slept += report.fell_asleep;
@@ -170,7 +164,7 @@ TEST(World, ResultIsTheSameBitForBitWithAnyNumberOfThreads) {
 }
 
 TEST(World, BodyDoesNotFeelTheOthersComeAndGo) {
-  const Model::Pointer model = test_model();
+  const Model::Pointer model = crowd_model();
   const GroupOptions options = group_options("imexv-linear");
   Crowd alone = make_crowd(model, options, 1);
   Crowd crowd = make_crowd(model, options, 30);
@@ -194,7 +188,7 @@ TEST(World, BodyDoesNotFeelTheOthersComeAndGo) {
 
 TEST(World, NewBodySleepsAndAForceWakesIt) {
   World world = std::move(*World::create());
-  const GroupId group = *world.add_group(test_model(), group_options("verlet"));
+  const GroupId group = *world.add_group(crowd_model(), group_options("verlet"));
   const BodyId body = *world.add_body(group);
   EXPECT_FALSE(*world.is_awake(body));
   EXPECT_EQ(world.step().stepped, 0u);
@@ -204,7 +198,7 @@ TEST(World, NewBodySleepsAndAForceWakesIt) {
 }
 
 TEST(World, DampedBodyFallsAsleepBelowTheThresholdAndMovesOnFromThere) {
-  const Model::Pointer model = test_model();
+  const Model::Pointer model = crowd_model();
   for (const std::string_view method : {"imexv-linear", "ep4"}) {
     GroupOptions options = group_options(method, 3.0);
     options.sleep = {.energy = 1e-3, .time = 0.1};
@@ -233,7 +227,7 @@ TEST(World, DampedBodyFallsAsleepBelowTheThresholdAndMovesOnFromThere) {
 TEST(World, BodyStaysAwakeForTheTimeAskedAndWhileAForceActs) {
   GroupOptions options = group_options("imexv-linear");
   options.sleep = {.energy = 1e6, .time = 0.3};
-  Crowd crowd = make_crowd(test_model(), options, 2);
+  Crowd crowd = make_crowd(crowd_model(), options, 2);
   ASSERT_TRUE(crowd.world.apply_force(1, 5, {1.0, 0.0, 0.0}, 400));
   int steps = 0;
   while (*crowd.world.is_awake(0)) {
@@ -249,7 +243,7 @@ TEST(World, BodyStaysAwakeForTheTimeAskedAndWhileAForceActs) {
 }
 
 TEST(World, WhatSleepsByDefaultIsMovedByLessThanATenThousandthOfItsSize) {
-  const Model::Pointer model = test_model();
+  const Model::Pointer model = crowd_model();
   GroupOptions options = group_options("imexv-linear", 3.0);
   options.sleep = {.time = 0.1};
   Crowd crowd = make_crowd(model, options, 5);
@@ -269,8 +263,8 @@ TEST(World, WhatSleepsByDefaultIsMovedByLessThanATenThousandthOfItsSize) {
 }
 
 TEST(World, BodyThatLeavesTheNumbersIsPutBackAndToSleepAndHarmsNoOther) {
-  const Model::Pointer model = test_model();
-  const Eigen::VectorXd huge = Eigen::VectorXd::Constant(kModes, 1e200);
+  const Model::Pointer model = crowd_model();
+  const Eigen::VectorXd huge = Eigen::VectorXd::Constant(kCrowdModes, 1e200);
   for (const std::string_view method : {"verlet", "imexv-linear", "ep4"})
     for (const BodyId bad : {5u, 11u}) {  // amid the others, and the last
       const GroupOptions options = group_options(method);
@@ -297,7 +291,7 @@ TEST(World, BodyThatLeavesTheNumbersIsPutBackAndToSleepAndHarmsNoOther) {
 }
 
 TEST(World, BodiesThatFallAsleepTogetherAreThoseAndNoOthers) {
-  const Model::Pointer model = test_model();
+  const Model::Pointer model = crowd_model();
   for (const std::string_view method : {"imexv-linear", "ep4"}) {
     GroupOptions options = group_options(method);
     Crowd awake = make_crowd(model, options, 21);
@@ -322,7 +316,7 @@ TEST(World, BodiesThatFallAsleepTogetherAreThoseAndNoOthers) {
 }
 
 TEST(World, SurfacesAreRebuiltForBodiesThatMovedAndAreShown) {
-  const Model::Pointer model = test_model();
+  const Model::Pointer model = crowd_model();
   Crowd crowd = make_crowd(model, group_options("imexv-linear"), 11);
   World& world = crowd.world;
   EXPECT_EQ(world.update_surfaces(), 0u);
@@ -359,7 +353,7 @@ TEST(World, SurfacesAreRebuiltForBodiesThatMovedAndAreShown) {
 TEST(World, SurfaceOfABodyThatFellAsleepIsItsLast) {
   GroupOptions options = group_options("imexv-linear", 3.0);
   options.sleep = {.energy = 1e-2, .time = 0.01};
-  Crowd crowd = make_crowd(test_model(), options, 1);
+  Crowd crowd = make_crowd(crowd_model(), options, 1);
   ASSERT_TRUE(crowd.world.set_shown(0, true));
   int steps = 0;
   while (crowd.world.awake() > 0 && ++steps < 5000) {
@@ -370,9 +364,7 @@ TEST(World, SurfaceOfABodyThatFellAsleepIsItsLast) {
 }
 
 TEST(World, FewerModesMoveAsTheModelLoadedWithFewer) {
-  const auto strain =
-      testing::random_strain_model(testing::spread_omega(kModes, 5.0, 900.0), 0.02, 61);
-  const BasisData data = testing::sample_basis(strain);
+  const BasisData data = testing::sample_basis(testing::crowd_strain_model());
   GroupOptions options = group_options("imexv-linear");
   options.modes = 5;
   World world = std::move(*World::create());
@@ -395,7 +387,7 @@ TEST(World, FewerModesMoveAsTheModelLoadedWithFewer) {
 }
 
 TEST(World, MovingToAnotherGroupKeepsTheCoordinatesBothHave) {
-  const Model::Pointer model = test_model();
+  const Model::Pointer model = crowd_model();
   Crowd crowd = make_crowd(model, group_options("imexv-linear"), 4);
   GroupOptions coarse = group_options("imexv-linear");
   coarse.modes = 5;
@@ -414,26 +406,26 @@ TEST(World, MovingToAnotherGroupKeepsTheCoordinatesBothHave) {
   EXPECT_EQ(crowd.world.step().stepped, 4u);
   ASSERT_TRUE(crowd.world.move_body(1, crowd.group));
   EXPECT_EQ(crowd.world.step().stepped, 4u);
-  const GroupId other = *crowd.world.add_group(test_model(), group_options("verlet"));
+  const GroupId other = *crowd.world.add_group(crowd_model(), group_options("verlet"));
   EXPECT_FALSE(crowd.world.move_body(1, other));
 }
 
 TEST(World, RemovedBodyIsGoneAndItsNumberIsNotUsedAgain) {
-  Crowd crowd = make_crowd(test_model(), group_options("imexv-linear"), 3);
-  Crowd whole = make_crowd(test_model(), group_options("imexv-linear"), 3);
+  Crowd crowd = make_crowd(crowd_model(), group_options("imexv-linear"), 3);
+  Crowd whole = make_crowd(crowd_model(), group_options("imexv-linear"), 3);
   ASSERT_TRUE(crowd.world.remove_body(0));
   EXPECT_FALSE(crowd.world.wake(0));
   EXPECT_FALSE(crowd.world.remove_body(0));
   const BodyId added = *crowd.world.add_body(crowd.group);
   EXPECT_EQ(added, 3u);
-  EXPECT_EQ(crowd.world.state(added)->q, Eigen::VectorXd::Zero(kModes));  // not the old one's
+  EXPECT_EQ(crowd.world.state(added)->q, Eigen::VectorXd::Zero(kCrowdModes));  // not the old one's
   EXPECT_EQ(crowd.world.step().stepped, 2u);
   whole.world.step();
   EXPECT_EQ(crowd.world.state(2)->q, whole.world.state(2)->q);
 }
 
 TEST(World, OneGroupCanStepAlone) {
-  const Model::Pointer model = test_model();
+  const Model::Pointer model = crowd_model();
   Crowd crowd = make_crowd(model, group_options("imexv-linear"), 2);
   const GroupId other = *crowd.world.add_group(model, group_options("verlet"));
   const BodyId body = *crowd.world.add_body(other);
@@ -445,7 +437,7 @@ TEST(World, OneGroupCanStepAlone) {
 }
 
 TEST(World, WrongArgumentsAreUsageErrorsThatChangeNothing) {
-  const Model::Pointer model = test_model();
+  const Model::Pointer model = crowd_model();
   World world = std::move(*World::create());
   const auto refused = [&](auto change) {
     GroupOptions options;
@@ -456,7 +448,7 @@ TEST(World, WrongArgumentsAreUsageErrorsThatChangeNothing) {
   EXPECT_TRUE(refused([](GroupOptions& o) { o.integrator = "verlot"; }));
   EXPECT_TRUE(refused([](GroupOptions& o) { o.options.step = 0.0; }));
   EXPECT_TRUE(refused([](GroupOptions& o) { o.modes = -1; }));
-  EXPECT_TRUE(refused([](GroupOptions& o) { o.modes = kModes + 1; }));
+  EXPECT_TRUE(refused([](GroupOptions& o) { o.modes = kCrowdModes + 1; }));
   EXPECT_TRUE(refused([](GroupOptions& o) {
     o.integrator = "ep4";
     o.modes = 3;
@@ -473,8 +465,8 @@ TEST(World, WrongArgumentsAreUsageErrorsThatChangeNothing) {
   EXPECT_FALSE(world.apply_force(body, 5, {1.0, 0.0, 0.0}, 0));
   EXPECT_FALSE(world.apply_force(body, 5, {NAN, 0.0, 0.0}));
   EXPECT_FALSE(world.set_state(body, Eigen::VectorXd::Zero(2), Eigen::VectorXd::Zero(2)));
-  EXPECT_FALSE(
-      world.set_state(body, Eigen::VectorXd::Constant(kModes, NAN), Eigen::VectorXd::Zero(kModes)));
+  EXPECT_FALSE(world.set_state(body, Eigen::VectorXd::Constant(kCrowdModes, NAN),
+                               Eigen::VectorXd::Zero(kCrowdModes)));
   EXPECT_FALSE(*world.is_awake(body));
   EXPECT_FALSE(world.state(body + 1));
   EXPECT_FALSE(world.energy(body + 1));

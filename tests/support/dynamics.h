@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string_view>
 #include <utility>
@@ -26,6 +27,36 @@ inline std::unique_ptr<Integrator> make(std::string_view name, const Model::Poin
   Result<std::unique_ptr<Integrator>> made = make_integrator(name, model, options);
   EXPECT_TRUE(made) << (made ? "" : made.error().message);
   return std::move(*made);
+}
+
+// A strongly nonlinear model: four coordinates of 3 to 40 rad/s. In the state beside it, |q| = 0.3,
+// the quartic part is as large as the quadratic; the force moves it as much.
+inline StrainModel strong_strain_model(Eigen::Index blocks = 0) {
+  return random_strain_model(spread_omega(4, 3.0, 40.0), 0.8, 21, blocks);
+}
+inline State strong_state() {
+  return {Eigen::Vector4d(0.25, -0.15, 0.1, 0.05), Eigen::Vector4d(-0.6, 1.0, 0.7, -1.1)};
+}
+inline const Eigen::Vector4d kStrongForce(8.0, -20.0, 30.0, 50.0);
+
+// Nine coordinates of 5 to 900 rad/s: bodies that live alone and in a world.
+inline constexpr Eigen::Index kCrowdModes = 9;
+inline StrainModel crowd_strain_model(double nonlinearity = 0.02) {
+  return random_strain_model(spread_omega(kCrowdModes, 5.0, 900.0), nonlinearity, 61);
+}
+inline Model::Pointer crowd_model(double nonlinearity = 0.02) {
+  return make_model(crowd_strain_model(nonlinearity));
+}
+inline constexpr double kNever = std::numeric_limits<double>::infinity();  // s
+
+// For the maps of single steps on linear oscillators: the step (s), and what is left by rounding of
+// a few dozen operations, relative to the largest number among them.
+inline constexpr double kOscillatorStep = 0.01;
+inline constexpr double kOscillatorRounding = 1e-13;
+inline IntegratorOptions oscillator_options(double alpha = 0.0, double beta = 0.0) {
+  IntegratorOptions options{.step = kOscillatorStep, .alpha = alpha, .beta = beta};
+  options.tolerance = 1e-13;  // a linear equation is solved by one correction
+  return options;
 }
 
 // Methods without an implicit half: the step must resolve the highest frequency.

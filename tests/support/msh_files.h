@@ -26,7 +26,7 @@ inline std::string msh2_text() {
 
 inline std::string msh2_binary(bool big_endian) {
   const TetMesh mesh = small_mesh();
-  Bytes bytes(big_endian);
+  ByteWriter bytes(big_endian);
   bytes.text("$MeshFormat\n2.2 1 8\n").put(std::int32_t{1}).text("\n$EndMeshFormat\n");
   bytes.text(kPhysicalNames).text("$Nodes\n5\n");
   for (std::size_t v = 0; v < 5; ++v)
@@ -67,7 +67,7 @@ inline std::string msh4_binary(bool big_endian) {
   using Int = std::int32_t;
   using Size = std::uint64_t;
   const TetMesh mesh = small_mesh();
-  Bytes bytes(big_endian);
+  ByteWriter bytes(big_endian);
   const auto block = [&bytes](Int dimension, Int entity, Int kind, Size count) {
     bytes.put(dimension).put(entity).put(kind).put(count);
   };

@@ -43,19 +43,19 @@ inline std::string join_ids(const Cell& cell) {
 }
 
 // Numbers as bytes in either order.
-class Bytes {
+class ByteWriter {
  public:
-  explicit Bytes(bool big_endian)
+  explicit ByteWriter(bool big_endian)
       : swap_(big_endian == (std::endian::native != std::endian::big)) {}
   template <class T>
-  Bytes& put(T value) {
+  ByteWriter& put(T value) {
     auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
     if (swap_) std::reverse(bytes.begin(), bytes.end());
     text_.append(bytes.data(), bytes.size());
     return *this;
   }
-  Bytes& put(const Eigen::Vector3d& x) { return put(x[0]).put(x[1]).put(x[2]); }
-  Bytes& text(const std::string& text) {
+  ByteWriter& put(const Eigen::Vector3d& x) { return put(x[0]).put(x[1]).put(x[2]); }
+  ByteWriter& text(const std::string& text) {
     text_ += text;
     return *this;
   }

@@ -15,13 +15,13 @@
 
 namespace tremolo::testing {
 
-inline void put_name(Bytes& bytes, const std::string& name) {
+inline void put_name(ByteWriter& bytes, const std::string& name) {
   bytes.put(static_cast<std::int32_t>(name.size())).text(name);
 }
 
 // A mesh with a material of each kind, the set `first` of element 0, and two regions.
 inline std::string vegb_bytes(const TetMesh& mesh) {
-  Bytes bytes(false);
+  ByteWriter bytes(false);
   const auto i32 = [&bytes](std::size_t value) { bytes.put(static_cast<std::int32_t>(value)); };
   bytes.put(1.0);
   i32(1);
@@ -51,7 +51,7 @@ inline std::string vegb_bytes(const TetMesh& mesh) {
 }
 
 inline std::string basis_file(const Eigen::MatrixXd& basis) {
-  Bytes bytes(false);
+  ByteWriter bytes(false);
   bytes.put(static_cast<std::int32_t>(basis.rows())).put(static_cast<std::int32_t>(basis.cols()));
   for (double value : basis.reshaped()) bytes.put(value);
   return bytes.str();
@@ -123,7 +123,7 @@ inline Eigen::VectorXd evaluate_rows(const ForceRows& forces, const Eigen::Vecto
 }
 
 inline std::string cub_file(const ForceRows& forces) {
-  Bytes bytes(false);
+  ByteWriter bytes(false);
   bytes.put(static_cast<std::int32_t>(forces.rows[0].rows()));
   for (const Eigen::MatrixXd& rows : forces.rows) bytes.put(static_cast<std::int32_t>(rows.cols()));
   for (const Eigen::MatrixXd& rows : forces.rows)

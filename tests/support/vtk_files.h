@@ -32,7 +32,7 @@ inline std::string vtk_text_5_1() {
 
 inline std::string vtk_binary() {
   const TetMesh mesh = small_mesh();
-  Bytes bytes(true);
+  ByteWriter bytes(true);
   bytes.text("# vtk DataFile Version 3.0\nany title\nBINARY\nDATASET UNSTRUCTURED_GRID\n");
   bytes.text("FIELD FieldData 1\nTIME 1 1 int\n").put(std::int32_t{7}).text("\nPOINTS 5 float\n");
   for (const Eigen::Vector3d& x : mesh.vertices)
@@ -50,7 +50,7 @@ inline std::string vtk_binary() {
 
 inline std::string vtk_binary_5_1() {
   const TetMesh mesh = small_mesh();
-  Bytes bytes(true);
+  ByteWriter bytes(true);
   bytes.text("# vtk DataFile Version 5.1\nany title\nBINARY\nDATASET UNSTRUCTURED_GRID\n");
   bytes.text("POINTS 5 double\n");
   for (const Eigen::Vector3d& x : mesh.vertices) bytes.put(x);
@@ -88,18 +88,18 @@ inline std::string vtu_text() {
 
 inline std::string vtu_base64(bool big_endian, bool long_header) {
   const TetMesh mesh = small_mesh();
-  const auto encoded = [&](const Bytes& data) {
-    Bytes whole(big_endian);
+  const auto encoded = [&](const ByteWriter& data) {
+    ByteWriter whole(big_endian);
     if (long_header)
       whole.put(static_cast<std::uint64_t>(data.str().size()));
     else
       whole.put(static_cast<std::uint32_t>(data.str().size()));
     return base64(whole.text(data.str()).str());
   };
-  Bytes points(big_endian);
-  Bytes nodes(big_endian);
-  Bytes offsets(big_endian);
-  Bytes types(big_endian);
+  ByteWriter points(big_endian);
+  ByteWriter nodes(big_endian);
+  ByteWriter offsets(big_endian);
+  ByteWriter types(big_endian);
   for (const Eigen::Vector3d& x : mesh.vertices) points.put(x);
   for (VertexId v : kTriangle) nodes.put(v);
   for (const Tetrahedron& tet : mesh.tetrahedra)

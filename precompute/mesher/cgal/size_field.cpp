@@ -24,7 +24,7 @@ constexpr double kVolumePerCube = 0.2;
 // Triangles within the solid that a ray passes, and how far behind one it goes on; surfaces are
 // scaled to a diagonal of 1.
 constexpr int kMostHits = 8;
-constexpr double kStep = 1e-6;
+constexpr double kPassing = 1e-6;
 constexpr std::size_t kNoTriangle = static_cast<std::size_t>(-1);
 
 // Finds where a ray leaves the solid; it passes triangles that lie within the solid.
@@ -32,10 +32,10 @@ Hit way_out(const TriangleTree& tree, const Inside& inside, const Point& x, cons
             std::size_t triangle) {
   Hit way = tree.first_hit(x, direction, triangle);
   for (int hit = 0; inside && hit < kMostHits && std::isfinite(way.distance); ++hit) {
-    const Point behind = x + (way.distance + kStep) * direction;
+    const Point behind = x + (way.distance + kPassing) * direction;
     if (!inside(behind)) break;
     const Hit next = tree.first_hit(behind, direction, kNoTriangle);
-    way = {way.distance + kStep + next.distance, next.triangle};
+    way = {way.distance + kPassing + next.distance, next.triangle};
   }
   return way;
 }
@@ -75,7 +75,8 @@ std::vector<WallSample> wall_samples(const SurfaceMesh& surface, const TriangleT
   const double share = area(surface) / static_cast<double>(count);
   std::vector<WallSample> samples;
   for (const SurfacePoint& at : spread_points(surface, count)) {
-    if (inside && (inside(at.point + kStep * at.normal) || !inside(at.point - kStep * at.normal)))
+    if (inside &&
+        (inside(at.point + kPassing * at.normal) || !inside(at.point - kPassing * at.normal)))
       continue;
     const double thickness = thickness_behind(surface, tree, inside, at);
     if (std::isfinite(thickness) && thickness > 0) samples.push_back({at.point, thickness, share});

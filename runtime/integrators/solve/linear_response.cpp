@@ -6,10 +6,10 @@
 namespace tremolo {
 namespace {
 
-constexpr int kTerms = 40;      // of a power series: its roots are at most kFast, 4^40/40! = 1e-24
-constexpr double kSlow = 2.0;   // below, the smaller root is too small to divide by
-constexpr double kFast = 4.0;   // above, the larger root stands far from a slow one
-constexpr double kClose = 1.0;  // roots nearer to each other than that
+constexpr int kTerms = 40;  // of a power series: its roots are at most kFastRoot, 4^40/40! = 1e-24
+constexpr double kSlowRoot = 2.0;  // below, the smaller root is too small to divide by
+constexpr double kFastRoot = 4.0;  // above, the larger root stands far from a slow one
+constexpr double kClose = 1.0;     // roots nearer to each other than that
 
 constexpr auto kInverseFactorial = [] {
   std::array<double, kTerms + 6> values{1.0};
@@ -68,7 +68,7 @@ void series(double a, double b, std::array<double, 6>& integral) {
 // phi_0..phi_5 at -x, x >= 0.
 std::array<double, 6> phi(double x) {
   std::array<double, 6> values{};
-  if (x < kSlow) {
+  if (x < kSlowRoot) {
     double power = 1.0;
     for (std::size_t n = 0; n < kTerms; ++n, power *= -x)
       values[5] += power * kInverseFactorial[n + 5];
@@ -87,9 +87,9 @@ LinearResponse linear_response(double a, double b) {
   LinearResponse response;
   std::array<double, 6>& integral = response.integral;
   start_of(a, roots, response);
-  if (roots.large <= kFast && roots.small < kSlow) {
+  if (roots.large <= kFastRoot && roots.small < kSlowRoot) {
     series(a, b, integral);
-  } else if (roots.small < kSlow) {
+  } else if (roots.small < kSlowRoot) {
     const std::array<double, 6> slow = phi(roots.small), fast = phi(roots.large);
     for (std::size_t k = 1; k < integral.size(); ++k)
       integral[k] = (slow[k] - fast[k]) / (2.0 * roots.half);
@@ -103,7 +103,7 @@ LinearResponse linear_response(double a, double b) {
   }
   // Of two forms the one that does not cancel.
   response.place =
-      roots.small < kSlow ? 1.0 - b * integral[1] : response.velocity + a * integral[0];
+      roots.small < kSlowRoot ? 1.0 - b * integral[1] : response.velocity + a * integral[0];
   return response;
 }
 

@@ -27,9 +27,9 @@ namespace {
 
 using Json = nlohmann::json;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr int kRepeats = 5;      // windows of each method at least
-constexpr int kMaxRepeats = 25;  // at most, while
-constexpr double kClose = 1.05;  // a method's two fastest windows differ by more than this
+constexpr int kLeastWindows = 5;  // windows of each method at least
+constexpr int kMaxRepeats = 25;   // at most, while
+constexpr double kClose = 1.05;   // a method's two fastest windows differ by more than this
 
 Entry make_entry(const Scene& scene, const Reference& reference, const SampledRun& run,
                  const std::string& integrator, double step) {
@@ -93,9 +93,9 @@ Json take_turns(const Scene& scene, const std::vector<std::string>& integrators,
     runners.push_back(make_runner(scene, integrator, step));
   const int steps = static_cast<int>(std::clamp(0.6 / step, 100.0, 1000.0));
   for (int repeat = 0; repeat < kMaxRepeats; ++repeat) {
-    if (repeat >= kRepeats && std::ranges::all_of(runners, &Runner::settled)) break;
+    if (repeat >= kLeastWindows && std::ranges::all_of(runners, &Runner::settled)) break;
     for (Runner& runner : runners)
-      if (repeat < kRepeats || !runner.settled()) time_window(runner, steps);
+      if (repeat < kLeastWindows || !runner.settled()) time_window(runner, steps);
   }
   Json times = Json::array();
   for (const Runner& runner : runners)

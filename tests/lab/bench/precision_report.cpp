@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -11,8 +10,6 @@
 
 namespace tremolo::bench {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 bool ran(const Precision& precision, const std::string& integrator) {
   return std::ranges::find(precision.integrators, integrator) != precision.integrators.end();
@@ -36,7 +33,7 @@ Chart scene_chart(const Precision& precision, std::size_t i) {
       // An error above 200 % says nothing about the method any more.
       const bool counts = !entry.below_reference && entry.error < 2.0;
       curve.x.push_back(entry.cost());
-      curve.y.push_back(counts ? entry.error : kNan);
+      curve.y.push_back(counts ? entry.error : NAN);
     }
     chart.curves.push_back(std::move(curve));
   }
@@ -59,7 +56,7 @@ Chart summary_chart(const Precision& precision, const std::string& load) {
         ++count;
       }
       curve.x.push_back(std::exp(cost / count));
-      curve.y.push_back(error / count < std::log(2.0) ? std::exp(error / count) : kNan);
+      curve.y.push_back(error / count < std::log(2.0) ? std::exp(error / count) : NAN);
     }
     chart.curves.push_back(std::move(curve));
   }
@@ -94,7 +91,7 @@ const Entry* at_step(std::span<const Entry> curve, double step) {
 
 // The worst value over scenes, and the scene where it occurs.
 struct Worst {
-  double value = kNan;
+  double value = NAN;
   std::string where;
   int count = 0;
 

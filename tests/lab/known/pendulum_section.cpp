@@ -8,9 +8,9 @@
 namespace tremolo::known {
 namespace {
 
-constexpr double kStep = 0.005;     // s
-constexpr double kDuration = 20.0;  // s
-constexpr double kSwings = 2.0;     // periods in the first and the last window
+constexpr double kPendulumStep = 0.005;  // s
+constexpr double kDuration = 20.0;       // s
+constexpr double kSwings = 2.0;          // periods in the first and the last window
 
 enum class Fate { kGrows, kShrinks, kStays };
 
@@ -76,14 +76,15 @@ std::vector<Criterion> add_pendulum_section(const Experiments& experiments) {
       "{:g} rad, at rest; {:g} s. Explicit Euler takes energy from nowhere, implicit Euler loses "
       "it, the variational methods and `ep4` keep the swing. Amplitudes are the largest |angle| "
       "over the first and the last {:g} periods.",
-      pendulum.stiffness, kStep, kStep * std::sqrt(model->lambda()[0]),
-      kStep * std::sqrt(model->lambda()[1]), pendulum.angle, kDuration, kSwings));
+      pendulum.stiffness, kPendulumStep, kPendulumStep * std::sqrt(model->lambda()[0]),
+      kPendulumStep * std::sqrt(model->lambda()[1]), pendulum.angle, kDuration, kSwings));
   Table table{
       {"method", "first swings (rad)", "last swings (rad)", "ratio", "reached (s)", "failure"}, {}};
   std::vector<Criterion> criteria;
   std::vector<Chart> angles, paths;
   for (const Expected& expected : kExpected) {
-    const PendulumRun run = run_pendulum(pendulum, expected.method, kStep, kDuration, kSwings);
+    const PendulumRun run =
+        run_pendulum(pendulum, expected.method, kPendulumStep, kDuration, kSwings);
     table.rows.push_back({run.method, cell(run.first, 5), cell(run.last, 5),
                           cell(run.last / run.first, 5), cell(run.reached), run.failure});
     criteria.push_back(judge(run, expected.fate));

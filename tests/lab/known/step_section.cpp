@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kStep = 3e-3;         // s
+constexpr double kTestedStep = 3e-3;   // s
 constexpr double kOrderStep = 2.5e-4;  // s, the coarsest of the four
 
 // Bounds of a promised zero. The Jacobian is good to 1e-13 (its own line in the table), J^T Omega J
@@ -33,11 +33,11 @@ StepProperties stored_properties(const Store& store, std::string_view method) {
   const Json key = {{"experiment", "step"},
                     {"version", 2},
                     {"method", std::string(method)},
-                    {"step", kStep},
+                    {"step", kTestedStep},
                     {"order_step", kOrderStep}};
   StepProperties properties =
       store.get_as<StepProperties>(fmt::format("known-step-{}", method), key,
-                                   [&] { return measure_step(method, kStep, kOrderStep); });
+                                   [&] { return measure_step(method, kTestedStep, kOrderStep); });
   properties.method = method;
   return properties;
 }
@@ -131,7 +131,7 @@ std::vector<Criterion> add_step_section(const Experiments& experiments) {
       "Order: fit of the error at h, h/2, h/4, h/8 with h = 0.25 ms after 8 ms, against classical "
       "Runge-Kutta with 512 times smaller steps. All in variables scaled by sqrt(omega_2). \"yes\" "
       "and \"-\" say what theory promises.",
-      jacobian_accuracy(kStep, 1e-6), jacobian_accuracy(kStep, 1.0)));
+      jacobian_accuracy(kTestedStep, 1e-6), jacobian_accuracy(kTestedStep, 1.0)));
 
   Table table{{"method", "symplectic", "defect", "reversible", "reversal", "keeps H", "energy",
                "order promised", "order", "error h", "h/2", "h/4", "h/8"},

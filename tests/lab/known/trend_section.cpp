@@ -26,19 +26,19 @@ constexpr std::string_view kMethods[] = {"midpoint",      "newmark", "imexv", "i
                                          "imexv-coupled", "avf",     "ep2",   "ep4",
                                          "verlet",        "verlet4"};
 constexpr double kTolerances[] = {1e-6, 1e-9, 1e-12};
-constexpr double kStep = 1e-3;  // s
+constexpr double kTrendStep = 1e-3;  // s
 constexpr int kWindows = 100;
 constexpr double kDriftBound = 1e-9;
 
 EnergyTrend stored_trend(const Experiments& experiments, std::string_view method,
                          double tolerance) {
   const long steps = experiments.long_form ? 1000000 : 100000;
-  const Json key = {{"experiment", "trend"},  {"version", 1},  {"method", std::string(method)},
-                    {"tolerance", tolerance}, {"step", kStep}, {"steps", steps},
+  const Json key = {{"experiment", "trend"},  {"version", 1},       {"method", std::string(method)},
+                    {"tolerance", tolerance}, {"step", kTrendStep}, {"steps", steps},
                     {"windows", kWindows}};
   EnergyTrend trend = experiments.store.get_as<EnergyTrend>(
       fmt::format("known-trend-{}-{:.0e}", method, tolerance), key,
-      [&] { return measure_trend(method, tolerance, kStep, steps, kWindows); });
+      [&] { return measure_trend(method, tolerance, kTrendStep, steps, kWindows); });
   trend.method = method;
   trend.tolerance = tolerance;
   trend.steps = steps;

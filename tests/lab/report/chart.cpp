@@ -10,7 +10,7 @@
 namespace tremolo {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 double nine_digits(double value) {
   return std::strtod(fmt::format("{:.9g}", value).c_str(), nullptr);
@@ -25,21 +25,21 @@ const char* name_of(CurveStyle style) {
   return kNames[static_cast<int>(style)];
 }
 
-Json range(const std::optional<std::pair<double, double>>& range) {
-  return range ? Json{range->first, range->second} : Json();
+OrderedJson range(const std::optional<std::pair<double, double>>& range) {
+  return range ? OrderedJson{range->first, range->second} : OrderedJson();
 }
 
 }  // namespace
 
-Json to_json(const Chart& chart) {
-  Json curves = Json::array();
+OrderedJson to_json(const Chart& chart) {
+  OrderedJson curves = OrderedJson::array();
   for (const Curve& curve : chart.curves) {
-    Json x = Json::array(), y = Json::array();
+    OrderedJson x = OrderedJson::array(), y = OrderedJson::array();
     for (std::size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
       const bool drawn =
           can_stand_on(curve.x[i], chart.log_x) && can_stand_on(curve.y[i], chart.log_y);
-      x.push_back(drawn ? Json(nine_digits(curve.x[i])) : Json());
-      y.push_back(drawn ? Json(nine_digits(curve.y[i])) : Json());
+      x.push_back(drawn ? OrderedJson(nine_digits(curve.x[i])) : OrderedJson());
+      y.push_back(drawn ? OrderedJson(nine_digits(curve.y[i])) : OrderedJson());
     }
     curves.push_back({{"label", curve.label},
                       {"style", name_of(curve.style)},
@@ -57,8 +57,8 @@ Json to_json(const Chart& chart) {
           {"curves", std::move(curves)}};
 }
 
-Json to_json(const CellChart& chart) {
-  Json classes = Json::array();
+OrderedJson to_json(const CellChart& chart) {
+  OrderedJson classes = OrderedJson::array();
   for (const auto& [label, colour] : chart.classes)
     classes.push_back({{"label", label}, {"colour", colour}});
   return {{"title", chart.title},     {"x_label", chart.x_label},     {"y_label", chart.y_label},

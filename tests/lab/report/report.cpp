@@ -13,11 +13,11 @@
 namespace tremolo {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 // Invalid UTF-8 in a name must not end the program.
-std::string text_of(const Json& json, int indent = -1) {
-  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+std::string text_of(const OrderedJson& json, int indent = -1) {
+  return json.dump(indent, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 // Without the character <, so that no text ends the page's script element: it stands in strings
@@ -33,8 +33,8 @@ void replace_mark(std::string& page, std::string_view mark, std::string_view tex
 }
 
 template <class Charts>
-Json all_to_json(const Charts& charts) {
-  Json all = Json::array();
+OrderedJson all_to_json(const Charts& charts) {
+  OrderedJson all = OrderedJson::array();
   for (const auto& chart : charts) all.push_back(to_json(chart));
   return all;
 }
@@ -45,16 +45,16 @@ Report::Report(std::string directory, std::string title, std::string subtitle)
     : directory_(std::move(directory)),
       json_{{"title", std::move(title)},
             {"subtitle", std::move(subtitle)},
-            {"sections", Json::array()}} {}
+            {"sections", OrderedJson::array()}} {}
 
-void Report::add(const char* kind, Json what) {
-  Json& sections = json_["sections"];
+void Report::add(const char* kind, OrderedJson what) {
+  OrderedJson& sections = json_["sections"];
   if (sections.empty()) section({});
   sections.back()["parts"].push_back({{"kind", kind}, {kind, std::move(what)}});
 }
 
 void Report::section(std::string title) {
-  json_["sections"].push_back({{"title", std::move(title)}, {"parts", Json::array()}});
+  json_["sections"].push_back({{"title", std::move(title)}, {"parts", OrderedJson::array()}});
 }
 
 void Report::heading(std::string_view text) {
@@ -91,13 +91,13 @@ void Report::figure(const std::vector<CellChart>& charts, std::string_view capti
 }
 
 void Report::criteria(const std::vector<Criterion>& criteria) {
-  Json list = to_json(criteria);
+  OrderedJson list = to_json(criteria);
   for (std::size_t i = 0; i < criteria.size(); ++i) list[i]["verdict"] = verdict(criteria[i]);
   add("criteria", std::move(list));
 }
 
 void Report::last_section_first() {
-  Json& sections = json_["sections"];
+  OrderedJson& sections = json_["sections"];
   if (!sections.empty()) std::rotate(sections.begin(), std::prev(sections.end()), sections.end());
 }
 
@@ -109,7 +109,7 @@ std::string Report::write(const std::string& library) const {
   return page;
 }
 
-Status write_page(const Json& report, const std::string& path, const std::string& library) {
+Status write_page(const OrderedJson& report, const std::string& path, const std::string& library) {
   Result<std::string> script = read_whole_file(library);
   if (!script || script->find("</script") != script->npos) script = std::string();
   std::string page = kPageTemplate;

@@ -40,7 +40,7 @@ struct Bench {
 };
 
 // The least time that `bytes` and `operations` need: those of a pass over the coefficients alone.
-void set_limit(SpeedRow& row, const MachineProbe& probe) {
+void set_pass_limit(SpeedRow& row, const MachineProbe& probe) {
   const double arithmetic = 1e-3 * row.operations / probe.gflops;
   const bool level2 = row.bytes < 0.9e6;
   const double memory = 1e-3 * row.bytes / (level2 ? probe.l2_bandwidth : probe.l3_bandwidth);
@@ -76,7 +76,7 @@ void add_rows(std::size_t r, const MachineProbe& probe, SpeedSection& section) {
     SpeedRow row = microseconds(fmt::format("{}, r = {}", what, r), value, baseline);
     row.bytes = 8.0 * coefficients;
     row.operations = 2.0 * per_coefficient * coefficients;
-    set_limit(row, probe);
+    set_pass_limit(row, probe);
     section.rows.push_back(row);
     return row;
   };

@@ -8,7 +8,7 @@
 namespace tremolo::bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 // The sections in the order of the report.
 constexpr SpeedSection (*kSections[])(const Options&, const MachineProbe&) = {
@@ -46,11 +46,11 @@ Table to_table(const std::vector<SpeedRow>& rows) {
   return table;
 }
 
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
+OrderedJson number(double value) {
+  return std::isfinite(value) ? OrderedJson(value) : OrderedJson(nullptr);
 }
 
-Json to_json(const SpeedRow& row) {
+OrderedJson to_json(const SpeedRow& row) {
   return {{"what", row.what},
           {"value", number(row.value)},
           {"unit", row.unit},
@@ -104,15 +104,15 @@ std::vector<Criterion> speed_criteria(const Speed& speed) {
   return criteria;
 }
 
-Json to_json(const Speed& speed) {
+OrderedJson to_json(const Speed& speed) {
   const MachineProbe& machine = speed.machine;
-  Json json;
+  OrderedJson json;
   json["machine"] = {{"vectors", machine.vectors},       {"gflops_f64", machine.gflops},
                      {"gflops_f32", machine.gflops_f32}, {"l2_gb_s", machine.l2_bandwidth},
                      {"l3_gb_s", machine.l3_bandwidth},  {"memory_gb_s", machine.memory_bandwidth}};
-  json["sections"] = Json::array();
+  json["sections"] = OrderedJson::array();
   for (const SpeedSection& section : speed.sections) {
-    Json rows = Json::array();
+    OrderedJson rows = OrderedJson::array();
     for (const SpeedRow& row : section.rows) rows.push_back(to_json(row));
     json["sections"].push_back({{"title", section.title}, {"rows", rows}});
   }

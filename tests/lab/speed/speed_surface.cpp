@@ -80,7 +80,7 @@ Caller make_caller(const Surface& surface, const SurfaceBasis& basis) {
 }
 
 // The memory level that holds `bytes` that are read repeatedly, and its bandwidth.
-void set_limit(SpeedRow& row, const MachineProbe& probe) {
+void set_bandwidth_limit(SpeedRow& row, const MachineProbe& probe) {
   const bool l2 = row.bytes < 0.75e6, l3 = row.bytes < 12e6;
   const double bandwidth = l2   ? probe.l2_bandwidth
                            : l3 ? probe.l3_bandwidth
@@ -121,7 +121,7 @@ void measure_size(int around, int along, Eigen::Index r, const MachineProbe& pro
                                 seconds[i], seconds[0]);
     row.bytes = kinds[i].bytes;
     row.operations = 2 * reals;
-    set_limit(row, probe);
+    set_bandwidth_limit(row, probe);
     section.rows.push_back(std::move(row));
   }
 }

@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 // Invalid UTF-8 in a name must not end the program; numbers that are not finite become null.
-std::string text_of(const Json& json) {
+std::string line_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -25,8 +25,8 @@ std::optional<Json> read_stored(const std::string& path, const std::string& key)
   if (!text) return std::nullopt;
   const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object() || !json.contains("key") || !json.contains("result")) return std::nullopt;
-  if (text_of(json["key"]) != key) return std::nullopt;
-  if (json.value("checksum", Json()) != checksum(key + "\n" + text_of(json["result"])))
+  if (line_of(json["key"]) != key) return std::nullopt;
+  if (json.value("checksum", Json()) != checksum(key + "\n" + line_of(json["result"])))
     return std::nullopt;
   return json["result"];
 }
@@ -56,9 +56,9 @@ Result<Store> Store::open(const std::string& directory) {
 Json Store::get(const std::string& name, const Json& key, const std::function<Json()>& work) const {
   if (!is_name(name)) throw Failure({ErrorKind::kUsage, "no name for a stored result: " + name});
   const std::string path = (std::filesystem::path(directory_) / (name + ".json")).string();
-  const std::string key_text = text_of(key);
+  const std::string key_text = line_of(key);
   if (std::optional<Json> stored = read_stored(path, key_text)) return std::move(*stored);
-  const std::string result = text_of(work());
+  const std::string result = line_of(work());
   or_fail(write_file(path, "{\"checksum\":\"" + checksum(key_text + "\n" + result) +
                                "\",\n\"key\":" + key_text + ",\n\"result\":" + result + "}\n"));
   // Parsed from the text, so that a first start and a later one give the same.
