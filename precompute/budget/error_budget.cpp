@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "common/format_text.h"
-#include "precompute/budget/refined_problem.h"
 #include "precompute/fem/control_values.h"
+#include "precompute/problem/element_order.h"
 #include "precompute/reference/comparison.h"
 #include "precompute/reference/full_order_solver.h"
 #include "precompute/solver/solver_choice.h"
