@@ -182,7 +182,7 @@ void measure_budget(const PrecomputeOptions& options, PrecomputeResult& result, 
   log.begin("budget");
   result.findings.budget =
       measure_budget(BudgetSubject{result.problem, options.mass, result.data, result.rows,
-                                   options.output_path, options.threads});
+                                   options.output_path, options.threads, options.memory});
   for (const std::string& reason : result.findings.budget->reasons)
     log.note("not measured, " + reason);
   log.end(describe(*result.findings.budget));

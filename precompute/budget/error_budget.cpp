@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "common/format_text.h"
-#include "precompute/budget/refined_problem.h"
 #include "precompute/fem/control_values.h"
+#include "precompute/problem/element_order.h"
 #include "precompute/reference/comparison.h"
 #include "precompute/reference/full_order_solver.h"
 #include "precompute/solver/solver_choice.h"
@@ -18,6 +18,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr SolveOptions kSolving{};
+// For each entry of the sparse stiffness: that of mass, stiffness, tangent and its copies.
+constexpr double kBytesACoupling = 60;
 
 // A body at rest under the default load.
 struct Rest {
@@ -48,16 +50,25 @@ double mass_norm(const FullOrder& body, const Vector& u) {
   return std::sqrt(u.dot(multiply(body, body.mass, u)));
 }
 
+// Throws if the factor of the refined mesh is too large: for the memory that the user allows, or
+// for a user who has not said how much that is.
+void require_refined_fits(const Problem& fine, const std::optional<double>& memory) {
+  const DofMap map = make_dof_map(fine.mesh, fine.fixed, 1);
+  const double entries = count_factor_entries(map);
+  const double couplings = 9.0 * static_cast<double>(map.graph.neighbours.size() + map.nodes());
+  const double bytes = 8.0 * entries + kBytesACoupling * couplings;
+  if (memory ? bytes <= *memory : entries <= kMostRefinedEntries) return;
+  throw Failure(
+      system_error(text("the mesh refined once has %d unknowns, whose factor has %.2g entries: it "
+                        "takes about %.2g GB%s; a coarser mesh of the same body tells as well",
+                        3 * map.nodes(), entries, 1e-9 * bytes,
+                        memory ? "" : " and minutes, and is tried if --memory allows as much")));
+}
+
 // |u_h - u_{h/2}| / |u_{h/2}|.
 double mesh_error(const Rest& rest, const BudgetSubject& subject) {
   const Problem fine = refined_problem(subject.problem);
-  const DofMap map = make_dof_map(fine.mesh, fine.fixed, 1);
-  const double entries = count_factor_entries(map);
-  if (entries > kMostRefinedEntries)
-    throw Failure(
-        system_error(text("the mesh refined once has %d unknowns, whose factor of %.2g "
-                          "entries is too large; a coarser mesh of the same body tells",
-                          3 * map.nodes(), entries)));
+  require_refined_fits(fine, subject.memory);
   const Rest finer = come_to_rest(fine, subject);
   const TetMesh& mesh = rest.body.solid.mesh;
   BasisRows there =

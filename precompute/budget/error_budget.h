@@ -18,7 +18,8 @@
 
 namespace tremolo {
 
-// A factor of the refined mesh with more entries than this is not tried: it takes minutes.
+// A factor of the refined mesh with more entries than this takes minutes and gigabytes: it is not
+// tried unless the user says how much memory there is.
 inline constexpr double kMostRefinedEntries = 3e8;
 
 // None: not measured, for a reason in `reasons`. limit: Richardson's estimate of what the mesh is
@@ -37,6 +38,7 @@ struct BudgetSubject {
   const BasisRows& rows;
   std::string file;
   unsigned threads = 1;
+  std::optional<double> memory;  // bytes that the refined mesh may take; none: kMostRefinedEntries
 };
 ErrorBudget measure_budget(const BudgetSubject& subject);
 

@@ -86,8 +86,7 @@ void add_model_options(CLI::App& app, PrecomputeOptions& options) {
                  "up to which order modes are derived: 2 (modal derivatives) or 3 (also those of\n"
                  "third order along the softest modes, for what bends by several thicknesses)")
       ->check(CLI::IsMember({2, 3}))
-      ->capture_default_str()
-      ->excludes(linear);
+      ->capture_default_str();
 }
 
 void add_import(CLI::App& app, PrecomputeOptions& options) {
@@ -98,7 +97,7 @@ void add_import(CLI::App& app, PrecomputeOptions& options) {
       "mesh file's own)");
   // --up: the rows of an imported basis refer to the axes of the mesh's file.
   for (const char* other : {"--linear-modes", "--modes", "--linear", "--target-error",
-                            "--error-budget", "--point-mass", "--up"})
+                            "--error-budget", "--point-mass", "--up", "--refine"})
     basis->excludes(app.get_option(other));
   CLI::Option* cubic =
       app.add_option("--import-cubic", options.import_cubic,
@@ -140,16 +139,25 @@ void finish_model_options(const ModelTexts& texts, PrecomputeOptions& options) {
 }
 
 // False when the options contradict each other (the text has been printed).
-bool check_options(const std::vector<std::string>& words, PrecomputeOptions& options) {
+bool check_options(const CLI::App& app, const std::vector<std::string>& words,
+                   PrecomputeOptions& options) {
+  const auto given = [&words](const std::string& flag) {
+    return std::any_of(words.begin(), words.end(), [&flag](const std::string& word) {
+      return word == flag || word.starts_with(flag + "=");
+    });
+  };
   if (options.output_path.empty() && options.select.empty() && options.preview.empty()) {
     std::cerr << "tremolo-precompute: --output is required\n";
     return false;
   }
+  // On the command line --linear overrules the derivatives of a config file.
+  if (options.linear && app.get_option("--derivatives")->count() > 0 &&
+      (!given("--linear") || given("--derivatives"))) {
+    std::cerr << "tremolo-precompute: --linear excludes --derivatives\n";
+    return false;
+  }
   if (!options.target_error || !options.modes) return true;
-  const auto gives_modes = [](const std::string& word) {
-    return word == "--modes" || word.starts_with("--modes=");
-  };
-  if (std::any_of(words.begin(), words.end(), gives_modes)) {
+  if (given("--modes")) {
     std::cerr << "tremolo-precompute: --target-error chooses the coordinates: leave --modes out\n";
     return false;
   }
@@ -208,7 +216,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
   if (!vectors_are_words(own, "--load-force")) return wrong;
   if (const std::optional<int> code = parse(app, own)) return *code;
   options.config_path = config_path(app);
-  if (!check_options(own, options)) return wrong;
+  if (!check_options(app, own, options)) return wrong;
   line.settings = app.config_to_str(true);
   options.mass_given = app.get_option("--mass")->count() > 0;
   finish_model_options(model_texts, options);

@@ -10,6 +10,22 @@
 #include "precompute/system/option_checks.h"
 
 namespace tremolo {
+namespace {
+
+CLI::Validator refinements() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        int value = -1;
+        const char* end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, value);
+        if (error == std::errc{} && stop == end && value >= 0 && value <= kMostRefine) return "";
+        return "expected a whole number from 0 to " + std::to_string(kMostRefine) + ", found " +
+               text;
+      },
+      "");
+}
+
+}  // namespace
 
 bool parse_vector(const std::string& text, Eigen::Vector3d& vector) {
   const char* at = text.data();
@@ -81,6 +97,11 @@ void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts
          "of the elements: 1 (linear), 2 (quadratic: far more accurate in bending, some six "
          "times the unknowns) or auto: 2 for a quadratic mesh or a small one")
       ->check(CLI::IsMember({"1", "2", "auto"}))
+      ->capture_default_str();
+  app.add_option("--refine", request.refine,
+                 "so often cut each tetrahedron into eight, after selectors have chosen: eight "
+                 "times as many a time, half as long")
+      ->check(refinements())
       ->capture_default_str();
   app.add_option("--surface-subdivide", texts.subdivide,
                  "draw the boundary of a quadratic body with its edge points, four triangles for "

@@ -12,6 +12,11 @@ namespace {
 // Part of an edge's length by which its point may lie off its middle without a word.
 constexpr double kStraight = 1e-6;
 
+// How many tetrahedra there will be.
+std::size_t refined_count(const ProblemRequest& request, const TetMesh& mesh) {
+  return mesh.tetrahedra.size() << (3 * request.refine);
+}
+
 void merge_into(std::vector<VertexId>& ids, const std::vector<VertexId>& more) {
   std::vector<VertexId> merged;
   std::set_union(ids.begin(), ids.end(), more.begin(), more.end(), std::back_inserter(merged));
@@ -31,7 +36,7 @@ int choose_order(const ProblemRequest& request, const TetMesh& mesh) {
     refuse("--order 2 with --import-basis: VegaFEM's bases are of linear elements");
   if (request.order) return *request.order;
   if (lumped || request.imported) return 1;
-  const bool small = mesh.tetrahedra.size() <= kMostAutomaticQuadratic;
+  const bool small = refined_count(request, mesh) <= kMostAutomaticQuadratic;
   return !mesh.edges.empty() || small ? 2 : 1;
 }
 
@@ -39,7 +44,8 @@ void prepare_edges(const ProblemRequest& request, Problem& problem) {
   TetMesh& mesh = problem.mesh;
   problem.order = choose_order(request, mesh);
   problem.subdivide = request.subdivide;
-  if (!request.order && problem.order == 1 && mesh.tetrahedra.size() > kMostAutomaticQuadratic)
+  if (!request.order && problem.order == 1 &&
+      refined_count(request, mesh) > kMostAutomaticQuadratic)
     problem.notes.push_back("linear elements, as the mesh has more than " +
                             std::to_string(kMostAutomaticQuadratic) +
                             " tetrahedra; --order 2 makes them quadratic");

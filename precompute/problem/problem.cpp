@@ -304,6 +304,7 @@ Problem load_problem(const ProblemRequest& request) {
   problem.point_masses = make_point_masses(request, problem);
   note_near(request, problem);
   add_edge_points(problem);
+  refine(request.refine, request.threads, problem);
   return problem;
 }
 

@@ -11,6 +11,9 @@
 
 namespace tremolo {
 
+// Refined more often than this a mesh has over 32 768 times its tetrahedra.
+inline constexpr int kMostRefine = 5;
+
 struct ProblemRequest {
   std::string mesh_path;
   // Of surface coordinates, or of the tetrahedral mesh if no surface is read; empty: as the files
@@ -22,6 +25,7 @@ struct ProblemRequest {
   std::vector<std::string> materials;     // see material_rules.h, in order
   std::vector<std::string> point_masses;  // SELECTOR=KG
   MassKind mass = MassKind::kConsistent;
+  int refine = 0;                 // how often each tetrahedron is cut into eight, 0 to kMostRefine
   std::optional<int> order = 1;   // of the elements, 1 or 2; none: a rule of the mesh decides
   std::optional<bool> subdivide;  // draw the boundary with edge points; none: where it is coarse
   std::vector<std::string> fix;   // selectors; {"none"}: a free body

@@ -2,6 +2,7 @@
 // bodies and materials, files of quadratic meshes, the reference, and what is refused.
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -226,6 +227,81 @@ TEST_F(Quadratic, WhatDoesNotGoTogetherIsRefused) {
   const ProgramResult third = run(good("3") + "-o out.tremolo");
   EXPECT_EQ(third.code, 2);
   EXPECT_NE(third.err.find("--order"), std::string::npos) << third.err;
+}
+
+// Against a file that holds the refined mesh, whose held side the same selector finds.
+TEST_F(Quadratic, RefiningIsAFileOfTheRefinedMesh) {
+  TetMesh fine = block_;
+  ASSERT_TRUE(add_edge_points(fine));
+  write_veg(folder_ + "/fine.veg", refined_mesh(fine));
+  for (const char* order : {"1", "2"}) {
+    const nlohmann::json refined = told(good(order) + "--refine 1");
+    const nlohmann::json file = told(good(order, "fine.veg"));
+    EXPECT_EQ(refined["elements"], 8 * block_.tetrahedra.size());
+    EXPECT_EQ(refined["dofs"], file["dofs"]);
+    EXPECT_NEAR(refined["total_mass_kg"].get<double>(), 1000 * 0.31 * 0.23, 1e-9);
+    for (std::size_t i = 0; i < 5; ++i)
+      EXPECT_NEAR(
+          refined["frequencies_hz"][i].get<double>() / file["frequencies_hz"][i].get<double>(), 1.0,
+          1e-9);
+  }
+  EXPECT_EQ(told(good("1") + "--refine 2")["elements"], 64 * block_.tetrahedra.size());
+}
+
+TEST_F(Quadratic, WhatSelectorsChoseHoldsOnARefinedMesh) {
+  // The first cells end at x = 1/6: the middles of their edges lie in the half-space, their ends do
+  // not.
+  const std::string options =
+      "block.veg --order 1 --young 1e6 --linear --linear-modes 3 --refine 1 ";
+  const nlohmann::json narrow = told(options + "--fix 'x<0.001'");
+  const nlohmann::json wide = told(options + "--fix 'x<0.1'");
+  EXPECT_EQ(narrow["dofs"], wide["dofs"]);
+  EXPECT_EQ(narrow["frequencies_hz"], wide["frequencies_hz"]);
+  // A stiff half, whose border is that of the mesh as it is given; on two ranks too.
+  const std::string half =
+      options + "--fix 'x<0.001' --material 'x<0.6: young=1e8' -o made.tremolo";
+  const ProgramResult one = run(half + " --json");
+  const ProgramResult two = run(half + " --json", kMayBeRoot + "mpiexec --oversubscribe -n 2 ");
+  ASSERT_EQ(one.code, 0) << one.err;
+  ASSERT_EQ(two.code, 0) << two.err;
+  const auto first = nlohmann::json::parse(one.out), second = nlohmann::json::parse(two.out);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(
+        first["frequencies_hz"][i].get<double>() / second["frequencies_hz"][i].get<double>(), 1.0,
+        1e-8);
+  EXPECT_GT(first["frequencies_hz"][0].get<double>(),
+            1.5 * narrow["frequencies_hz"][0].get<double>());
+}
+
+TEST_F(Quadratic, AReferenceIsRefinedAlike) {
+  const std::string load = "--load-at 'x>0.99' --load-force 0,0.01,-0.02 ";
+  made(good("1") + load + "--refine 1");
+  const std::string reference = std::string("reference block.veg --order 1 ") + kSolid + load +
+                                "--static --compare made.tremolo --json ";
+  const ProgramResult same = run(reference + "--refine 1");
+  ASSERT_EQ(same.code, 0) << same.err;
+  EXPECT_LE(nlohmann::json::parse(same.out)["comparison"]["error_of_largest"].get<double>(), 0.02);
+  EXPECT_EQ(run(reference).code, 3);
+  EXPECT_EQ(run(reference + "--refine 2").code, 3);
+}
+
+TEST_F(Quadratic, NumbersOfRefinementsThatMakeNoSenseAreRefused) {
+  for (const char* number : {"-1", "6", "1.5", "x"}) {
+    const ProgramResult refused =
+        run(good() + "--refine " + std::string(number) + " -o out.tremolo");
+    EXPECT_EQ(refused.code, 2) << number;
+    EXPECT_NE(refused.err.find("from 0 to 5"), std::string::npos) << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_ + "/out.tremolo"));
+  }
+}
+
+// A config file made for a nonlinear model may say how modes are derived.
+TEST_F(Quadratic, LinearOverrulesTheDerivativesOfAConfigFile) {
+  std::ofstream(folder_ + "/model.toml") << "derivatives = 2\n";
+  EXPECT_EQ(told("block.veg --config model.toml --linear --linear-modes 5 --fix 'x<0.1'")["r"], 5);
+  const ProgramResult both = run(good("1") + "--linear --derivatives 2 -o out.tremolo");
+  EXPECT_EQ(both.code, 2);
+  EXPECT_NE(both.err.find("--linear excludes --derivatives"), std::string::npos) << both.err;
 }
 
 }  // namespace

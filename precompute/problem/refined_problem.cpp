@@ -1,5 +1,8 @@
-#include "precompute/budget/refined_problem.h"
+#include <span>
+#include <string>
+#include <utility>
 
+#include "common/hash.h"
 #include "common/mesh/mesh_parts.h"
 #include "common/mesh/refined_mesh.h"
 #include "precompute/problem/element_order.h"
@@ -44,6 +47,25 @@ Problem refined_problem(const Problem& problem) {
   fine.report.part_of_vertex = std::move(parts.part_of_vertex);
   add_edge_points(fine);
   return fine;
+}
+
+void refine(int times, unsigned threads, Problem& problem) {
+  if (times == 0) return;
+  for (int n = 0; n < times; ++n) {
+    Problem fine = refined_problem(problem);
+    problem.mesh = std::move(fine.mesh);
+    problem.fixed = std::move(fine.fixed);
+    problem.held = std::move(fine.held);
+    problem.by_place = std::move(fine.by_place);
+    problem.materials = std::move(fine.materials);
+    problem.report.part_of_vertex = std::move(fine.report.part_of_vertex);
+  }
+  const std::string name = problem.mesh_hash + " refined " + std::to_string(times);
+  problem.mesh_hash = hash_text(hash_bytes(std::as_bytes(std::span(name))));
+  if (problem.render) problem.embedding = embed(problem.render->vertices, problem.mesh, threads);
+  problem.notes.push_back("--refine " + std::to_string(times) + ": " +
+                          std::to_string(problem.mesh.tetrahedra.size()) +
+                          " tetrahedra; what selectors chose on the mesh as it is given holds");
 }
 
 }  // namespace tremolo
