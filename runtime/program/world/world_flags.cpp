@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -49,8 +51,8 @@ Status apply_flags(const RunOptions& flags, const std::function<bool(const char*
   const auto names = integrator_names();
   if (told("--integrator") &&
       std::find(names.begin(), names.end(), flags.integrator) == names.end())
-    return usage_error(fmt::format("unknown integrator '{}'; there are {}", flags.integrator,
-                                   fmt::join(names, ", ")));
+    return usage_error(fmt::format("--integrator: unknown integrator '{}'; there are {}",
+                                   flags.integrator, fmt::join(names, ", ")));
   for (SceneBody& body : file.scene.bodies)
     if (Status s = apply_to_body(flags, told, body); !s) return s;
   if (told("--step")) file.scene.step = flags.step;
@@ -65,6 +67,10 @@ Status apply_flags(const RunOptions& flags, const std::function<bool(const char*
     return usage_error("--surfaces and --plot need --out DIR");
   if (outputs.every < 1) return content_error("--every must be at least 1");
   if (outputs.surfaces < 0) return content_error("--surfaces must not be negative");
+  for (const auto& [flag, value] :
+       {std::pair{"--step", file.scene.step}, {"--duration", file.scene.duration}})
+    if (told(flag) && !(value > 0.0 && std::isfinite(value)))
+      return content_error(fmt::format("{} must be positive and finite (s)", flag));
   return check_scene(file.scene);
 }
 
