@@ -11,7 +11,8 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
-#include "runtime/contact/contact_step.h"
+#include "runtime/contact/contact_law.h"
+#include "runtime/contact/contact_values.h"
 #include "runtime/display/surface.h"
 #include "runtime/energy.h"
 #include "runtime/energy_bound.h"
@@ -26,6 +27,8 @@ namespace tremolo {
 
 // kUsage unless q and p have `modes` finite entries each.
 Status check_state(Eigen::Index modes, const Eigen::VectorXd& q, const Eigen::VectorXd& p);
+
+class ContactStep;
 
 // Energies are looked at every so many steps: a look costs at most a force.
 inline constexpr int kStepsBetweenLooks = 8;
@@ -88,12 +91,10 @@ class Body {
 
   // Makes the body feel colliders. kUsage for options out of range, a method that contact does not
   // go with (a fixed body takes any; those near a collider take the step of
-  // runtime/contact/contact_step.h), a model without inertia integrals.
+  // runtime/contact/solve/contact_step.h), a model without inertia integrals.
   Status set_contact(const ContactOptions& options = {});
   // Of the last step; zeros without contact.
-  ContactAccount contact_account() const {
-    return contact_ ? contact_->account() : ContactAccount{};
-  }
+  ContactAccount contact_account() const;
   const ContactStep* contact() const { return contact_.get(); }
 
   // A hand takes hold of a vertex where it is, by a spring (N/m) and a damper (N s/m) to a point
@@ -229,7 +230,7 @@ class Body {
   FrameKind frame_ = FrameKind::kFixed;
   std::unique_ptr<DrivenFrame> driven_;  // also of a fixed body on which gravity acts
   std::unique_ptr<FreeFrame> free_;
-  std::unique_ptr<ContactStep> contact_;
+  std::shared_ptr<ContactStep> contact_;  // its type is not known here; no one shares it
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   std::vector<PointForce> points_;  // of a body whose frame moves
   std::vector<StepForce> step_forces_;

@@ -166,7 +166,7 @@ StepReport Body::advance() {
 double Body::end_frame_step(bool made) {
   double contact = 0.0;
   if (contact_ && made) {
-    const ContactAccount& account = contact_->account();
+    const ContactAccount account = contact_account();
     contact = account.work + account.hand_work;
     hand_work_ += account.hand_work;
     contact_work_ += account.work;

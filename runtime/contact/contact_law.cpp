@@ -71,11 +71,11 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
   const double speed = (d1 - d0) / h;
   const double least = law.restitution * law.restitution;
   const double along = std::clamp(speed / law.rebound_speed, 0.0, 1.0);
-  const double share = 1.0 - (1.0 - least) * along;
+  const double share = 1.0 - (1.0 - least) * along * along * (3.0 - 2.0 * along);
   contact.pressure = mean.value;
   contact.lost = (1.0 - share) * std::max(0.0, start.energy - contact.energy);
-  double fall = share * mean.fall;
-  if (along > 0.0 && along < 1.0) fall += mean.value * (1.0 - least) / (law.rebound_speed * h);
+  const double fall = share * mean.fall + mean.value * (1.0 - least) * 6.0 * along * (1.0 - along) /
+                                              (law.rebound_speed * h);
 
   // Across the normal in the middle; below the slip speed in proportion to the slip.
   const double length2 = middle.squaredNorm();
@@ -84,11 +84,17 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
   const Vector3d slip = across * way;
   const double length = slip.norm(), whole = h * law.slip_speed;
   const double size = normal.norm();
-  const double rubbing = law.friction * share * mean.value * size / std::max(length, whole);
+  const bool slides = length > whole;
+  const double pressing = law.friction * size;
+  const double grip = slides ? 1.0 / length : (2.0 - length / whole) / whole;
+  const double rubbing = pressing * share * mean.value * grip;
   contact.rubbed = rubbing * slip.squaredNorm();
   Eigen::Matrix3d stiffness = fall * normal * middle.transpose() + rubbing * across;
-  if (length > whole) stiffness -= (rubbing / (length * length)) * slip * slip.transpose();
-  stiffness -= (law.friction * fall * size / std::max(length, whole)) * slip * middle.transpose();
+  if (length > 0.0) {
+    const double shorter = slides ? 1.0 / (length * length) : 1.0 / (whole * whole);
+    stiffness -= (pressing * share * mean.value * shorter / length) * slip * slip.transpose();
+  }
+  stiffness -= (pressing * fall * grip) * slip * middle.transpose();
 
   const Eigen::Matrix3d turn = mid_rotation(collider).toRotationMatrix();
   contact.force = turn * (share * mean.value * normal - rubbing * slip);

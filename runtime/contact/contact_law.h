@@ -9,8 +9,9 @@
 //
 // in closed form, with n the normal in the middle, corrected along x1 - x0: its work is exactly
 // psi(d0) - psi(d1). On the way out only the share e^2 of it pushes: a point mass leaves with e
-// times the speed of its arrival. Friction is mu |s| along the tangential part t of x1 - x0 against
-// it, in proportion to |t| below a small speed, so that it only takes.
+// times the speed of its arrival. Friction is mu |s| g(|t|) against the tangential part t of x1 -
+// x0, g(l) = l/w (2 - l/w) where l is below the way w of a small speed, else 1, so that it only
+// takes. All of it has a continuous derivative by x1.
 #pragma once
 
 #include <Eigen/Core>

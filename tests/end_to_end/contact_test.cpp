@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/body.h"
+#include "runtime/contact/solve/contact_step.h"
 #include "tests/support/programs.h"
 
 namespace tremolo {

@@ -1,10 +1,8 @@
-#include "runtime/contact/contact_step.h"
+#include "runtime/contact/solve/contact_step.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <cstdio>
-#include <cstdlib>
 
 namespace tremolo {
 namespace {
@@ -14,9 +12,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kIterations = 60;       // Newton's, with the line search
-constexpr double kTolerance = 1e-10;  // of the momenta in a step
-constexpr int kShorter = 12;          // halvings of a move
+constexpr int kIterations = 60;        // Newton's, with the line search
+constexpr double kTolerance = 1e-10;   // of the momenta in a step
+constexpr int kShorter = 12;           // halvings of a move
 constexpr double kRoundedWay = 1e-14;  // of the body's extent
 
 // How far any point of a ball of `radius` about `place` moves in the world between the poses, m.
@@ -272,6 +270,20 @@ double ContactStep::size_of_motion(const StepLoad& load, FreeFrame* free) const 
   return size;
 }
 
+// What rounding of a place leaves of the momenta of stiff hands.
+double ContactStep::grips_rounding(FreeFrame* free) const {
+  const double h = options_.step;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < grips_.size(); ++i) {
+    const Grip& grip = grips_[i];
+    const double stiffness = 0.5 * grip.stiffness + grip.damping / h;
+    const double lightness =
+        grip.place.rows.norm() + (free != nullptr ? 1.0 / std::sqrt(mass_) : 0.0);
+    sum += stiffness * (held_[i].x1.norm() + grip.end.norm() + points_->extent) * lightness;
+  }
+  return 4.0 * std::numeric_limits<double>::epsilon() * h * sum;
+}
+
 // By how much move_ moves any point at most, m.
 double ContactStep::way_of_move(FreeFrame* free) const {
   const Index r = model_->modes();
@@ -290,26 +302,27 @@ bool ContactStep::solve(const StepLoad& load, FreeFrame* free, StepReport& repor
   for (int i = 0; i < kIterations; ++i) {
     report.residual = 0.5 * h * size;
     scale = std::max(scale, size_of_motion(load, free));
-    const double enough = std::max(kTolerance * scale, std::numeric_limits<double>::min());
+    const double enough =
+        std::max({kTolerance * scale, grips_rounding(free), std::numeric_limits<double>::min()});
     if (size <= enough) return true;
     if (!std::isfinite(size)) return false;
     make_jacobian(free);
     factor_.compute(jacobian_.topLeftCorner(n, n));
     move_.head(n) = factor_.solve(residual_.head(n));
-    if (getenv("CT")) fprintf(stderr, "  it %d size %.3e enough %.3e way %.3e\n", i, size, enough, way_of_move(free));
     // A move that rounding of the points' places swallows.
     if (way_of_move(free) <= kRoundedWay * points_->extent) return true;
     z_before_ = z_;
     double length = 1.0;
     double next = 0.0;
+    bool shorter = false;
     for (int k = 0; k <= kShorter; ++k, length *= 0.5) {
       z_.head(n) = z_before_.head(n) - length * move_.head(n);
       next = evaluate(load, free);
-      if (next < (1.0 - 0.1 * length) * size) break;
+      if ((shorter = next < (1.0 - 0.1 * length) * size)) break;
     }
     ++report.iterations;
     // At rounding no move helps.
-    if (!(next < size) && size <= 1e3 * enough) {
+    if (!shorter && size <= 1e3 * enough) {
       z_ = z_before_;
       evaluate(load, free);
       return true;

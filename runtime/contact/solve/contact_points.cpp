@@ -1,4 +1,4 @@
-#include "runtime/contact/contact_points.h"
+#include "runtime/contact/solve/contact_points.h"
 
 #include <algorithm>
 #include <limits>

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "runtime/body.h"
+#include "runtime/contact/solve/contact_step.h"
 
 namespace tremolo {
 
@@ -17,8 +18,12 @@ Status Body::set_contact(const ContactOptions& options) {
     return usage_error("contact needs at least one point, a margin and a stiffness above zero");
   if (!energy_method_ && frame_ != FrameKind::kFixed)
     return usage_error("contact goes with avf, ep2 and ep4");
-  contact_ = std::make_unique<ContactStep>(model_, options_, options, model_->inertia()->mass);
+  contact_ = std::make_shared<ContactStep>(model_, options_, options, model_->inertia()->mass);
   return Success{};
+}
+
+ContactAccount Body::contact_account() const {
+  return contact_ ? contact_->account() : ContactAccount{};
 }
 
 // Where the frame is at both ends of the step, as far as that is known.

@@ -1,0 +1,55 @@
+// What a body, its hands and those who look at them say and hear of contact.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/mesh/tet_mesh.h"
+#include "runtime/frames/pose.h"
+#include "runtime/values/vertex_rows.h"
+
+namespace tremolo {
+
+// How a body feels contact. points: at most so many of its boundary's vertices. margin: where
+// contact begins, as a share of the body's extent. stiffness: of the contact, as (h omega)^2 of the
+// whole body on one point at the depth of the margin; larger: less penetration, and shorter
+// contacts than the step resolves.
+struct ContactOptions {
+  int points = 200;
+  double margin = 0.005;
+  double stiffness = 16.0;
+};
+
+// Where the body's mesh frame is in the step. Of a free body `end` is a prediction.
+struct StepPoses {
+  Pose start, end;
+};
+
+// Of one step, J but for the last two. energy: of contact at the end. work: what contact forces did
+// to the body, or to the motion of a driven one relative to its frame. lost, rubbed: taken by
+// restitution and friction. given: by colliders and supports that move. surplus: contact energy
+// that was there at the start and not at the end of the step before. penetration: deepest of a
+// point behind a surface, m. impulse: sum of |F| h, N s.
+struct ContactAccount {
+  double energy = 0.0, work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, surplus = 0.0;
+  double hand_work = 0.0, hand_damped = 0.0;
+  double penetration = 0.0;
+  double impulse = 0.0;
+  int active = 0;  // points that push
+};
+
+// A hand on a vertex: a spring of `stiffness` (N/m) and a damper (N s/m) from it to a point that
+// moves from `start` to `end` in the step, m, world. place: of the vertex. Both are implicit, so
+// that no stiffness is too large. force: on the body in the last step, N, world; the hand feels its
+// opposite. work: on the body in that step, J; of that the damper took `damped`, J, where the
+// spring stores energy(), J.
+struct Grip {
+  VertexId vertex = 0;
+  VertexRows place;
+  double stiffness = 0.0;
+  double damping = 0.0;
+  Eigen::Vector3d start = Eigen::Vector3d::Zero(), end = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  double work = 0.0, damped = 0.0;
+};
+
+}  // namespace tremolo
