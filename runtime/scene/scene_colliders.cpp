@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/number_text.h"
+#include "runtime/contact/solve/contact_step.h"
 
 namespace tremolo {
 namespace {

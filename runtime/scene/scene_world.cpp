@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/number_text.h"
+#include "runtime/contact/solve/contact_step.h"
 #include "runtime/frames/frame_inertia.h"
 #include "runtime/scene/scene_start.h"
 

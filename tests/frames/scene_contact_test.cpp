@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_world.h"
 #include "tests/support/frame_models.h"
 
