@@ -297,9 +297,9 @@ void tremolo_collider_destroy(tremolo_collider* collider);
 tremolo_status tremolo_collider_distance(const tremolo_collider* collider, const double point[3],
                                          double* distance, double normal[3]);
 
-/* A collider in one step: its frame goes from a pose to the next one. Quaternions are w, x, y, z, of
- * length one to 1e-6. friction: not negative. restitution: the share of the speed that comes back,
- * 0 to 1. Fill with tremolo_placed_collider_init: a collider that stands at the origin. */
+/* A collider in one step: its frame goes from a pose to the next one. Quaternions are w, x, y, z,
+ * of length one to 1e-6. friction: not negative. restitution: the share of the speed that comes
+ * back, 0 to 1. Fill with tremolo_placed_collider_init: a collider that stands at the origin. */
 typedef struct tremolo_placed_collider {
   const tremolo_collider* collider;
   double position[3];        /* m */
@@ -316,8 +316,8 @@ void tremolo_placed_collider_init(tremolo_placed_collider* placed,
 /* One step among `count` colliders. Errors as tremolo_body_step; TREMOLO_USAGE, and no step, for a
  * pose, friction or restitution out of range. A body without tremolo_body_set_contact feels none of
  * them. */
-tremolo_status tremolo_body_step_among(tremolo_body* body,
-                                       const tremolo_placed_collider* colliders, size_t count);
+tremolo_status tremolo_body_step_among(tremolo_body* body, const tremolo_placed_collider* colliders,
+                                       size_t count);
 
 /* Of the last step; any may be NULL. penetration: of the deepest point behind a surface, m.
  * impulse: sum of |F| h, N s. points: how many pushed. */
