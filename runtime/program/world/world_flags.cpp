@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -49,8 +50,8 @@ Status apply_flags(const RunOptions& flags, const std::function<bool(const char*
   const auto names = integrator_names();
   if (told("--integrator") &&
       std::find(names.begin(), names.end(), flags.integrator) == names.end())
-    return usage_error(fmt::format("unknown integrator '{}'; there are {}", flags.integrator,
-                                   fmt::join(names, ", ")));
+    return usage_error(fmt::format("--integrator: unknown integrator '{}'; there are {}",
+                                   flags.integrator, fmt::join(names, ", ")));
   for (SceneBody& body : file.scene.bodies)
     if (Status s = apply_to_body(flags, told, body); !s) return s;
   if (told("--step")) file.scene.step = flags.step;
@@ -65,7 +66,13 @@ Status apply_flags(const RunOptions& flags, const std::function<bool(const char*
     return usage_error("--surfaces and --plot need --out DIR");
   if (outputs.every < 1) return content_error("--every must be at least 1");
   if (outputs.surfaces < 0) return content_error("--surfaces must not be negative");
-  return check_scene(file.scene);
+  const Status good = check_scene(file.scene);
+  if (good) return good;
+  // The scene was good without the flags.
+  std::string flagged;
+  for (const char* flag : {"--step", "--duration", "--integrator"})
+    if (told(flag)) flagged += std::string(flagged.empty() ? "with " : ", ") + flag;
+  return Error{good.error().kind, (flagged.empty() ? "" : flagged + ": ") + good.error().message};
 }
 
 }  // namespace tremolo
