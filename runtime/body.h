@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,6 +29,7 @@ namespace tremolo {
 // kUsage unless q and p have `modes` finite entries each.
 Status check_state(Eigen::Index modes, const Eigen::VectorXd& q, const Eigen::VectorXd& p);
 
+class BodyGroup;
 class ContactStep;
 
 // Energies are looked at every so many steps: a look costs at most a force.
@@ -206,6 +208,14 @@ class Body {
   void gather_on_free();
   StepReport advance();
   StepReport advance_among(std::span<const PlacedCollider> colliders);
+  // The parts of a step, for groups of bodies that touch each other.
+  friend class BodyGroup;
+  std::optional<StepReport> begin_step();
+  bool near_something(std::span<const PlacedCollider> colliders);
+  void end_contact();
+  StepReport end_step(StepReport report);
+  void fall_asleep();
+  void sleep_a_step();
   StepPoses step_poses() const;
   Grip* find_hand(std::size_t hand);
   double end_frame_step(bool made);
@@ -240,6 +250,7 @@ class Body {
   std::vector<AppliedForce> applied_;
   StepLoad step_load_;
   Eigen::VectorXd q_before_;
+  double kick_ = 0.0;  // of the step's loads, J
   std::int64_t steps_ = 0;
   std::int64_t iterations_ = 0;
   std::int64_t halved_steps_ = 0;

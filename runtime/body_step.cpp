@@ -9,21 +9,28 @@
 namespace tremolo {
 
 StepReport Body::step(std::span<const PlacedCollider> colliders) {
+  if (const std::optional<StepReport> failed = begin_step()) return *failed;
+  return end_step(advance_among(colliders));
+}
+
+// The loads of the step; what is wrong with them.
+std::optional<StepReport> Body::begin_step() {
   gather_loads();
-  const double kick = this->kick();
-  if (!std::isfinite(kick)) {
-    StepReport report{.converged = false, .failure = StepFailure::kLoad};
-    return explain(report);
-  }
+  kick_ = kick();
+  if (!std::isfinite(kick_)) return explain({.converged = false, .failure = StepFailure::kLoad});
   q_before_ = state_.q;
-  StepReport report = advance_among(colliders);
+  return std::nullopt;
+}
+
+// Books a step that was made, or says why it was not.
+StepReport Body::end_step(StepReport report) {
   iterations_ += report.iterations;
   const double frame_work = end_frame_step(report.converged);
   if (!report.converged) return explain(report);
   const double work = frame_work + step_load_.average.dot(state_.q - q_before_) + report.extra_work;
   work_ += work;
   dissipated_ += report.dissipated;
-  bound_.put_in(work, kick);
+  bound_.put_in(work, kick_);
   if (++steps_since_look_ >= kStepsBetweenLooks && !look()) {
     put_back();
     report.converged = false;

@@ -50,19 +50,14 @@ ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider
   return start;
 }
 
-ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
-                           const ContactStart& start, const Vector3d& x1, double h) {
+ContactForce contact_force(const ContactLaw& law, double d0, double e0, double d1,
+                           const Vector3d& middle, const Vector3d& way, double h) {
   ContactForce contact;
-  const Vector3d end = into_frame(collider.end, x1);
-  const double d0 = start.distance;
-  const double d1 = signed_distance(collider.shape, end).distance;
   contact.distance = d1;
   contact.energy = law.energy(d1);
   const MeanForce mean = mean_force(law.stiffness, law.margin - d0, law.margin - d1);
   if (mean.value == 0.0) return contact;
 
-  const Vector3d way = end - start.place;
-  const Vector3d middle = signed_distance(collider.shape, 0.5 * (start.place + end)).normal;
   Vector3d normal = middle;
   // Below this the change of distance is rounding.
   if (const double length2 = way.squaredNorm(); length2 > 1e-18 * law.margin * law.margin)
@@ -73,7 +68,7 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
   const double along = std::clamp(speed / law.rebound_speed, 0.0, 1.0);
   const double share = 1.0 - (1.0 - least) * along * along * (3.0 - 2.0 * along);
   contact.pressure = mean.value;
-  contact.lost = (1.0 - share) * std::max(0.0, start.energy - contact.energy);
+  contact.lost = (1.0 - share) * std::max(0.0, e0 - contact.energy);
   const double fall = share * mean.fall + mean.value * (1.0 - least) * 6.0 * along * (1.0 - along) /
                                               (law.rebound_speed * h);
 
@@ -96,9 +91,27 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
   }
   stiffness -= (pressing * fall * grip) * slip * middle.transpose();
 
+  contact.force = share * mean.value * normal - rubbing * slip;
+  contact.stiffness = stiffness;
+  return contact;
+}
+
+ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
+                           const ContactStart& start, const Vector3d& x1, double h) {
+  const Vector3d end = into_frame(collider.end, x1);
+  const double d1 = signed_distance(collider.shape, end).distance;
+  if (start.distance >= law.margin && d1 >= law.margin) {
+    ContactForce apart;
+    apart.distance = d1;
+    return apart;
+  }
+  const Vector3d normal = signed_distance(collider.shape, 0.5 * (start.place + end)).normal;
+  ContactForce contact =
+      contact_force(law, start.distance, start.energy, d1, normal, end - start.place, h);
+  if (contact.pressure == 0.0) return contact;
   const Eigen::Matrix3d turn = mid_rotation(collider).toRotationMatrix();
-  contact.force = turn * (share * mean.value * normal - rubbing * slip);
-  contact.stiffness = turn * stiffness * turn.transpose();
+  contact.force = turn * contact.force;
+  contact.stiffness = turn * contact.stiffness * turn.transpose();
   return contact;
 }
 

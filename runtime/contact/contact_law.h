@@ -68,6 +68,12 @@ struct ContactForce {
   double distance = 0.0;
 };
 
+// The force of a contact whose distance goes from d0, with the energy e0, to d1 while the point
+// moves by `way` (m) relative to what it touches: normal.way is d1 - d0 nearly. normal: of the
+// middle. h: the step, s. Vectors in any one frame.
+ContactForce contact_force(const ContactLaw& law, double d0, double e0, double d1,
+                           const Eigen::Vector3d& normal, const Eigen::Vector3d& way, double h);
+
 // x: world, m.
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
                            const Eigen::Vector3d& x);

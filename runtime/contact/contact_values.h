@@ -1,9 +1,12 @@
 // What a body, its hands and those who look at them say and hear of contact.
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Core>
 
 #include "common/mesh/tet_mesh.h"
+#include "runtime/contact/collider.h"
 #include "runtime/frames/pose.h"
 #include "runtime/values/vertex_rows.h"
 
@@ -12,11 +15,16 @@ namespace tremolo {
 // How a body feels contact. points: at most so many of its boundary's vertices. margin: where
 // contact begins, as a share of the body's extent. stiffness: of the contact, as (h omega)^2 of the
 // whole body on one point at the depth of the margin; larger: less penetration, and shorter
-// contacts than the step resolves.
+// contacts than the step resolves. shape: what other bodies' points bump into, in the mesh's
+// coordinates at rest; without one they pass through. friction, restitution: towards other bodies,
+// of a pair the geometric means.
 struct ContactOptions {
   int points = 200;
   double margin = 0.005;
   double stiffness = 16.0;
+  std::optional<Collider> shape = {};
+  double friction = 0.3;
+  double restitution = 0.5;
 };
 
 // Where the body's mesh frame is in the step. Of a free body `end` is a prediction.

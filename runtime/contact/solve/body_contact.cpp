@@ -16,9 +16,16 @@ Status Body::set_contact(const ContactOptions& options) {
   if (options.points < 1 || !(options.margin > 0.0) || !(options.stiffness > 0.0) ||
       !std::isfinite(options.margin) || !std::isfinite(options.stiffness))
     return usage_error("contact needs at least one point, a margin and a stiffness above zero");
+  if (!(options.friction >= 0.0) || !std::isfinite(options.friction) ||
+      !(options.restitution >= 0.0 && options.restitution <= 1.0))
+    return usage_error(
+        "contact needs a friction that is not negative and a restitution from 0 to 1");
+  if (options.shape)
+    if (Status s = check(*options.shape); !s) return s;
   if (!energy_method_ && frame_ != FrameKind::kFixed)
     return usage_error("contact goes with avf, ep2 and ep4");
-  contact_ = std::make_shared<ContactStep>(model_, options_, options, model_->inertia()->mass);
+  contact_ = std::make_shared<ContactStep>(model_, options_, options, model_->inertia()->mass,
+                                           frame_ == FrameKind::kFree);
   return Success{};
 }
 
@@ -41,16 +48,12 @@ StepPoses Body::step_poses() const {
 
 // The step with contact where something is near.
 StepReport Body::advance_among(std::span<const PlacedCollider> colliders) {
-  if (contact_) contact_->hold(grips_);
-  if (!contact_ || !contact_->gather(colliders, step_poses(), state_.q, state_.p)) {
+  if (!near_something(colliders)) {
     if (contact_) contact_->reset();
     return advance();
   }
   const StepReport report = contact_->step(state_, step_load_, free_.get());
-  if (report.converged) {
-    integrator_->reset();
-    for (Grip& grip : grips_) grip.start = grip.end;
-  }
+  if (report.converged) end_contact();
   return report;
 }
 
@@ -62,6 +65,40 @@ void Body::reserve_contact(std::span<const PlacedCollider> colliders, std::size_
   contact_->hold(all);
   (void)contact_->gather(colliders, step_poses(), state_.q, state_.p);
   contact_->hold({});
+}
+
+// Finds what may be touched in the step.
+bool Body::near_something(std::span<const PlacedCollider> colliders) {
+  if (!contact_) return false;
+  contact_->hold(grips_);
+  return contact_->gather(colliders, step_poses(), state_.q, state_.p);
+}
+
+// After a step with contact.
+void Body::end_contact() {
+  integrator_->reset();
+  for (Grip& grip : grips_) grip.start = grip.end;
+}
+
+// Takes the motion off a body that falls asleep: contact took it.
+void Body::fall_asleep() {
+  const double before = total_energy();
+  if (free_)
+    free_->set_motion(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), state_.q,
+                      Eigen::VectorXd::Zero(state_.q.size()));
+  state_.p.setZero();
+  integrator_->reset();
+  const double taken = before - total_energy();
+  contact_lost_ += taken;
+  contact_work_ -= taken;
+  work_ -= taken;
+  keep_sound_state();
+}
+
+// Time goes by for a body that sleeps.
+void Body::sleep_a_step() {
+  ++steps_;
+  age_applied_forces();
 }
 
 Result<std::size_t> Body::grab(VertexId vertex, double stiffness, double damping) {

@@ -26,24 +26,29 @@ double reach_of(const StepPoses& poses, const Vector3d& place, double radius) {
 }  // namespace
 
 ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
-                         const ContactOptions& contact, double mass)
+                         const ContactOptions& contact, double mass, bool free)
     : model_(std::move(model)),
       options_(options),
       points_(std::make_shared<const ContactPoints>(
           choose_contact_points(*model_, static_cast<std::size_t>(contact.points)))),
       mass_(mass),
+      can_move_(free),
+      shape_(contact.shape),
       damping_(make_inertia_damping(*model_, options, cotangent_weight)),
       S_((0.5 + options.step * damping_.theta.array() * damping_.D.array()).inverse()),
       workspace_(model_->potential().make_workspace(kUseSegment)) {
   const double h = options.step;
   law_.margin = contact.margin * points_->extent;
   law_.stiffness = contact.stiffness * mass / (2.0 * h * h * law_.margin);
+  law_.friction = contact.friction;
+  law_.restitution = contact.restitution;
   law_.rebound_speed = 0.01 * law_.margin / h;
   law_.slip_speed = 0.003 * law_.margin / h;
   const Index r = model_->modes(), n = r + 6;
   for (VectorXd* v : {&q0_, &v0_, &q1_, &G_, &dp_, &force_, &middle_, &contact_push_})
     v->setZero(r);
   for (VectorXd* v : {&z_, &z_before_, &residual_, &move_}) v->setZero(n);
+  if (shape_) u0_ = u1_ = VectorXd::Zero(points_->rows.cols());
   K_.setZero(r, r);
   jacobian_.setIdentity(n, n);
   factor_.compute(jacobian_);
@@ -53,7 +58,9 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
 }
 
 void ContactStep::reset() {
+  const double left = account_.energy;
   account_ = {};
+  account_.surplus = -left;
   std::fill(impulses_.begin(), impulses_.end(), 0.0);
 }
 
@@ -64,19 +71,23 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
   candidates_.clear();
   candidates_.reserve(points_->size() * colliders.size());
   impulses_.resize(colliders.size());
+  q0_ = q;
+  if (shape_) u0_.noalias() = points_->rows.transpose() * q;
   // What the coordinates move a point by: so far, and in the step.
-  const double deformed = q.cwiseAbs().dot(points_->reach);
-  const double moving = options_.step * v.cwiseAbs().dot(points_->reach);
+  ball_.centre = poses.start * points_->centre;
+  ball_.radius = points_->radius;
+  ball_.deformed = q.cwiseAbs().dot(points_->reach);
+  ball_.travel = options_.step * v.cwiseAbs().dot(points_->reach) +
+                 reach_of(poses, points_->centre, ball_.radius + ball_.deformed);
   for (std::size_t c = 0; c < colliders.size(); ++c) {
     const PlacedCollider& collider = colliders[c];
-    const Vector3d centre = poses.start * points_->centre;
-    const double radius = points_->radius + deformed;
+    const Vector3d centre = ball_.centre;
+    const double radius = ball_.radius + ball_.deformed;
     // The collider's own motion, of what is near the body.
     const StepPoses its{collider.start, collider.end};
     const Vector3d local = collider.start.rotation.conjugate() * (centre - collider.start.position);
     // Twice: contact may speed a point up.
-    const double reach = law_.margin + 2.0 * (moving + reach_of(poses, points_->centre, radius) +
-                                              reach_of(its, local, radius));
+    const double reach = law_.margin + 2.0 * (ball_.travel + reach_of(its, local, radius));
     if (signed_distance(collider.shape, local).distance > radius + reach) continue;
     add_candidates(collider, c, q, reach);
   }
@@ -105,119 +116,181 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
   }
 }
 
-// mean: Ro0^T Ro~.
+void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* free) {
+  const double h = options_.step;
+  const Index r = model_->modes();
+  load_ = &load;
+  free_ = free;
+  in_island_ = true;
+  q0_ = state.q;
+  v0_ = state.p;
+  if (load.coupling != nullptr) load.coupling->begin(h, q0_, v0_);
+  R0_ = poses_.start.rotation.toRotationMatrix();
+  origin_ = free_ != nullptr ? free_->mesh_centre() : Vector3d(Vector3d::Zero());
+  c0_ = free_ != nullptr ? free_->rigid().centre : poses_.start.position;
+  z_.head(r) = h * v0_;
+  scale_ = 0.0;
+  pairs_ = {};
+  pairs_start_ = 0.0;
+  if (free_ != nullptr) {
+    z_.segment<3>(r) = free_->rigid().spin;
+    z_.tail<3>() = h * free_->rigid().velocity;
+    return;
+  }
+  turn_ = R0_.transpose() * poses_.end.rotation.toRotationMatrix();
+  const Eigen::Quaterniond turn = poses_.start.rotation.conjugate() * poses_.end.rotation;
+  phi_ = 2.0 / turn.w() * turn.vec();
+  c1_ = poses_.end.position;
+}
+
 template <class Rows>
-ContactStep::Touch ContactStep::touch_at(const Vector3d& rest, const Rows& rows,
-                                         const Matrix3d& mean) const {
+ContactTouch ContactStep::touch_at(const Vector3d& rest, const Rows& rows) const {
   const Vector3d from = rest - origin_;
   const Vector3d y0 = from + rows.transpose() * q0_;
   const Vector3d y1 = from + rows.transpose() * q1_;
-  return {c0_ + R0_ * y0, c1_ + R1_ * y1, mean * (0.5 * (y0 + y1))};
+  return {c0_ + R0_ * y0, c1_ + R1_ * y1, mean_ * (0.5 * (y0 + y1))};
+}
+
+ContactTouch ContactStep::touch_at_point(std::size_t point) const {
+  return touch_at(points_->rest[point], point_rows(point));
+}
+
+Vector3d ContactStep::middle_of(const ContactTouch& touch) const {
+  return 0.5 * (c0_ + c1_) + R0_ * touch.arm;
+}
+
+ContactTouch ContactStep::touch_by_other(const Vector3d& x1, const Vector3d& middle) const {
+  return {x1, x1, R0_.transpose() * (middle - 0.5 * (c0_ + c1_))};
+}
+
+Vector3d ContactStep::way_under(const ContactTouch& touch, const Eigen::MatrixX3d& rows) const {
+  const Vector3d bent = mean_ * (rows.transpose() * z_.head(model_->modes()));
+  return (c1_ - c0_) + R0_ * (phi_.cross(touch.arm) + bent);
+}
+
+Vector3d ContactStep::into_rest(const Vector3d& x, bool at_end) const {
+  return (at_end ? R1_ : R0_).transpose() * (x - (at_end ? c1_ : c0_)) + origin_;
 }
 
 // force: world.
 template <class Rows>
-void ContactStep::add_force(const Vector3d& force, const Touch& touch, const Rows& rows,
-                            const Matrix3d& mean) {
+void ContactStep::add_force(const Vector3d& force, const ContactTouch& touch, const Rows& rows) {
   const Vector3d pull = R0_.transpose() * force;
-  contact_push_.noalias() += rows * (mean.transpose() * pull);
+  contact_push_.noalias() += rows * (mean_.transpose() * pull);
   contact_force_ += force;
   contact_torque_ += touch.arm.cross(pull);
 }
 
+void ContactStep::push_point(const Vector3d& force, const ContactTouch& touch, std::size_t point) {
+  add_force(force, touch, point_rows(point));
+}
+
+void ContactStep::push_rows(const Vector3d& force, const ContactTouch& touch,
+                            const Eigen::MatrixX3d& rows) {
+  add_force(force, touch, rows);
+}
+
 // A spring's mean force is that at the middle of the step, and exactly its discrete gradient.
-void ContactStep::add_grips(const Matrix3d& mean) {
+void ContactStep::add_grips() {
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     Grip& grip = grips_[i];
-    Touch& touch = held_[i];
-    touch = touch_at(grip.place.rest, grip.place.rows.transpose(), mean);
+    ContactTouch& touch = held_[i];
+    touch = touch_at(grip.place.rest, grip.place.rows.transpose());
     const Vector3d from = touch.x0 - grip.start, to = touch.x1 - grip.end;
     grip.force =
         (-0.5 * grip.stiffness) * (from + to) - (grip.damping / options_.step) * (to - from);
-    add_force(grip.force, touch, grip.place.rows.transpose(), mean);
+    add_force(grip.force, touch, grip.place.rows.transpose());
   }
 }
 
-// The forces of contact and hands at the present end of the step, into force_ and, of a free body,
-// residual_.
-void ContactStep::add_contact(FreeFrame* free, const Matrix3d& turn) {
-  const double h = options_.step;
-  const Index r = model_->modes();
-  const Matrix3d mean = 0.5 * (Matrix3d::Identity() + turn);
+void ContactStep::add_contact() {
   contact_force_.setZero();
   contact_torque_.setZero();
   contact_push_.setZero();
   for (Candidate& candidate : candidates_) {
-    const auto rows = points_->rows.middleCols<3>(static_cast<Index>(3 * candidate.point));
-    candidate.touch = touch_at(points_->rest[candidate.point], rows, mean);
+    candidate.touch = touch_at_point(candidate.point);
     candidate.now = contact_force(candidate.law, colliders_[candidate.collider], candidate.start,
-                                  candidate.touch.x1, h);
-    if (candidate.now.pressure != 0.0) add_force(candidate.now.force, candidate.touch, rows, mean);
+                                  candidate.touch.x1, options_.step);
+    if (candidate.now.pressure != 0.0)
+      push_point(candidate.now.force, candidate.touch, candidate.point);
   }
-  add_grips(mean);
-  force_ -= contact_push_;
-  if (free == nullptr) return;
-  residual_.segment<3>(r) -= h * (turn.transpose() * contact_torque_);
-  residual_.tail<3>() -= contact_force_;
+  add_grips();
 }
 
-// How the residual changes with the end of a touched place, whose force falls with it by
-// `stiffness`, into jacobian_.
+// How the residual falls with a force on a touched place, n x 3 in push_, and how the place's end
+// moves with the unknowns, 3 x n in way_.
 template <class Rows>
-void ContactStep::add_tangent(const Matrix3d& stiffness, const Touch& touch, const Rows& rows,
-                              FreeFrame* free) {
+void ContactStep::make_lever(const ContactTouch& touch, const Rows& rows) {
   const double h = options_.step;
-  const Index r = model_->modes(), n = free != nullptr ? r + 6 : r;
-  const Matrix3d mean = 0.5 * (R0_ + R1_);
+  const Index r = model_->modes();
   way_.leftCols(r).noalias() = R1_ * rows.transpose();
-  push_.topRows(r).noalias() = (0.5 * h * h) * rows * mean.transpose();
-  if (free != nullptr) {
-    const Vector3d phi = (0.5 * h) * (free->rigid().spin + z_.segment<3>(r));
-    const Matrix3d turned = (0.5 * h / (1.0 + 0.25 * phi.squaredNorm())) *
-                            (Matrix3d::Identity() - 0.5 * cross_matrix(phi));
-    const Vector3d y1 = R1_.transpose() * (touch.x1 - c1_);
-    way_.middleCols<3>(r) = -R1_ * cross_matrix(y1) * turned;
-    way_.rightCols<3>().setIdentity();
-    push_.middleRows<3>(r) = h * R1_.transpose() * R0_ * cross_matrix(touch.arm) * R0_.transpose();
-    push_.bottomRows<3>().setIdentity();
-  }
+  push_.topRows(r).noalias() = (0.5 * h * h) * rows * (R0_ * mean_).transpose();
+  if (free_ == nullptr) return;
+  const Matrix3d turned = (0.5 * h / (1.0 + 0.25 * phi_.squaredNorm())) *
+                          (Matrix3d::Identity() - 0.5 * cross_matrix(phi_));
+  const Vector3d y1 = R1_.transpose() * (touch.x1 - c1_);
+  way_.middleCols<3>(r) = -R1_ * cross_matrix(y1) * turned;
+  way_.rightCols<3>().setIdentity();
+  push_.middleRows<3>(r) = h * turn_.transpose() * cross_matrix(touch.arm) * R0_.transpose();
+  push_.bottomRows<3>().setIdentity();
+}
+
+void ContactStep::lever_at_point(const ContactTouch& touch, std::size_t point) {
+  make_lever(touch, point_rows(point));
+}
+
+void ContactStep::lever_at_rows(const ContactTouch& touch, const Eigen::MatrixX3d& rows) {
+  make_lever(touch, rows);
+}
+
+void ContactStep::add_tangent(const Matrix3d& stiffness) {
+  const Index n = unknowns();
   pushed_.topRows(n).noalias() = push_.topRows(n) * stiffness;
   jacobian_.topLeftCorner(n, n).noalias() += pushed_.topRows(n) * way_.leftCols(n);
 }
 
-// The residual at z_. Rows: of d as in energy_preserving.cpp, in units of q; of omega1, N m s; of
-// e, N.
-double ContactStep::evaluate(const StepLoad& load, FreeFrame* free) {
+void ContactStep::evaluate() {
   const double h = options_.step;
   const Index r = model_->modes();
-  const VectorXd& n = damping_.n;
   const auto d = z_.head(r);
   q1_ = q0_ + d;
+  if (in_island_ && shape_) u1_.noalias() = points_->rows.transpose() * q1_;
   model_->potential().averaged_gradient(q0_, q1_, workspace_, G_, nullptr);
-  dp_ = S_.cwiseProduct(n.cwiseProduct(d) / h - v0_);
-  force_ = G_ - load.average;
+  dp_ = S_.cwiseProduct(damping_.n.cwiseProduct(d) / h - v0_);
+  force_ = G_ - load_->average;
   middle_ = d;
-  Matrix3d turn = turn_;
-  if (free != nullptr) {
-    const FreeFrame::SpinTrial trial = free->try_spin(middle_, S_, z_.segment<3>(r), dp_, force_);
-    turn = trial.turn;
+  if (free_ != nullptr) {
+    const FreeFrame::SpinTrial trial = free_->try_spin(middle_, S_, z_.segment<3>(r), dp_, force_);
+    turn_ = trial.turn;
     spin_jacobian_ = trial.jacobian;
+    phi_ = (0.5 * h) * (free_->rigid().spin + z_.segment<3>(r));
     residual_.segment<3>(r) = trial.residual;
-    residual_.tail<3>() = free->centre_residual(z_.tail<3>());
-  } else if (load.coupling != nullptr) {
-    load.coupling->evaluate(middle_, S_, dp_, force_);
+    residual_.tail<3>() = free_->centre_residual(z_.tail<3>());
+    c1_ = c0_ + z_.tail<3>();
+  } else if (load_->coupling != nullptr) {
+    load_->coupling->evaluate(middle_, S_, dp_, force_);
   }
-  R1_ = R0_ * turn;
-  c1_ = free != nullptr ? Vector3d(c0_ + z_.tail<3>()) : poses_.end.position;
-  add_contact(free, turn);
-  residual_.head(r) = (0.5 * h) * n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
-                      (0.5 * h) * damping_.D.cwiseProduct(d);
-  return size_of_residual(free);
+  R1_ = R0_ * turn_;
+  mean_ = 0.5 * (Matrix3d::Identity() + turn_);
+  add_contact();
+}
+
+double ContactStep::close() {
+  const double h = options_.step;
+  const Index r = model_->modes();
+  force_ -= contact_push_;
+  residual_.head(r) = (0.5 * h) * damping_.n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
+                      (0.5 * h) * damping_.D.cwiseProduct(z_.head(r));
+  if (free_ != nullptr) {
+    residual_.segment<3>(r) -= h * (turn_.transpose() * contact_torque_);
+    residual_.tail<3>() -= contact_force_;
+  }
+  return size_of_residual();
 }
 
 // The Jacobian of the residual that evaluate() left, without the gyroscopic terms of a turning
 // frame and the change of the lever arms, which are of a higher order in h.
-void ContactStep::make_jacobian(FreeFrame* free) {
+void ContactStep::make_jacobian() {
   const double h = options_.step;
   const Index r = model_->modes();
   const VectorXd& n = damping_.n;
@@ -226,8 +299,8 @@ void ContactStep::make_jacobian(FreeFrame* free) {
   jacobian_.topLeftCorner(r, r) = (0.5 * h * h) * K_;
   jacobian_.topLeftCorner(r, r).diagonal() +=
       (0.5 * n.array().square() * S_.array() + 0.5 * h * damping_.D.array()).matrix();
-  if (free != nullptr) {
-    const Eigen::Matrix3Xd& C1 = free->end_coupling();
+  if (free_ != nullptr) {
+    const Eigen::Matrix3Xd& C1 = free_->end_coupling();
     for (Index j = 0; j < r; ++j) {
       jacobian_.block<1, 3>(j, r) = (0.25 * h * n[j] * S_[j]) * C1.col(j).transpose();
       jacobian_.block<3, 1>(r, j) = (S_[j] * n[j] / h) * C1.col(j);
@@ -235,22 +308,24 @@ void ContactStep::make_jacobian(FreeFrame* free) {
     jacobian_.block<3, 3>(r, r) = spin_jacobian_;
     jacobian_.bottomRightCorner<3, 3>().diagonal().setConstant(2.0 * mass_ / (h * h));
   }
-  for (const Candidate& candidate : candidates_)
-    if (candidate.now.pressure != 0.0)
-      add_tangent(candidate.now.stiffness, candidate.touch,
-                  points_->rows.middleCols<3>(static_cast<Index>(3 * candidate.point)), free);
+  for (const Candidate& candidate : candidates_) {
+    if (candidate.now.pressure == 0.0) continue;
+    lever_at_point(candidate.touch, candidate.point);
+    add_tangent(candidate.now.stiffness);
+  }
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     const double stiffness = 0.5 * grips_[i].stiffness + grips_[i].damping / h;
-    add_tangent(stiffness * Matrix3d::Identity(), held_[i], grips_[i].place.rows.transpose(), free);
+    make_lever(held_[i], grips_[i].place.rows.transpose());
+    add_tangent(stiffness * Matrix3d::Identity());
   }
 }
 
 // All rows as momenta, kg^1/2 m/s.
-double ContactStep::size_of_residual(FreeFrame* free) const {
+double ContactStep::size_of_residual() const {
   const double h = options_.step;
   const Index r = model_->modes();
   double square = residual_.head(r).squaredNorm() * 4.0 / (h * h);
-  if (free != nullptr) {
+  if (free_ != nullptr) {
     const double arm2 = mass_ * points_->radius * points_->radius;
     square += residual_.segment<3>(r).squaredNorm() / arm2;
     square += residual_.tail<3>().squaredNorm() * h * h / mass_;
@@ -259,11 +334,11 @@ double ContactStep::size_of_residual(FreeFrame* free) const {
 }
 
 // What size_of_residual() is measured by: momenta, and forces times h.
-double ContactStep::size_of_motion(const StepLoad& load, FreeFrame* free) const {
+double ContactStep::size_of_motion() const {
   const double h = options_.step;
-  double size = v0_.norm() + h * (G_.norm() + load.average.norm() + contact_push_.norm());
-  if (free == nullptr) return size;
-  const RigidState& rigid = free->rigid();
+  double size = v0_.norm() + h * (G_.norm() + load_->average.norm() + contact_push_.norm());
+  if (free_ == nullptr) return size;
+  const RigidState& rigid = free_->rigid();
   const double root = std::sqrt(mass_);
   size += root * (rigid.velocity.norm() + points_->radius * rigid.spin.norm());
   size += h / root * (contact_force_.norm() + contact_torque_.norm() / points_->radius);
@@ -271,60 +346,64 @@ double ContactStep::size_of_motion(const StepLoad& load, FreeFrame* free) const 
 }
 
 // What rounding of a place leaves of the momenta of stiff hands.
-double ContactStep::grips_rounding(FreeFrame* free) const {
+double ContactStep::grips_rounding() const {
   const double h = options_.step;
   double sum = 0.0;
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     const Grip& grip = grips_[i];
     const double stiffness = 0.5 * grip.stiffness + grip.damping / h;
     const double lightness =
-        grip.place.rows.norm() + (free != nullptr ? 1.0 / std::sqrt(mass_) : 0.0);
+        grip.place.rows.norm() + (free_ != nullptr ? 1.0 / std::sqrt(mass_) : 0.0);
     sum += stiffness * (held_[i].x1.norm() + grip.end.norm() + points_->extent) * lightness;
   }
   return 4.0 * std::numeric_limits<double>::epsilon() * h * sum;
 }
 
 // By how much move_ moves any point at most, m.
-double ContactStep::way_of_move(FreeFrame* free) const {
+double ContactStep::way_of_move() const {
   const Index r = model_->modes();
   const double way = move_.head(r).cwiseAbs().dot(points_->reach);
-  if (free == nullptr) return way;
+  if (free_ == nullptr) return way;
   const double turned = options_.step * points_->radius * move_.segment<3>(r).norm();
   return way + turned + move_.segment<3>(r + 3).norm();
 }
 
-bool ContactStep::solve(const StepLoad& load, FreeFrame* free, StepReport& report) {
-  const Index r = model_->modes(), n = free != nullptr ? r + 6 : r;
-  double size = evaluate(load, free);
+double ContactStep::enough() {
+  scale_ = std::max(scale_, size_of_motion());
+  return std::max({kTolerance * scale_, grips_rounding(), std::numeric_limits<double>::min()});
+}
+
+bool ContactStep::solve(StepReport& report) {
   const double h = options_.step;
-  // The largest momentum that anything in the step amounts to.
-  double scale = 0.0;
+  const Index n = unknowns();
+  evaluate();
+  double size = close();
   for (int i = 0; i < kIterations; ++i) {
     report.residual = 0.5 * h * size;
-    scale = std::max(scale, size_of_motion(load, free));
-    const double enough =
-        std::max({kTolerance * scale, grips_rounding(free), std::numeric_limits<double>::min()});
+    const double enough = this->enough();
     if (size <= enough) return true;
     if (!std::isfinite(size)) return false;
-    make_jacobian(free);
+    make_jacobian();
     factor_.compute(jacobian_.topLeftCorner(n, n));
     move_.head(n) = factor_.solve(residual_.head(n));
     // A move that rounding of the points' places swallows.
-    if (way_of_move(free) <= kRoundedWay * points_->extent) return true;
+    if (way_of_move() <= kRoundedWay * points_->extent) return true;
     z_before_ = z_;
     double length = 1.0;
     double next = 0.0;
     bool shorter = false;
-    for (int k = 0; k <= kShorter; ++k, length *= 0.5) {
+    for (int k = 0; k <= kShorter && !shorter; ++k, length *= 0.5) {
       z_.head(n) = z_before_.head(n) - length * move_.head(n);
-      next = evaluate(load, free);
-      if ((shorter = next < (1.0 - 0.1 * length) * size)) break;
+      evaluate();
+      next = close();
+      shorter = next < (1.0 - 0.1 * length) * size;
     }
     ++report.iterations;
     // At rounding no move helps.
     if (!shorter && size <= 1e3 * enough) {
       z_ = z_before_;
-      evaluate(load, free);
+      evaluate();
+      close();
       return true;
     }
     size = next;
@@ -333,38 +412,26 @@ bool ContactStep::solve(const StepLoad& load, FreeFrame* free, StepReport& repor
 }
 
 StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free) {
-  const double h = options_.step;
-  const Index r = model_->modes();
-  q0_ = state.q;
-  v0_ = state.p;
-  if (load.coupling != nullptr) load.coupling->begin(h, q0_, v0_);
-  R0_ = poses_.start.rotation.toRotationMatrix();
-  turn_ = R0_.transpose() * poses_.end.rotation.toRotationMatrix();
-  origin_ = free != nullptr ? free->mesh_centre() : Vector3d(Vector3d::Zero());
-  c0_ = free != nullptr ? free->rigid().centre : poses_.start.position;
-  z_.head(r) = h * v0_;
-  if (free != nullptr) {
-    z_.segment<3>(r) = free->rigid().spin;
-    z_.tail<3>() = h * free->rigid().velocity;
-  }
   StepReport report;
-  report.converged = solve(load, free, report) && z_.allFinite();
-  if (report.converged) finish(state, load, free, report);
+  begin(state, load, free);
+  in_island_ = false;
+  report.converged = solve(report) && z_.allFinite();
+  if (report.converged) finish(state, report);
   return report;
 }
 
 // The state at the end, with the forces of contact as they were found: omega1 last and to rounding.
-void ContactStep::finish(State& state, const StepLoad& load, FreeFrame* free, StepReport& report) {
+void ContactStep::finish(State& state, StepReport& report) {
   const double h = options_.step;
   const VectorXd& n = damping_.n;
   VectorXd& d = middle_;
   d = z_.head(model_->modes());
-  settle_account(free);
-  if (free != nullptr) {
-    free->set_contact(contact_force_, contact_torque_);
+  settle_account();
+  if (free_ != nullptr) {
+    free_->set_contact(contact_force_, contact_torque_);
     dp_ = S_.cwiseProduct(n.cwiseProduct(d) / h - v0_);
-    force_ = G_ - load.average;
-    free->evaluate(d, S_, dp_, force_);
+    force_ = G_ - load_->average;
+    free_->evaluate(d, S_, dp_, force_);
     force_ -= contact_push_;
   }
   const double defect =
@@ -373,31 +440,32 @@ void ContactStep::finish(State& state, const StepLoad& load, FreeFrame* free, St
   report.dissipated = damping_.D.dot(d.cwiseAbs2()) / h +
                       h * damping_.theta.cwiseProduct(damping_.D).dot(dp_.cwiseAbs2());
   state.q = q1_;
-  if (load.coupling == nullptr || !load.coupling->finish(d, defect, state.p)) {
+  if (load_->coupling == nullptr || !load_->coupling->finish(d, defect, state.p)) {
     state.p += dp_;
     give_back(defect, 0.5 * state.p.squaredNorm(), state.p);
   }
 }
 
 // A hand's work, on a driven body that on its motion relative to the frame.
-void ContactStep::settle_grips(FreeFrame* free) {
+void ContactStep::settle_grips() {
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     Grip& grip = grips_[i];
-    const Touch& touch = held_[i];
+    const ContactTouch& touch = held_[i];
     const Vector3d way = touch.x1 - touch.x0 - (grip.end - grip.start);
     grip.damped = grip.damping / options_.step * way.squaredNorm();
     const Vector3d mean_force = 0.5 * (R0_ + R1_).transpose() * grip.force;
-    grip.work = free != nullptr ? grip.force.dot(touch.x1 - touch.x0)
-                                : (grip.place.rows * z_.head(model_->modes())).dot(mean_force);
+    grip.work = free_ != nullptr ? grip.force.dot(touch.x1 - touch.x0)
+                                 : (grip.place.rows * z_.head(model_->modes())).dot(mean_force);
     account_.hand_work += grip.work;
     account_.hand_damped += grip.damped;
   }
 }
 
-void ContactStep::settle_account(FreeFrame* free) {
+void ContactStep::settle_account() {
   const double before = account_.energy;
   reset();
-  double start = 0.0;
+  account_ = pairs_;
+  double start = pairs_start_;
   for (const Candidate& candidate : candidates_) {
     const ContactForce& now = candidate.now;
     start += candidate.start.energy;
@@ -412,8 +480,8 @@ void ContactStep::settle_account(FreeFrame* free) {
     account_.impulse += impulse;
     ++account_.active;
   }
-  settle_grips(free);
-  if (free == nullptr)
+  settle_grips();
+  if (free_ == nullptr)
     account_.work = contact_push_.dot(z_.head(model_->modes())) - account_.hand_work;
   account_.surplus = start - before;
   account_.given = account_.work + account_.energy - start + account_.lost + account_.rubbed;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,11 +24,25 @@
 
 namespace tremolo {
 
+// What a force on a place of the body, or on a hand's vertex, does. x0, x1: where it is at the ends
+// of the step, m, world. arm: of the force about the centre, along the body's axes at the start.
+struct ContactTouch {
+  Eigen::Vector3d x0 = Eigen::Vector3d::Zero(), x1 = x0;
+  Eigen::Vector3d arm = x0;
+};
+
+// Where a body's points are in a step: at its start within `radius` + `deformed` of `centre` in the
+// world, m; in it none goes farther than `travel` without contact.
+struct ContactBall {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double radius = 0.0, deformed = 0.0, travel = 0.0;
+};
+
 class ContactStep {
  public:
-  // mass: kg.
+  // mass: kg. free: nothing holds the body.
   ContactStep(Model::Pointer model, const IntegratorOptions& options, const ContactOptions& contact,
-              double mass);
+              double mass, bool free);
 
   const ContactPoints& points() const { return *points_; }
   const ContactLaw& law() const { return law_; }
@@ -50,61 +65,122 @@ class ContactStep {
   // For each collider the impulse on it in the last step, N s; 0 where there was no contact.
   std::span<const double> impulses() const { return impulses_; }
 
+  // What solvers of several bodies at once need (contact_island.h). After gather(): begin(), with
+  // z() where the body would go without forces; evaluate() at a z(), then the forces of the other
+  // bodies, then close(); make_jacobian() there; in the end settle_pairs() and finish().
+  void begin(const State& state, const StepLoad& load, FreeFrame* free);
+  Eigen::Index unknowns() const { return model_->modes() + (free_ != nullptr ? 6 : 0); }
+  // unknowns() entries of these are used. residual: kg^1/2 m for d, N m s for omega1, N for e.
+  Eigen::VectorXd& z() { return z_; }
+  const Eigen::VectorXd& residual() const { return residual_; }
+  const Eigen::MatrixXd& jacobian() const { return jacobian_; }
+  void evaluate();
+  double close();   // the residual's size, all rows as momenta, kg^1/2 m/s
+  double enough();  // a residual's size that is small; call it once an iteration
+  void make_jacobian();
+  // What other bodies' contact is in the account: energy, lost, rubbed, work, given, penetration,
+  // impulse and active of `pairs`, and the energy at the start of the step, J.
+  void settle_pairs(const ContactAccount& pairs, double start) {
+    pairs_ = pairs;
+    pairs_start_ = start;
+  }
+  // The state at the end of the step.
+  void finish(State& state, StepReport& report);
+
+  // A place of the body that touches, at the present z(): a point; or where another body's point
+  // is, which ends at x1 and whose mean place is `middle`, m, world.
+  ContactTouch touch_at_point(std::size_t point) const;
+  ContactTouch touch_by_other(const Eigen::Vector3d& x1, const Eigen::Vector3d& middle) const;
+  // The mean place about which a force's torque is taken, m, world.
+  Eigen::Vector3d middle_of(const ContactTouch& touch) const;
+  // By how much such a place, whose rows of U are `rows` (transposed, r x 3), moves in the step, m,
+  // world: a force's work on the body is its product with this.
+  Eigen::Vector3d way_under(const ContactTouch& touch, const Eigen::MatrixX3d& rows) const;
+  // A place of the world in the mesh's coordinates, at the start or the end of the step.
+  Eigen::Vector3d into_rest(const Eigen::Vector3d& x, bool at_end) const;
+  // A direction of those coordinates in the world, in the middle.
+  Eigen::Vector3d turn_out(const Eigen::Vector3d& n) const { return R0_ * (mean_ * n); }
+  const Eigen::VectorXd& q_start() const { return q0_; }
+  // U q of all points, x y z x y z, m; for a body with a shape.
+  const Eigen::VectorXd& u_start() const { return u0_; }
+  const Eigen::VectorXd& u_end() const { return u1_; }
+  // A force, N, world, between evaluate() and close().
+  void push_point(const Eigen::Vector3d& force, const ContactTouch& touch, std::size_t point);
+  void push_rows(const Eigen::Vector3d& force, const ContactTouch& touch,
+                 const Eigen::MatrixX3d& rows);
+  // What a force on the place does to the residual, n x 3 (it falls by that), and how the place's
+  // end moves with the unknowns, 3 x n. Valid until the next lever.
+  void lever_at_point(const ContactTouch& touch, std::size_t point);
+  void lever_at_rows(const ContactTouch& touch, const Eigen::MatrixX3d& rows);
+  auto lever_push() const { return push_.topRows(unknowns()); }
+  auto lever_way() const { return way_.leftCols(unknowns()); }
+  // Adds the lever's to the Jacobian, of a place whose force falls with its end by `stiffness`,
+  // N/m.
+  void add_tangent(const Eigen::Matrix3d& stiffness);
+  double mass() const { return mass_; }
+  bool can_move() const { return can_move_; }
+  // What other bodies bump into; null: nothing.
+  const Collider* shape() const { return shape_ ? &*shape_ : nullptr; }
+  // Of the last gather().
+  const ContactBall& ball() const { return ball_; }
+  const StepPoses& poses() const { return poses_; }
+
  private:
-  // What a force on a place of the body, or on a hand's vertex, does. rows: r x 3.
-  struct Touch {
-    Eigen::Vector3d x0 = Eigen::Vector3d::Zero(), x1 = x0;  // world
-    Eigen::Vector3d arm = x0;  // of the force about the centre, along the body's axes at the start
-  };
   struct Candidate {
     std::size_t point;
     std::size_t collider;
     ContactLaw law;
     ContactStart start;
     ContactForce now;
-    Touch touch;
+    ContactTouch touch;
   };
 
+  auto point_rows(std::size_t point) const {
+    return points_->rows.middleCols<3>(static_cast<Eigen::Index>(3 * point));
+  }
   void add_candidates(const PlacedCollider& collider, std::size_t index, const Eigen::VectorXd& q,
                       double reach);
-  double evaluate(const StepLoad& load, FreeFrame* free);
   template <class Rows>
-  Touch touch_at(const Eigen::Vector3d& rest, const Rows& rows, const Eigen::Matrix3d& mean) const;
+  ContactTouch touch_at(const Eigen::Vector3d& rest, const Rows& rows) const;
   template <class Rows>
-  void add_force(const Eigen::Vector3d& force, const Touch& touch, const Rows& rows,
-                 const Eigen::Matrix3d& mean);
-  void add_grips(const Eigen::Matrix3d& mean);
-  void add_contact(FreeFrame* free, const Eigen::Matrix3d& turn);
-  void make_jacobian(FreeFrame* free);
+  void add_force(const Eigen::Vector3d& force, const ContactTouch& touch, const Rows& rows);
   template <class Rows>
-  void add_tangent(const Eigen::Matrix3d& stiffness, const Touch& touch, const Rows& rows,
-                   FreeFrame* free);
-  double size_of_residual(FreeFrame* free) const;
-  double way_of_move(FreeFrame* free) const;
-  double grips_rounding(FreeFrame* free) const;
-  double size_of_motion(const StepLoad& load, FreeFrame* free) const;
-  bool solve(const StepLoad& load, FreeFrame* free, StepReport& report);
-  void finish(State& state, const StepLoad& load, FreeFrame* free, StepReport& report);
-  void settle_grips(FreeFrame* free);
-  void settle_account(FreeFrame* free);
+  void make_lever(const ContactTouch& touch, const Rows& rows);
+  void add_grips();
+  void add_contact();
+  double size_of_residual() const;
+  double size_of_motion() const;
+  double way_of_move() const;
+  double grips_rounding() const;
+  bool solve(StepReport& report);
+  void settle_grips();
+  void settle_account();
 
   Model::Pointer model_;
   IntegratorOptions options_;
   std::shared_ptr<const ContactPoints> points_;
   ContactLaw law_;
   double mass_;
+  bool can_move_;
+  bool in_island_ = false;  // other bodies may touch it in the step
+  std::optional<Collider> shape_;
+  ContactBall ball_;
   InertiaDamping damping_;
   Eigen::VectorXd S_;
   PotentialWorkspace workspace_;
   std::vector<Candidate> candidates_;
   std::span<Grip> grips_;
-  std::vector<Touch> held_;  // one a grip
+  std::vector<ContactTouch> held_;  // one a grip
   std::vector<double> impulses_;
   std::span<const PlacedCollider> colliders_;
   StepPoses poses_;
   ContactAccount account_;
+  ContactAccount pairs_;
+  double pairs_start_ = 0.0;
+  const StepLoad* load_ = nullptr;
+  FreeFrame* free_ = nullptr;
 
-  Eigen::VectorXd q0_, v0_, q1_, G_, dp_, force_, middle_, contact_push_;
+  Eigen::VectorXd u0_, u1_, q0_, v0_, q1_, G_, dp_, force_, middle_, contact_push_;
   Eigen::MatrixXd K_;
   Eigen::VectorXd z_, z_before_, residual_, move_;
   Eigen::MatrixXd jacobian_;
@@ -112,7 +188,10 @@ class ContactStep {
   Eigen::MatrixXd push_;    // n x 3: how a force on a point changes the residual
   Eigen::MatrixXd pushed_;  // that times a stiffness
   Eigen::MatrixXd way_;     // 3 x n: how the point's end moves with the unknowns
-  Eigen::Matrix3d R0_, R1_, turn_, spin_jacobian_;
+  Eigen::Matrix3d R0_, R1_, spin_jacobian_;
+  Eigen::Matrix3d turn_;     // Ro0^T Ro1
+  Eigen::Matrix3d mean_;     // Ro0^T Ro~
+  Eigen::Vector3d phi_;      // cay(phi) is turn_
   Eigen::Vector3d c0_, c1_;  // of the mesh's origin, or of a free body's centre of mass
   Eigen::Vector3d origin_;   // in the mesh's coordinates, of c
   Eigen::Vector3d contact_force_, contact_torque_;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
-#include <string>
+#include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -66,13 +67,11 @@ Status apply_flags(const RunOptions& flags, const std::function<bool(const char*
     return usage_error("--surfaces and --plot need --out DIR");
   if (outputs.every < 1) return content_error("--every must be at least 1");
   if (outputs.surfaces < 0) return content_error("--surfaces must not be negative");
-  const Status good = check_scene(file.scene);
-  if (good) return good;
-  // The scene was good without the flags.
-  std::string flagged;
-  for (const char* flag : {"--step", "--duration", "--integrator"})
-    if (told(flag)) flagged += std::string(flagged.empty() ? "with " : ", ") + flag;
-  return Error{good.error().kind, (flagged.empty() ? "" : flagged + ": ") + good.error().message};
+  for (const auto& [flag, value] :
+       {std::pair{"--step", file.scene.step}, {"--duration", file.scene.duration}})
+    if (told(flag) && !(value > 0.0 && std::isfinite(value)))
+      return content_error(fmt::format("{} must be positive and finite (s)", flag));
+  return check_scene(file.scene);
 }
 
 }  // namespace tremolo

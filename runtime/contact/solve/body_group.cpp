@@ -1,0 +1,247 @@
+#include "runtime/contact/solve/body_group.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+bool moves(const PlacedCollider& collider) {
+  return collider.start.position != collider.end.position ||
+         collider.start.rotation.coeffs() != collider.end.rotation.coeffs();
+}
+
+// Whether a collider that moves comes near the body.
+bool is_disturbed(const ContactStep& contact, std::span<const PlacedCollider> colliders) {
+  const ContactBall& ball = contact.ball();
+  for (const PlacedCollider& collider : colliders) {
+    if (!moves(collider)) continue;
+    for (const Pose& pose : {collider.start, collider.end}) {
+      const Vector3d local = pose.rotation.conjugate() * (ball.centre - pose.position);
+      const double far = ball.radius + ball.deformed + 2.0 * contact.law().margin;
+      if (signed_distance(collider.shape, local).distance < far) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+bool BodyGroup::has_to_wake(std::size_t i) const {
+  const Body& body = *bodies_[i];
+  return !body.grips_.empty() || body.load_to_come() || body.gravity() != rest_[i].gravity ||
+         is_disturbed(*body.contact_, colliders_);
+}
+
+// Begins the step of a body that is awake, up to what it may touch of the colliders.
+void BodyGroup::begin(std::size_t i) {
+  Body& body = *bodies_[i];
+  if (const std::optional<StepReport> failed = body.begin_step()) {
+    reports_[i] = *failed;
+    return;
+  }
+  near_[i] = body.near_something(colliders_) ? 1 : 0;
+  begun_[i] = 1;
+}
+
+// The points of a and b that may touch; wakes the one that sleeps.
+void BodyGroup::look_at(std::size_t a, std::size_t b) {
+  const ContactStep& first = *bodies_[a]->contact_;
+  const ContactStep& second = *bodies_[b]->contact_;
+  const ContactBall &left = first.ball(), &right = second.ball();
+  const double reach = left.radius + left.deformed + right.radius + right.deformed +
+                       std::max(first.law().margin, second.law().margin) +
+                       2.0 * (left.travel + right.travel);
+  if ((left.centre - right.centre).squaredNorm() > reach * reach) return;
+  Pair pair{a, b, used_, 0};
+  used_ = add_pair_points(first, second, a, b, points_, used_);
+  used_ = add_pair_points(second, first, b, a, points_, used_);
+  pair.count = used_ - pair.first;
+  if (pair.count != 0) pairs_.push_back(pair);
+}
+
+// All pairs of bodies that may touch of which one is awake. What wakes looks for others again.
+void BodyGroup::find_pairs() {
+  const auto low = [this](std::size_t i) {
+    const ContactBall& ball = bodies_[i]->contact_->ball();
+    return ball.centre.x() - ball.radius - ball.deformed - 2.0 * ball.travel -
+           bodies_[i]->contact_->law().margin;
+  };
+  const auto high = [this](std::size_t i) {
+    const ContactBall& ball = bodies_[i]->contact_->ball();
+    return ball.centre.x() + ball.radius + ball.deformed + 2.0 * ball.travel +
+           bodies_[i]->contact_->law().margin;
+  };
+  for (bool again = true; again;) {
+    again = false;
+    pairs_.clear();
+    used_ = 0;
+    by_place_.clear();
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+      if (bodies_[i] != nullptr && bodies_[i]->contact_ && (begun_[i] != 0 || rest_[i].asleep))
+        by_place_.push_back(i);
+    std::sort(by_place_.begin(), by_place_.end(), [&](std::size_t a, std::size_t b) {
+      const double x = low(a), y = low(b);
+      return x < y || (x == y && a < b);
+    });
+    for (std::size_t m = 0; m < by_place_.size(); ++m) {
+      const double end = high(by_place_[m]);
+      for (std::size_t n = m + 1; n < by_place_.size() && low(by_place_[n]) <= end; ++n) {
+        const auto [a, b] = std::minmax(by_place_[m], by_place_[n]);
+        if (begun_[a] != 0 || begun_[b] != 0) look_at(a, b);
+      }
+    }
+    for (const Pair& pair : pairs_)
+      for (const std::size_t i : {pair.a, pair.b}) {
+        if (begun_[i] != 0 || !rest_[i].asleep) continue;
+        rest_[i] = {};
+        begin(i);
+        again = true;
+      }
+  }
+  std::sort(pairs_.begin(), pairs_.end(),
+            [](const Pair& x, const Pair& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
+}
+
+std::size_t BodyGroup::root(std::size_t i) {
+  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+  return i;
+}
+
+// islands_: the bodies under way, those of an island next to each other, by their numbers.
+void BodyGroup::make_islands() {
+  parent_.resize(bodies_.size());
+  std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  for (const Pair& pair : pairs_) {
+    if (begun_[pair.a] == 0 || begun_[pair.b] == 0) continue;
+    const std::size_t first = root(pair.a), second = root(pair.b);
+    parent_[std::max(first, second)] = std::min(first, second);
+  }
+  islands_.clear();
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    if (begun_[i] != 0) islands_.push_back(i);
+  std::sort(islands_.begin(), islands_.end(), [this](std::size_t a, std::size_t b) {
+    const std::size_t x = root(a), y = root(b);
+    return x < y || (x == y && a < b);
+  });
+}
+
+void BodyGroup::step_island(std::size_t first, std::size_t count) {
+  const std::span<const std::size_t> who(islands_.data() + first, count);
+  if (count == 1) {
+    Body& body = *bodies_[who[0]];
+    StepReport report;
+    if (near_[who[0]] != 0) {
+      report = body.contact_->step(body.state_, body.step_load_, body.free_.get());
+      if (report.converged) body.end_contact();
+    } else {
+      if (body.contact_) body.contact_->reset();
+      report = body.advance();
+    }
+    reports_[who[0]] = body.end_step(report);
+    return;
+  }
+  members_.clear();
+  for (std::size_t m = 0; m < count; ++m) {
+    Body& body = *bodies_[who[m]];
+    members_.push_back({body.contact_.get(), &body.state_, &body.step_load_, body.free_.get()});
+    member_of_[who[m]] = m;
+  }
+  std::size_t used = 0;
+  const std::size_t root_here = root(who[0]);
+  for (const Pair& pair : pairs_) {
+    if (begun_[pair.a] == 0 || begun_[pair.b] == 0 || root(pair.a) != root_here) continue;
+    for (std::size_t k = pair.first; k < pair.first + pair.count; ++k, ++used) {
+      if (used == island_points_.size()) island_points_.emplace_back();
+      std::swap(island_points_[used], points_[k]);
+      island_points_[used].a = member_of_[island_points_[used].a];
+      island_points_[used].b = member_of_[island_points_[used].b];
+    }
+  }
+  const std::span<PairPoint> points(island_points_.data(), used);
+  island_reports_.resize(count);
+  island_.step(members_, points, bodies_[who[0]]->options_.step, island_reports_);
+  if (island_reports_[0].converged) note_touches(points, who);
+  for (std::size_t m = 0; m < count; ++m) {
+    Body& body = *bodies_[who[m]];
+    if (island_reports_[m].converged) body.end_contact();
+    reports_[who[m]] = body.end_step(island_reports_[m]);
+  }
+}
+
+void BodyGroup::note_touches(std::span<const PairPoint> points, std::span<const std::size_t> who) {
+  for (const PairPoint& point : points) {
+    if (point.now.pressure == 0.0) continue;
+    const auto [a, b] = std::minmax(who[point.a], who[point.b]);
+    const double impulse = bodies_[a]->options_.step * point.now.force.norm();
+    const auto found = std::find_if(touches_.begin(), touches_.end(), [&](const Touch& touch) {
+      return touch.a == a && touch.b == b;
+    });
+    if (found != touches_.end())
+      found->impulse += impulse;
+    else
+      touches_.push_back({a, b, impulse});
+  }
+}
+
+// What has been quiet for long falls asleep with its whole island. A body that is held, that is
+// loaded or that nothing can wake does not.
+void BodyGroup::put_to_sleep() {
+  restless_.assign(bodies_.size(), 0);
+  for (const std::size_t i : islands_) {
+    Body& body = *bodies_[i];
+    Rest& rest = rest_[i];
+    bool quiet = reports_[i].converged && body.frame_ == FrameKind::kFree && body.contact_ &&
+                 body.contact_account().active > 0;
+    if (quiet) {
+      const double speed2 = 2.0 * body.free_->kinetic(body.state_.q, body.state_.p);
+      const double limit = body.contact_->law().slip_speed;
+      quiet = speed2 <= body.contact_->mass() * limit * limit && !has_to_wake(i);
+    }
+    rest.quiet = quiet ? rest.quiet + body.options_.step : 0.0;
+    rest.gravity = body.gravity();
+    if (!(rest.quiet >= kQuiet)) restless_[root(i)] = 1;
+  }
+  for (const std::size_t i : islands_) {
+    if (restless_[root(i)] != 0) continue;
+    bodies_[i]->fall_asleep();
+    rest_[i].asleep = true;
+  }
+}
+
+void BodyGroup::step(std::span<Body* const> bodies, std::span<const PlacedCollider> colliders,
+                     std::span<StepReport> reports) {
+  bodies_ = bodies;
+  colliders_ = colliders;
+  reports_ = reports;
+  rest_.resize(bodies.size());
+  begun_.assign(bodies.size(), 0);
+  near_.assign(bodies.size(), 0);
+  member_of_.resize(bodies.size());
+  touches_.clear();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    reports[i] = {};
+    reports[i].converged = true;
+    if (bodies[i] == nullptr) continue;
+    if (rest_[i].asleep && has_to_wake(i)) rest_[i] = {};
+    if (!rest_[i].asleep) begin(i);
+  }
+  find_pairs();
+  make_islands();
+  for (std::size_t first = 0; first < islands_.size();) {
+    std::size_t last = first + 1;
+    while (last < islands_.size() && root(islands_[last]) == root(islands_[first])) ++last;
+    step_island(first, last - first);
+    first = last;
+  }
+  std::sort(touches_.begin(), touches_.end(),
+            [](const Touch& x, const Touch& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (bodies[i] != nullptr && rest_[i].asleep) bodies[i]->sleep_a_step();
+  if (options_.sleep) put_to_sleep();
+}
+
+}  // namespace tremolo

@@ -1,0 +1,93 @@
+// Bodies that may touch each other, stepped together (docs/theory.md, section "Contact").
+//
+// Bodies whose balls come near are looked at point by point; those that may touch make an island,
+// which is solved for at once (contact_island.h); the others step by themselves, as Body::step()
+// does, with the same bits. A free body that has been nearly at rest for kQuiet falls asleep with
+// all that it touches: it costs nothing, and wakes when something that is awake comes near, a load
+// or a hand begins, gravity changes, or a collider moves beside it. Its motion is booked as taken
+// by contact.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "runtime/body.h"
+#include "runtime/contact/solve/contact_island.h"
+
+namespace tremolo {
+
+class BodyGroup {
+ public:
+  static constexpr double kQuiet = 0.5;  // s
+
+  struct Options {
+    bool sleep = true;
+  };
+
+  BodyGroup() = default;
+  explicit BodyGroup(const Options& options) : options_(options) {}
+
+  // One step of all bodies, which have one step size; a null is left out. Body i is the same in
+  // each call. The order of the bodies decides the order of sums: let it be one that does not
+  // change with how they came. reports: one a body; that of a body that sleeps is converged,
+  // without iterations. Where an island is not solved, none of its bodies is moved and each reports
+  // it. Errors of a body's own step: as Body::step().
+  void step(std::span<Body* const> bodies, std::span<const PlacedCollider> colliders,
+            std::span<StepReport> reports);
+
+  // Two bodies that pushed each other in the last step, a < b, and the impulse, N s. Sorted.
+  struct Touch {
+    std::size_t a = 0, b = 0;
+    double impulse = 0.0;
+  };
+  std::span<const Touch> touches() const { return touches_; }
+  bool asleep(std::size_t i) const { return i < rest_.size() && rest_[i].asleep; }
+  void wake(std::size_t i) {
+    if (i < rest_.size()) rest_[i] = {};
+  }
+
+ private:
+  struct Rest {
+    double quiet = 0.0;  // s
+    bool asleep = false;
+    Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+  };
+  // Bodies that may touch, and their points.
+  struct Pair {
+    std::size_t a = 0, b = 0;
+    std::size_t first = 0, count = 0;
+  };
+
+  bool has_to_wake(std::size_t i) const;
+  void begin(std::size_t i);
+  void find_pairs();
+  void look_at(std::size_t a, std::size_t b);
+  std::size_t root(std::size_t i);
+  void make_islands();
+  void step_island(std::size_t first, std::size_t count);
+  void note_touches(std::span<const PairPoint> points, std::span<const std::size_t> who);
+  void put_to_sleep();
+
+  Options options_;
+  std::span<Body* const> bodies_;
+  std::span<const PlacedCollider> colliders_;
+  std::span<StepReport> reports_;
+  std::vector<Rest> rest_;
+  std::vector<char> begun_;  // the body's step is under way
+  std::vector<char> near_;   // it may touch a collider, or a hand holds it
+  std::vector<std::size_t> by_place_, parent_, islands_;
+  std::vector<std::size_t> member_of_;  // the body's number in its island
+  std::vector<char> restless_;          // of an island, by its root
+  std::vector<Pair> pairs_;
+  std::vector<PairPoint> points_, island_points_;
+  std::size_t used_ = 0;
+  std::vector<IslandMember> members_;
+  std::vector<StepReport> island_reports_;
+  std::vector<Touch> touches_;
+  ContactIsland island_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,172 @@
+// Bodies against bodies: momenta, energy, and what comes to rest.
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "runtime/body.h"
+#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/solve/contact_step.h"
+#include "tests/support/programs.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+// A box of 0.1 m and 1 kg, its middle at the mesh's origin, that nothing holds.
+Model::Pointer box(const std::string& young) {
+  static const std::string folder = fresh_folder();
+  const std::string name = "box-" + young;
+  if (!std::filesystem::exists(folder + "/" + name + ".tremolo")) {
+    TetMesh mesh = box_mesh({3, 3, 3}, {0.1, 0.1, 0.1});
+    for (Vector3d& x : mesh.vertices) x -= Vector3d::Constant(0.05);
+    testing::write_veg(folder + "/box.veg", mesh);
+    const ProgramResult made =
+        run_program(folder, kPrecompute + "box.veg --threads 1 --order 1 --young " + young +
+                                " --poisson 0.3 --density 1000 --fix none --linear-modes 6 "
+                                "--modes 12 -o " +
+                                name + ".tremolo");
+    EXPECT_EQ(made.code, 0) << made.err;
+  }
+  Result<Model::Pointer> model = Model::load(folder + "/" + name + ".tremolo");
+  EXPECT_TRUE(model) << model.error().message;
+  return *model;
+}
+
+struct Kind {
+  double step = 1e-3;
+  double restitution = 1.0;
+  double friction = 0.0;
+  double alpha = 0.0, beta = 0.0;
+};
+
+Body boxed(const Model::Pointer& model, const Kind& kind, const Pose& pose) {
+  IntegratorOptions options;
+  options.step = kind.step;
+  options.alpha = kind.alpha;
+  options.beta = kind.beta;
+  Result<Body> body = Body::create(model, "ep4", options, FrameKind::kFree);
+  EXPECT_TRUE(body) << body.error().message;
+  ContactOptions contact;
+  contact.shape = BoxShape{Vector3d::Constant(0.05)};
+  contact.friction = kind.friction;
+  contact.restitution = kind.restitution;
+  EXPECT_TRUE(body->set_contact(contact));
+  EXPECT_TRUE(body->set_pose(pose));
+  return std::move(*body);
+}
+
+Pose at(const Vector3d& place) {
+  Pose pose;
+  pose.position = place;
+  return pose;
+}
+
+double balance(const Body& body) {
+  return body.energy().total() - body.work() + body.dissipated();
+}
+
+struct Sum {
+  Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();
+  double energy = 0.0;
+};
+
+Sum sum_of(std::span<Body* const> bodies) {
+  Sum sum;
+  for (const Body* body : bodies) {
+    sum.linear += body->linear_momentum();
+    sum.angular += body->angular_momentum();
+    sum.energy += body->energy().total() + body->contact_account().energy;
+  }
+  return sum;
+}
+
+// Two soft boxes hit each other off their middles and turning.
+TEST(BodiesInContact, KeepBothMomentaAndTheEnergy) {
+  for (const double friction : {0.0, 0.5}) {
+    const Kind kind{.restitution = 1.0, .friction = friction};
+    const Model::Pointer model = box("1e5");
+    Body left = boxed(model, kind, at({-0.09, 0.01, -0.02}));
+    Body right = boxed(model, kind, at({0.09, -0.01, 0.03}));
+    ASSERT_TRUE(left.set_motion({1.0, 0.2, 0}, {2, 5, -1}));
+    ASSERT_TRUE(right.set_motion({-0.8, 0, 0.1}, {-3, 1, 4}));
+    const std::array<Body*, 2> bodies = {&left, &right};
+    std::array<StepReport, 2> reports;
+    BodyGroup group;
+    const Sum start = sum_of(bodies);
+    const Vector3d before = left.linear_momentum();
+    std::size_t touched = 0;
+    double worst_linear = 0.0, worst_angular = 0.0, worst_energy = 0.0;
+    for (int i = 0; i < 400; ++i) {
+      group.step(bodies, {}, reports);
+      ASSERT_TRUE(reports[0].converged && reports[1].converged) << i;
+      touched += group.touches().size();
+      const Sum now = sum_of(bodies);
+      const double taken = left.contact_lost() + left.contact_rubbed() + right.contact_lost() +
+                           right.contact_rubbed();
+      const double error = left.contact_error() + right.contact_error();
+      worst_linear = std::max(worst_linear, (now.linear - start.linear).norm());
+      worst_angular = std::max(worst_angular, (now.angular - start.angular).norm());
+      worst_energy = std::max(worst_energy, std::abs(now.energy + taken - error - start.energy));
+    }
+    EXPECT_GT(touched, 5U);
+    EXPECT_GT((left.linear_momentum() - before).norm(), 0.5);
+    EXPECT_LT(worst_linear, 1e-12);
+    EXPECT_LT(worst_angular, 1e-12);
+    EXPECT_LT(worst_energy, 1e-9 * start.energy);
+    const double error = std::abs(left.contact_error()) + std::abs(right.contact_error());
+    EXPECT_LT(error, 1e-9 * start.energy);
+  }
+}
+
+// Of equal masses that meet straight on, the one that stood goes on and the other stands.
+TEST(BodiesInContact, ExchangeTheirMomentum) {
+  const Kind kind{.step = 2e-4};
+  const Model::Pointer model = box("1e10");
+  Body left = boxed(model, kind, at({-0.06, 0, 0})), right = boxed(model, kind, at({0.06, 0, 0}));
+  ASSERT_TRUE(left.set_motion({1.0, 0, 0}, {0, 0, 0}));
+  const std::array<Body*, 2> bodies = {&left, &right};
+  std::array<StepReport, 2> reports;
+  BodyGroup group;
+  for (int i = 0; i < 1'000; ++i) {
+    group.step(bodies, {}, reports);
+    ASSERT_TRUE(reports[0].converged && reports[1].converged) << i;
+  }
+  EXPECT_NEAR(left.rigid_state().velocity.x(), 0.0, 0.01);
+  EXPECT_NEAR(right.rigid_state().velocity.x(), 1.0, 0.01);
+}
+
+TEST(BodiesInContact, AStackComesToRestAndSleeps) {
+  const Kind kind{.step = 3e-3, .restitution = 0.2, .friction = 0.5, .alpha = 0.2, .beta = 1e-3};
+  const Model::Pointer model = box("1e6");
+  std::vector<Body> boxes;
+  for (int i = 0; i < 5; ++i) {
+    boxes.push_back(boxed(model, kind, at({0.003 * (i % 2), 0, 0.052 + 0.102 * i})));
+    ASSERT_TRUE(boxes.back().set_gravity({0, 0, -9.81}));
+  }
+  std::vector<Body*> bodies;
+  for (Body& body : boxes) bodies.push_back(&body);
+  std::vector<StepReport> reports(bodies.size());
+  const std::vector<PlacedCollider> floor = {{PlaneShape{}, {}, {}, 0.5, 0.2}};
+  BodyGroup group;
+  int steps = 0;
+  for (; steps < 3'000 && !group.asleep(0); ++steps) {
+    group.step(bodies, floor, reports);
+    for (const StepReport& report : reports) ASSERT_TRUE(report.converged) << steps;
+  }
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    EXPECT_TRUE(group.asleep(i));
+    EXPECT_NEAR(boxes[i].rigid_state().centre.z(), 0.05 + 0.1 * static_cast<double>(i), 0.01) << i;
+    EXPECT_NEAR(balance(boxes[i]), 0.0, 1e-9) << i;
+  }
+  // A push wakes them.
+  ASSERT_TRUE(boxes[4].set_motion({0, 0, -1}, Vector3d::Zero()));
+  group.wake(4);
+  group.step(bodies, floor, reports);
+  EXPECT_FALSE(group.asleep(0));
+}
+
+}  // namespace
+}  // namespace tremolo
