@@ -17,7 +17,7 @@ namespace tremolo {
 // whole body on one point at the depth of the margin; larger: less penetration, and shorter
 // contacts than the step resolves. shape: what other bodies' points bump into, in the mesh's
 // coordinates at rest; without one they pass through. friction, restitution: towards other bodies,
-// of a pair the geometric means.
+// of a pair the geometric means. colliders: false: it feels hands alone.
 struct ContactOptions {
   int points = 200;
   double margin = 0.005;
@@ -25,6 +25,7 @@ struct ContactOptions {
   std::optional<Collider> shape = {};
   double friction = 0.3;
   double restitution = 0.5;
+  bool colliders = true;
 };
 
 // Where the body's mesh frame is in the step. Of a free body `end` is a prediction.

@@ -41,6 +41,12 @@ Status check_contact(const ContactOptions& contact) {
     return content_error("contact-margin must be above 0 and below 1 (a share of the size)");
   if (!(contact.stiffness > 0.0) || !std::isfinite(contact.stiffness))
     return content_error("contact-stiffness must be positive and finite");
+  if (!(contact.friction >= 0.0) || !std::isfinite(contact.friction))
+    return content_error("friction must be finite and not negative");
+  if (!(contact.restitution >= 0.0 && contact.restitution <= 1.0))
+    return content_error("restitution must be from 0 to 1");
+  if (contact.shape)
+    if (Status s = check(*contact.shape); !s) return content_error("shape: " + s.error().message);
   return Success{};
 }
 
@@ -142,8 +148,16 @@ FrameKind frame_kind(const SceneBody& body) {
   return body.kind;
 }
 
+bool bodies_touch(const Scene& scene) {
+  const auto feels = [](const SceneBody& body) { return body.feels_contact; };
+  return std::count_if(scene.bodies.begin(), scene.bodies.end(), feels) > 1 &&
+         std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const SceneBody& body) {
+           return body.feels_contact && (body.contact.shape || !body.shape_file.empty());
+         });
+}
+
 bool needs_contact(const Scene& scene, const SceneBody& body) {
-  if (body.feels_contact && !scene.colliders.empty()) return true;
+  if (body.feels_contact && (!scene.colliders.empty() || bodies_touch(scene))) return true;
   return std::any_of(scene.hands.begin(), scene.hands.end(),
                      [&body](const SceneHand& hand) { return hand.body == body.name; });
 }

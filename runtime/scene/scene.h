@@ -44,7 +44,9 @@ struct SceneColumns {
 // in its frame; not for a free body. acceleration_limit, m/s^2: no point of the body may be
 // accelerated more by its frame. A fixed body at a pose of its own is driven by a motion that
 // stands still. feels_contact: it touches the scene's colliders, as contact says; a driven, free or
-// turned body then needs avf, ep2 or ep4. Hands hold it either way.
+// turned body then needs avf, ep2 or ep4. Hands hold it either way. contact.shape: what other
+// bodies bump into; without one they pass through. shape_file: of a mesh's distances, in its place;
+// shape_made_by: the command that makes it, told where it is missing.
 struct SceneBody {
   std::string name;
   std::string model;
@@ -62,6 +64,8 @@ struct SceneBody {
   double acceleration_limit = 1e4;
   bool feels_contact = true;
   ContactOptions contact;
+  std::string shape_file;
+  std::string shape_made_by;
   SceneColumns columns;
 };
 
@@ -118,7 +122,10 @@ struct Scene {
   std::vector<SceneHand> hands;
 };
 
-// Whether the body needs Body::set_contact(): colliders that it feels, or a hand on it.
+// Whether bodies of the scene may touch each other.
+bool bodies_touch(const Scene& scene);
+
+// Whether the body needs Body::set_contact(): colliders or bodies that it feels, or a hand on it.
 bool needs_contact(const Scene& scene, const SceneBody& body);
 
 // Errors, kContent, each with the body, collider, hand or key that it is about: no body, names that

@@ -29,18 +29,27 @@ Result<PlacedCollider> placed_collider(const SceneCollider& wanted, const Motion
   return placed;
 }
 
+Result<Collider> load_made_collider(const std::string& file, const std::string& made_by) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored))
+    return system_error(
+        file + ": there is no such collider file; make it with `" +
+        (made_by.empty() ? "tremolo-precompute collider SURFACE -o " + file : made_by) + "`");
+  return load_collider(file);
+}
+
 }  // namespace
 
 Result<Collider> load_scene_collider(const SceneCollider& collider) {
   if (collider.file.empty()) return collider.shape;
-  std::error_code ignored;
-  if (!std::filesystem::exists(collider.file, ignored))
-    return system_error(collider.file + ": there is no such collider file; make it with `" +
-                        (collider.made_by.empty()
-                             ? "tremolo-precompute collider SURFACE -o " + collider.file
-                             : collider.made_by) +
-                        "`");
-  return load_collider(collider.file);
+  return load_made_collider(collider.file, collider.made_by);
+}
+
+Result<std::optional<Collider>> load_body_shape(const SceneBody& body) {
+  if (body.shape_file.empty()) return body.contact.shape;
+  Result<Collider> shape = load_made_collider(body.shape_file, body.shape_made_by);
+  if (!shape) return shape.error();
+  return std::optional<Collider>(std::move(*shape));
 }
 
 Result<SceneColliders> SceneColliders::create(const Scene& scene) {

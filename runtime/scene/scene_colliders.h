@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,8 @@ namespace tremolo {
 // The shape, read from its file if it has one. Errors: kSystem where the file is missing, naming
 // the command that makes it; those of load_collider.
 Result<Collider> load_scene_collider(const SceneCollider& collider);
+// Likewise the shape of a body; nullopt if it has none.
+Result<std::optional<Collider>> load_body_shape(const SceneBody& body);
 
 class SceneColliders {
  public:

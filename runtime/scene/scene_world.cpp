@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <numeric>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -64,7 +65,18 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
   for (std::size_t i = 0; i < world.size(); ++i)
     if (Status s = world.begin_contact(i); !s)
       return error_of_body(world.scene_.bodies[i], s.error());
+  if (Status s = world.check_apart(); !s) return s.error();
   if (Status s = world.add_hands(); !s) return s.error();
+  world.shapes_.clear();
+  world.group_ = std::make_unique<BodyGroup>();
+  world.order_.resize(world.size());
+  std::iota(world.order_.begin(), world.order_.end(), std::size_t{0});
+  std::sort(world.order_.begin(), world.order_.end(),
+            [&world](std::size_t a, std::size_t b) { return world.name(a) < world.name(b); });
+  world.place_.resize(world.size());
+  for (std::size_t k = 0; k < world.size(); ++k) world.place_[world.order_[k]] = k;
+  world.stepped_.resize(world.size());
+  world.reports_.resize(world.size());
   world.failures_.reserve(world.actors_.size());
   return world;
 }
@@ -111,12 +123,55 @@ std::span<const PlacedCollider> SceneWorld::felt_by(std::size_t i) const {
   return scene_.bodies[i].feels_contact ? colliders_.placed() : std::span<const PlacedCollider>{};
 }
 
+Result<ContactOptions> SceneWorld::contact_of(const SceneBody& wanted) {
+  ContactOptions contact = wanted.contact;
+  contact.colliders = wanted.feels_contact;
+  if (wanted.shape_file.empty()) return contact;
+  auto found = shapes_.find(wanted.shape_file);
+  if (found == shapes_.end()) {
+    Result<std::optional<Collider>> shape = load_body_shape(wanted);
+    if (!shape) return shape.error();
+    found = shapes_.emplace(wanted.shape_file, **shape).first;
+  }
+  contact.shape = found->second;
+  return contact;
+}
+
+// No body begins inside another one.
+Status SceneWorld::check_apart() const {
+  if (!bodies_touch(scene_)) return Success{};
+  const auto ball = [this](std::size_t i) {
+    const ContactPoints& points = actors_[i].body.contact()->points();
+    return std::pair{Vector3d(actors_[i].body.pose() * points.centre), points.radius};
+  };
+  for (std::size_t a = 0; a < size(); ++a)
+    for (std::size_t b = 0; b < size(); ++b) {
+      if (a == b || !scene_.bodies[a].feels_contact || !scene_.bodies[b].feels_contact) continue;
+      const Collider* shape = actors_[b].body.contact()->shape();
+      if (shape == nullptr) continue;
+      const auto [x, r] = ball(a);
+      const auto [y, s] = ball(b);
+      if ((x - y).norm() > r + s) continue;
+      const Pose pose = actors_[b].body.pose();
+      const PlacedCollider placed{*shape, pose, pose};
+      const double depth = deepest_point(actors_[a].body, std::span(&placed, 1)).depth;
+      const double margin = actors_[a].body.contact()->law().margin;
+      if (depth > margin)
+        return content_error("body '" + name(a) + "': it begins " + number_text(depth) +
+                             " m inside body '" + name(b) + "', more than its contact-margin of " +
+                             number_text(margin) + " m: put one of them elsewhere");
+    }
+  return Success{};
+}
+
 // Makes the body feel colliders and hands. It must not begin inside a collider.
 Status SceneWorld::begin_contact(std::size_t i) {
   const SceneBody& wanted = scene_.bodies[i];
   Actor& actor = actors_[i];
   if (!needs_contact(scene_, wanted)) return Success{};
-  if (Status s = actor.body.set_contact(wanted.contact); !s)
+  const Result<ContactOptions> contact = contact_of(wanted);
+  if (!contact) return contact.error();
+  if (Status s = actor.body.set_contact(*contact); !s)
     return content_error("contact: " + s.error().message);
   actor.size = actor.body.contact()->points().extent;
   const auto felt = felt_by(i);
@@ -180,6 +235,12 @@ void SceneWorld::move_hands() {
 void SceneWorld::note_contact(std::size_t i) {
   Actor& actor = actors_[i];
   if (actor.body.contact() == nullptr) return;
+  // Its first step found what was stored at the start.
+  if (actor.body.steps() == 1) {
+    actor.energy_at_start += actor.body.contact_error() - actor.contact_at_start;
+    actor.contact_at_start = actor.body.contact_error();
+  }
+  if (asleep(i)) return;
   if (actor.size > 0.0)
     actor.penetration =
         std::max(actor.penetration, actor.body.contact_account().penetration / actor.size);
@@ -190,9 +251,36 @@ void SceneWorld::note_contact(std::size_t i) {
     if (touching.now) touching.impulse = (before ? touching.impulse : 0.0) + impulses[c];
     if (touching.now == before) continue;
     if (touching.now) ++actor.contacts;
-    events_.push_back(
-        {i, c, before ? ContactEvent::Kind::kEnd : ContactEvent::Kind::kBegin, touching.impulse});
+    events_.push_back({i, c, ContactEvent::kNone,
+                       before ? ContactEvent::Kind::kEnd : ContactEvent::Kind::kBegin,
+                       touching.impulse});
   }
+}
+
+// Bodies that began to touch each other in the step, and that ended it. Those that sleep stay as
+// they were.
+void SceneWorld::note_pairs() {
+  for (Pair& pair : pairs_) pair.seen = asleep(pair.a) && asleep(pair.b);
+  for (const BodyGroup::Touch& touch : group_->touches()) {
+    const std::size_t first = order_[touch.a], second = order_[touch.b];
+    const std::size_t a = std::min(first, second), b = std::max(first, second);
+    auto found = std::find_if(pairs_.begin(), pairs_.end(),
+                              [a, b](const Pair& pair) { return pair.a == a && pair.b == b; });
+    if (found == pairs_.end()) {
+      pairs_.push_back({a, b, 0.0, true});
+      found = pairs_.end() - 1;
+      ++actors_[a].contacts;
+      ++actors_[b].contacts;
+      events_.push_back({a, ContactEvent::kNone, b, ContactEvent::Kind::kBegin, touch.impulse});
+    }
+    found->impulse += touch.impulse;
+    found->seen = true;
+  }
+  for (const Pair& pair : pairs_)
+    if (!pair.seen)
+      events_.push_back(
+          {pair.a, ContactEvent::kNone, pair.b, ContactEvent::Kind::kEnd, pair.impulse});
+  std::erase_if(pairs_, [](const Pair& pair) { return !pair.seen; });
 }
 
 std::span<const SceneWorld::Failure> SceneWorld::step() {
@@ -203,17 +291,23 @@ std::span<const SceneWorld::Failure> SceneWorld::step() {
   const Vector3d gravity = scene_.gravity.at(time() + 0.5 * scene_.step);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     Actor& actor = actors_[i];
+    stepped_[place_[i]] = actor.failed ? nullptr : &actor.body;
     if (actor.failed) continue;
     if (gravity_changes_) (void)actor.body.set_gravity(gravity);
     move_frame(actor);
-    const StepReport report = actor.body.step(felt_by(i));
+  }
+  group_->step(stepped_, colliders_.placed(), reports_);
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (actors_[i].failed) continue;
+    const StepReport& report = reports_[place_[i]];
     if (report.converged) {
       note_contact(i);
       continue;
     }
-    actor.failed = true;
+    actors_[i].failed = true;
     failures_.push_back({i, report});
   }
+  note_pairs();
   ++steps_;
   return failures_;
 }

@@ -3,9 +3,9 @@
 // Each step takes every body from t to t + h. A driven body is told where its frame will be and how
 // it moves on the way, from the poses of its motion at t - h, t, t + h and t + 2h; gravity is that
 // of the middle of the step. Colliders move from pose to pose of their motion; every body touches
-// all of them and none of the other bodies. What a body does depends on nothing but the scene's
-// entry of it, of the colliders and of its hands, bit for bit: not on the other bodies, nor on the
-// order in which they stand.
+// all of them, and the other bodies that have a shape (runtime/contact/solve/body_group.h). What a
+// body does depends on nothing but the scene's entries of it, of what it touches and of its hands,
+// bit for bit: not on the order in which they stand (bodies are taken by their names).
 //
 // A step of a body that cannot be made leaves it where it was, and it stands still from then on;
 // the others go on.
@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -24,6 +25,7 @@
 
 #include "common/result.h"
 #include "runtime/body.h"
+#include "runtime/contact/solve/body_group.h"
 #include "runtime/scene/energy_account.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
@@ -38,13 +40,16 @@ struct Momenta {
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();
 };
 
-// A body that began to touch a collider in the last step, or that did not touch it any more.
-// impulse: sum of |F| h since it began, N s. Points that leave for a single step end a contact: who
-// wants long ones joins what is close in time.
+// A body that began to touch a collider or another body in the last step, or that did not touch it
+// any more. collider: its number; of two bodies kNone, and `other` is the second. impulse: sum of
+// |F| h since it began, N s. Points that leave for a single step end a contact: who wants long ones
+// joins what is close in time.
 struct ContactEvent {
   enum class Kind { kBegin, kEnd };
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::size_t body = 0;
-  std::size_t collider = 0;
+  std::size_t collider = kNone;
+  std::size_t other = kNone;
   Kind kind = Kind::kBegin;
   double impulse = 0.0;
 };
@@ -81,17 +86,19 @@ class SceneWorld {
   std::optional<std::size_t> find(std::string_view name) const;
 
   // One step of all bodies that have not failed. The bodies that failed in this step are returned,
-  // valid until the next one. Nothing is allocated.
+  // valid until the next one. Nothing is allocated but for bodies that touch each other.
   struct Failure {
     std::size_t body;
     StepReport report;
   };
   std::span<const Failure> step();
   bool failed(std::size_t i) const { return actors_[i].failed; }
+  // At rest and not stepped, until something wakes it.
+  bool asleep(std::size_t i) const { return group_->asleep(place_[i]); }
 
-  // Of the last step, in the order of bodies and colliders; valid until the next one.
+  // Of the last step, those of colliders first; valid until the next one.
   std::span<const ContactEvent> events() const { return events_; }
-  // How often the body began to touch a collider, and how deep its contact points were behind a
+  // How often the body began to touch something, and how deep its contact points were behind a
   // surface at most at the end of any step, as a share of the body's size (0: never).
   std::int64_t contacts(std::size_t i) const { return actors_[i].contacts; }
   double penetration_max(std::size_t i) const { return actors_[i].penetration; }
@@ -130,6 +137,12 @@ class SceneWorld {
     bool now = false;
     double impulse = 0.0;
   };
+  // Of two bodies, by their numbers. seen: in the last step.
+  struct Pair {
+    std::size_t a = 0, b = 0;
+    double impulse = 0.0;
+    bool seen = false;
+  };
 
   explicit SceneWorld(const Scene& scene) : scene_(scene) {}
   Status add(const SceneBody& wanted, Model::Pointer model);
@@ -137,9 +150,12 @@ class SceneWorld {
   Status begin_contact(std::size_t i);
   Status add_hands();
   std::span<const PlacedCollider> felt_by(std::size_t i) const;
+  Result<ContactOptions> contact_of(const SceneBody& wanted);
   void move_frame(Actor& actor) const;
   void move_hands();
+  Status check_apart() const;
   void note_contact(std::size_t i);
+  void note_pairs();
 
   Scene scene_;
   std::vector<Actor> actors_;
@@ -148,6 +164,12 @@ class SceneWorld {
   std::vector<Touching> touching_;  // bodies x colliders
   std::vector<Failure> failures_;
   std::vector<ContactEvent> events_;
+  std::vector<Pair> pairs_;  // those that touch
+  std::unique_ptr<BodyGroup> group_;
+  std::vector<std::size_t> order_, place_;  // bodies by their names, and where each is there
+  std::vector<Body*> stepped_;              // by their names; null: it has failed
+  std::vector<StepReport> reports_;
+  std::map<std::string, Collider> shapes_;  // of bodies, by their files
   bool gravity_changes_ = false;
   std::int64_t steps_ = 0;
 };

@@ -1,5 +1,6 @@
 #include "runtime/scene_reader/contact_reader.h"
 
+#include <optional>
 #include <utility>
 
 #include "runtime/scene_reader/motion_reader.h"
@@ -45,27 +46,39 @@ CylinderShape read_cylinder(TomlKeys& keys) {
   return cylinder;
 }
 
-void read_shape(TomlKeys& keys, SceneCollider& collider) {
+// The shape that the key `shape` names; of a mesh its file, and the command that makes it.
+std::optional<Collider> read_shape(TomlKeys& keys, std::string& file, std::string& made_by,
+                                   const char* made_by_key) {
   const std::vector<std::string_view> kinds = {"plane", "sphere",   "capsule",
                                                "box",   "cylinder", "mesh"};
   const std::size_t kind = keys.read_word("shape", kinds, kinds.size());
-  need(keys, "shape");
-  if (kind == 0) collider.shape = PlaneShape{};
-  if (kind == 1) collider.shape = read_sphere(keys);
-  if (kind == 2) collider.shape = read_capsule(keys);
-  if (kind == 3) collider.shape = read_box(keys);
-  if (kind == 4) collider.shape = read_cylinder(keys);
+  std::optional<Collider> shape;
+  if (kind == 0) shape = PlaneShape{};
+  if (kind == 1) shape = read_sphere(keys);
+  if (kind == 2) shape = read_capsule(keys);
+  if (kind == 3) shape = read_box(keys);
+  if (kind == 4) shape = read_cylinder(keys);
   if (kind == 5) {
     need(keys, "file");
-    keys.read_path("file", collider.file);
-    keys.read("made-by", collider.made_by);
-    return;
+    keys.read_path("file", file);
+    keys.read(made_by_key, made_by);
   }
-  if (keys.good())
-    if (Status s = check(collider.shape); !s) keys.fail("shape", s.error().message);
+  if (shape && keys.good())
+    if (Status s = check(*shape); !s) keys.fail("shape", s.error().message);
+  return shape;
 }
 
 }  // namespace
+
+void read_body_contact(TomlKeys& keys, SceneBody& body) {
+  keys.read("contact", body.feels_contact);
+  keys.read("contact-points", body.contact.points);
+  keys.read("contact-margin", body.contact.margin);
+  keys.read("contact-stiffness", body.contact.stiffness);
+  body.contact.shape = read_shape(keys, body.shape_file, body.shape_made_by, "shape-made-by");
+  keys.read("friction", body.contact.friction);
+  keys.read("restitution", body.contact.restitution);
+}
 
 Result<SceneCollider> read_collider(const toml::table& table, std::size_t number,
                                     const std::string& path, std::vector<std::string>& files) {
@@ -75,7 +88,9 @@ Result<SceneCollider> read_collider(const toml::table& table, std::size_t number
   TomlKeys keys(table, path, what);
   need(keys, "name");
   keys.read("name", collider.name);
-  read_shape(keys, collider);
+  need(keys, "shape");
+  if (const auto shape = read_shape(keys, collider.file, collider.made_by, "made-by"))
+    collider.shape = *shape;
   collider.pose = read_pose(keys);
   keys.read("friction", collider.friction);
   keys.read("restitution", collider.restitution);

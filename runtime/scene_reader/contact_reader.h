@@ -9,8 +9,12 @@
 
 #include "common/result.h"
 #include "runtime/scene/scene.h"
+#include "runtime/scene_reader/toml_keys.h"
 
 namespace tremolo {
+
+// The keys of a body's contact.
+void read_body_contact(TomlKeys& keys, SceneBody& body);
 
 // number: of the table among its kind, from 1, for errors. path: of the scene. files: CSV files
 // that were read are added. Errors as read_world.

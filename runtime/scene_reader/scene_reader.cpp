@@ -1,9 +1,13 @@
 #include "runtime/scene_reader/scene_reader.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <memory>
+#include <random>
+#include <string>
 #include <utility>
 
 #include "formats/file/whole_file.h"
@@ -139,17 +143,77 @@ void read_what(TomlKeys& keys, SceneBody& body) {
   keys.read("velocity", body.velocity);
   keys.read("spin", body.spin);
   keys.read("acceleration-limit", body.acceleration_limit);
-  keys.read("contact", body.feels_contact);
-  keys.read("contact-points", body.contact.points);
-  keys.read("contact-margin", body.contact.margin);
-  keys.read("contact-stiffness", body.contact.stiffness);
+  read_body_contact(keys, body);
   body.settled = keys.read_word("start", {"rest", "static"}, 0) == 1;
   keys.read("probe", body.columns.probes);
   keys.read("coordinate", body.columns.coordinates);
   keys.read("velocities", body.columns.velocities);
 }
 
-Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneFile& file) {
+// A body that stands in the scene several times, in rows along the world's axes from its own place.
+// random_turns: each is turned by itself, the same in each run.
+struct Copies {
+  std::array<int, 3> count = {1, 1, 1};
+  Eigen::Vector3d spacing = Eigen::Vector3d::Zero();  // m
+  bool random_turns = false;
+
+  int all() const { return count[0] * count[1] * count[2]; }
+};
+
+Copies read_copies(TomlKeys& keys) {
+  Copies copies;
+  Eigen::Vector3d count = Eigen::Vector3d::Ones();
+  keys.read("copies", count);
+  for (int k = 0; k < 3; ++k) {
+    const double n = count[k];
+    if (!(n >= 1.0 && n <= 1e4) || n != std::floor(n)) {
+      keys.fail("copies", "copies are three whole numbers from 1 to 10000");
+      return copies;
+    }
+    copies.count[static_cast<std::size_t>(k)] = static_cast<int>(n);
+  }
+  if (count.prod() > 1e5) {
+    keys.fail("copies", "more than 100000 copies");
+    copies.count = {1, 1, 1};
+  }
+  keys.read("spacing", copies.spacing);
+  keys.read("random-turns", copies.random_turns);
+  if (copies.all() > 1 && !keys.has("spacing"))
+    keys.fail("copies", "copies need their `spacing`, [dx, dy, dz] in m");
+  return copies;
+}
+
+// A turn that depends on k alone, all alike likely: a point of the sphere of quaternions.
+Eigen::Quaterniond random_turn(int k) {
+  std::minstd_rand numbers(static_cast<unsigned>(k) + 1U);
+  numbers.discard(10);
+  Eigen::Vector4d q;
+  do {
+    for (int i = 0; i < 4; ++i)
+      q[i] = 2.0 * static_cast<double>(numbers()) / static_cast<double>(numbers.max()) - 1.0;
+  } while (q.squaredNorm() > 1.0 || q.squaredNorm() < 0.01);
+  return Eigen::Quaterniond(q).normalized();
+}
+
+// The copies are named with a number each: name-001 ...
+void add_copies(const SceneBody& body, const Copies& copies, std::vector<SceneBody>& bodies) {
+  if (copies.all() == 1) return bodies.push_back(body);
+  const std::size_t digits = std::to_string(copies.all()).size();
+  int number = 0;
+  for (int z = 0; z < copies.count[2]; ++z)
+    for (int y = 0; y < copies.count[1]; ++y)
+      for (int x = 0; x < copies.count[0]; ++x) {
+        SceneBody copy = body;
+        const std::string text = std::to_string(++number);
+        copy.name += "-" + std::string(digits - text.size(), '0') + text;
+        copy.pose.position += copies.spacing.cwiseProduct(Eigen::Vector3d(x, y, z));
+        if (copies.random_turns) copy.pose.rotation = random_turn(number) * copy.pose.rotation;
+        bodies.push_back(std::move(copy));
+      }
+}
+
+Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneFile& file,
+                            Copies& copies) {
   SceneBody body;
   std::string what = "body " + std::to_string(number);
   if (const auto name = table["name"].value_exact<std::string>()) what = "body '" + *name + "'";
@@ -159,6 +223,7 @@ Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneF
   if (keys.good() && !is_folder_name(body.name))
     keys.fail("name", "a name has letters, digits, '.', '_', '-' only");
   read_what(keys, body);
+  copies = read_copies(keys);
   read_method(keys, body);
   if (Status s = take(body.loads, read_load(keys, "none", file.files)); !s) return s.error();
   for (const toml::table* entry : keys.read_tables("loads")) {
@@ -209,9 +274,10 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path) {
   if (Status s = read_gravity(keys, path, file); !s) return s.error();
   std::size_t number = 0;
   for (const toml::table* entry : keys.read_tables(kBodies)) {
-    Result<SceneBody> body = read_body(*entry, ++number, file);
+    Copies copies;
+    Result<SceneBody> body = read_body(*entry, ++number, file, copies);
     if (!body) return body.error();
-    file.scene.bodies.push_back(std::move(*body));
+    add_copies(*body, copies, file.scene.bodies);
   }
   number = 0;
   for (const toml::table* entry : keys.read_tables("colliders")) {

@@ -81,7 +81,8 @@ void BodyGroup::find_pairs() {
     used_ = 0;
     by_place_.clear();
     for (std::size_t i = 0; i < bodies_.size(); ++i)
-      if (bodies_[i] != nullptr && bodies_[i]->contact_ && (begun_[i] != 0 || rest_[i].asleep))
+      if (bodies_[i] != nullptr && bodies_[i]->contact_ && bodies_[i]->contact_->feels() &&
+          (begun_[i] != 0 || rest_[i].asleep))
         by_place_.push_back(i);
     std::sort(by_place_.begin(), by_place_.end(), [&](std::size_t a, std::size_t b) {
       const double x = low(a), y = low(b);

@@ -33,6 +33,7 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
           choose_contact_points(*model_, static_cast<std::size_t>(contact.points)))),
       mass_(mass),
       can_move_(free),
+      feels_(contact.colliders),
       shape_(contact.shape),
       damping_(make_inertia_damping(*model_, options, cotangent_weight)),
       S_((0.5 + options.step * damping_.theta.array() * damping_.D.array()).inverse()),
@@ -66,6 +67,7 @@ void ContactStep::reset() {
 
 bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPoses& poses,
                          const VectorXd& q, const VectorXd& v) {
+  if (!feels_) colliders = {};
   colliders_ = colliders;
   poses_ = poses;
   candidates_.clear();

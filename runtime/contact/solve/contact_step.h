@@ -119,6 +119,8 @@ class ContactStep {
   void add_tangent(const Eigen::Matrix3d& stiffness);
   double mass() const { return mass_; }
   bool can_move() const { return can_move_; }
+  // False: it feels hands alone.
+  bool feels() const { return feels_; }
   // What other bodies bump into; null: nothing.
   const Collider* shape() const { return shape_ ? &*shape_ : nullptr; }
   // Of the last gather().
@@ -162,6 +164,7 @@ class ContactStep {
   ContactLaw law_;
   double mass_;
   bool can_move_;
+  bool feels_;
   bool in_island_ = false;  // other bodies may touch it in the step
   std::optional<Collider> shape_;
   ContactBall ball_;

@@ -220,6 +220,7 @@ Status BodyLog::finish(const SceneWorld& world) {
   report_.halved_steps = body.halved_steps();
   report_.penetration_max = world.penetration_max(body_);
   report_.contacts = world.contacts(body_);
+  report_.asleep = world.asleep(body_);
   judge_balance(world.scene().bodies[body_].integrator);
   if (options_->out.empty()) return Success{};
   if (Status s = frames_.finish(body.model()); !s) return s;

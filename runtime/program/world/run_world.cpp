@@ -103,7 +103,7 @@ Json body_json(const SceneBody& body, const BodyReport& report, double step) {
   json["contact_energy"] = finite_number(account.contact);
   json["contact_error"] = finite_number(account.contact_error);
   json["penetration_max"] = finite_number(report.penetration_max);
-  json["asleep"] = false;
+  json["asleep"] = report.asleep;
   json["exit_code"] = report.exit_code;
   json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
   json["files"] = report.files;
