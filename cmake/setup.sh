@@ -62,7 +62,7 @@ build() {
 }
 
 models="beam basket bridge horse tower heart"
-scene_models="horse-free"  # more of the same meshes, which scenes need
+scene_models="horse-free heart-free"  # more of the same meshes, which scenes need
 
 # precompute MODEL: its basis file, unless it is newer than everything it is made of. The mesh is that of
 # the name up to a hyphen: horse-free is another model of the horse.

@@ -103,6 +103,11 @@ class Body {
   // that goes where move_hand() says. Returns its number. Needs set_contact(). Errors as
   // Model::vertex; kUsage for values that are not finite or negative.
   Result<std::size_t> grab(VertexId vertex, double stiffness, double damping = 0.0);
+  // The same of a vertex that was looked up before (Model::vertex): nothing is allocated where
+  // reserve_contact() has made room.
+  Result<std::size_t> grab(VertexId vertex, VertexRows place, double stiffness, double damping);
+  // Makes room for steps among these colliders with so many hands at once; set_contact() first.
+  void reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands);
   // Where the point is at the end of the next step, m, world. kUsage: no such hand, not finite.
   Status move_hand(std::size_t hand, const Eigen::Vector3d& place);
   // The force on the body in the last step, N, world; the hand feels the opposite. Zero for none.

@@ -254,9 +254,102 @@ tremolo_status tremolo_body_set_gravity(tremolo_body* body, const double gravity
 
 /* What each cause has given the body since the start, J; any may be NULL. support: the
  * accelerations of its frame. damping: what it took, negative. Kinetic and potential energy change
- * by their sum. */
+ * by their sum and what tremolo_body_contact_work tells. */
 tremolo_status tremolo_body_work(const tremolo_body* body, double* load, double* support,
                                  double* gravity, double* damping);
+
+/* ---- colliders and hands ----
+ *
+ * Bodies touch colliders, not each other. A collider is a shape in a frame of its own; where the
+ * frame is, is said anew in each step. */
+
+/* Fill with tremolo_contact_options_init. `size` as in tremolo_body_options. */
+typedef struct tremolo_contact_options {
+  uint32_t size;    /* bytes of this struct as the caller knows it */
+  int32_t points;   /* at most so many vertices of the boundary feel contact; 200 */
+  double margin;    /* where contact begins, a share of the body's size; 0.005 */
+  double stiffness; /* (h omega)^2 of the whole body on one point a margin deep; 16 */
+} tremolo_contact_options;
+
+void tremolo_contact_options_init(tremolo_contact_options* options);
+
+/* Makes the body feel colliders and hands. options: NULL for the defaults. TREMOLO_USAGE for
+ * options out of range, for a driven or free body of another method than "avf", "ep2" and "ep4",
+ * and for a model without inertia integrals. */
+tremolo_status tremolo_body_set_contact(tremolo_body* body, const tremolo_contact_options* options);
+
+/* A shape, owned until tremolo_collider_destroy, which accepts NULL. Plane: all of z <= 0. Capsule
+ * and cylinder are along z. Sizes are m; TREMOLO_CONTENT for one that is not positive (half_length:
+ * negative) or not finite. Load: a file of `tremolo-precompute collider`. */
+typedef struct tremolo_collider tremolo_collider;
+tremolo_status tremolo_collider_plane(tremolo_collider** collider);
+tremolo_status tremolo_collider_sphere(double radius, tremolo_collider** collider);
+tremolo_status tremolo_collider_capsule(double radius, double half_length,
+                                        tremolo_collider** collider);
+tremolo_status tremolo_collider_box(const double half_extents[3], tremolo_collider** collider);
+tremolo_status tremolo_collider_cylinder(double radius, double half_length,
+                                         tremolo_collider** collider);
+tremolo_status tremolo_collider_load(const char* path, tremolo_collider** collider);
+void tremolo_collider_destroy(tremolo_collider* collider);
+
+/* The distance from the shape's surface to a point in the shape's frame, m, negative inside. normal
+ * (may be NULL): the way out. TREMOLO_USAGE for a point that is not finite. */
+tremolo_status tremolo_collider_distance(const tremolo_collider* collider, const double point[3],
+                                         double* distance, double normal[3]);
+
+/* A collider in one step: its frame goes from a pose to the next one. Quaternions are w, x, y, z,
+ * of length one to 1e-6. friction: not negative. restitution: the share of the speed that comes
+ * back, 0 to 1. Fill with tremolo_placed_collider_init: a collider that stands at the origin. */
+typedef struct tremolo_placed_collider {
+  const tremolo_collider* collider;
+  double position[3];        /* m */
+  double quaternion[4];      /* at the start of the step */
+  double next_position[3];   /* m */
+  double next_quaternion[4]; /* at its end */
+  double friction;           /* 0.3 */
+  double restitution;        /* 0.5 */
+} tremolo_placed_collider;
+
+void tremolo_placed_collider_init(tremolo_placed_collider* placed,
+                                  const tremolo_collider* collider);
+
+/* One step among `count` colliders. Errors as tremolo_body_step; TREMOLO_USAGE, and no step, for a
+ * pose, friction or restitution out of range. A body without tremolo_body_set_contact feels none of
+ * them. */
+tremolo_status tremolo_body_step_among(tremolo_body* body, const tremolo_placed_collider* colliders,
+                                       size_t count);
+
+/* Of the last step; any may be NULL. penetration: of the deepest point behind a surface, m.
+ * impulse: sum of |F| h, N s. points: how many pushed. */
+tremolo_status tremolo_body_contact(const tremolo_body* body, double* penetration, double* impulse,
+                                    int32_t* points);
+
+/* The impulse of each collider of the last step, N s, 0 where it was not touched. length must be
+ * their count. */
+tremolo_status tremolo_body_contact_impulses(const tremolo_body* body, double* out, size_t length);
+
+/* J; any may be NULL. stored: between the body and colliders, now. The others since the start: what
+ * moving colliders gave, what restitution and friction took (negative), what hands gave, and what
+ * was found stored where the step before had left none (error: it should be zero). With what
+ * tremolo_body_work tells they are the change of kinetic, potential and stored energy, less error.
+ */
+tremolo_status tremolo_body_contact_work(const tremolo_body* body, double* stored, double* given,
+                                         double* restitution, double* friction, double* hand,
+                                         double* error);
+
+/* A hand takes hold of a vertex where it is, by a spring (N/m) and a damper (N s/m) to a point that
+ * goes where tremolo_body_move_hand says, on the whole way at the end of the next step. Both are
+ * implicit: no stiffness is too large. hand receives its number. Needs tremolo_body_set_contact;
+ * steps of tremolo_body_step feel hands too. TREMOLO_USAGE for values that are not finite or
+ * negative and for a hand that is not there. */
+tremolo_status tremolo_body_grab(tremolo_body* body, uint32_t vertex, double stiffness,
+                                 double damping, uint64_t* hand);
+tremolo_status tremolo_body_move_hand(tremolo_body* body, uint64_t hand, const double place[3]);
+tremolo_status tremolo_body_release(tremolo_body* body, uint64_t hand);
+
+/* On the body in the last step, N; the hand feels the opposite. Zero for a hand that is not there.
+ */
+tremolo_status tremolo_body_hand_force(const tremolo_body* body, uint64_t hand, double force[3]);
 
 /* ---- world: many bodies ----
  *

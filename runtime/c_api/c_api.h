@@ -11,9 +11,11 @@
 #include <new>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/result.h"
 #include "runtime/body.h"
+#include "runtime/contact/contact_law.h"
 #include "runtime/model.h"
 #include "runtime/tremolo.h"
 #include "runtime/world.h"
@@ -24,6 +26,10 @@ struct tremolo_model {
 };
 struct tremolo_body {
   tremolo::Body body;
+  std::vector<tremolo::PlacedCollider> around = {};  // those of the step, kept for their room
+};
+struct tremolo_collider {
+  tremolo::Collider shape;
 };
 struct tremolo_world {
   tremolo::World world;
@@ -82,6 +88,12 @@ inline const World& behind(const tremolo_world& handle) {
 }
 inline const char* name_of(const tremolo_model*) {
   return "the model";
+}
+inline const Collider& behind(const tremolo_collider& handle) {
+  return handle.shape;
+}
+inline const char* name_of(const tremolo_collider*) {
+  return "the collider";
 }
 inline const char* name_of(const tremolo_body*) {
   return "the body";

@@ -89,7 +89,8 @@ tremolo_status tremolo_body_set_gravity(tremolo_body* body, const double gravity
 tremolo_status tremolo_body_work(const tremolo_body* body, double* load, double* support,
                                  double* gravity, double* damping) {
   return with(body, [&](const Body& known) -> Status {
-    copy(known.work() - known.support_work() - known.gravity_work(), load);
+    const double contact = known.contact_work() + known.hand_work();
+    copy(known.work() - known.support_work() - known.gravity_work() - contact, load);
     copy(known.support_work(), support);
     copy(known.gravity_work(), gravity);
     copy(0.0 - known.dissipated(), damping);

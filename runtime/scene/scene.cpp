@@ -3,9 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string>
+
+#include "common/number_text.h"
 
 namespace tremolo {
 namespace {
+
+Error error_of(const std::string& what, const Error& error) {
+  return {error.kind, what + ": " + error.message};
+}
 
 Status check_gravity(const SceneGravity& gravity) {
   if (gravity.values.size() > 1 && gravity.times.size() != gravity.values.size())
@@ -26,6 +33,15 @@ Status check_motion(const SceneBody& body) {
     return content_error("a motion moves a driven body only: say kind = \"driven\"");
   const Result<MotionPath> path = MotionPath::create(body.motion, body.pose);
   return path ? Status(Success{}) : Status(path.error());
+}
+
+Status check_contact(const ContactOptions& contact) {
+  if (contact.points < 1) return content_error("contact-points must be at least 1");
+  if (!(contact.margin > 0.0 && contact.margin < 1.0))
+    return content_error("contact-margin must be above 0 and below 1 (a share of the size)");
+  if (!(contact.stiffness > 0.0) || !std::isfinite(contact.stiffness))
+    return content_error("contact-stiffness must be positive and finite");
+  return Success{};
 }
 
 Status check_loads(const SceneBody& body) {
@@ -54,10 +70,83 @@ Status check_body(const SceneBody& body) {
   if (!(body.acceleration_limit > 0.0))
     return content_error("its acceleration-limit must be positive (m/s^2)");
   if (Status s = check_loads(body); !s) return s;
+  if (Status s = check_contact(body.contact); !s) return s;
   return check_motion(body);
 }
 
+// Of a body that needs contact.
+Status check_method(const SceneBody& body) {
+  const std::string& method = body.integrator;
+  if (frame_kind(body) == FrameKind::kFixed || method == "avf" || method == "ep2" ||
+      method == "ep4")
+    return Success{};
+  return content_error("integrator: what touches or holds a body that is not fixed at the origin " +
+                       ("goes with avf, ep2 and ep4, not with '" + method + "'") +
+                       "; with contact = false it touches nothing, and no hand may hold it");
+}
+
+Status check_collider(const SceneCollider& collider) {
+  if (collider.file.empty())
+    if (Status s = check(collider.shape); !s) return s;
+  if (const std::string problem = pose_problem(collider.pose); !problem.empty())
+    return content_error(problem);
+  if (!(collider.friction >= 0.0) || !std::isfinite(collider.friction))
+    return content_error("friction is " + number_text(collider.friction) +
+                         ", must be finite and not negative");
+  if (!(collider.restitution >= 0.0 && collider.restitution <= 1.0))
+    return content_error("restitution is " + number_text(collider.restitution) +
+                         ", must be from 0 to 1");
+  const Result<MotionPath> path = MotionPath::create(collider.motion, collider.pose);
+  return path ? Status(Success{}) : Status(path.error());
+}
+
+Status check_colliders(const Scene& scene) {
+  std::set<std::string> names;
+  for (const SceneCollider& collider : scene.colliders) {
+    if (collider.name.empty()) return content_error("a collider has no name");
+    if (!names.insert(collider.name).second)
+      return content_error("two colliders are named '" + collider.name + "'");
+    if (Status s = check_collider(collider); !s)
+      return error_of("collider '" + collider.name + "'", s.error());
+  }
+  return Success{};
+}
+
+Status check_hand(const SceneHand& hand, const Scene& scene) {
+  const auto named = [&hand](const SceneBody& body) { return body.name == hand.body; };
+  if (std::none_of(scene.bodies.begin(), scene.bodies.end(), named))
+    return content_error("body: there is no body '" + hand.body + "'");
+  if (hand.at.empty()) return content_error("at: it names no vertex");
+  if (!(hand.stiffness > 0.0) || !std::isfinite(hand.stiffness))
+    return content_error("stiffness must be positive and finite (N/m)");
+  if (!(hand.damping >= 0.0) || !std::isfinite(hand.damping))
+    return content_error("damping must be finite and not negative (N s/m)");
+  if (hand.position && !hand.position->allFinite()) return content_error("position is not finite");
+  if (!(hand.from >= 0.0) || !std::isfinite(hand.from))
+    return content_error("from must be finite and not negative (s)");
+  if (!(hand.until > hand.from)) return content_error("until must be behind from (s)");
+  const Result<MotionPath> path = MotionPath::create(hand.motion);
+  if (!path) return path.error();
+  if (path->refused_jump() < kForEver)
+    return content_error("its motion jumps at t = " + number_text(path->refused_jump()) +
+                         " s: say jumps = \"smooth\" to spread it over smooth-time, or "
+                         "\"teleport\"");
+  return Success{};
+}
+
 }  // namespace
+
+FrameKind frame_kind(const SceneBody& body) {
+  const bool at_origin = body.pose.position.isZero(0.0) && body.pose.rotation.vec().isZero(0.0);
+  if (body.kind == FrameKind::kFixed && !at_origin) return FrameKind::kDriven;
+  return body.kind;
+}
+
+bool needs_contact(const Scene& scene, const SceneBody& body) {
+  if (body.feels_contact && !scene.colliders.empty()) return true;
+  return std::any_of(scene.hands.begin(), scene.hands.end(),
+                     [&body](const SceneHand& hand) { return hand.body == body.name; });
+}
 
 Eigen::Vector3d SceneGravity::at(double t) const {
   if (values.empty()) return Eigen::Vector3d::Zero();
@@ -85,13 +174,14 @@ Status check_scene(const Scene& scene) {
     if (body.name.empty()) return content_error("a body has no name");
     if (!names.insert(body.name).second)
       return content_error("two bodies are named '" + body.name + "'");
-    if (Status s = check_body(body); !s)
-      return Error{s.error().kind, "body '" + body.name + "': " + s.error().message};
+    Status good = check_body(body);
+    if (good && needs_contact(scene, body)) good = check_method(body);
+    if (!good) return error_of("body '" + body.name + "'", good.error());
   }
-  if (!scene.colliders.empty())
-    return content_error("colliders: bodies do not touch anything yet; leave them out");
-  if (!scene.hands.empty())
-    return content_error("hands: nothing takes hold of a body yet; leave them out");
+  if (Status s = check_colliders(scene); !s) return s;
+  for (std::size_t i = 0; i < scene.hands.size(); ++i)
+    if (Status s = check_hand(scene.hands[i], scene); !s)
+      return error_of("hand " + std::to_string(i + 1), s.error());
   return Success{};
 }
 

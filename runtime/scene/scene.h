@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "common/load_signal.h"
 #include "common/result.h"
 #include "runtime/body.h"
+#include "runtime/contact/collider.h"
 #include "runtime/scene/motion.h"
 
 namespace tremolo {
@@ -41,7 +43,8 @@ struct SceneColumns {
 // at t = 0. settled: it begins in the shape in which gravity and its loads at t = 0 hold it at rest
 // in its frame; not for a free body. acceleration_limit, m/s^2: no point of the body may be
 // accelerated more by its frame. A fixed body at a pose of its own is driven by a motion that
-// stands still.
+// stands still. feels_contact: it touches the scene's colliders, as contact says; a driven, free or
+// turned body then needs avf, ep2 or ep4. Hands hold it either way.
 struct SceneBody {
   std::string name;
   std::string model;
@@ -57,8 +60,13 @@ struct SceneBody {
   std::vector<SceneLoad> loads;
   Motion motion;
   double acceleration_limit = 1e4;
+  bool feels_contact = true;
+  ContactOptions contact;
   SceneColumns columns;
 };
+
+// That of the body in a world: a fixed one at a pose of its own is driven.
+FrameKind frame_kind(const SceneBody& body);
 
 // Gravity, m/s^2: values at moments (s, ascending), straight lines between; one value is constant.
 // Before the first and after the last moment it stays. Empty: none.
@@ -69,25 +77,36 @@ struct SceneGravity {
   Eigen::Vector3d at(double t) const;
 };
 
-// Reserved: what bodies touch. SceneWorld refuses a scene that has any.
-enum class ColliderShape { kPlane, kSphere, kCapsule, kBox, kCylinder, kMesh };
+// What bodies touch. name: each collider's own. file: of a mesh's distances (tremolo-precompute
+// collider); `shape` is then not read; made_by: the command that makes it, told where it is
+// missing. pose: of the shape's frame at t = 0; a motion moves it from there. friction: mu,
+// restitution: the share of the speed that comes back, 0 to 1; of the pair with whatever touches
+// it.
 struct SceneCollider {
   std::string name;
-  ColliderShape shape = ColliderShape::kPlane;
-  Eigen::Vector3d size = Eigen::Vector3d::Zero();  // m: radius, radius and length, or half edges
-  std::string file;                                // of kMesh
+  Collider shape;
+  std::string file;
+  std::string made_by;
   Pose pose;
   Motion motion;
-  double friction = 0.0;
-  double restitution = 1.0;
+  double friction = 0.3;
+  double restitution = 0.5;
 };
 
-// Reserved: a spring from a vertex of a body to a point that moves. SceneWorld refuses them.
+// A spring and a damper from a vertex of a body to a point that moves. body: its name. at: a
+// vertex's id, or a selector of one vertex. It holds from the step that begins at `from`, s, to
+// `until`. position: of the point without any motion, m; without one the point is where the vertex
+// is when it is taken hold of, and goes on from there as the motion does. What moves the point is
+// on the whole way at the end of each step; in its first step it comes from the vertex.
 struct SceneHand {
   std::string body;
   std::string at;
-  double stiffness = 0.0;  // N/m
+  double stiffness = 0.0;  // N/m, above 0
+  double damping = 0.0;    // N s/m
+  std::optional<Eigen::Vector3d> position;
   Motion motion;
+  double from = 0.0;
+  double until = kForEver;
 };
 
 struct Scene {
@@ -99,10 +118,14 @@ struct Scene {
   std::vector<SceneHand> hands;
 };
 
-// Errors, kContent, each with the body or key it is about: no body, names that are
-// empty or stand twice, a step or duration that is not positive and finite, a pose, velocity,
+// Whether the body needs Body::set_contact(): colliders that it feels, or a hand on it.
+bool needs_contact(const Scene& scene, const SceneBody& body);
+
+// Errors, kContent, each with the body, collider, hand or key that it is about: no body, names that
+// are empty or stand twice, a step or duration that is not positive and finite, a pose, velocity,
 // gravity, force or motion that is not finite or out of range, a motion of a body that is not
-// driven, velocities of one that is not free, colliders and hands.
+// driven, velocities of one that is not free, a method that contact does not go with, sizes,
+// friction or restitution out of range, a hand on a body that is not there.
 Status check_scene(const Scene& scene);
 
 }  // namespace tremolo

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <string>
 #include <tuple>
 #include <utility>
 
+#include "common/number_text.h"
+#include "runtime/contact/solve/contact_step.h"
 #include "runtime/frames/frame_inertia.h"
 #include "runtime/scene/scene_start.h"
 
@@ -18,16 +21,6 @@ using Eigen::Vector3d;
 Error error_of_body(const SceneBody& body, Error error) {
   error.message = "body '" + body.name + "': " + error.message;
   return error;
-}
-
-bool is_identity(const Pose& pose) {
-  return pose.position.isZero(0.0) && pose.rotation.vec().isZero(0.0);
-}
-
-// A driven body that stands still is what a fixed one at another place is.
-FrameKind kind_of(const SceneBody& body) {
-  if (body.kind == FrameKind::kFixed && !is_identity(body.pose)) return FrameKind::kDriven;
-  return body.kind;
 }
 
 // The farthest that a point of the model is from its frame's origin at rest, m.
@@ -67,6 +60,11 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
       if (Status s = take(model, source(wanted)); !s) return error_of_body(wanted, s.error());
     if (Status s = world.add(wanted, model); !s) return error_of_body(wanted, s.error());
   }
+  if (Status s = take(world.colliders_, SceneColliders::create(world.scene_)); !s) return s.error();
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (Status s = world.begin_contact(i); !s)
+      return error_of_body(world.scene_.bodies[i], s.error());
+  if (Status s = world.add_hands(); !s) return s.error();
   world.failures_.reserve(world.actors_.size());
   return world;
 }
@@ -75,12 +73,13 @@ Status SceneWorld::add(const SceneBody& wanted, Model::Pointer model) {
   IntegratorOptions options = wanted.options;
   options.step = scene_.step;
   const double reach = reach_of(*model);
-  Result<Body> body = Body::create(std::move(model), wanted.integrator, options, kind_of(wanted));
+  Result<Body> body =
+      Body::create(std::move(model), wanted.integrator, options, frame_kind(wanted));
   if (!body) return body.error();
   Result<MotionPath> path = MotionPath::create(wanted.motion, unit(wanted.pose));
   if (!path) return path.error();
   if (Status s = check_accelerations(wanted, *path, scene_, reach); !s) return s;
-  Actor actor{std::move(*body), std::move(*path), nullptr, 0, 0.0, false};
+  Actor actor{std::move(*body), std::move(*path), nullptr};
   if (actor.body.model().inertia() != nullptr)
     actor.inertia = actor.body.model().inertia_about_origin();
   if (Status s = begin(wanted, actor); !s) return s;
@@ -108,6 +107,49 @@ Status SceneWorld::begin(const SceneBody& wanted, Actor& actor) const {
   return wanted.settled ? settle(wanted, gravity, body) : Status(Success{});
 }
 
+std::span<const PlacedCollider> SceneWorld::felt_by(std::size_t i) const {
+  return scene_.bodies[i].feels_contact ? colliders_.placed() : std::span<const PlacedCollider>{};
+}
+
+// Makes the body feel colliders and hands. It must not begin inside a collider.
+Status SceneWorld::begin_contact(std::size_t i) {
+  const SceneBody& wanted = scene_.bodies[i];
+  Actor& actor = actors_[i];
+  if (!needs_contact(scene_, wanted)) return Success{};
+  if (Status s = actor.body.set_contact(wanted.contact); !s)
+    return content_error("contact: " + s.error().message);
+  actor.size = actor.body.contact()->points().extent;
+  const auto felt = felt_by(i);
+  const double margin = actor.body.contact()->law().margin;
+  if (const DeepestPoint deepest = deepest_point(actor.body, felt); deepest.depth > margin)
+    return content_error(
+        "it begins " + number_text(deepest.depth) + " m (" +
+        number_text(100.0 * deepest.depth / actor.size) + " % of its size) inside collider '" +
+        scene_.colliders[deepest.collider].name + "', more than its contact-margin of " +
+        number_text(margin) + " m: put one of them elsewhere");
+  actor.contact_at_start = contact_energy_at_start(actor.body, felt);
+  actor.energy_at_start += actor.contact_at_start;
+  const std::string& name = wanted.name;
+  const auto hands = std::count_if(scene_.hands.begin(), scene_.hands.end(),
+                                   [&name](const SceneHand& hand) { return hand.body == name; });
+  actor.body.reserve_contact(felt, static_cast<std::size_t>(hands));
+  touching_.resize(size() * colliders_.placed().size());
+  events_.reserve(touching_.size());
+  return Success{};
+}
+
+Status SceneWorld::add_hands() {
+  for (std::size_t i = 0; i < scene_.hands.size(); ++i) {
+    const std::size_t body = *find(scene_.hands[i].body);
+    Result<MovingHand> hand = MovingHand::create(scene_.hands[i], actors_[body].body);
+    if (!hand)
+      return Error{hand.error().kind,
+                   "hand " + std::to_string(i + 1) + ": " + hand.error().message};
+    hands_.push_back({std::move(*hand), body});
+  }
+  return Success{};
+}
+
 std::optional<std::size_t> SceneWorld::find(std::string_view name) const {
   for (std::size_t i = 0; i < size(); ++i)
     if (scene_.bodies[i].name == name) return i;
@@ -125,16 +167,50 @@ void SceneWorld::move_frame(Actor& actor) const {
                            frame_motion(actor.path, piece, steps_, h));
 }
 
+void SceneWorld::move_hands() {
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    Actor& actor = actors_[hands_[i].body];
+    // The hand was checked when it was made: the body takes it.
+    if (!actor.failed)
+      (void)hands_[i].hand.before_step(scene_.hands[i], steps_, scene_.step, actor.body);
+  }
+}
+
+// After a step of the body that was made.
+void SceneWorld::note_contact(std::size_t i) {
+  Actor& actor = actors_[i];
+  if (actor.body.contact() == nullptr) return;
+  if (actor.size > 0.0)
+    actor.penetration =
+        std::max(actor.penetration, actor.body.contact_account().penetration / actor.size);
+  const std::span<const double> impulses = actor.body.contact()->impulses();
+  for (std::size_t c = 0; c < std::min(impulses.size(), felt_by(i).size()); ++c) {
+    Touching& touching = touching_[i * colliders_.placed().size() + c];
+    const bool before = std::exchange(touching.now, impulses[c] > 0.0);
+    if (touching.now) touching.impulse = (before ? touching.impulse : 0.0) + impulses[c];
+    if (touching.now == before) continue;
+    if (touching.now) ++actor.contacts;
+    events_.push_back(
+        {i, c, before ? ContactEvent::Kind::kEnd : ContactEvent::Kind::kBegin, touching.impulse});
+  }
+}
+
 std::span<const SceneWorld::Failure> SceneWorld::step() {
   failures_.clear();
+  events_.clear();
+  colliders_.move(steps_, scene_.step);
+  move_hands();
   const Vector3d gravity = scene_.gravity.at(time() + 0.5 * scene_.step);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     Actor& actor = actors_[i];
     if (actor.failed) continue;
     if (gravity_changes_) (void)actor.body.set_gravity(gravity);
     move_frame(actor);
-    const StepReport report = actor.body.step();
-    if (report.converged) continue;
+    const StepReport report = actor.body.step(felt_by(i));
+    if (report.converged) {
+      note_contact(i);
+      continue;
+    }
     actor.failed = true;
     failures_.push_back({i, report});
   }
@@ -151,7 +227,15 @@ EnergyAccount SceneWorld::account(std::size_t i) const {
   account.at_start = actors_[i].energy_at_start;
   account.support = body.support_work();
   account.gravity = body.gravity_work();
-  account.load = body.work() - account.support - account.gravity;
+  account.contact = body.steps() > 0 ? body.contact_account().energy : actors_[i].contact_at_start;
+  account.contact_given = body.contact_given();
+  account.restitution = 0.0 - body.contact_lost();
+  account.friction = 0.0 - body.contact_rubbed();
+  account.hand = body.hand_work();
+  // A body's first step finds what was stored at the start.
+  if (body.steps() > 0) account.contact_error = body.contact_error() - actors_[i].contact_at_start;
+  account.load =
+      body.work() - account.support - account.gravity - body.contact_work() - account.hand;
   account.damping = 0.0 - body.dissipated();
   return account;
 }

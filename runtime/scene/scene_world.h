@@ -2,8 +2,10 @@
 //
 // Each step takes every body from t to t + h. A driven body is told where its frame will be and how
 // it moves on the way, from the poses of its motion at t - h, t, t + h and t + 2h; gravity is that
-// of the middle of the step. What a body does depends on nothing but the scene's entry of it, bit
-// for bit: not on the other bodies, nor on the order in which they stand.
+// of the middle of the step. Colliders move from pose to pose of their motion; every body touches
+// all of them and none of the other bodies. What a body does depends on nothing but the scene's
+// entry of it, of the colliders and of its hands, bit for bit: not on the other bodies, nor on the
+// order in which they stand.
 //
 // A step of a body that cannot be made leaves it where it was, and it stands still from then on;
 // the others go on.
@@ -25,6 +27,8 @@
 #include "runtime/scene/energy_account.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
+#include "runtime/scene/scene_colliders.h"
+#include "runtime/scene/scene_hands.h"
 
 namespace tremolo {
 
@@ -32,6 +36,17 @@ namespace tremolo {
 struct Momenta {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+};
+
+// A body that began to touch a collider in the last step, or that did not touch it any more.
+// impulse: sum of |F| h since it began, N s. Points that leave for a single step end a contact: who
+// wants long ones joins what is close in time.
+struct ContactEvent {
+  enum class Kind { kBegin, kEnd };
+  std::size_t body = 0;
+  std::size_t collider = 0;
+  Kind kind = Kind::kBegin;
+  double impulse = 0.0;
 };
 
 // The model of a body of a scene.
@@ -45,7 +60,9 @@ class SceneWorld {
   // source is asked once for bodies that share file and options. Errors: as check_scene; those of
   // the source, of Body::create, of selectors and of loads, with the body's name in front; kContent
   // for a motion that jumps and does not say how, or that accelerates a point of the body more than
-  // it may (looked at in the first 1e6 steps); kSolver where a body that should begin settled finds
+  // it may (looked at in the first 1e6 steps), for a collider's motion that jumps, for a body that
+  // begins inside a collider by more than its margin, for a hand whose selector is not one vertex
+  // that moves; those of load_scene_collider; kSolver where a body that should begin settled finds
   // no shape to stand in.
   static Result<SceneWorld> create(const Scene& scene,
                                    const ModelSource& source = load_scene_model);
@@ -72,6 +89,20 @@ class SceneWorld {
   std::span<const Failure> step();
   bool failed(std::size_t i) const { return actors_[i].failed; }
 
+  // Of the last step, in the order of bodies and colliders; valid until the next one.
+  std::span<const ContactEvent> events() const { return events_; }
+  // How often the body began to touch a collider, and how deep its contact points were behind a
+  // surface at most at the end of any step, as a share of the body's size (0: never).
+  std::int64_t contacts(std::size_t i) const { return actors_[i].contacts; }
+  double penetration_max(std::size_t i) const { return actors_[i].penetration; }
+  // Where they were in the last step, in the scene's order.
+  std::span<const PlacedCollider> colliders() const { return colliders_.placed(); }
+  // In the scene's order.
+  const MovingHand& hand(std::size_t i) const { return hands_[i].hand; }
+  Eigen::Vector3d hand_force(std::size_t i) const {
+    return hands_[i].hand.force(actors_[hands_[i].body].body);
+  }
+
   // Evaluates the body's energy.
   EnergyAccount account(std::size_t i) const;
   // Of a body that is not free they need the inertia integrals; zeros without.
@@ -85,16 +116,38 @@ class SceneWorld {
     std::size_t piece = 0;
     double energy_at_start = 0.0;
     bool failed = false;
+    double contact_at_start = 0.0;  // J
+    double size = 0.0;              // m, of the contact points
+    double penetration = 0.0;       // share of the size
+    std::int64_t contacts = 0;
+  };
+  struct Hand {
+    MovingHand hand;
+    std::size_t body;
+  };
+  // Of a body and a collider. impulse: since they touch, N s.
+  struct Touching {
+    bool now = false;
+    double impulse = 0.0;
   };
 
   explicit SceneWorld(const Scene& scene) : scene_(scene) {}
   Status add(const SceneBody& wanted, Model::Pointer model);
   Status begin(const SceneBody& wanted, Actor& actor) const;
+  Status begin_contact(std::size_t i);
+  Status add_hands();
+  std::span<const PlacedCollider> felt_by(std::size_t i) const;
   void move_frame(Actor& actor) const;
+  void move_hands();
+  void note_contact(std::size_t i);
 
   Scene scene_;
   std::vector<Actor> actors_;
+  SceneColliders colliders_;
+  std::vector<Hand> hands_;
+  std::vector<Touching> touching_;  // bodies x colliders
   std::vector<Failure> failures_;
+  std::vector<ContactEvent> events_;
   bool gravity_changes_ = false;
   std::int64_t steps_ = 0;
 };

@@ -174,4 +174,15 @@ Result<MotionPart> read_motion_part(const toml::table& table, const std::string&
   return part;
 }
 
+Result<Motion> read_motion(TomlKeys& keys, const std::string& path, const std::string& what,
+                           std::vector<std::string>& files) {
+  Motion motion;
+  for (const toml::table* entry : keys.read_tables("motion")) {
+    Result<MotionPart> part = read_motion_part(*entry, path, what + ", motion", files);
+    if (!part) return part.error();
+    motion.parts.push_back(std::move(*part));
+  }
+  return motion;
+}
+
 }  // namespace tremolo

@@ -20,4 +20,8 @@ Pose read_pose(TomlKeys& keys);
 Result<MotionPart> read_motion_part(const toml::table& table, const std::string& path,
                                     const std::string& what, std::vector<std::string>& files);
 
+// All parts of the key `motion` of a table that is named `what`.
+Result<Motion> read_motion(TomlKeys& keys, const std::string& path, const std::string& what,
+                           std::vector<std::string>& files);
+
 }  // namespace tremolo

@@ -8,6 +8,7 @@
 
 #include "formats/file/whole_file.h"
 #include "runtime/integrator.h"
+#include "runtime/scene_reader/contact_reader.h"
 #include "runtime/scene_reader/csv_rows.h"
 #include "runtime/scene_reader/motion_reader.h"
 #include "runtime/scene_reader/toml_keys.h"
@@ -138,6 +139,10 @@ void read_what(TomlKeys& keys, SceneBody& body) {
   keys.read("velocity", body.velocity);
   keys.read("spin", body.spin);
   keys.read("acceleration-limit", body.acceleration_limit);
+  keys.read("contact", body.feels_contact);
+  keys.read("contact-points", body.contact.points);
+  keys.read("contact-margin", body.contact.margin);
+  keys.read("contact-stiffness", body.contact.stiffness);
   body.settled = keys.read_word("start", {"rest", "static"}, 0) == 1;
   keys.read("probe", body.columns.probes);
   keys.read("coordinate", body.columns.coordinates);
@@ -163,11 +168,8 @@ Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneF
     if (Status s = load_keys.finish(); !s) return s.error();
     std::move(more->begin(), more->end(), std::back_inserter(body.loads));
   }
-  for (const toml::table* entry : keys.read_tables("motion")) {
-    Result<MotionPart> part = read_motion_part(*entry, file.path, what + ", motion", file.files);
-    if (!part) return part.error();
-    body.motion.parts.push_back(std::move(*part));
-  }
+  if (Status s = take(body.motion, read_motion(keys, file.path, what, file.files)); !s)
+    return s.error();
   if (Status s = keys.finish(); !s) return s.error();
   return body;
 }
@@ -205,15 +207,23 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path) {
   keys.read("duration", file.scene.duration);
   read_outputs(keys, file.outputs);
   if (Status s = read_gravity(keys, path, file); !s) return s.error();
-  for (const char* reserved : {"colliders", "hands"})
-    if (keys.find(reserved) != nullptr)
-      keys.fail(reserved, std::string("'") + reserved +
-                              "' are not there yet: bodies touch nothing; leave them out");
   std::size_t number = 0;
   for (const toml::table* entry : keys.read_tables(kBodies)) {
     Result<SceneBody> body = read_body(*entry, ++number, file);
     if (!body) return body.error();
     file.scene.bodies.push_back(std::move(*body));
+  }
+  number = 0;
+  for (const toml::table* entry : keys.read_tables("colliders")) {
+    Result<SceneCollider> collider = read_collider(*entry, ++number, path, file.files);
+    if (!collider) return collider.error();
+    file.scene.colliders.push_back(std::move(*collider));
+  }
+  number = 0;
+  for (const toml::table* entry : keys.read_tables("hands")) {
+    Result<SceneHand> hand = read_hand(*entry, ++number, path, file.files);
+    if (!hand) return hand.error();
+    file.scene.hands.push_back(std::move(*hand));
   }
   if (Status s = keys.finish(); !s) return s.error();
   if (Status s = check_scene(file.scene); !s) return error_of_file(path, s.error());

@@ -69,6 +69,57 @@ TEST(SceneAllocation, StepsOfAllKindsOfFramesAllocateNothing) {
   EXPECT_EQ(after - before, 0);
 }
 
+// Bodies that fall onto colliders, still and moving ones, and hands that take hold and let go.
+TEST(SceneAllocation, StepsAmongCollidersAndHandsAllocateNothing) {
+  Scene scene;
+  scene.step = 1e-3;
+  scene.gravity.values = {{0.0, 0.0, -9.81}};
+  for (const FrameKind kind : {FrameKind::kFixed, FrameKind::kDriven, FrameKind::kFree}) {
+    SceneBody body;
+    body.name = "body" + std::to_string(static_cast<int>(kind));
+    body.model = kind == FrameKind::kFree ? "free" : "held";
+    body.kind = kind;
+    if (kind == FrameKind::kFree) body.spin = {1.0, 2.0, 0.0};
+    scene.bodies.push_back(body);
+    SceneHand hand;
+    hand.body = body.name;
+    hand.at = "7";
+    hand.stiffness = 200.0;
+    // A body's first touch of all makes its solver.
+    hand.until = 0.002;
+    scene.hands.push_back(hand);
+    hand.from = 0.1;
+    hand.until = 0.3;
+    scene.hands.push_back(hand);
+  }
+  SceneCollider floor;
+  floor.name = "floor";
+  floor.pose.position.z() = -0.7;
+  floor.motion.parts.push_back(ShakeMotion{{0.0, 0.0, 0.02}, 3.0, {0.0, 2.0, 0.1}});
+  SceneCollider ball;
+  ball.name = "ball";
+  ball.shape = SphereShape{0.1};
+  ball.pose.position = {0.0, 0.0, 0.6};
+  ball.motion.parts.push_back(GlideMotion{{0.0, 0.0, -1.0}, {0.0, 0.4, 0.1}});
+  scene.colliders = {floor, ball};
+  Result<SceneWorld> world = SceneWorld::create(scene, [](const SceneBody& body) {
+    return Result<Model::Pointer>(testing::frame_model(20, body.model == "free", 60.0, 300.0));
+  });
+  ASSERT_TRUE(world) << world.error().message;
+  for (int k = 0; k < 3; ++k) ASSERT_TRUE(world->step().empty());
+  const long before = scene_mallocs;
+  bool good = true;
+  std::size_t events = 0;
+  for (int k = 0; k < 500; ++k) {
+    good = good && world->step().empty();
+    events += world->events().size();
+  }
+  const long after = scene_mallocs;
+  EXPECT_TRUE(good);
+  EXPECT_GT(events, 1U);
+  EXPECT_EQ(after - before, 0);
+}
+
 }  // namespace
 }  // namespace tremolo
 #endif

@@ -257,12 +257,6 @@ TEST(SceneWorld, RefusesWhatMakesNoScene) {
   scene.bodies[1].acceleration_limit = 1.0;
   expect_in(why_refused(scene), "above its acceleration-limit of 1 m/s^2");
   scene = some_scene();
-  scene.colliders.emplace_back();
-  expect_in(why_refused(scene), "colliders");
-  scene = some_scene();
-  scene.hands.emplace_back();
-  expect_in(why_refused(scene), "hands");
-  scene = some_scene();
   scene.bodies.clear();
   expect_in(why_refused(scene), "no body");
 }

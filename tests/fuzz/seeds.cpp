@@ -159,6 +159,18 @@ void save_texts(const fs::path& root) {
        "keys = [[0, 0, 0, 0], [1, 1, 0, 0], [1, 2, 0, 0], [2, 0, 0, 0, 0, 1, 0, 0]]\n"
        "[[bodies]]\nname = 'b'\nmodel = '/m'\nkind = 'free'\nquaternion = [1, 0, 0, 0]\n"
        "velocity = [0, 0, 1]\nspin = [1, 0, 0]\n");
+  save(root / "world", "contact",
+       "[[bodies]]\nname = 'a'\nmodel = 'a.tremolo'\nkind = 'free'\ncontact = true\n"
+       "contact-points = 9\ncontact-margin = 0.01\ncontact-stiffness = 3\n"
+       "[[colliders]]\nname = 'f'\nshape = 'plane'\nfriction = 0.1\nrestitution = 1\n"
+       "[[colliders]]\nname = 's'\nshape = 'sphere'\nradius = 1\nposition = [0, 0, 3]\n"
+       "[[colliders.motion]]\nkind = 'glide'\nvelocity = [0, 1, 0]\n"
+       "[[colliders]]\nname = 'c'\nshape = 'capsule'\nradius = 1\nhalf-length = 0\n"
+       "[[colliders]]\nname = 'b'\nshape = 'box'\nhalf-extents = [1, 2, 3]\n"
+       "[[colliders]]\nname = 'y'\nshape = 'cylinder'\nradius = 1\nhalf-length = 2\n"
+       "[[colliders]]\nname = 'm'\nshape = 'mesh'\nfile = 'm.collider'\nmade-by = 'x'\n"
+       "[[hands]]\nbody = 'a'\nat = 3\nstiffness = 9\ndamping = 1\nposition = [1, 2, 3]\n"
+       "from = 1\nuntil = 2\n[[hands.motion]]\nkind = 'shake'\namplitude = [1, 0, 0]\n");
 }
 
 }  // namespace

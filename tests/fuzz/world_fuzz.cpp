@@ -23,5 +23,15 @@ void tremolo::fuzz::read_input(std::string_view bytes) {
     if (!path) finding("a motion that is none");
     for (const double t : {-1.0, 0.0, 0.5, 1e3})
       if (!pose_problem(path->pose(t)).empty()) finding("a pose that is none");
+    if (!(body.contact.margin > 0.0) || body.contact.points < 1)
+      finding("contact without a margin or a point");
   }
+  for (const SceneCollider& collider : file->scene.colliders) {
+    if (collider.file.empty() && !check(collider.shape)) finding("a shape that is none");
+    if (!(collider.friction >= 0.0) || !(collider.restitution <= 1.0))
+      finding("friction or restitution out of range");
+    if (!MotionPath::create(collider.motion, collider.pose)) finding("a motion that is none");
+  }
+  for (const SceneHand& hand : file->scene.hands)
+    if (!(hand.stiffness > 0.0) || !(hand.until > hand.from)) finding("a hand that holds nothing");
 }

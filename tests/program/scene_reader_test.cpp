@@ -106,6 +106,51 @@ TEST(SceneReader, ReadsMotions) {
   EXPECT_EQ(std::get<KeyframeMotion>(parts[4]).interpolation, Interpolation::kLinear);
 }
 
+TEST(SceneReader, ReadsCollidersAndHands) {
+  const SceneFile file = read_scene_text(
+      kBody +
+      "contact = false\ncontact-points = 50\ncontact-margin = 0.01\ncontact-stiffness = 4\n"
+      "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\nposition = [0, 0, -1]\n"
+      "turn = [1, 0, 0, 90]\nfriction = 0.7\nrestitution = 0\n[[colliders.motion]]\n"
+      "kind = \"glide\"\nvelocity = [1, 0, 0]\n[[colliders]]\nname = \"pill\"\n"
+      "shape = \"capsule\"\nradius = 2\nhalf-length = 3\n[[colliders]]\nname = \"brick\"\n"
+      "shape = \"box\"\nhalf-extents = [1, 2, 3]\n[[colliders]]\nname = \"rock\"\n"
+      "shape = \"mesh\"\nfile = \"rock.collider\"\nmade-by = \"./demo\"\n"
+      "[[hands]]\nbody = \"a\"\nat = 17\nstiffness = 100\ndamping = 2\n"
+      "position = [1, 2, 3]\nfrom = 0.5\nuntil = 2\n[[hands.motion]]\nkind = \"spin\"\n"
+      "axis = [0, 0, 1]\nrate = 1\n[[hands]]\nbody = \"a\"\nat = \"near:0,0,0\"\n"
+      "stiffness = 1\n");
+  ASSERT_EQ(file.scene.bodies.size(), 1U);
+  const SceneBody& body = file.scene.bodies[0];
+  EXPECT_FALSE(body.feels_contact);
+  EXPECT_EQ(body.contact.points, 50);
+  EXPECT_EQ(body.contact.margin, 0.01);
+  EXPECT_EQ(body.contact.stiffness, 4.0);
+  ASSERT_EQ(file.scene.colliders.size(), 4U);
+  const SceneCollider& floor = file.scene.colliders[0];
+  EXPECT_TRUE(std::holds_alternative<PlaneShape>(floor.shape));
+  EXPECT_EQ(floor.pose.position.z(), -1.0);
+  EXPECT_EQ(floor.friction, 0.7);
+  EXPECT_EQ(floor.restitution, 0.0);
+  EXPECT_EQ(floor.motion.parts.size(), 1U);
+  EXPECT_EQ(std::get<CapsuleShape>(file.scene.colliders[1].shape).half_length, 3.0);
+  EXPECT_EQ(file.scene.colliders[1].friction, 0.3);
+  EXPECT_EQ(std::get<BoxShape>(file.scene.colliders[2].shape).half_extents, Vector3d(1, 2, 3));
+  EXPECT_EQ(file.scene.colliders[3].file, "folder/rock.collider");
+  EXPECT_EQ(file.scene.colliders[3].made_by, "./demo");
+  ASSERT_EQ(file.scene.hands.size(), 2U);
+  const SceneHand& hand = file.scene.hands[0];
+  EXPECT_EQ(hand.at, "17");
+  EXPECT_EQ(hand.stiffness, 100.0);
+  EXPECT_EQ(hand.damping, 2.0);
+  EXPECT_EQ(*hand.position, Vector3d(1.0, 2.0, 3.0));
+  EXPECT_EQ(hand.from, 0.5);
+  EXPECT_EQ(hand.until, 2.0);
+  EXPECT_EQ(hand.motion.parts.size(), 1U);
+  EXPECT_FALSE(file.scene.hands[1].position);
+  EXPECT_EQ(file.scene.hands[1].until, kForEver);
+}
+
 TEST(SceneReader, ReadsCsvFilesBesideTheScene) {
   const std::string folder = testing::fresh_folder();
   std::ofstream(folder + "/poses.csv") << "t,x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n1,2,0,0,0,1,0,0\n";
@@ -151,8 +196,33 @@ TEST(SceneReader, TellsFileLineAndKeyOfWhatIsWrong) {
   expect_refused("gravity = [1, 2]\n" + kBody, "line 1: 'gravity' must be");
   expect_refused("gravity = [[1, 0, 0, 0], [0, 0, 0, 0]]\n" + kBody, "the times must ascend");
   expect_refused("step = -1\n" + kBody, "step must be positive");
-  expect_refused("[[colliders]]\nshape = \"plane\"\n" + kBody, "'colliders' are not there yet");
-  expect_refused("[[hands]]\nbody = \"a\"\n" + kBody, "'hands' are not there yet");
+  const std::string floor = kBody + "[[colliders]]\nname = \"floor\"\n";
+  expect_refused(floor, "line 4: collider 'floor': it has no `shape`");
+  expect_refused(kBody + "[[colliders]]\nshape = \"plane\"\n", "collider 1: it has no `name`");
+  expect_refused(floor + "shape = \"disc\"\n",
+                 "must be one of plane, sphere, capsule, box, cylinder, mesh");
+  expect_refused(floor + "shape = \"plane\"\nradius = 1\n",
+                 "line 7: collider 'floor': unknown key 'radius'");
+  expect_refused(floor + "shape = \"sphere\"\n", "collider 'floor': it has no `radius`");
+  expect_refused(floor + "shape = \"sphere\"\nradius = -1\n", "line 6: collider 'floor': ");
+  expect_refused(floor + "shape = \"mesh\"\n", "collider 'floor': it has no `file`");
+  expect_refused(floor + "shape = \"plane\"\nfriction = -1\n",
+                 "collider 'floor': friction is -1, must be finite and not negative");
+  expect_refused(floor + "shape = \"plane\"\nrestitution = 2\n",
+                 "collider 'floor': restitution is 2, must be from 0 to 1");
+  expect_refused(kBody + "contact = 1\n", "line 4: body 'a': 'contact' must be true or false");
+  expect_refused(kBody + "contact-points = 0\n", "body 'a': contact-points must be at least 1");
+  expect_refused(kBody + "contact-margin = 0\n", "body 'a': contact-margin must be above 0");
+  expect_refused(kBody + "contact-stiffness = nan\n",
+                 "line 4: body 'a': 'contact-stiffness' must be a finite number");
+  const std::string hand = kBody + "[[hands]]\nbody = \"a\"\n";
+  expect_refused(hand, "line 4: hand 1: it has no `at`");
+  expect_refused(hand + "at = 3\n", "hand 1: it has no `stiffness`");
+  expect_refused(hand + "at = 3\nstiffness = 0\n", "hand 1: stiffness must be positive");
+  expect_refused(hand + "at = 3\nstiffness = 9\nforce = 3\n", "hand 1: unknown key 'force'");
+  expect_refused(hand + "at = 3\nstiffness = 9\nuntil = -1\n", "hand 1: until must be behind from");
+  expect_refused(kBody + "[[hands]]\nbody = \"b\"\nat = 3\nstiffness = 9\n",
+                 "hand 1: body: there is no body 'b'");
   expect_refused(kBody + "at = 3\n", "`at` and `force` belong together");
   expect_refused(kBody + "at = 3\nforce = [1, 0, 0]\n", "say `load` or `signal`");
   expect_refused(kBody + "load = \"triangle\"\n", "unknown load 'triangle'");

@@ -57,6 +57,16 @@ StepReport Body::advance_among(std::span<const PlacedCollider> colliders) {
   return report;
 }
 
+void Body::reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands) {
+  if (!contact_) return;
+  grips_.reserve(hands);
+  hands_.reserve(hands);
+  std::vector<Grip> all(hands);
+  contact_->hold(all);
+  (void)contact_->gather(colliders, step_poses(), state_.q, state_.p);
+  contact_->hold({});
+}
+
 // Finds what may be touched in the step.
 bool Body::near_something(std::span<const PlacedCollider> colliders) {
   if (!contact_) return false;
@@ -92,13 +102,18 @@ void Body::sleep_a_step() {
 }
 
 Result<std::size_t> Body::grab(VertexId vertex, double stiffness, double damping) {
+  Result<VertexRows> place = model_->vertex(vertex);
+  if (!place) return place.error();
+  return grab(vertex, std::move(*place), stiffness, damping);
+}
+
+Result<std::size_t> Body::grab(VertexId vertex, VertexRows place, double stiffness,
+                               double damping) {
   if (!contact_) return usage_error("hands need set_contact() first");
   if (!(stiffness >= 0.0) || !(damping >= 0.0) || !std::isfinite(stiffness) ||
       !std::isfinite(damping))
     return usage_error("a hand's stiffness and damping are finite and not negative");
-  Result<VertexRows> place = model_->vertex(vertex);
-  if (!place) return place.error();
-  Grip grip{vertex, std::move(*place), stiffness, damping};
+  Grip grip{vertex, std::move(place), stiffness, damping};
   grip.start = grip.end = pose() * Eigen::Vector3d(grip.place.rest + grip.place.rows * state_.q);
   grips_.push_back(std::move(grip));
   hands_.push_back(next_hand_);

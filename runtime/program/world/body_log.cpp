@@ -18,12 +18,41 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kStepsBetweenShapes = 10;
 
-const std::vector<std::string> kFurther = {
-    "load", "support", "gravity", "contact", "friction", "damping", "x",  "y",  "z", "qw",
-    "qx",   "qy",      "qz",      "px",      "py",       "pz",      "lx", "ly", "lz"};
+const std::vector<std::string> kFurther = {"load",
+                                           "support",
+                                           "gravity",
+                                           "contact",
+                                           "friction",
+                                           "damping",
+                                           "x",
+                                           "y",
+                                           "z",
+                                           "qw",
+                                           "qx",
+                                           "qy",
+                                           "qz",
+                                           "px",
+                                           "py",
+                                           "pz",
+                                           "lx",
+                                           "ly",
+                                           "lz",
+                                           "restitution",
+                                           "hand",
+                                           "contact_energy",
+                                           "contact_force"};
 
 BodyPlace place_of(const SceneWorld& world, std::size_t body) {
   return {world.body(body).pose(), world.momenta(body)};
+}
+
+// J that came and went, whatever their sign.
+double turnover(const EnergyAccount& account) {
+  double sum = 0.0;
+  for (const double cause : {account.load, account.support, account.gravity, account.contact_given,
+                             account.restitution, account.friction, account.hand, account.damping})
+    sum += std::abs(cause);
+  return sum;
 }
 
 std::unique_ptr<RunOptions> options_of(const SceneFile& file, const SceneBody& body) {
@@ -71,6 +100,10 @@ Status check_outputs(const SceneFile& file, const SceneWorld& world, std::size_t
     options->at = load.at;
     if (Status s = keep_run_apart(*options); !s) return s;
   }
+  for (const SceneHand& hand : file.scene.hands) {
+    options->at = hand.body == known.name ? hand.at : "";
+    if (Status s = keep_run_apart(*options); !s) return s;
+  }
   return keep_run_apart(*options);
 }
 
@@ -111,6 +144,7 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   report_.account = account;
   report_.energy_max = std::max(report_.energy_max, account.total());
   report_.remainder_max = std::max(report_.remainder_max, std::abs(account.remainder()));
+  report_.turnover_max = std::max(report_.turnover_max, turnover(account));
   if (moment_.steps % kStepsBetweenShapes == 0) note_shape(body);
   if (!options_->out.empty() && moment_.steps % options_->every == 0) {
     const auto [pose, momenta] = place_of(world, body_);
@@ -118,7 +152,7 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
     further_ = {account.load,
                 account.support,
                 account.gravity,
-                account.contact,
+                account.contact_given,
                 account.friction,
                 account.damping,
                 pose.position.x(),
@@ -133,7 +167,11 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
                 momenta.linear.z(),
                 momenta.angular.x(),
                 momenta.angular.y(),
-                momenta.angular.z()};
+                momenta.angular.z(),
+                account.restitution,
+                account.hand,
+                account.contact,
+                body.contact_account().impulse / body.step_size()};
     if (Status s = recorder_.record(moment_, body.energy(), further_); !s) return s.error();
   }
   if (frames_.due(moment_.steps))
@@ -159,6 +197,18 @@ void BodyLog::give_up(const StepReport& step, double time) {
   report_.reason = why_not_made(step, time);
 }
 
+// Of the methods whose energy balances to rounding. A run that ended early has its own reason.
+void BodyLog::judge_balance(const std::string& method) {
+  if (method != "avf" && method != "ep2" && method != "ep4") return;
+  const double most = std::max(report_.energy_max, report_.turnover_max);
+  if (report_.exit_code != 0 || report_.remainder_max <= kBalanceBound * most) return;
+  report_.exit_code = exit_code(ErrorKind::kBound);
+  report_.reason = fmt::format(
+      "the energy misses what was told of it by {:.3g} J, more than {:g} of the {:.3g} J that "
+      "were there or were given",
+      report_.remainder_max, kBalanceBound, most);
+}
+
 Status BodyLog::finish(const SceneWorld& world) {
   const Body& body = world.body(body_);
   note_shape(body);
@@ -168,6 +218,9 @@ Status BodyLog::finish(const SceneWorld& world) {
   report_.steps = body.steps();
   report_.iterations = body.iterations();
   report_.halved_steps = body.halved_steps();
+  report_.penetration_max = world.penetration_max(body_);
+  report_.contacts = world.contacts(body_);
+  judge_balance(world.scene().bodies[body_].integrator);
   if (options_->out.empty()) return Success{};
   if (Status s = frames_.finish(body.model()); !s) return s;
   report_.files = frames_.files();

@@ -15,6 +15,11 @@
 
 namespace tremolo {
 
+// A run in which the energy of a body that avf, ep2 or ep4 moves misses what was told of it by more
+// than this share of the largest of its energy and of all that came and went ends with exit code 5.
+// They balance to rounding; contact to the tolerance of its solve, 1e-10 of the momenta in a step.
+inline constexpr double kBalanceBound = 1e-6;
+
 // Where a body is and how it moves as a whole. pose: of the mesh's frame.
 struct BodyPlace {
   Pose pose;
@@ -25,19 +30,22 @@ struct BodyPlace {
 struct BodyReport {
   BodyPlace start, end;
   EnergyAccount account;       // at the end
-  double energy_max = 0.0;     // of T + V
-  double remainder_max = 0.0;  // the largest |change of T + V - all that was told|
+  double energy_max = 0.0;     // of T + V and what contact stores
+  double remainder_max = 0.0;  // the largest |change of that - all that was told|
+  double turnover_max = 0.0;   // the largest sum of |what a cause gave or took|
   double high_band_final = 0.0;
   double largest_displacement = 0.0;  // of the surface's vertices in the body's frame, m
   double size = 0.0;                  // the largest extent of the surface at rest, m
   std::int64_t steps = 0;             // that this body made
   std::int64_t iterations = 0;
   std::int64_t halved_steps = 0;
-  int exit_code = 0;  // 0, 4 or 5
+  std::int64_t contacts = 0;     // how often it began to touch a collider
+  double penetration_max = 0.0;  // of the size
+  int exit_code = 0;             // 0, 4 or 5
   std::string reason;
   std::vector<std::string> files;
 
-  // |change of T + V - all that was told| over the largest T + V; 0 where nothing ever moved.
+  // |change of the energy - all that was told| over the largest energy; 0 where nothing ever moved.
   double balance_error() const { return energy_max > 0.0 ? remainder_max / energy_max : 0.0; }
 };
 
@@ -65,6 +73,7 @@ class BodyLog {
   BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
           std::int64_t steps);
   void note_shape(const Body& body);
+  void judge_balance(const std::string& method);
 
   std::size_t body_;
   std::unique_ptr<RunOptions> options_;  // the folder and its surfaces; frames_ refers to it

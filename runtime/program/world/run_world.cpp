@@ -57,10 +57,14 @@ const char* kind_name(FrameKind kind) {
 }
 
 Json json_causes(const EnergyAccount& account) {
-  return {
-      {"load", finite_number(account.load)},         {"support", finite_number(account.support)},
-      {"gravity", finite_number(account.gravity)},   {"contact", finite_number(account.contact)},
-      {"friction", finite_number(account.friction)}, {"damping", finite_number(account.damping)}};
+  return {{"load", finite_number(account.load)},
+          {"support", finite_number(account.support)},
+          {"gravity", finite_number(account.gravity)},
+          {"contact", finite_number(account.contact_given)},
+          {"friction", finite_number(account.friction)},
+          {"restitution", finite_number(account.restitution)},
+          {"damping", finite_number(account.damping)},
+          {"hand", finite_number(account.hand)}};
 }
 
 Json body_json(const SceneBody& body, const BodyReport& report, double step) {
@@ -95,7 +99,10 @@ Json body_json(const SceneBody& body, const BodyReport& report, double step) {
   json["size"] = finite_number(report.size);
   json["largest_displacement"] = finite_number(report.largest_displacement);
   json["largest_displacement_share"] = finite_number(report.largest_displacement / report.size);
-  json["penetration_max"] = 0.0;
+  json["contacts"] = report.contacts;
+  json["contact_energy"] = finite_number(account.contact);
+  json["contact_error"] = finite_number(account.contact_error);
+  json["penetration_max"] = finite_number(report.penetration_max);
   json["asleep"] = false;
   json["exit_code"] = report.exit_code;
   json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
@@ -131,6 +138,8 @@ Status keep_world_apart(const SceneFile& file) {
   std::vector<NamedFile> inputs{{file.path, "the scene"}};
   for (const std::string& csv : file.files) inputs.push_back({csv, "a CSV file of the scene"});
   for (const SceneBody& body : file.scene.bodies) inputs.push_back({body.model, "a basis file"});
+  for (const SceneCollider& collider : file.scene.colliders)
+    if (!collider.file.empty()) inputs.push_back({collider.file, "a collider file"});
   std::vector<std::string> outputs{(fs::path(file.outputs.out) / kReportName).string()};
   for (const SceneBody& body : file.scene.bodies)
     for (const char* name : {kTableName, kPictureName, kFramesName, kMaterialsName})
@@ -184,7 +193,8 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
   return ending;
 }
 
-void print_bodies(const SceneFile& file, const std::vector<BodyLog>& logs) {
+void print_bodies(const SceneFile& file, const SceneWorld& world,
+                  const std::vector<BodyLog>& logs) {
   for (std::size_t i = 0; i < logs.size(); ++i) {
     const BodyReport& report = logs[i].report();
     const EnergyAccount& account = report.account;
@@ -193,6 +203,12 @@ void print_bodies(const SceneFile& file, const std::vector<BodyLog>& logs) {
          account.total());
     tell("load {:.4g}, support {:.4g}, gravity {:.4g}, damping {:.4g} J; balance to {:.1e}\n",
          account.load, account.support, account.gravity, account.damping, report.balance_error());
+    if (world.body(i).contact() != nullptr)
+      tell(
+          "    contact {:.4g}, restitution {:.4g}, friction {:.4g}, hand {:.4g} J; {} contacts, "
+          "{:.3g} % of its size deep at most\n",
+          account.contact_given, account.restitution, account.friction, account.hand,
+          report.contacts, 100 * report.penetration_max);
     if (report.size > 0)
       tell("    deformed by {:.4g} m at most, {:.3g} % of its size\n", report.largest_displacement,
            100 * report.largest_displacement / report.size);
@@ -225,10 +241,11 @@ Result<WorldRun> run_world(const SceneFile& file) {
   if (!ending) return ending.error();
   for (BodyLog& log : logs)
     if (Status s = log.finish(*world); !s) return s.error();
+  tell_end(logs, *ending);
   tell("{}: {} bodies reached {:.6g} of {:.6g} s in steps of {:.4g} s, {:.2f} us each\n",
        fs::path(file.path).stem().string(), world->size(), world->time(), file.scene.duration,
        world->step_size(), 1e6 * ending->seconds / static_cast<double>(world->steps()));
-  print_bodies(file, logs);
+  print_bodies(file, *world, logs);
   return WorldRun{world_json(file, *world, logs, *ending), *ending};
 }
 

@@ -1,0 +1,57 @@
+#include "runtime/scene/scene_hands.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "runtime/scene/selection.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kSameTime = 1e-9;  // of a step
+
+}  // namespace
+
+Result<MovingHand> MovingHand::create(const SceneHand& wanted, const Body& body) {
+  const Result<std::vector<VertexId>> vertices = vertices_of(wanted.at, body.model());
+  if (!vertices) return Error{vertices.error().kind, "at: " + vertices.error().message};
+  if (vertices->size() != 1)
+    return content_error("at = \"" + wanted.at + "\" is " + std::to_string(vertices->size()) +
+                         " vertices, a hand holds one: near:X,Y,Z takes the nearest");
+  Result<VertexRows> place = body.model().vertex(vertices->front());
+  if (!place) return content_error("at: " + place.error().message);
+  if (body.frame() != FrameKind::kFree && place->rows.isZero(0.0))
+    return content_error("at = \"" + wanted.at + "\": the vertex does not move, it is fixed");
+  Result<MotionPath> path = MotionPath::create(wanted.motion);
+  if (!path) return path.error();
+  return MovingHand(std::move(*path), vertices->front(), std::move(*place));
+}
+
+bool MovingHand::before_step(const SceneHand& wanted, std::int64_t k, double step, Body& body) {
+  const double t = static_cast<double>(k) * step, now = t + kSameTime * step;
+  if (over_ || now < wanted.from) return true;
+  if (now >= wanted.until) {
+    over_ = true;
+    if (number_) (void)body.release(*number_);
+    number_.reset();
+    return true;
+  }
+  const std::size_t piece = path_.piece(t + 0.5 * step);
+  if (!number_) {
+    const Vector3d vertex = body.pose() * Vector3d(place_.rest + place_.rows * body.state().q);
+    const Pose begun = path_.pose_in(piece, t);
+    base_ = wanted.position.value_or(begun.rotation.conjugate() * (vertex - begun.position));
+    const Result<std::size_t> number =
+        body.grab(vertex_, std::move(place_), wanted.stiffness, wanted.damping);
+    over_ = !number;
+    if (!number) return false;
+    number_ = *number;
+  }
+  return bool(
+      body.move_hand(*number_, path_.pose_in(piece, static_cast<double>(k + 1) * step) * base_));
+}
+
+}  // namespace tremolo

@@ -1,0 +1,47 @@
+// The hands of a scene: they take hold of a vertex, move, and let go.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/body.h"
+#include "runtime/scene/motion.h"
+#include "runtime/scene/scene.h"
+
+namespace tremolo {
+
+class MovingHand {
+ public:
+  // Errors: those of selectors; kContent for a selector of no vertex or of several, and for a
+  // vertex that does not move.
+  static Result<MovingHand> create(const SceneHand& wanted, const Body& body);
+
+  // Before the body's k-th step, counted from 0: takes hold, says where the hand will be at the end
+  // of the step, or lets go. Nothing is allocated if the body has room for the hand
+  // (Body::reserve_contact). False if the body did not take it.
+  bool before_step(const SceneHand& wanted, std::int64_t k, double step, Body& body);
+
+  VertexId vertex() const { return vertex_; }
+  bool holds() const { return number_.has_value(); }
+  // On the body in the last step, N, world; zero while it does not hold.
+  Eigen::Vector3d force(const Body& body) const {
+    return number_ ? body.hand_force(*number_) : Eigen::Vector3d::Zero();
+  }
+
+ private:
+  MovingHand(MotionPath path, VertexId vertex, VertexRows place)
+      : path_(std::move(path)), vertex_(vertex), place_(std::move(place)) {}
+
+  MotionPath path_;
+  VertexId vertex_;
+  VertexRows place_;                                // the body's while it is held
+  Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // of the point without its motion, m
+  std::optional<std::size_t> number_;
+  bool over_ = false;
+};
+
+}  // namespace tremolo

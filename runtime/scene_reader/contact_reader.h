@@ -1,0 +1,22 @@
+// The colliders and hands of a scene file: tables -> SceneCollider, SceneHand.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include "common/result.h"
+#include "runtime/scene/scene.h"
+
+namespace tremolo {
+
+// number: of the table among its kind, from 1, for errors. path: of the scene. files: CSV files
+// that were read are added. Errors as read_world.
+Result<SceneCollider> read_collider(const toml::table& table, std::size_t number,
+                                    const std::string& path, std::vector<std::string>& files);
+Result<SceneHand> read_hand(const toml::table& table, std::size_t number, const std::string& path,
+                            std::vector<std::string>& files);
+
+}  // namespace tremolo
