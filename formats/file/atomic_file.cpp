@@ -68,7 +68,8 @@ class FatalSignalsHeldBack {
   sigset_t before_ = {};
 };
 
-extern "C" void tremolo_on_fatal_signal(int signal) {
+extern "C" {
+static void on_fatal_signal(int signal) {
   // A slot that is taken belongs to another thread, which is about to create its file: up to a
   // second for that.
   constexpr timespec kMillisecond = {0, 1'000'000};
@@ -81,6 +82,7 @@ extern "C" void tremolo_on_fatal_signal(int signal) {
   // without its flags.
   ::signal(signal, SIG_DFL);
   ::raise(signal);
+}
 }
 
 }  // namespace
@@ -184,7 +186,7 @@ Status write_file(const std::string& path, std::string_view text) {
 
 void remove_partial_files_on_signals() {
   struct sigaction action = {};
-  action.sa_handler = tremolo_on_fatal_signal;
+  action.sa_handler = on_fatal_signal;
   for (int signal : kFatal) {
     struct sigaction before = {};
     ::sigaction(signal, nullptr, &before);

@@ -103,7 +103,7 @@ TEST(SceneAllocation, StepsAmongCollidersAndHandsAllocateNothing) {
   ball.motion.parts.push_back(GlideMotion{{0.0, 0.0, -1.0}, {0.0, 0.4, 0.1}});
   scene.colliders = {floor, ball};
   Result<SceneWorld> world = SceneWorld::create(scene, [](const SceneBody& body) {
-    return Result<Model::Pointer>(testing::frame_model(6, body.model == "free", 60.0, 300.0));
+    return Result<Model::Pointer>(testing::frame_model(20, body.model == "free", 60.0, 300.0));
   });
   ASSERT_TRUE(world) << world.error().message;
   for (int k = 0; k < 3; ++k) ASSERT_TRUE(world->step().empty());

@@ -10,6 +10,8 @@
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_world.h"
 #include "tests/support/frame_models.h"
+#include "tests/support/small_collider.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tremolo {
 namespace {
@@ -152,6 +154,24 @@ TEST(SceneContact, StepsAreThoseOfABodyAmongTheSameColliders) {
   EXPECT_EQ(world.body(0).state().q, body.state().q);
   EXPECT_EQ(world.body(0).pose().position, body.pose().position);
   EXPECT_EQ(world.account(0).restitution, 0.0 - body.contact_lost());
+}
+
+TEST(SceneContact, BodyBouncesOnAMeshFromItsFile) {
+  const std::string folder = testing::fresh_folder();
+  ASSERT_TRUE(write_collider(folder + "/ball.collider", testing::small_collider()));
+  Scene scene = dropped();
+  scene.colliders[0].file = folder + "/ball.collider";
+  scene.colliders[0].pose.position.z() = -1.0;  // a ball of radius 1
+  SceneWorld world = touching_world(scene);
+  double most = 0.0;
+  for (int k = 0; k < 700; ++k) {
+    ASSERT_TRUE(world.step().empty()) << k;
+    const EnergyAccount account = world.account(0);
+    most = std::max(most, account.total());
+    ASSERT_LE(std::abs(account.remainder()), 1e-8 * most) << k;
+  }
+  EXPECT_GT(world.contacts(0), 0);
+  EXPECT_GT(world.body(0).pose().position.z(), -1.0);
 }
 
 TEST(SceneContact, CollidersAreWhereTheirMotionSays) {
