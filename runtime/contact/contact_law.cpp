@@ -45,23 +45,32 @@ ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider
                            const Vector3d& x) {
   ContactStart start;
   start.place = into_frame(collider.start, x);
-  start.distance = signed_distance(collider.shape, start.place).distance;
+  const CollisionDistance found = signed_distance(collider.shape, start.place);
+  start.distance = found.distance;
+  start.normal = found.normal;
   start.energy = law.energy(start.distance);
   return start;
 }
 
 ContactForce contact_force(const ContactLaw& law, double d0, double e0, double d1,
-                           const Vector3d& middle, const Vector3d& way, double h) {
+                           const Vector3d& way, double h, const ContactHeld& held) {
   ContactForce contact;
   contact.distance = d1;
   contact.energy = law.energy(d1);
   const MeanForce mean = mean_force(law.stiffness, law.margin - d0, law.margin - d1);
-  if (mean.value == 0.0) return contact;
+  if (mean.value == 0.0 && held.grinding == 0.0) return contact;
+  contact.acts = true;
 
-  Vector3d normal = middle;
-  // Below this the change of distance is rounding.
-  if (const double length2 = way.squaredNorm(); length2 > 1e-18 * law.margin * law.margin)
-    normal += ((d1 - d0 - middle.dot(way)) / length2) * way;
+  // n = held + bend way. Below this length the change of distance is rounding.
+  Vector3d normal = held.normal, bent = Vector3d::Zero();
+  Eigen::Matrix3d turning = Eigen::Matrix3d::Zero();
+  if (const double length2 = way.squaredNorm(); length2 > 1e-18 * law.margin * law.margin) {
+    const double bend = (d1 - d0 - held.normal.dot(way)) / length2;
+    normal += bend * way;
+    bent = way / length2;
+    turning = -bent * (held.normal + 2.0 * bend * way).transpose();
+    turning.diagonal().array() += bend;
+  }
 
   const double speed = (d1 - d0) / h;
   const double least = law.restitution * law.restitution;
@@ -71,47 +80,50 @@ ContactForce contact_force(const ContactLaw& law, double d0, double e0, double d
   contact.lost = (1.0 - share) * std::max(0.0, e0 - contact.energy);
   const double fall = share * mean.fall + mean.value * (1.0 - least) * 6.0 * along * (1.0 - along) /
                                               (law.rebound_speed * h);
+  contact.grinding = law.friction * share * mean.value * normal.norm();
 
-  // Across the normal in the middle; below the slip speed in proportion to the slip.
-  const double length2 = middle.squaredNorm();
-  const Eigen::Matrix3d across =
-      Eigen::Matrix3d::Identity() - middle * middle.transpose() / length2;
+  // Across the normal; below the slip speed in proportion to the slip.
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() -
+                                 held.normal * held.normal.transpose() / held.normal.squaredNorm();
   const Vector3d slip = across * way;
   const double length = slip.norm(), whole = h * law.slip_speed;
-  const double size = normal.norm();
   const bool slides = length > whole;
-  const double pressing = law.friction * size;
-  const double grip = slides ? 1.0 / length : (2.0 - length / whole) / whole;
-  const double rubbing = pressing * share * mean.value * grip;
+  const double rubbing = held.grinding * (slides ? 1.0 / length : (2.0 - length / whole) / whole);
   contact.rubbed = rubbing * slip.squaredNorm();
-  Eigen::Matrix3d stiffness = fall * normal * middle.transpose() + rubbing * across;
+  contact.force = share * mean.value * normal - rubbing * slip;
+  contact.fall = fall * normal - share * mean.value * bent;
+  contact.stiffness = rubbing * across - share * mean.value * turning;
   if (length > 0.0) {
     const double shorter = slides ? 1.0 / (length * length) : 1.0 / (whole * whole);
-    stiffness -= (pressing * share * mean.value * shorter / length) * slip * slip.transpose();
+    contact.stiffness -= (held.grinding * shorter / length) * slip * slip.transpose();
   }
-  stiffness -= (pressing * fall * grip) * slip * middle.transpose();
-
-  contact.force = share * mean.value * normal - rubbing * slip;
-  contact.stiffness = stiffness;
   return contact;
 }
 
 ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
-                           const ContactStart& start, const Vector3d& x1, double h) {
+                           const ContactStart& start, const Vector3d& x1, double h, double renew,
+                           ContactHeld& held) {
   const Vector3d end = into_frame(collider.end, x1);
-  const double d1 = signed_distance(collider.shape, end).distance;
-  if (start.distance >= law.margin && d1 >= law.margin) {
+  const CollisionDistance found = signed_distance(collider.shape, end);
+  if (start.distance >= law.margin && found.distance >= law.margin && held.grinding == 0.0) {
     ContactForce apart;
-    apart.distance = d1;
+    apart.distance = found.distance;
     return apart;
   }
-  const Vector3d normal = signed_distance(collider.shape, 0.5 * (start.place + end)).normal;
+  const Vector3d way = end - start.place;
+  if (renew > 0.0) held.normal = signed_distance(collider.shape, 0.5 * (start.place + end)).normal;
   ContactForce contact =
-      contact_force(law, start.distance, start.energy, d1, normal, end - start.place, h);
-  if (contact.pressure == 0.0) return contact;
+      contact_force(law, start.distance, start.energy, found.distance, way, h, held);
+  if (renew > 0.0) {
+    held.grinding += renew * (contact.grinding - held.grinding);
+    contact = contact_force(law, start.distance, start.energy, found.distance, way, h, held);
+  }
+  if (!contact.acts) return contact;
   const Eigen::Matrix3d turn = mid_rotation(collider).toRotationMatrix();
   contact.force = turn * contact.force;
-  contact.stiffness = turn * contact.stiffness * turn.transpose();
+  contact.stiffness += contact.fall * found.normal.transpose();
+  contact.stiffness =
+      turn * contact.stiffness * collider.end.rotation.toRotationMatrix().transpose();
   return contact;
 }
 

@@ -50,17 +50,22 @@ struct PlacedCollider {
 // A point near a collider at the start of a step. place: x0 in the collider's frame then, m.
 struct ContactStart {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  double distance = 0.0;  // d0, m
-  double energy = 0.0;    // psi(d0), J
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // there
+  double distance = 0.0;                              // d0, m
+  double energy = 0.0;                                // psi(d0), J
 };
 
-// Over the step. force: on the point, N, world. pressure: s n's length before
-// restitution's share and friction, N. normal_stiffness, tangent_stiffness: by how much the force
-// falls with the end of the way along and across the normal, N/m, not negative. energy: psi(d1), J.
-// lost: what restitution took, rubbed: what friction took, J. distance: d1, m.
+// Over the step. acts: there is a force. force: on the point, N, world. pressure: s n's length
+// before restitution's share and friction, N. grinding: mu |s| |n| as it is, N. The force falls by
+// `fall` with d1 and by `stiffness` with the way, N/m; of a collider all of it is in `stiffness`,
+// by the end of the way. energy: psi(d1), J. lost: what restitution took, rubbed: what friction
+// took, J. distance: d1, m.
 struct ContactForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  bool acts = false;
   double pressure = 0.0;
+  double grinding = 0.0;
+  Eigen::Vector3d fall = Eigen::Vector3d::Zero();
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
   double energy = 0.0;
   double lost = 0.0;
@@ -68,18 +73,27 @@ struct ContactForce {
   double distance = 0.0;
 };
 
+// What a solver holds while it looks for the end of the step, and renews at first: the normal of
+// the middle, and friction's mu |s| |n|, N. With both held the force has a symmetric derivative but
+// for curvature, which a line search needs; friction takes only, whatever is held.
+struct ContactHeld {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double grinding = 0.0;
+};
+
 // The force of a contact whose distance goes from d0, with the energy e0, to d1 while the point
-// moves by `way` (m) relative to what it touches: normal.way is d1 - d0 nearly. normal: of the
-// middle. h: the step, s. Vectors in any one frame.
+// moves by `way` (m) relative to what it touches. h: the step, s. Vectors in any one frame.
 ContactForce contact_force(const ContactLaw& law, double d0, double e0, double d1,
-                           const Eigen::Vector3d& normal, const Eigen::Vector3d& way, double h);
+                           const Eigen::Vector3d& way, double h, const ContactHeld& held);
 
 // x: world, m.
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
                            const Eigen::Vector3d& x);
 
-// x1: where the point ends, world, m. h: the step, s.
+// x1: where the point ends, world, m. h: the step, s. renew: 0: `held` stays; else it is renewed,
+// its friction by that share.
 ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
-                           const ContactStart& start, const Eigen::Vector3d& x1, double h);
+                           const ContactStart& start, const Eigen::Vector3d& x1, double h,
+                           double renew, ContactHeld& held);
 
 }  // namespace tremolo

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "runtime/contact/solve/line_search.h"
+
 namespace tremolo {
 namespace {
 
@@ -11,8 +13,7 @@ using Eigen::Index;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kMostIterations = 80;
-constexpr int kHalvings = 12;
+constexpr int kMostIterations = 120;
 
 // The law of a point of `first` and the shape of `second`: stiffness in proportion to the reduced
 // mass; friction and restitution are geometric means.
@@ -68,25 +69,39 @@ Vector3d nearby_displacement(const ContactPoints& points, const VectorXd& u, con
   return mean;
 }
 
-// How far a place y of the body's frame is from its bent shape, by the place X at rest that is now
-// there, X + u(X) = y, up to the third power of the strain.
+// How far a place y of the body's frame is from its bent shape: by the place X at rest that is now
+// there nearly, X1 = y - u(y), X = y - u(X1).
 struct BentDistance {
   double distance = 0.0;
   Vector3d gradient = Vector3d::Zero();  // by y
-  Vector3d rest = Vector3d::Zero();
+  Vector3d rest = Vector3d::Zero();      // X
 };
 
 BentDistance bent_distance(const Collider& shape, const ContactPoints& points, const VectorXd& u,
                            const Vector3d& y) {
   BentDistance bent;
-  bent.rest = y - nearby_displacement(points, u, y, nullptr);
-  bent.rest = y - nearby_displacement(points, u, bent.rest, nullptr);
-  Eigen::Matrix3d gradient;
-  bent.rest = y - nearby_displacement(points, u, bent.rest, &gradient);
+  Eigen::Matrix3d first, second;
+  const Vector3d rest1 = y - nearby_displacement(points, u, y, &first);
+  bent.rest = y - nearby_displacement(points, u, rest1, &second);
   const CollisionDistance found = signed_distance(shape, bent.rest);
   bent.distance = found.distance;
-  bent.gradient = (Eigen::Matrix3d::Identity() + gradient).inverse().transpose() * found.normal;
+  const Vector3d through = second.transpose() * found.normal;
+  bent.gradient = found.normal - through + first.transpose() * through;
   return bent;
+}
+
+// How that distance changes with the coordinates, r: -n.(N(X1) - (grad u)(X1) N(y)), N the rows of
+// U.
+void bent_change(const Collider& shape, const ContactPoints& points, const VectorXd& u,
+                 const Vector3d& y, Eigen::MatrixX3d& first, Eigen::MatrixX3d& second,
+                 VectorXd& change) {
+  Eigen::Matrix3d gradient;
+  const Vector3d rest1 = y - nearby_displacement(points, u, y, nullptr);
+  const Vector3d rest = y - nearby_displacement(points, u, rest1, &gradient);
+  const Vector3d n = signed_distance(shape, rest).normal;
+  nearby_rows(points, y, first);
+  nearby_rows(points, rest1, second);
+  change.noalias() = first * (gradient.transpose() * n) - second * n;
 }
 
 }  // namespace
@@ -122,6 +137,8 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
       pair.point = i;
       pair.law = law;
       pair.now = {};
+      pair.held = {};
+      pair.fresh = true;
       ++count;
     }
   }
@@ -149,24 +166,36 @@ void ContactIsland::couple(std::span<PairPoint> points) {
 }
 
 // The residuals at the members' z; returns their size in units of what is small.
-double ContactIsland::evaluate() {
-  for (const IslandMember& member : members_) member.contact->evaluate();
+double ContactIsland::evaluate(double renew) {
+  for (const IslandMember& member : members_) member.contact->evaluate(renew);
   for (PairPoint& pair : points_) {
     ContactStep& first = *members_[pair.a].contact;
     ContactStep& second = *members_[pair.b].contact;
     const Collider& shape = *second.shape();
     pair.touch_a = first.touch_at_point(pair.point);
-    const BentDistance end = bent_distance(shape, second.points(), second.u_end(),
-                                           second.into_rest(pair.touch_a.x1, true));
+    pair.place = second.into_rest(pair.touch_a.x1, true);
+    const BentDistance end = bent_distance(shape, second.points(), second.u_end(), pair.place);
     pair.now = {};
     pair.now.distance = end.distance;
-    if (end.distance >= pair.law.margin && pair.distance >= pair.law.margin) continue;
+    if (end.distance >= pair.law.margin && pair.distance >= pair.law.margin &&
+        pair.held.grinding == 0.0)
+      continue;
     pair.touch_b = second.touch_by_other(pair.touch_a.x1, first.middle_of(pair.touch_a));
     pair.way_b = second.way_under(pair.touch_b, pair.rows);
-    const Vector3d normal = second.turn_out(0.5 * (pair.gradient + end.gradient));
-    pair.now = contact_force(pair.law, pair.distance, pair.energy, end.distance, normal,
-                             pair.touch_a.x1 - pair.touch_a.x0 - pair.way_b, h_);
-    if (pair.now.pressure == 0.0) continue;
+    const Vector3d way = pair.touch_a.x1 - pair.touch_a.x0 - pair.way_b;
+    pair.slope = second.turn_out_at_end(end.gradient);
+    if (renew > 0.0 || pair.fresh)
+      pair.held.normal = second.turn_out(0.5 * (pair.gradient + end.gradient));
+    pair.fresh = false;
+    const auto force = [&] {
+      return contact_force(pair.law, pair.distance, pair.energy, end.distance, way, h_, pair.held);
+    };
+    pair.now = force();
+    if (renew > 0.0) {
+      pair.held.grinding += renew * (pair.now.grinding - pair.held.grinding);
+      pair.now = force();
+    }
+    if (!pair.now.acts) continue;
     first.push_point(pair.now.force, pair.touch_a, pair.point);
     second.push_rows(-pair.now.force, pair.touch_b, pair.rows);
   }
@@ -179,29 +208,56 @@ double ContactIsland::evaluate() {
   return std::sqrt(square);
 }
 
+// How the pair's force falls with the unknowns of its bodies, by d1 and by the way.
+void ContactIsland::find_changes(const PairPoint& pair) {
+  ContactStep& first = *members_[pair.a].contact;
+  ContactStep& second = *members_[pair.b].contact;
+  const Index m = first.unknowns(), n = second.unknowns();
+  const Index r = second.turns() ? n - 6 : n;
+  change_a_.resize(3, m);
+  change_b_.resize(3, n);
+  const Eigen::Matrix3d all = pair.now.fall * pair.slope.transpose() + pair.now.stiffness;
+  change_a_.noalias() = all * first.lever_way();
+  bent_change(*second.shape(), second.points(), second.u_end(), pair.place, near_first_,
+              near_second_, by_q_);
+  change_b_.noalias() =
+      -pair.now.stiffness * second.change_of_way(pair.touch_b, pair.rows).leftCols(n);
+  change_b_.leftCols(r).noalias() += pair.now.fall * by_q_.transpose();
+  if (second.turns())
+    change_b_.rightCols<6>().noalias() -=
+        pair.now.fall * (pair.slope.transpose() * second.lever_way().rightCols<6>());
+}
+
 void ContactIsland::add_pair(const PairPoint& pair) {
   ContactStep& first = *members_[pair.a].contact;
   ContactStep& second = *members_[pair.b].contact;
   first.lever_at_point(pair.touch_a, pair.point);
   second.lever_at_rows(pair.touch_b, pair.rows);
-  first.add_tangent(pair.now.stiffness);
-  second.add_tangent(pair.now.stiffness);
+  find_changes(pair);
+  first.add_pushed(change_a_, 1.0);
+  second.add_pushed(change_b_, -1.0);
+  first.add_geometry(pair.now.force, pair.touch_a, pair.point);
+  second.add_geometry_of_other(-pair.now.force, pair.touch_b, pair.rows);
   Coupling& coupling = couplings_[pair.coupling];
   const bool forward = pair.a < pair.b;
-  (forward ? coupling.ab : coupling.ba).noalias() -=
-      (first.lever_push() * pair.now.stiffness) * second.lever_way();
-  (forward ? coupling.ba : coupling.ab).noalias() -=
-      (second.lever_push() * pair.now.stiffness) * first.lever_way();
+  (forward ? coupling.ab : coupling.ba).noalias() += first.lever_push() * change_b_;
+  (forward ? coupling.ba : coupling.ab).noalias() -= second.lever_push() * change_a_;
+  // The torque on the second acts where the first's point is.
+  if (!second.turns()) return;
+  const Index turn = second.unknowns() - 6;
+  (forward ? coupling.ba : coupling.ab).middleRows<3>(turn).noalias() +=
+      second.turn_of_arm(-pair.now.force) * second.rotation_at_start().transpose() *
+      first.path_of_middle().leftCols(first.unknowns());
 }
 
-void ContactIsland::make_jacobian() {
-  for (const IslandMember& member : members_) member.contact->make_jacobian();
+void ContactIsland::make_jacobian(double heavier) {
+  for (const IslandMember& member : members_) member.contact->make_jacobian(heavier);
   for (std::size_t k = 0; k < coupled_; ++k) {
     couplings_[k].ab.setZero();
     couplings_[k].ba.setZero();
   }
   for (const PairPoint& pair : points_)
-    if (pair.now.pressure != 0.0) add_pair(pair);
+    if (pair.now.acts) add_pair(pair);
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const Index n = first_[i + 1] - first_[i];
     residual_.segment(first_[i], n) = members_[i].contact->residual().head(n);
@@ -254,8 +310,11 @@ bool ContactIsland::find_move_sparse() {
 
 bool ContactIsland::solve(int& iterations) {
   const Index all = first_[members_.size()];
-  double size = evaluate();
+  evaluate(0.0);
+  for (std::size_t i = 0; i < members_.size(); ++i) enough_[i] = members_[i].contact->enough();
+  double size = evaluate(0.0), heavier = 0.0;
   for (iterations = 0; iterations < kMostIterations; ++iterations) {
+    if (const double renew = renewal(iterations, size); renew > 0.0) evaluate(renew);
     bool small = true;
     double square = 0.0;
     for (std::size_t i = 0; i < members_.size(); ++i) {
@@ -266,31 +325,39 @@ bool ContactIsland::solve(int& iterations) {
     size = std::sqrt(square);
     if (small) return true;
     if (!std::isfinite(size)) return false;
-    make_jacobian();
-    if (!(all <= kDense ? find_move_dense() : find_move_sparse())) return false;
     for (std::size_t i = 0; i < members_.size(); ++i)
       z_before_.segment(first_[i], first_[i + 1] - first_[i]) =
           members_[i].contact->z().head(first_[i + 1] - first_[i]);
-    const auto go = [this](double length) {
+    const auto slope = [this] {
+      double work = 0.0;
+      for (std::size_t i = 0; i < members_.size(); ++i)
+        work +=
+            members_[i].contact->work_along(move_.segment(first_[i], first_[i + 1] - first_[i]));
+      return -work;
+    };
+    const auto go = [&](double length) {
       for (std::size_t i = 0; i < members_.size(); ++i) {
         const Index n = first_[i + 1] - first_[i];
         members_[i].contact->z().head(n) =
             z_before_.segment(first_[i], n) - length * move_.segment(first_[i], n);
       }
-      return evaluate();
+      const double next = evaluate(0.0);
+      return LineTrial{next, slope()};
     };
-    double length = 1.0, next = 0.0;
-    bool shorter = false;
-    for (int k = 0; k <= kHalvings && !shorter; ++k, length *= 0.5) {
-      next = go(length);
-      shorter = next < (1.0 - 0.1 * length) * size;
-    }
+    const auto find_move = [&](double added) {
+      make_jacobian(added);
+      const bool found = all <= kDense ? find_move_dense() : find_move_sparse();
+      return found ? slope() : 0.0;
+    };
+    LineTrial reached;
+    const bool near = size <= 1e3;
+    if (!newton_move(find_move, go, size, near, heavier, reached)) return near;
     // At rounding no move helps.
-    if (!shorter && size <= 1e3) {
-      go(0.0);
+    if (!(reached.size < 0.9 * size) && near) {
+      if (reached.size > size) go(0.0);
       return true;
     }
-    size = next;
+    size = reached.size;
   }
   return false;
 }
@@ -306,7 +373,7 @@ void ContactIsland::settle() {
     a.lost += pair.now.lost;
     a.rubbed += pair.now.rubbed;
     a.penetration = std::max(a.penetration, -pair.now.distance);
-    if (pair.now.pressure == 0.0) continue;
+    if (!pair.now.acts) continue;
     a.work += pair.now.force.dot(pair.touch_a.x1 - pair.touch_a.x0);
     b.work -= pair.now.force.dot(pair.way_b);
     const double impulse = h_ * pair.now.force.norm();

@@ -41,9 +41,12 @@ struct PairPoint {
   Eigen::MatrixX3d rows;
   double distance = 0.0, energy = 0.0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  ContactHeld held;   // along the world's axes
+  bool fresh = true;  // nothing is held yet
   ContactForce now;
   ContactTouch touch_a, touch_b;
   Eigen::Vector3d way_b = Eigen::Vector3d::Zero();
+  Eigen::Vector3d place = way_b, slope = way_b;  // y at the end; the gradient of d there, world
   std::size_t coupling = 0;
 };
 
@@ -70,10 +73,10 @@ class ContactIsland {
   };
 
   void couple(std::span<PairPoint> points);
-  double evaluate();
-  void make_jacobian();
+  double evaluate(double renew);
+  void make_jacobian(double heavier);
   void add_pair(const PairPoint& pair);
-  bool find_move();
+  void find_changes(const PairPoint& pair);
   bool find_move_dense();
   bool find_move_sparse();
   bool solve(int& iterations);
@@ -88,6 +91,10 @@ class ContactIsland {
   std::vector<Coupling> couplings_;
   std::size_t coupled_ = 0;  // used
   std::vector<ContactAccount> accounts_;
+  // How a pair's force falls with the unknowns of its bodies, 3 x n each.
+  Eigen::Matrix3Xd change_a_, change_b_;
+  Eigen::VectorXd by_q_;
+  Eigen::MatrixX3d near_first_, near_second_;
   std::vector<double> starts_;
   Eigen::VectorXd residual_, move_, z_before_;
   Eigen::MatrixXd jacobian_;

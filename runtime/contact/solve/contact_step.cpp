@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "runtime/contact/solve/line_search.h"
+
 namespace tremolo {
 namespace {
 
@@ -12,9 +14,12 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kIterations = 60;        // Newton's, with the line search
+constexpr int kIterations = 100;       // Newton's, with the line search
 constexpr double kTolerance = 1e-10;   // of the momenta in a step
 constexpr int kShorter = 12;           // halvings of a move
+constexpr int kRenewals = 20;          // iterations in which normals and friction are renewed,
+constexpr int kFullRenewals = 6;       // of them not by halves,
+constexpr double kHeldBelow = 1e6;     // unless the residual is below so many times what is small
 constexpr double kRoundedWay = 1e-14;  // of the body's extent
 
 // How far any point of a ball of `radius` about `place` moves in the world between the poses, m.
@@ -44,7 +49,7 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
   law_.friction = contact.friction;
   law_.restitution = contact.restitution;
   law_.rebound_speed = 0.01 * law_.margin / h;
-  law_.slip_speed = 0.003 * law_.margin / h;
+  law_.slip_speed = 0.01 * law_.margin / h;
   const Index r = model_->modes(), n = r + 6;
   for (VectorXd* v : {&q0_, &v0_, &q1_, &G_, &dp_, &force_, &middle_, &contact_push_})
     v->setZero(r);
@@ -56,6 +61,8 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
   push_.setZero(n, 3);
   pushed_.setZero(n, 3);
   way_.setZero(3, n);
+  swing_.setZero(3, n);
+  path_.setZero(3, n);
 }
 
 void ContactStep::reset() {
@@ -111,8 +118,9 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
     if (signed_distance(collider.shape, centre).distance > group.radius + deformed + reach)
       continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
-      Candidate candidate{i, index, law, {}, {}, {}};
+      Candidate candidate{i, index, law, {}, {}, {}, {}};
       candidate.start = contact_start(law, collider, poses_.start * points_->place(i, q));
+      candidate.held.normal = candidate.start.normal;
       if (candidate.start.distance <= reach) candidates_.push_back(candidate);
     }
   }
@@ -205,16 +213,15 @@ void ContactStep::add_grips() {
   }
 }
 
-void ContactStep::add_contact() {
+void ContactStep::add_contact(double renew) {
   contact_force_.setZero();
   contact_torque_.setZero();
   contact_push_.setZero();
   for (Candidate& candidate : candidates_) {
     candidate.touch = touch_at_point(candidate.point);
     candidate.now = contact_force(candidate.law, colliders_[candidate.collider], candidate.start,
-                                  candidate.touch.x1, options_.step);
-    if (candidate.now.pressure != 0.0)
-      push_point(candidate.now.force, candidate.touch, candidate.point);
+                                  candidate.touch.x1, options_.step, renew, candidate.held);
+    if (candidate.now.acts) push_point(candidate.now.force, candidate.touch, candidate.point);
   }
   add_grips();
 }
@@ -228,13 +235,63 @@ void ContactStep::make_lever(const ContactTouch& touch, const Rows& rows) {
   way_.leftCols(r).noalias() = R1_ * rows.transpose();
   push_.topRows(r).noalias() = (0.5 * h * h) * rows * (R0_ * mean_).transpose();
   if (free_ == nullptr) return;
-  const Matrix3d turned = (0.5 * h / (1.0 + 0.25 * phi_.squaredNorm())) *
-                          (Matrix3d::Identity() - 0.5 * cross_matrix(phi_));
   const Vector3d y1 = R1_.transpose() * (touch.x1 - c1_);
-  way_.middleCols<3>(r) = -R1_ * cross_matrix(y1) * turned;
+  way_.middleCols<3>(r) = -R1_ * cross_matrix(y1) * turned_;
   way_.rightCols<3>().setIdentity();
   push_.middleRows<3>(r) = h * turn_.transpose() * cross_matrix(touch.arm) * R0_.transpose();
   push_.bottomRows<3>().setIdentity();
+}
+
+// How the arm of a touched place of the body's own moves with the unknowns, into swing_.
+template <class Rows>
+void ContactStep::make_swing(const ContactTouch& touch, const Rows& rows) {
+  const Index r = model_->modes();
+  swing_.leftCols(r).noalias() = (0.5 * mean_) * rows.transpose();
+  if (free_ == nullptr) return;
+  const Vector3d y0 = R0_.transpose() * (touch.x0 - c0_), y1 = R1_.transpose() * (touch.x1 - c1_);
+  swing_.middleCols<3>(r) = -0.25 * turn_ * cross_matrix(y0 + y1) * turned_;
+  swing_.rightCols<3>().setZero();
+}
+
+// How the residual changes as a force turns with the body.
+template <class Rows>
+void ContactStep::add_turn(const Vector3d& force, const ContactTouch& touch, const Rows& rows) {
+  if (free_ == nullptr) return;
+  const double h = options_.step;
+  const Index r = model_->modes();
+  const Vector3d pull = R0_.transpose() * force;
+  const Matrix3d torque = cross_matrix(turn_.transpose() * touch.arm.cross(pull)) * turned_;
+  jacobian_.block<3, 3>(r, r) -= h * torque;
+  const Matrix3d turned_pull = cross_matrix(turn_.transpose() * pull) * turned_;
+  jacobian_.block(0, r, r, 3).noalias() -= (0.25 * h * h) * rows * turned_pull;
+}
+
+Matrix3d ContactStep::turn_of_arm(const Vector3d& force) const {
+  return options_.step * turn_.transpose() * cross_matrix(R0_.transpose() * force);
+}
+
+void ContactStep::add_geometry(const Vector3d& force, const ContactTouch& touch,
+                               std::size_t point) {
+  make_swing(touch, point_rows(point));
+  if (free_ == nullptr) return;
+  const Index r = model_->modes();
+  add_turn(force, touch, point_rows(point));
+  jacobian_.block(r, 0, 3, unknowns()).noalias() +=
+      turn_of_arm(force) * swing_.leftCols(unknowns());
+}
+
+void ContactStep::add_geometry_of_other(const Vector3d& force, const ContactTouch& touch,
+                                        const Eigen::MatrixX3d& rows) {
+  if (free_ == nullptr) return;
+  const Index r = model_->modes();
+  add_turn(force, touch, rows);
+  jacobian_.block<3, 3>(r, r + 3) -= 0.5 * turn_of_arm(force) * R0_.transpose();
+}
+
+const Eigen::Matrix3Xd& ContactStep::path_of_middle() {
+  path_.noalias() = R0_ * swing_;
+  if (free_ != nullptr) path_.rightCols<3>() += 0.5 * Matrix3d::Identity();
+  return path_;
 }
 
 void ContactStep::lever_at_point(const ContactTouch& touch, std::size_t point) {
@@ -245,13 +302,28 @@ void ContactStep::lever_at_rows(const ContactTouch& touch, const Eigen::MatrixX3
   make_lever(touch, rows);
 }
 
+const Eigen::Matrix3Xd& ContactStep::change_of_way(const ContactTouch& touch,
+                                                   const Eigen::MatrixX3d& rows) {
+  const Index r = model_->modes();
+  path_.leftCols(r).noalias() = (R0_ * mean_) * rows.transpose();
+  if (free_ == nullptr) return path_;
+  path_.middleCols<3>(r) = (-0.5 * options_.step) * R0_ * cross_matrix(touch.arm);
+  path_.rightCols<3>().setIdentity();
+  return path_;
+}
+
+void ContactStep::add_pushed(const Eigen::Matrix3Xd& change, double sign) {
+  const Index n = unknowns();
+  jacobian_.topLeftCorner(n, n).noalias() += sign * push_.topRows(n) * change.leftCols(n);
+}
+
 void ContactStep::add_tangent(const Matrix3d& stiffness) {
   const Index n = unknowns();
   pushed_.topRows(n).noalias() = push_.topRows(n) * stiffness;
   jacobian_.topLeftCorner(n, n).noalias() += pushed_.topRows(n) * way_.leftCols(n);
 }
 
-void ContactStep::evaluate() {
+void ContactStep::evaluate(double renew) {
   const double h = options_.step;
   const Index r = model_->modes();
   const auto d = z_.head(r);
@@ -266,6 +338,8 @@ void ContactStep::evaluate() {
     turn_ = trial.turn;
     spin_jacobian_ = trial.jacobian;
     phi_ = (0.5 * h) * (free_->rigid().spin + z_.segment<3>(r));
+    turned_ = (0.5 * h / (1.0 + 0.25 * phi_.squaredNorm())) *
+              (Matrix3d::Identity() - 0.5 * cross_matrix(phi_));
     residual_.segment<3>(r) = trial.residual;
     residual_.tail<3>() = free_->centre_residual(z_.tail<3>());
     c1_ = c0_ + z_.tail<3>();
@@ -274,7 +348,7 @@ void ContactStep::evaluate() {
   }
   R1_ = R0_ * turn_;
   mean_ = 0.5 * (Matrix3d::Identity() + turn_);
-  add_contact();
+  add_contact(renew);
 }
 
 double ContactStep::close() {
@@ -291,8 +365,8 @@ double ContactStep::close() {
 }
 
 // The Jacobian of the residual that evaluate() left, without the gyroscopic terms of a turning
-// frame and the change of the lever arms, which are of a higher order in h.
-void ContactStep::make_jacobian() {
+// frame, which are of a higher order in h.
+void ContactStep::make_jacobian(double heavier) {
   const double h = options_.step;
   const Index r = model_->modes();
   const VectorXd& n = damping_.n;
@@ -300,25 +374,33 @@ void ContactStep::make_jacobian() {
   jacobian_.setZero();
   jacobian_.topLeftCorner(r, r) = (0.5 * h * h) * K_;
   jacobian_.topLeftCorner(r, r).diagonal() +=
-      (0.5 * n.array().square() * S_.array() + 0.5 * h * damping_.D.array()).matrix();
+      ((0.5 + 0.5 * heavier) * n.array().square() * S_.array() + 0.5 * h * damping_.D.array())
+          .matrix();
   if (free_ != nullptr) {
     const Eigen::Matrix3Xd& C1 = free_->end_coupling();
     for (Index j = 0; j < r; ++j) {
       jacobian_.block<1, 3>(j, r) = (0.25 * h * n[j] * S_[j]) * C1.col(j).transpose();
       jacobian_.block<3, 1>(r, j) = (S_[j] * n[j] / h) * C1.col(j);
     }
-    jacobian_.block<3, 3>(r, r) = spin_jacobian_;
-    jacobian_.bottomRightCorner<3, 3>().diagonal().setConstant(2.0 * mass_ / (h * h));
+    jacobian_.block<3, 3>(r, r) = (1.0 + heavier) * spin_jacobian_;
+    jacobian_.bottomRightCorner<3, 3>().diagonal().setConstant((1.0 + heavier) * 2.0 * mass_ /
+                                                               (h * h));
   }
   for (const Candidate& candidate : candidates_) {
-    if (candidate.now.pressure == 0.0) continue;
+    if (!candidate.now.acts) continue;
     lever_at_point(candidate.touch, candidate.point);
     add_tangent(candidate.now.stiffness);
+    add_geometry(candidate.now.force, candidate.touch, candidate.point);
   }
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     const double stiffness = 0.5 * grips_[i].stiffness + grips_[i].damping / h;
     make_lever(held_[i], grips_[i].place.rows.transpose());
     add_tangent(stiffness * Matrix3d::Identity());
+    if (free_ == nullptr) continue;
+    add_turn(grips_[i].force, held_[i], grips_[i].place.rows.transpose());
+    make_swing(held_[i], grips_[i].place.rows.transpose());
+    jacobian_.block(r, 0, 3, unknowns()).noalias() +=
+        turn_of_arm(grips_[i].force) * swing_.leftCols(unknowns());
   }
 }
 
@@ -333,6 +415,17 @@ double ContactStep::size_of_residual() const {
     square += residual_.tail<3>().squaredNorm() * h * h / mass_;
   }
   return std::sqrt(square);
+}
+
+double ContactStep::work_along(const Eigen::Ref<const VectorXd>& move) const {
+  const double h = options_.step;
+  const Index r = model_->modes();
+  double work = 2.0 / (h * h) * residual_.head(r).dot(move.head(r));
+  if (free_ != nullptr) {
+    work += 0.5 * residual_.segment<3>(r).dot(move.segment<3>(r));
+    work += residual_.segment<3>(r + 3).dot(move.segment<3>(r + 3));
+  }
+  return work;
 }
 
 // What size_of_residual() is measured by: momenta, and forces times h.
@@ -375,40 +468,50 @@ double ContactStep::enough() {
   return std::max({kTolerance * scale_, grips_rounding(), std::numeric_limits<double>::min()});
 }
 
+double renewal(int iteration, double size) {
+  if (iteration >= kRenewals || size < kHeldBelow) return 0.0;
+  return iteration < kFullRenewals ? 1.0 : 0.5;
+}
+
 bool ContactStep::solve(StepReport& report) {
   const double h = options_.step;
   const Index n = unknowns();
-  evaluate();
-  double size = close();
+  evaluate(0.0);
+  double size = close(), enough = this->enough(), heavier = 0.0;
   for (int i = 0; i < kIterations; ++i) {
+    if (const double renew = renewal(i, size / enough); renew > 0.0) {
+      evaluate(renew);
+      size = close();
+    }
     report.residual = 0.5 * h * size;
-    const double enough = this->enough();
+    enough = this->enough();
     if (size <= enough) return true;
     if (!std::isfinite(size)) return false;
-    make_jacobian();
-    factor_.compute(jacobian_.topLeftCorner(n, n));
-    move_.head(n) = factor_.solve(residual_.head(n));
+    z_before_ = z_;
+    const auto go = [&](double length) {
+      z_.head(n) = z_before_.head(n) - length * move_.head(n);
+      evaluate(0.0);
+      const double next = close();
+      return LineTrial{next, -work_along(move_.head(n))};
+    };
+    const auto find_move = [&](double added) {
+      make_jacobian(added);
+      factor_.compute(jacobian_.topLeftCorner(n, n));
+      move_.head(n) = factor_.solve(residual_.head(n));
+      return -work_along(move_.head(n));
+    };
+    LineTrial reached;
+    const bool small = size <= 1e3 * enough;
+    if (!newton_move(find_move, go, size, small, heavier, reached)) return small;
     // A move that rounding of the points' places swallows.
     if (way_of_move() <= kRoundedWay * points_->extent) return true;
-    z_before_ = z_;
-    double length = 1.0;
-    double next = 0.0;
-    bool shorter = false;
-    for (int k = 0; k <= kShorter && !shorter; ++k, length *= 0.5) {
-      z_.head(n) = z_before_.head(n) - length * move_.head(n);
-      evaluate();
-      next = close();
-      shorter = next < (1.0 - 0.1 * length) * size;
-    }
     ++report.iterations;
     // At rounding no move helps.
-    if (!shorter && size <= 1e3 * enough) {
-      z_ = z_before_;
-      evaluate();
-      close();
+    if (!(reached.size < 0.9 * size) && small) {
+      if (reached.size > size) go(0.0);
       return true;
     }
-    size = next;
+    size = reached.size;
   }
   return false;
 }

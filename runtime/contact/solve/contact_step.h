@@ -38,6 +38,10 @@ struct ContactBall {
   double radius = 0.0, deformed = 0.0, travel = 0.0;
 };
 
+// By how much what is held is renewed in an iteration of Newton's method, counted from 0, at a
+// residual of `size` times what is small.
+double renewal(int iteration, double size);
+
 class ContactStep {
  public:
   // mass: kg. free: nothing holds the body.
@@ -74,10 +78,15 @@ class ContactStep {
   Eigen::VectorXd& z() { return z_; }
   const Eigen::VectorXd& residual() const { return residual_; }
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }
-  void evaluate();
-  double close();   // the residual's size, all rows as momenta, kg^1/2 m/s
+  // renew: as of contact_force(); see renewal().
+  void evaluate(double renew);
+  double close();  // the residual's size, all rows as momenta, kg^1/2 m/s
+  // The product of the residual, as forces, with a move of the unknowns: the slope of what the step
+  // minimizes, J, but for what turns.
+  double work_along(const Eigen::Ref<const Eigen::VectorXd>& move) const;
   double enough();  // a residual's size that is small; call it once an iteration
-  void make_jacobian();
+  // heavier: so many times more inertia than there is, for a move that falls.
+  void make_jacobian(double heavier);
   // What other bodies' contact is in the account: energy, lost, rubbed, work, given, penetration,
   // impulse and active of `pairs`, and the energy at the start of the step, J.
   void settle_pairs(const ContactAccount& pairs, double start) {
@@ -100,6 +109,7 @@ class ContactStep {
   Eigen::Vector3d into_rest(const Eigen::Vector3d& x, bool at_end) const;
   // A direction of those coordinates in the world, in the middle.
   Eigen::Vector3d turn_out(const Eigen::Vector3d& n) const { return R0_ * (mean_ * n); }
+  Eigen::Vector3d turn_out_at_end(const Eigen::Vector3d& n) const { return R1_ * n; }
   const Eigen::VectorXd& q_start() const { return q0_; }
   // U q of all points, x y z x y z, m; for a body with a shape.
   const Eigen::VectorXd& u_start() const { return u0_; }
@@ -112,8 +122,24 @@ class ContactStep {
   // end moves with the unknowns, 3 x n. Valid until the next lever.
   void lever_at_point(const ContactTouch& touch, std::size_t point);
   void lever_at_rows(const ContactTouch& touch, const Eigen::MatrixX3d& rows);
+  // How way_under() changes with the unknowns, nearly, 3 x n (of more columns the first).
+  const Eigen::Matrix3Xd& change_of_way(const ContactTouch& touch, const Eigen::MatrixX3d& rows);
+  // Adds push times `change` (3 x n), times the sign, to the Jacobian.
+  void add_pushed(const Eigen::Matrix3Xd& change, double sign);
   auto lever_push() const { return push_.topRows(unknowns()); }
   auto lever_way() const { return way_.leftCols(unknowns()); }
+  // What the force on a place adds to the Jacobian because the place and the body turn: on a point,
+  // and on a place of another body's point (what does not depend on that body's unknowns).
+  void add_geometry(const Eigen::Vector3d& force, const ContactTouch& touch, std::size_t point);
+  void add_geometry_of_other(const Eigen::Vector3d& force, const ContactTouch& touch,
+                             const Eigen::MatrixX3d& rows);
+  // How middle_of() the last point of add_geometry() moves with the unknowns, 3 x n (of more
+  // columns the first); and how the residual of omega1 changes with an arm along the body's axes at
+  // the start.
+  const Eigen::Matrix3Xd& path_of_middle();
+  Eigen::Matrix3d turn_of_arm(const Eigen::Vector3d& force) const;
+  const Eigen::Matrix3d& rotation_at_start() const { return R0_; }
+  bool turns() const { return free_ != nullptr; }
   // Adds the lever's to the Jacobian, of a place whose force falls with its end by `stiffness`,
   // N/m.
   void add_tangent(const Eigen::Matrix3d& stiffness);
@@ -133,6 +159,7 @@ class ContactStep {
     std::size_t collider;
     ContactLaw law;
     ContactStart start;
+    ContactHeld held;
     ContactForce now;
     ContactTouch touch;
   };
@@ -147,9 +174,13 @@ class ContactStep {
   template <class Rows>
   void add_force(const Eigen::Vector3d& force, const ContactTouch& touch, const Rows& rows);
   template <class Rows>
+  void make_swing(const ContactTouch& touch, const Rows& rows);
+  template <class Rows>
+  void add_turn(const Eigen::Vector3d& force, const ContactTouch& touch, const Rows& rows);
+  template <class Rows>
   void make_lever(const ContactTouch& touch, const Rows& rows);
   void add_grips();
-  void add_contact();
+  void add_contact(double renew);
   double size_of_residual() const;
   double size_of_motion() const;
   double way_of_move() const;
@@ -192,9 +223,12 @@ class ContactStep {
   Eigen::MatrixXd pushed_;  // that times a stiffness
   Eigen::MatrixXd way_;     // 3 x n: how the point's end moves with the unknowns
   Eigen::Matrix3d R0_, R1_, spin_jacobian_;
-  Eigen::Matrix3d turn_;     // Ro0^T Ro1
-  Eigen::Matrix3d mean_;     // Ro0^T Ro~
-  Eigen::Vector3d phi_;      // cay(phi) is turn_
+  Eigen::Matrix3d turn_;    // Ro0^T Ro1
+  Eigen::Matrix3d mean_;    // Ro0^T Ro~
+  Eigen::Vector3d phi_;     // cay(phi) is turn_
+  Eigen::Matrix3d turned_;  // how the end turns, along its own axes, with omega1
+  Eigen::Matrix3Xd path_;
+  Eigen::Matrix3Xd swing_;   // 3 x n: how an arm moves with the unknowns
   Eigen::Vector3d c0_, c1_;  // of the mesh's origin, or of a free body's centre of mass
   Eigen::Vector3d origin_;   // in the mesh's coordinates, of c
   Eigen::Vector3d contact_force_, contact_torque_;
