@@ -62,7 +62,8 @@ build() {
 }
 
 models="beam basket bridge horse tower heart"
-scene_models="horse-free heart-free"  # more of the same meshes, which scenes need
+scene_models="horse-free heart-free ball-free bell"  # which scenes need
+scene_colliders="bell"
 
 # precompute MODEL: its basis file, unless it is newer than everything it is made of. The mesh is that of
 # the name up to a hyphen: horse-free is another model of the horse.
@@ -76,6 +77,15 @@ precompute() {
   fi
   build/bin/tremolo-precompute "$mesh" --config "assets/models/$name.toml" \
     -o "$out" 2>"$log" || { cat "$log" >&2; give_up "the precompute of $name failed"; }
+}
+
+# make_collider MESH: the distances of its boundary on a grid, likewise.
+make_collider() {
+  local mesh=assets/meshes/$1.msh out=build/models/$1.collider
+  mkdir -p build/models
+  [ -e "$out" ] && [ ! "$mesh" -nt "$out" ] && [ ! build/bin/tremolo-precompute -nt "$out" ] && return
+  build/bin/tremolo-precompute collider "$mesh" -o "$out" 2>"build/models/$1.collider.log" ||
+    { cat "build/models/$1.collider.log" >&2; give_up "the collider of $1 failed"; }
 }
 
 # MPI refuses to start more ranks than cores, or as root, unless told that it may.

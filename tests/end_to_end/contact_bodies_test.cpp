@@ -8,6 +8,7 @@
 #include "runtime/body.h"
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/scene/scene_world.h"
 #include "tests/support/programs.h"
 
 namespace tremolo {
@@ -166,6 +167,67 @@ TEST(BodiesInContact, AStackComesToRestAndSleeps) {
   group.wake(4);
   group.step(bodies, floor, reports);
   EXPECT_FALSE(group.asleep(0));
+}
+
+// Three boxes fly into each other in a scene: what happens does not depend on how they stand in it.
+Scene three_boxes(const std::array<int, 3>& order) {
+  Scene scene;
+  scene.step = 1e-3;
+  scene.duration = 0.3;
+  for (const int k : order) {
+    SceneBody body;
+    body.name = std::string("box-") + static_cast<char>('a' + k);
+    body.model = "box";
+    body.kind = FrameKind::kFree;
+    body.pose = at({0.13 * k, 0.02 * k, 0.01 * k * k});
+    body.velocity = {0.9 - 0.8 * k, 0.0, 0.05};
+    body.spin = {1.0, 2.0 - k, 0.5 * k};
+    body.contact.shape = BoxShape{Vector3d::Constant(0.05)};
+    scene.bodies.push_back(body);
+  }
+  return scene;
+}
+
+Result<Model::Pointer> box_source(const SceneBody&) {
+  return box("1e5");
+}
+
+TEST(BodiesInContact, DoNotDependOnTheirOrderInAScene) {
+  std::array<Eigen::VectorXd, 3> first;
+  for (const std::array<int, 3>& order :
+       {std::array{0, 1, 2}, std::array{2, 0, 1}, std::array{1, 2, 0}}) {
+    Result<SceneWorld> world = SceneWorld::create(three_boxes(order), box_source);
+    ASSERT_TRUE(world) << world.error().message;
+    int begun = 0, ended = 0;
+    for (int i = 0; i < 300; ++i) {
+      ASSERT_TRUE(world->step().empty()) << i;
+      for (const ContactEvent& event : world->events()) {
+        EXPECT_EQ(event.collider, ContactEvent::kNone);
+        EXPECT_LT(event.body, event.other);
+        EXPECT_GT(event.impulse, 0.0);
+        (event.kind == ContactEvent::Kind::kBegin ? begun : ended) += 1;
+      }
+    }
+    EXPECT_GE(begun, 2);
+    EXPECT_EQ(begun, ended);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto k = static_cast<std::size_t>(order[i]);
+      const Eigen::VectorXd& q = world->body(i).state().q;
+      if (first[k].size() == 0) first[k] = q;
+      EXPECT_EQ(q, first[k]) << k;
+      const EnergyAccount account = world->account(i);
+      EXPECT_LT(std::abs(account.remainder()), 1e-9 * account.at_start);
+    }
+  }
+}
+
+TEST(BodiesInContact, MayNotBeginInsideEachOther) {
+  Scene scene = three_boxes({0, 1, 2});
+  scene.bodies[1].pose.position.x() = 0.05;
+  const Result<SceneWorld> world = SceneWorld::create(scene, box_source);
+  ASSERT_FALSE(world);
+  EXPECT_NE(world.error().message.find("inside body 'box-"), std::string::npos)
+      << world.error().message;
 }
 
 }  // namespace

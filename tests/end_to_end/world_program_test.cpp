@@ -1,5 +1,6 @@
 // `tremolo run` of scenes with [[bodies]], as a user meets them: on a small block, held and free,
 // and the scenes of assets/.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -200,7 +201,7 @@ TEST_F(WorldProgram, TellsWhichBodyBeginsInsideACollider) {
 
 TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {
   for (const char* name :
-       {"tumbling", "shaken-tower", "stopped-horse", "dropped-heart", "pulled-horse"}) {
+       {"tumbling", "shaken-tower", "stopped-horse", "dropped-heart", "pulled-horse", "bells"}) {
     // Their models are those of this build.
     const std::string path = std::string(TREMOLO_SOURCE_DIR "/assets/scenes/") + name + ".toml";
     std::stringstream text;
@@ -209,7 +210,7 @@ TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {
     for (const auto& [from, to] :
          {std::pair<std::string, std::string>{"../../build/models", TREMOLO_MODEL_DIR},
           {"\"earthquake.csv\"", "\"" TREMOLO_SOURCE_DIR "/assets/scenes/earthquake.csv\""}})
-      if (const std::size_t at = scene.find(from); at != std::string::npos)
+      for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
         scene.replace(at, from.size(), to);
     const ProgramResult result = run(scene, "--json");
     ASSERT_EQ(result.code, 0) << name << result.err;
@@ -217,8 +218,11 @@ TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {
     // Contact is solved to 1e-10 of the momenta in a step.
     const bool touches = report["bodies"][0]["contacts"].get<int>() > 0;
     EXPECT_LE(report["energy_balance_error"].get<double>(), touches ? 1e-8 : 1e-11) << name;
-    EXPECT_GT(report["bodies"][0]["largest_displacement_share"].get<double>(), 0.02) << name;
-    EXPECT_LT(report["bodies"][0]["largest_displacement_share"].get<double>(), 0.3) << name;
+    double share = 0.0;
+    for (const json& body : report["bodies"])
+      share = std::max(share, body["largest_displacement_share"].get<double>());
+    EXPECT_GT(share, 0.02) << name;
+    EXPECT_LT(share, 0.3) << name;
   }
 }
 

@@ -176,7 +176,8 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   }
   if (frames_.due(moment_.steps))
     if (Status s = frames_.write(body, moment_.time); !s) return s.error();
-  if (moment_.bound.sound(account.total())) return true;
+  // What contact stores has not come into the body yet.
+  if (moment_.bound.sound(account.total() - account.contact)) return true;
   report_.exit_code = exit_code(ErrorKind::kBound);
   report_.reason = fmt::format(
       "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",
