@@ -114,7 +114,7 @@ class Body {
   Eigen::Vector3d hand_force(std::size_t hand) const;
   // Numbers of other hands stay.
   Status release(std::size_t hand);
-  double hand_work() const { return hand_work_; }  // J, since the start; part of work()
+  double hand_work() const { return sums_.hand; }  // J, since the start; part of work()
 
   // Adds a load in time; its signal's clock is time(). Forces on vertices are along the world's
   // axes, whatever the frame does; reduced ones along the frame's, and not for a free body.
@@ -147,21 +147,21 @@ class Body {
   // parts: of the loads, average . (q1 - q0) a step plus what the method adds to
   // it (exact for midpoint-type and energy-preserving methods, second order for the others), and
   // what damping took.
-  double work() const { return work_; }
-  double dissipated() const { return dissipated_; }
+  double work() const { return sums_.work; }
+  double dissipated() const { return sums_.dissipated; }
   // What the frame did to the motion relative to it, by its accelerations, and gravity (to
   // a driven body's relative motion, or to all of a free body).
-  double support_work() const { return support_work_; }
-  double gravity_work() const { return gravity_work_; }
+  double support_work() const { return sums_.support; }
+  double gravity_work() const { return sums_.gravity; }
   // Likewise of contact: what it did to the body (part of work()), and of that what restitution and
   // friction took, what moving colliders gave, and the contact energy that was found where the step
   // before had none (contact_error: it should be zero). contact_work = given - lost - rubbed -
   // growth of contact_account().energy + error.
-  double contact_work() const { return contact_work_; }
-  double contact_lost() const { return contact_lost_; }
-  double contact_rubbed() const { return contact_rubbed_; }
-  double contact_given() const { return contact_given_; }
-  double contact_error() const { return contact_error_; }
+  double contact_work() const { return sums_.contact; }
+  double contact_lost() const { return sums_.lost; }
+  double contact_rubbed() const { return sums_.rubbed; }
+  double contact_given() const { return sums_.given; }
+  double contact_error() const { return sums_.contact_error; }
   std::int64_t iterations() const { return iterations_; }      // of all steps
   std::int64_t halved_steps() const { return halved_steps_; }  // steps that were taken in parts
 
@@ -192,6 +192,13 @@ class Body {
   Status surface(std::span<float> positions, std::span<float> normals) const;
 
  private:
+  // Since the start, J; what of it is what is told at the functions that return them.
+  struct Sums {
+    double work = 0.0, dissipated = 0.0;
+    double support = 0.0, gravity = 0.0;
+    double contact = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, contact_error = 0.0;
+    double hand = 0.0;
+  };
   struct AppliedForce {
     Eigen::VectorXd force;
     int steps = 0;
@@ -254,22 +261,14 @@ class Body {
   std::int64_t steps_ = 0;
   std::int64_t iterations_ = 0;
   std::int64_t halved_steps_ = 0;
-  double work_ = 0.0;
-  double dissipated_ = 0.0;
-  double support_work_ = 0.0;
-  double gravity_work_ = 0.0;
-  double contact_work_ = 0.0, contact_lost_ = 0.0, contact_rubbed_ = 0.0;
-  double contact_given_ = 0.0, contact_error_ = 0.0, hand_work_ = 0.0;
+  Sums sums_;
   std::vector<Grip> grips_;         // those that hold
   std::vector<std::size_t> hands_;  // the number of each
   std::size_t next_hand_ = 0;
   EnergyBound bound_;
   int steps_since_look_ = 0;
-  State sound_;  // at the last sound look; work and dissipation then
-  double sound_work_ = 0.0;
-  double sound_dissipated_ = 0.0;
-  double sound_support_work_ = 0.0;
-  double sound_gravity_work_ = 0.0;
+  State sound_;  // at the last sound look
+  Sums sound_sums_;
   mutable PotentialWorkspace workspace_;
   mutable Evaluation evaluation_;
   mutable Eigen::VectorXd momentum_;

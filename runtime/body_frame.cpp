@@ -168,12 +168,12 @@ double Body::end_frame_step(bool made) {
   if (contact_ && made) {
     const ContactAccount account = contact_account();
     contact = account.work + account.hand_work;
-    hand_work_ += account.hand_work;
-    contact_work_ += account.work;
-    contact_lost_ += account.lost;
-    contact_rubbed_ += account.rubbed;
-    contact_given_ += account.given;
-    contact_error_ += account.surplus;
+    sums_.hand += account.hand_work;
+    sums_.contact += account.work;
+    sums_.lost += account.lost;
+    sums_.rubbed += account.rubbed;
+    sums_.given += account.given;
+    sums_.contact_error += account.surplus;
   }
   return contact + end_frame_motion(made);
 }
@@ -187,8 +187,8 @@ double Body::end_frame_motion(bool made) {
     const double before = driven_->support_work() + driven_->gravity_work();
     driven_->end_step(q_before_, state_.q);
     const double work = driven_->support_work() + driven_->gravity_work() - before;
-    support_work_ = driven_->support_work();
-    gravity_work_ = driven_->gravity_work();
+    sums_.support = driven_->support_work();
+    sums_.gravity = driven_->gravity_work();
     // The load's average holds push, whose work is among what was booked.
     return work - driven_->push().dot(state_.q - q_before_);
   }
@@ -197,7 +197,7 @@ double Body::end_frame_motion(bool made) {
     free_->restore(rigid_before_);
     return 0.0;
   }
-  gravity_work_ += free_->gravity_work();
+  sums_.gravity += free_->gravity_work();
   return free_->load_work() + free_->gravity_work();
 }
 

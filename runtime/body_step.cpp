@@ -28,8 +28,8 @@ StepReport Body::end_step(StepReport report) {
   const double frame_work = end_frame_step(report.converged);
   if (!report.converged) return explain(report);
   const double work = frame_work + step_load_.average.dot(state_.q - q_before_) + report.extra_work;
-  work_ += work;
-  dissipated_ += report.dissipated;
+  sums_.work += work;
+  sums_.dissipated += report.dissipated;
   bound_.put_in(work, kick_);
   if (++steps_since_look_ >= kStepsBetweenLooks && !look()) {
     put_back();
@@ -84,20 +84,14 @@ void Body::keep_sound_state() {
   steps_since_look_ = 0;
   sound_ = state_;
   if (free_) sound_rigid_ = free_->rigid();
-  sound_work_ = work_;
-  sound_dissipated_ = dissipated_;
-  sound_support_work_ = support_work_;
-  sound_gravity_work_ = gravity_work_;
+  sound_sums_ = sums_;
 }
 
 void Body::put_back() {
   steps_since_look_ = 0;
   state_ = sound_;
   if (free_) free_->restore(sound_rigid_);
-  work_ = sound_work_;
-  dissipated_ = sound_dissipated_;
-  support_work_ = sound_support_work_;
-  gravity_work_ = sound_gravity_work_;
+  sums_ = sound_sums_;
   integrator_->reset();
 }
 

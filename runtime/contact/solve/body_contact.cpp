@@ -89,9 +89,9 @@ void Body::fall_asleep() {
   state_.p.setZero();
   integrator_->reset();
   const double taken = before - total_energy();
-  contact_lost_ += taken;
-  contact_work_ -= taken;
-  work_ -= taken;
+  sums_.lost += taken;
+  sums_.contact -= taken;
+  sums_.work -= taken;
   keep_sound_state();
 }
 

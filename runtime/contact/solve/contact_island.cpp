@@ -129,6 +129,7 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
       const BentDistance start = bent_distance(*shape, second.points(), second.u_start(), y);
       if (start.distance > reach) continue;
       nearby_rows(second.points(), start.rest, pair.rows);
+      pair.place_at_start = y;
       pair.gradient = start.gradient;
       pair.distance = start.distance;
       pair.energy = law.energy(start.distance);
@@ -167,13 +168,24 @@ void ContactIsland::couple(std::span<PairPoint> points) {
 
 // The residuals at the members' z; returns their size in units of what is small.
 double ContactIsland::evaluate(double renew) {
-  for (const IslandMember& member : members_) member.contact->evaluate(renew);
+  bends_.clear();
+  for (const IslandMember& member : members_) {
+    member.contact->evaluate(renew);
+    bends_.push_back(member.contact->bend_in_step());
+  }
   for (PairPoint& pair : points_) {
     ContactStep& first = *members_[pair.a].contact;
     ContactStep& second = *members_[pair.b].contact;
     const Collider& shape = *second.shape();
     pair.touch_a = first.touch_at_point(pair.point);
     pair.place = second.into_rest(pair.touch_a.x1, true);
+    // Too far for d1 to be within the margin, if its gradient is shorter than 2.
+    const double nearer = 2.0 * ((pair.place - pair.place_at_start).norm() + bends_[pair.b]);
+    if (pair.distance - nearer > pair.law.margin && pair.held.grinding == 0.0) {
+      pair.now = {};
+      pair.now.distance = pair.distance;
+      continue;
+    }
     const BentDistance end = bent_distance(shape, second.points(), second.u_end(), pair.place);
     pair.now = {};
     pair.now.distance = end.distance;

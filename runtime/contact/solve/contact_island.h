@@ -40,7 +40,7 @@ struct PairPoint {
   ContactLaw law;
   Eigen::MatrixX3d rows;
   double distance = 0.0, energy = 0.0;
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), place_at_start = gradient;  // y
   ContactHeld held;   // along the world's axes
   bool fresh = true;  // nothing is held yet
   ContactForce now;
@@ -88,6 +88,7 @@ class ContactIsland {
   std::vector<Eigen::Index> first_;  // of each member's unknowns, and the number of all
   std::vector<double> enough_;
   std::vector<double> sizes_;
+  std::vector<double> bends_;  // how far the coordinates move a member's points in the step, m
   std::vector<Coupling> couplings_;
   std::size_t coupled_ = 0;  // used
   std::vector<ContactAccount> accounts_;

@@ -14,13 +14,13 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kIterations = 100;       // Newton's, with the line search
-constexpr double kTolerance = 1e-10;   // of the momenta in a step
-constexpr int kShorter = 12;           // halvings of a move
-constexpr int kRenewals = 20;          // iterations in which normals and friction are renewed,
-constexpr int kFullRenewals = 6;       // of them not by halves,
-constexpr double kHeldBelow = 1e6;     // unless the residual is below so many times what is small
-constexpr double kRoundedWay = 1e-14;  // of the body's extent
+constexpr int kNewtonIterations = 100;  // Newton's, with the line search
+constexpr double kTolerance = 1e-10;    // of the momenta in a step
+constexpr int kShorter = 12;            // halvings of a move
+constexpr int kRenewals = 20;           // iterations in which normals and friction are renewed,
+constexpr int kFullRenewals = 6;        // of them not by halves,
+constexpr double kHeldBelow = 1e6;      // unless the residual is below so many times what is small
+constexpr double kRoundedWay = 1e-14;   // of the body's extent
 
 // How far any point of a ball of `radius` about `place` moves in the world between the poses, m.
 double reach_of(const StepPoses& poses, const Vector3d& place, double radius) {
@@ -57,7 +57,7 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
   if (shape_) u0_ = u1_ = VectorXd::Zero(points_->rows.cols());
   K_.setZero(r, r);
   jacobian_.setIdentity(n, n);
-  factor_.compute(jacobian_);
+  factor_.compute(jacobian_.topLeftCorner(free ? n : r, free ? n : r));
   push_.setZero(n, 3);
   pushed_.setZero(n, 3);
   way_.setZero(3, n);
@@ -478,7 +478,7 @@ bool ContactStep::solve(StepReport& report) {
   const Index n = unknowns();
   evaluate(0.0);
   double size = close(), enough = this->enough(), heavier = 0.0;
-  for (int i = 0; i < kIterations; ++i) {
+  for (int i = 0; i < kNewtonIterations; ++i) {
     if (const double renew = renewal(i, size / enough); renew > 0.0) {
       evaluate(renew);
       size = close();

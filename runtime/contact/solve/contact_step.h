@@ -81,6 +81,8 @@ class ContactStep {
   // renew: as of contact_force(); see renewal().
   void evaluate(double renew);
   double close();  // the residual's size, all rows as momenta, kg^1/2 m/s
+  // How far the coordinates move any point in the step, m.
+  double bend_in_step() const { return z_.head(model_->modes()).cwiseAbs().dot(points_->reach); }
   // The product of the residual, as forces, with a move of the unknowns: the slope of what the step
   // minimizes, J, but for what turns.
   double work_along(const Eigen::Ref<const Eigen::VectorXd>& move) const;
