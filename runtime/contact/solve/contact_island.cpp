@@ -74,7 +74,6 @@ Vector3d nearby_displacement(const ContactPoints& points, const VectorXd& u, con
 struct BentDistance {
   double distance = 0.0;
   Vector3d gradient = Vector3d::Zero();  // by y
-  Vector3d rest = Vector3d::Zero();      // X
 };
 
 BentDistance bent_distance(const Collider& shape, const ContactPoints& points, const VectorXd& u,
@@ -82,8 +81,8 @@ BentDistance bent_distance(const Collider& shape, const ContactPoints& points, c
   BentDistance bent;
   Eigen::Matrix3d first, second;
   const Vector3d rest1 = y - nearby_displacement(points, u, y, &first);
-  bent.rest = y - nearby_displacement(points, u, rest1, &second);
-  const CollisionDistance found = signed_distance(shape, bent.rest);
+  const Vector3d rest = y - nearby_displacement(points, u, rest1, &second);
+  const CollisionDistance found = signed_distance(shape, rest);
   bent.distance = found.distance;
   const Vector3d through = second.transpose() * found.normal;
   bent.gradient = found.normal - through + first.transpose() * through;
@@ -102,6 +101,21 @@ void bent_change(const Collider& shape, const ContactPoints& points, const Vecto
   nearby_rows(points, y, first);
   nearby_rows(points, rest1, second);
   change.noalias() = first * (gradient.transpose() * n) - second * n;
+}
+
+// The transposed rows R, r x 3, by which that place moves with the coordinates, so that the
+// distance changes by gradient.(dy - R^T dq): those of nearby_rows() but for what bends.
+void bent_rows(const ContactPoints& points, const VectorXd& u, const Vector3d& y,
+               Eigen::MatrixX3d& first, Eigen::MatrixX3d& rows) {
+  Eigen::Matrix3d at_y, at_rest1;
+  const Vector3d rest1 = y - nearby_displacement(points, u, y, &at_y);
+  nearby_displacement(points, u, rest1, &at_rest1);
+  nearby_rows(points, y, first);
+  nearby_rows(points, rest1, rows);
+  const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d by_y = unit - at_rest1 * (unit - at_y);
+  rows -= first * at_rest1.transpose();
+  rows *= by_y.inverse().transpose();
 }
 
 }  // namespace
@@ -128,7 +142,7 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
       PairPoint& pair = points[count];
       const BentDistance start = bent_distance(*shape, second.points(), second.u_start(), y);
       if (start.distance > reach) continue;
-      nearby_rows(second.points(), start.rest, pair.rows);
+      bent_rows(second.points(), second.u_start(), y, pair.near, pair.rows);
       pair.place_at_start = y;
       pair.gradient = start.gradient;
       pair.distance = start.distance;

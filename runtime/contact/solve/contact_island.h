@@ -38,7 +38,7 @@ struct IslandMember {
 struct PairPoint {
   std::size_t a = 0, b = 0, point = 0;
   ContactLaw law;
-  Eigen::MatrixX3d rows;
+  Eigen::MatrixX3d rows, near;  // near: for the making of rows
   double distance = 0.0, energy = 0.0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), place_at_start = gradient;  // y
   ContactHeld held;   // along the world's axes
