@@ -201,6 +201,39 @@ TEST(Contact, TheAccountClosesWithEverythingAtOnce) {
   EXPECT_NEAR(body.contact_work(), contact, 1e-9 * most);
 }
 
+// St. Venant's impact of a bar on a rigid wall: it stays for 2 L / c, c = sqrt(E / rho), squeezed
+// by v / c at most, and leaves with its speed and at rest in itself.
+TEST(Contact, ABarLeavesAWallAfterTwoRunsOfItsWave) {
+  const double length = 0.4, young = 1e6, speed = 0.1, c = std::sqrt(young / 1000.0);
+  const std::string folder = fresh_folder();
+  testing::write_veg(folder + "/bar.veg", box_mesh({2, 2, 24}, {0.04, 0.04, length}));
+  const ProgramResult made = run_program(
+      folder, kPrecompute +
+                  "bar.veg --threads 1 --order 2 --young 1e6 --poisson 0 --density 1000 "
+                  "--fix none --linear-modes 70 --linear -o bar.tremolo");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const Result<Model::Pointer> model = Model::load(folder + "/bar.tremolo");
+  ASSERT_TRUE(model) << model.error().message;
+  Result<Body> body = Body::create(*model, "ep4", {.step = 5e-5}, FrameKind::kFree);
+  ASSERT_TRUE(body && body->set_contact());
+  ASSERT_TRUE(body->set_pose({{0, 0, 0.01}, Eigen::Quaterniond::Identity()}));
+  ASSERT_TRUE(body->set_motion({0, 0, -speed}, Vector3d::Zero()));
+  const std::vector<PlacedCollider> wall = {{PlaneShape{}, {}, {}, 0.0, 1.0}};
+  double begin = 0.0, end = 0.0, energy = 0.0;
+  for (int i = 0; i < 4'000; ++i) {
+    ASSERT_TRUE(body->step(wall).converged) << i;
+    if (body->contact_account().active == 0) continue;
+    if (begin == 0.0) begin = body->time();
+    end = body->time();
+    energy = std::max(energy, body->energy().potential);
+  }
+  EXPECT_NEAR(end - begin, 2.0 * length / c, 0.05 * 2.0 * length / c);
+  EXPECT_NEAR(body->rigid_state().velocity.z(), speed, 0.03 * speed);
+  // All of the motion is in the squeezed bar when the wave comes back from its free end.
+  const double mass = 1000.0 * 0.04 * 0.04 * length;
+  EXPECT_NEAR(energy, 0.5 * mass * speed * speed, 0.05 * 0.5 * mass * speed * speed);
+}
+
 TEST(Hand, NoStiffnessIsTooLarge) {
   const Model::Pointer model = cube("1e5", "z<0.001");
   for (const double stiffness : {1e2, 1e5, 1e9, 1e13}) {

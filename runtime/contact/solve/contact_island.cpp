@@ -1,8 +1,8 @@
 #include "runtime/contact/solve/contact_island.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 
 #include "runtime/contact/solve/line_search.h"
 
@@ -76,14 +76,18 @@ struct BentDistance {
   Vector3d gradient = Vector3d::Zero();  // by y
 };
 
+// level: without the gradient if it is farther.
 BentDistance bent_distance(const Collider& shape, const ContactPoints& points, const VectorXd& u,
-                           const Vector3d& y) {
+                           const Vector3d& y, double level) {
   BentDistance bent;
   Eigen::Matrix3d first, second;
-  const Vector3d rest1 = y - nearby_displacement(points, u, y, &first);
-  const Vector3d rest = y - nearby_displacement(points, u, rest1, &second);
+  const Vector3d rest1 = y - nearby_displacement(points, u, y, nullptr);
+  const Vector3d rest = y - nearby_displacement(points, u, rest1, nullptr);
   const CollisionDistance found = signed_distance(shape, rest);
   bent.distance = found.distance;
+  if (found.distance > level) return bent;
+  nearby_displacement(points, u, y, &first);
+  nearby_displacement(points, u, rest1, &second);
   const Vector3d through = second.transpose() * found.normal;
   bent.gradient = found.normal - through + first.transpose() * through;
   return bent;
@@ -140,7 +144,7 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
       if (signed_distance(*shape, y).distance > reach + bent) continue;
       if (count == points.size()) points.emplace_back();
       PairPoint& pair = points[count];
-      const BentDistance start = bent_distance(*shape, second.points(), second.u_start(), y);
+      const BentDistance start = bent_distance(*shape, second.points(), second.u_start(), y, reach);
       if (start.distance > reach) continue;
       bent_rows(second.points(), second.u_start(), y, pair.near, pair.rows);
       pair.place_at_start = y;
@@ -200,12 +204,13 @@ double ContactIsland::evaluate(double renew) {
       pair.now.distance = pair.distance;
       continue;
     }
-    const BentDistance end = bent_distance(shape, second.points(), second.u_end(), pair.place);
+    const bool acts = pair.distance < pair.law.margin || pair.held.grinding != 0.0;
+    const double level = acts ? std::numeric_limits<double>::infinity() : pair.law.margin;
+    const BentDistance end =
+        bent_distance(shape, second.points(), second.u_end(), pair.place, level);
     pair.now = {};
     pair.now.distance = end.distance;
-    if (end.distance >= pair.law.margin && pair.distance >= pair.law.margin &&
-        pair.held.grinding == 0.0)
-      continue;
+    if (!acts && end.distance >= pair.law.margin) continue;
     pair.touch_b = second.touch_by_other(pair.touch_a.x1, first.middle_of(pair.touch_a));
     pair.way_b = second.way_under(pair.touch_b, pair.rows);
     const Vector3d way = pair.touch_a.x1 - pair.touch_a.x0 - pair.way_b;
@@ -337,8 +342,9 @@ bool ContactIsland::find_move_sparse() {
 bool ContactIsland::solve(int& iterations) {
   const Index all = first_[members_.size()];
   evaluate(0.0);
-  for (std::size_t i = 0; i < members_.size(); ++i) enough_[i] = members_[i].contact->enough();
-  double size = evaluate(0.0), heavier = 0.0;
+  double size = 0.0, heavier = 0.0;
+  for (std::size_t i = 0; i < members_.size(); ++i)
+    size = std::max(size, sizes_[i] / members_[i].contact->enough());
   for (iterations = 0; iterations < kMostIterations; ++iterations) {
     if (const double renew = renewal(iterations, size); renew > 0.0) evaluate(renew);
     bool small = true;
