@@ -6,6 +6,7 @@
 namespace tremolo {
 namespace {
 
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 Vector3d into_frame(const Pose& pose, const Vector3d& x) {
@@ -53,7 +54,7 @@ ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider
 }
 
 ContactForce contact_force(const ContactLaw& law, double d0, double e0, double d1,
-                           const Vector3d& way, double h, const ContactHeld& held) {
+                           const ContactWay& way, double h, const ContactHeld& held) {
   ContactForce contact;
   contact.distance = d1;
   contact.energy = law.energy(d1);
@@ -61,16 +62,14 @@ ContactForce contact_force(const ContactLaw& law, double d0, double e0, double d
   if (mean.value == 0.0 && held.grinding == 0.0) return contact;
   contact.acts = true;
 
-  // n = held + bend way. Below this length the change of distance is rounding.
-  Vector3d normal = held.normal, bent = Vector3d::Zero();
-  Eigen::Matrix3d turning = Eigen::Matrix3d::Zero();
-  if (const double length2 = way.squaredNorm(); length2 > 1e-18 * law.margin * law.margin) {
-    const double bend = (d1 - d0 - held.normal.dot(way)) / length2;
-    normal += bend * way;
-    bent = way / length2;
-    turning = -bent * (held.normal + 2.0 * bend * way).transpose();
-    turning.diagonal().array() += bend;
-  }
+  const Vector3d &n = held.normal, &p = way.path, &w = way.bend, over = p - w;
+  // The correction c, and what it changes by. Below this length the change of distance is rounding.
+  const double length2 = p.squaredNorm() + w.squaredNorm();
+  const bool moves = length2 > 1e-18 * law.margin * law.margin;
+  const double shorter2 = moves ? 1.0 / length2 : 0.0;
+  const double c = (d1 - d0 - n.dot(over)) * shorter2;
+  const Vector3d point_normal = n + c * p, bend_normal = n - c * w;
+  const Vector3d by_path = shorter2 * (n + 2.0 * c * p), by_bend = shorter2 * (n - 2.0 * c * w);
 
   const double speed = (d1 - d0) / h;
   const double least = law.restitution * law.restitution;
@@ -78,25 +77,34 @@ ContactForce contact_force(const ContactLaw& law, double d0, double e0, double d
   const double share = 1.0 - (1.0 - least) * along * along * (3.0 - 2.0 * along);
   contact.pressure = mean.value;
   contact.lost = (1.0 - share) * std::max(0.0, e0 - contact.energy);
+  const double s = share * mean.value;
   const double fall = share * mean.fall + mean.value * (1.0 - least) * 6.0 * along * (1.0 - along) /
                                               (law.rebound_speed * h);
-  contact.grinding = law.friction * share * mean.value * normal.norm();
+  contact.grinding = law.friction * s * point_normal.norm();
 
   // Across the normal; below the slip speed in proportion to the slip.
-  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() -
-                                 held.normal * held.normal.transpose() / held.normal.squaredNorm();
-  const Vector3d slip = across * way;
+  const Matrix3d across = Matrix3d::Identity() - n * n.transpose() / n.squaredNorm();
+  const Vector3d slip = across * over;
   const double length = slip.norm(), whole = h * law.slip_speed;
   const bool slides = length > whole;
   const double rubbing = held.grinding * (slides ? 1.0 / length : (2.0 - length / whole) / whole);
   contact.rubbed = rubbing * slip.squaredNorm();
-  contact.force = share * mean.value * normal - rubbing * slip;
-  contact.fall = fall * normal - share * mean.value * bent;
-  contact.stiffness = rubbing * across - share * mean.value * turning;
+  Matrix3d drag = rubbing * across;
   if (length > 0.0) {
     const double shorter = slides ? 1.0 / (length * length) : 1.0 / (whole * whole);
-    contact.stiffness -= (held.grinding * shorter / length) * slip * slip.transpose();
+    drag -= (held.grinding * shorter / length) * slip * slip.transpose();
   }
+
+  contact.force = s * point_normal - rubbing * slip;
+  contact.slope.by_distance = fall * point_normal - (s * shorter2) * p;
+  contact.slope.by_path = drag + s * p * by_path.transpose();
+  contact.slope.by_path.diagonal().array() -= s * c;
+  contact.slope.by_bend = -drag - s * p * by_bend.transpose();
+  contact.bend_force = s * bend_normal - rubbing * slip;
+  contact.bend_slope.by_distance = fall * bend_normal + (s * shorter2) * w;
+  contact.bend_slope.by_path = drag - s * w * by_path.transpose();
+  contact.bend_slope.by_bend = -drag + s * w * by_bend.transpose();
+  contact.bend_slope.by_bend.diagonal().array() += s * c;
   return contact;
 }
 
@@ -110,7 +118,7 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
     apart.distance = found.distance;
     return apart;
   }
-  const Vector3d way = end - start.place;
+  const ContactWay way{end - start.place};
   if (renew > 0.0) held.normal = signed_distance(collider.shape, 0.5 * (start.place + end)).normal;
   ContactForce contact =
       contact_force(law, start.distance, start.energy, found.distance, way, h, held);
@@ -119,11 +127,11 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
     contact = contact_force(law, start.distance, start.energy, found.distance, way, h, held);
   }
   if (!contact.acts) return contact;
-  const Eigen::Matrix3d turn = mid_rotation(collider).toRotationMatrix();
+  const Matrix3d turn = mid_rotation(collider).toRotationMatrix();
   contact.force = turn * contact.force;
-  contact.stiffness += contact.fall * found.normal.transpose();
-  contact.stiffness =
-      turn * contact.stiffness * collider.end.rotation.toRotationMatrix().transpose();
+  Matrix3d& slope = contact.slope.by_path;
+  slope += contact.slope.by_distance * found.normal.transpose();
+  slope = turn * slope * collider.end.rotation.toRotationMatrix().transpose();
   return contact;
 }
 

@@ -8,10 +8,13 @@
 //     f = -s n,   s = (psi(d1) - psi(d0)) / (d1 - d0),   n.(x1 - x0) = d1 - d0
 //
 // in closed form, with n the normal in the middle, corrected along x1 - x0: its work is exactly
-// psi(d0) - psi(d1). On the way out only the share e^2 of it pushes: a point mass leaves with e
-// times the speed of its arrival. Friction is mu |s| g(|t|) against the tangential part t of x1 -
-// x0, g(l) = l/w (2 - l/w) where l is below the way w of a small speed, else 1, so that it only
-// takes. All of it has a continuous derivative by x1.
+// psi(d0) - psi(d1). Where what is touched bends as well, by w, while the point goes by p along it,
+// the correction is shared: n + c p pushes the point, n - c w the bending, and
+// (n + c p).p - (n - c w).w = d1 - d0. Along p - w alone it would grow without bound where the
+// point sticks to what bends. On the way out only the share e^2 of it pushes: a point mass leaves
+// with e times the speed of its arrival. Friction is mu |s| g(|t|) against the tangential part t of
+// x1 - x0, g(l) = l/w (2 - l/w) where l is below the way w of a small speed, else 1, so that it
+// only takes. All of it has a continuous derivative by x1.
 #pragma once
 
 #include <Eigen/Core>
@@ -55,22 +58,35 @@ struct ContactStart {
   double energy = 0.0;                                // psi(d0), J
 };
 
-// Over the step. acts: there is a force. force: on the point, N, world. pressure: s n's length
-// before restitution's share and friction, N. grinding: mu |s| |n| as it is, N. The force falls by
-// `fall` with d1 and by `stiffness` with the way, N/m; of a collider all of it is in `stiffness`,
-// by the end of the way. energy: psi(d1), J. lost: what restitution took, rubbed: what friction
-// took, J. distance: d1, m.
+// By how much a force falls with the distance d1, N/m, with p and with w, N/m.
+struct ContactSlope {
+  Eigen::Vector3d by_distance = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d by_path = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d by_bend = Eigen::Matrix3d::Zero();
+};
+
+// Over the step. acts: there is a force. force: on the point, N, world; the opposite of bend_force
+// is what bends that which is touched. pressure: s n's length before restitution's share and
+// friction, N. grinding: mu |s| |n| as it is, N. slope: of a collider, which does not bend, all is
+// in by_path, by the end of the point's way. energy: psi(d1), J. lost: what restitution took,
+// rubbed: what friction took, J. distance: d1, m.
 struct ContactForce {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), bend_force = force;
   bool acts = false;
   double pressure = 0.0;
   double grinding = 0.0;
-  Eigen::Vector3d fall = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
+  ContactSlope slope, bend_slope;
   double energy = 0.0;
   double lost = 0.0;
   double rubbed = 0.0;
   double distance = 0.0;
+
+  // Nothing acts. What is of the force itself is left as it is.
+  void clear(double at) {
+    acts = false;
+    pressure = grinding = energy = lost = rubbed = 0.0;
+    distance = at;
+  }
 };
 
 // What a solver holds while it looks for the end of the step, and renews at first: the normal of
@@ -81,10 +97,17 @@ struct ContactHeld {
   double grinding = 0.0;
 };
 
-// The force of a contact whose distance goes from d0, with the energy e0, to d1 while the point
-// moves by `way` (m) relative to what it touches. h: the step, s. Vectors in any one frame.
+// p, by which the point goes along what it touches as if that did not bend, and w, by which that
+// bends there, m. The point's way over it is p - w.
+struct ContactWay {
+  Eigen::Vector3d path = Eigen::Vector3d::Zero();
+  Eigen::Vector3d bend = Eigen::Vector3d::Zero();
+};
+
+// The force of a contact whose distance goes from d0, with the energy e0, to d1. h: the step, s.
+// Vectors in any one frame.
 ContactForce contact_force(const ContactLaw& law, double d0, double e0, double d1,
-                           const Eigen::Vector3d& way, double h, const ContactHeld& held);
+                           const ContactWay& way, double h, const ContactHeld& held);
 
 // x: world, m.
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "runtime/contact/solve/line_search.h"
 
@@ -14,6 +13,12 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 120;
+// In how many iterations members move by themselves first, and how often in each; one attempt at
+// the step after the other.
+struct Attempt {
+  int relaxed, alone;
+};
+constexpr Attempt kAttempts[] = {{3, 3}, {8, 8}, {0, 0}, {30, 2}};
 
 // The law of a point of `first` and the shape of `second`: stiffness in proportion to the reduced
 // mass; friction and restitution are geometric means.
@@ -23,103 +28,6 @@ ContactLaw law_between(const ContactStep& first, const ContactStep& second) {
   law.friction = std::sqrt(first.law().friction * second.law().friction);
   law.restitution = std::sqrt(first.law().restitution * second.law().restitution);
   return law;
-}
-
-// What a field on the points of a body is at a place near its surface: their mean by weights
-// 1/(l^2 + e^2)^2, smooth everywhere. This is e^2.
-double smallest_distance2(const ContactPoints& points) {
-  return 0.25 * points.gap * points.gap + 1e-6 * points.extent * points.extent;
-}
-
-// The transposed rows of U there.
-void nearby_rows(const ContactPoints& points, const Vector3d& place, Eigen::MatrixX3d& rows) {
-  const double least = smallest_distance2(points);
-  rows.resize(points.rows.rows(), 3);
-  rows.setZero();
-  double sum = 0.0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double near = 1.0 / ((place - points.rest[i]).squaredNorm() + least);
-    rows += near * near * points.rows.middleCols<3>(static_cast<Index>(3 * i));
-    sum += near * near;
-  }
-  rows /= sum;
-}
-
-// The displacement u there, and its gradient if it is asked for. u: of the points, x y z x y z.
-Vector3d nearby_displacement(const ContactPoints& points, const VectorXd& u, const Vector3d& place,
-                             Eigen::Matrix3d* gradient) {
-  const double least = smallest_distance2(points);
-  double sum = 0.0;
-  Vector3d total = Vector3d::Zero(), slope = Vector3d::Zero();
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vector3d from = place - points.rest[i];
-    const double near = 1.0 / (from.squaredNorm() + least);
-    const double weight = near * near;
-    const Vector3d here = u.segment<3>(static_cast<Index>(3 * i));
-    sum += weight;
-    total += weight * here;
-    if (gradient == nullptr) continue;
-    const Vector3d change = (-4.0 * weight * near) * from;
-    slope += change;
-    spread += here * change.transpose();
-  }
-  const Vector3d mean = total / sum;
-  if (gradient != nullptr) *gradient = (spread - mean * slope.transpose()) / sum;
-  return mean;
-}
-
-// How far a place y of the body's frame is from its bent shape: by the place X at rest that is now
-// there nearly, X1 = y - u(y), X = y - u(X1).
-struct BentDistance {
-  double distance = 0.0;
-  Vector3d gradient = Vector3d::Zero();  // by y
-};
-
-// level: without the gradient if it is farther.
-BentDistance bent_distance(const Collider& shape, const ContactPoints& points, const VectorXd& u,
-                           const Vector3d& y, double level) {
-  BentDistance bent;
-  Eigen::Matrix3d first, second;
-  const Vector3d rest1 = y - nearby_displacement(points, u, y, nullptr);
-  const Vector3d rest = y - nearby_displacement(points, u, rest1, nullptr);
-  const CollisionDistance found = signed_distance(shape, rest);
-  bent.distance = found.distance;
-  if (found.distance > level) return bent;
-  nearby_displacement(points, u, y, &first);
-  nearby_displacement(points, u, rest1, &second);
-  const Vector3d through = second.transpose() * found.normal;
-  bent.gradient = found.normal - through + first.transpose() * through;
-  return bent;
-}
-
-// How that distance changes with the coordinates, r: -n.(N(X1) - (grad u)(X1) N(y)), N the rows of
-// U.
-void bent_change(const Collider& shape, const ContactPoints& points, const VectorXd& u,
-                 const Vector3d& y, Eigen::MatrixX3d& first, Eigen::MatrixX3d& second,
-                 VectorXd& change) {
-  Eigen::Matrix3d gradient;
-  const Vector3d rest1 = y - nearby_displacement(points, u, y, nullptr);
-  const Vector3d rest = y - nearby_displacement(points, u, rest1, &gradient);
-  const Vector3d n = signed_distance(shape, rest).normal;
-  nearby_rows(points, y, first);
-  nearby_rows(points, rest1, second);
-  change.noalias() = first * (gradient.transpose() * n) - second * n;
-}
-
-// The transposed rows R, r x 3, by which that place moves with the coordinates, so that the
-// distance changes by gradient.(dy - R^T dq): those of nearby_rows() but for what bends.
-void bent_rows(const ContactPoints& points, const VectorXd& u, const Vector3d& y,
-               Eigen::MatrixX3d& first, Eigen::MatrixX3d& rows) {
-  Eigen::Matrix3d at_y, at_rest1;
-  const Vector3d rest1 = y - nearby_displacement(points, u, y, &at_y);
-  nearby_displacement(points, u, rest1, &at_rest1);
-  nearby_rows(points, y, first);
-  nearby_rows(points, rest1, rows);
-  const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d by_y = unit - at_rest1 * (unit - at_y);
-  rows -= first * at_rest1.transpose();
-  rows *= by_y.inverse().transpose();
 }
 
 }  // namespace
@@ -144,135 +52,223 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
       if (signed_distance(*shape, y).distance > reach + bent) continue;
       if (count == points.size()) points.emplace_back();
       PairPoint& pair = points[count];
-      const BentDistance start = bent_distance(*shape, second.points(), second.u_start(), y, reach);
-      if (start.distance > reach) continue;
-      bent_rows(second.points(), second.u_start(), y, pair.near, pair.rows);
+      const double distance = bent_distance(second.shape_at_start(), y);
+      if (distance > reach) continue;
       pair.place_at_start = y;
-      pair.gradient = start.gradient;
-      pair.distance = start.distance;
-      pair.energy = law.energy(start.distance);
+      pair.distance = distance;
+      pair.energy = law.energy(distance);
       pair.a = a;
       pair.b = b;
       pair.point = i;
       pair.law = law;
-      pair.now = {};
-      pair.held = {};
-      pair.fresh = true;
       ++count;
     }
   }
   return count;
 }
 
-// Gives each pair of members that touch a block of their own.
-void ContactIsland::couple(std::span<PairPoint> points) {
+// Points come pair by pair of members.
+void ContactIsland::couple() {
   coupled_ = 0;
-  for (PairPoint& pair : points) {
-    const auto [low, high] = std::minmax(pair.a, pair.b);
-    std::size_t k = 0;
-    while (k < coupled_ && (couplings_[k].a != low || couplings_[k].b != high)) ++k;
-    if (k == coupled_) {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const auto [low, high] = std::minmax(points_[i].a, points_[i].b);
+    if (coupled_ == 0 || couplings_[coupled_ - 1].a != low || couplings_[coupled_ - 1].b != high) {
       if (coupled_ == couplings_.size()) couplings_.emplace_back();
-      couplings_[k].a = low;
-      couplings_[k].b = high;
-      const Index m = first_[low + 1] - first_[low], n = first_[high + 1] - first_[high];
-      couplings_[k].ab.resize(m, n);
-      couplings_[k].ba.resize(n, m);
-      ++coupled_;
+      Coupling& coupling = couplings_[coupled_++];
+      coupling.a = low;
+      coupling.b = high;
+      coupling.first = i;
+      coupling.count = 0;
+      coupling.touches = false;
+      coupling.ab.resize(members_[low].contact->unknowns(), members_[high].contact->unknowns());
+      coupling.ba.resize(coupling.ab.cols(), coupling.ab.rows());
     }
-    pair.coupling = k;
+    ++couplings_[coupled_ - 1].count;
   }
 }
 
-// The residuals at the members' z; returns their size in units of what is small.
-double ContactIsland::evaluate(double renew) {
-  bends_.clear();
-  for (const IslandMember& member : members_) {
-    member.contact->evaluate(renew);
-    bends_.push_back(member.contact->bend_in_step());
+// All are looked at, and move.
+void ContactIsland::choose_all() {
+  looked_.assign(members_.size(), 1);
+  place_.assign(members_.size(), 0);
+  arrange();
+}
+
+// The members of a group move; what may feel that is looked at.
+void ContactIsland::choose(std::size_t root) {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    place_[i] = group_[i] == root ? 0 : kStill;
+    looked_[i] = moves(i) ? 1 : 0;
   }
-  for (PairPoint& pair : points_) {
-    ContactStep& first = *members_[pair.a].contact;
-    ContactStep& second = *members_[pair.b].contact;
-    const Collider& shape = *second.shape();
-    pair.touch_a = first.touch_at_point(pair.point);
-    pair.place = second.into_rest(pair.touch_a.x1, true);
-    // Too far for d1 to be within the margin, if its gradient is shorter than 2.
-    const double nearer = 2.0 * ((pair.place - pair.place_at_start).norm() + bends_[pair.b]);
-    if (pair.distance - nearer > pair.law.margin && pair.held.grinding == 0.0) {
-      pair.now = {};
-      pair.now.distance = pair.distance;
-      continue;
-    }
-    const bool acts = pair.distance < pair.law.margin || pair.held.grinding != 0.0;
-    const double level = acts ? std::numeric_limits<double>::infinity() : pair.law.margin;
-    const BentDistance end =
-        bent_distance(shape, second.points(), second.u_end(), pair.place, level);
-    pair.now = {};
-    pair.now.distance = end.distance;
-    if (!acts && end.distance >= pair.law.margin) continue;
-    pair.touch_b = second.touch_by_other(pair.touch_a.x1, first.middle_of(pair.touch_a));
-    pair.way_b = second.way_under(pair.touch_b, pair.rows);
-    const Vector3d way = pair.touch_a.x1 - pair.touch_a.x0 - pair.way_b;
-    pair.slope = second.turn_out_at_end(end.gradient);
-    if (renew > 0.0 || pair.fresh)
-      pair.held.normal = second.turn_out(0.5 * (pair.gradient + end.gradient));
-    pair.fresh = false;
-    const auto force = [&] {
-      return contact_force(pair.law, pair.distance, pair.energy, end.distance, way, h_, pair.held);
-    };
+  for (const Coupling& coupling : std::span(couplings_).first(coupled_)) {
+    if (moves(coupling.a)) looked_[coupling.b] = 1;
+    if (moves(coupling.b)) looked_[coupling.a] = 1;
+  }
+  arrange();
+}
+
+// One member moves, and it alone is looked at.
+void ContactIsland::choose_one(std::size_t member) {
+  std::fill(looked_.begin(), looked_.end(), char{0});
+  std::fill(place_.begin(), place_.end(), kStill);
+  looked_[member] = 1;
+  place_[member] = 0;
+  arrange();
+}
+
+std::size_t ContactIsland::root(std::size_t i) {
+  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+  return i;
+}
+
+// Who is not converged makes groups with what it touches: group_ is the lowest member of a group,
+// or kStill. False: all are converged.
+bool ContactIsland::find_groups() {
+  parent_.resize(members_.size());
+  group_.assign(members_.size(), kStill);
+  bool any = false;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    parent_[i] = i;
+    if (sizes_[i] <= enough_[i]) continue;
+    group_[i] = i;
+    any = true;
+  }
+  for (const Coupling& coupling : std::span(couplings_).first(coupled_)) {
+    const auto [x, y] = std::pair{coupling.a, coupling.b};
+    if (!coupling.touches || !(sizes_[x] > enough_[x] || sizes_[y] > enough_[y])) continue;
+    group_[x] = group_[y] = 0;
+    const std::size_t first = root(x), second = root(y);
+    parent_[std::max(first, second)] = std::min(first, second);
+  }
+  for (std::size_t i = 0; i < members_.size(); ++i)
+    if (group_[i] != kStill) group_[i] = root(i);
+  return any;
+}
+
+// The unknowns of those that move.
+void ContactIsland::arrange() {
+  moving_.clear();
+  diagonal_.clear();
+  first_.assign(1, 0);
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (!moves(i)) continue;
+    place_[i] = moving_.size();
+    moving_.push_back(i);
+    const ContactStep& contact = *members_[i].contact;
+    scale_.segment(first_.back(), contact.unknowns()) =
+        contact.row_scale().head(contact.unknowns());
+    diagonal_.push_back(&contact.jacobian());
+    first_.push_back(first_.back() + contact.unknowns());
+  }
+}
+
+// What is needed of the start of the step where the pair acts.
+void ContactIsland::find_start(PairPoint& pair) {
+  const BentShape shape = members_[pair.b].contact->shape_at_start();
+  bent_rows(shape, pair.place_at_start, scratch_, pair.rows);
+  pair.gradient = bent_gradient(shape, pair.place_at_start);
+  pair.fresh = false;
+}
+
+// What the pair feels at the members' z, for those that are looked at.
+void ContactIsland::evaluate(PairPoint& pair, double renew) {
+  ContactStep& first = *members_[pair.a].contact;
+  ContactStep& second = *members_[pair.b].contact;
+  const Vector3d x1 = first.end_of_point(pair.point);
+  pair.place = second.into_rest(x1, true);
+  const bool acts = pair.distance < pair.law.margin || pair.held.grinding != 0.0;
+  // Too far for d1 to be within the margin, if its gradient is shorter than 2.
+  const double nearer = 2.0 * ((pair.place - pair.place_at_start).norm() + bends_[pair.b]);
+  if (!acts && pair.distance - nearer > pair.law.margin) return pair.now.clear(pair.distance);
+  const BentShape shape = second.shape_at_end();
+  const double distance = bent_distance(shape, pair.place);
+  if (!acts && distance >= pair.law.margin) return pair.now.clear(distance);
+  pair.touch_a = first.touch_at_point(pair.point);
+  const bool fresh = pair.fresh;
+  if (fresh) find_start(pair);
+  pair.touch_b = second.touch_by_other(x1, first.middle_of(pair.touch_a));
+  pair.way.path = x1 - pair.touch_a.x0 - second.way_under(pair.touch_b);
+  pair.way.bend = second.bend_under(pair.rows);
+  if (renew > 0.0 || fresh)
+    pair.held.normal = second.turn_out(0.5 * (pair.gradient + bent_gradient(shape, pair.place)));
+  const auto force = [&] {
+    return contact_force(pair.law, pair.distance, pair.energy, distance, pair.way, h_, pair.held);
+  };
+  pair.now = force();
+  if (renew > 0.0) {
+    pair.held.grinding += renew * (pair.now.grinding - pair.held.grinding);
     pair.now = force();
-    if (renew > 0.0) {
-      pair.held.grinding += renew * (pair.now.grinding - pair.held.grinding);
-      pair.now = force();
+  }
+  if (!pair.now.acts) return;
+  if (looked_[pair.a] != 0) first.push_point(pair.now.force, pair.touch_a, pair.point);
+  if (looked_[pair.b] != 0)
+    second.push_rows(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
+}
+
+// The residuals of those that are looked at at the members' z; returns the size of those that move
+// in units of what is small.
+double ContactIsland::evaluate(double renew) {
+  bends_.resize(members_.size());
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (looked_[i] == 0) continue;
+    members_[i].contact->evaluate(renew);
+    bends_[i] = members_[i].contact->bend_in_step();
+  }
+  for (Coupling& coupling : std::span(couplings_).first(coupled_)) {
+    if (!looks_at(coupling)) continue;
+    coupling.touches = false;
+    for (PairPoint& pair : points_.subspan(coupling.first, coupling.count)) {
+      evaluate(pair, renew);
+      coupling.touches = coupling.touches || pair.now.acts;
     }
-    if (!pair.now.acts) continue;
-    first.push_point(pair.now.force, pair.touch_a, pair.point);
-    second.push_rows(-pair.now.force, pair.touch_b, pair.rows);
   }
   double square = 0.0;
   for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (looked_[i] == 0) continue;
     sizes_[i] = members_[i].contact->close();
     const double share = sizes_[i] / enough_[i];
-    square += share * share;
+    if (moves(i)) square += share * share;
   }
   return std::sqrt(square);
 }
 
-// How the pair's force falls with the unknowns of its bodies, by d1 and by the way.
+// How the pair's forces fall with the unknowns of its bodies, by d1, the path and the bending.
 void ContactIsland::find_changes(const PairPoint& pair) {
   ContactStep& first = *members_[pair.a].contact;
   ContactStep& second = *members_[pair.b].contact;
-  const Index m = first.unknowns(), n = second.unknowns();
+  const Index n = second.unknowns();
   const Index r = second.turns() ? n - 6 : n;
-  change_a_.resize(3, m);
-  change_b_.resize(3, n);
-  const Eigen::Matrix3d all = pair.now.fall * pair.slope.transpose() + pair.now.stiffness;
-  change_a_.noalias() = all * first.lever_way();
-  bent_change(*second.shape(), second.points(), second.u_end(), pair.place, near_first_,
-              near_second_, by_q_);
-  change_b_.noalias() =
-      -pair.now.stiffness * second.change_of_way(pair.touch_b, pair.rows).leftCols(n);
-  change_b_.leftCols(r).noalias() += pair.now.fall * by_q_.transpose();
-  if (second.turns())
-    change_b_.rightCols<6>().noalias() -=
-        pair.now.fall * (pair.slope.transpose() * second.lever_way().rightCols<6>());
+  const Vector3d gradient =
+      second.turn_out_at_end(bent_change(second.shape_at_end(), pair.place, scratch_, by_q_));
+  const Eigen::Matrix3Xd& way = second.change_of_way(pair.touch_b, pair.rows);
+  const auto find = [&](const ContactSlope& slope, Eigen::Matrix3Xd& by_a, Eigen::Matrix3Xd& by_b) {
+    const Eigen::Matrix3d by_end = slope.by_distance * gradient.transpose() + slope.by_path;
+    by_a.noalias() = by_end * first.lever_way();
+    by_b.resize(3, n);
+    by_b.leftCols(r).noalias() = slope.by_bend * way.leftCols(r);
+    by_b.leftCols(r).noalias() += slope.by_distance * by_q_.transpose();
+    if (!second.turns()) return;
+    by_b.rightCols<6>().noalias() = -slope.by_path * way.middleCols<6>(r);
+    by_b.rightCols<6>().noalias() -=
+        slope.by_distance * (gradient.transpose() * second.lever_way().rightCols<6>());
+  };
+  find(pair.now.slope, change_a_, change_b_);
+  find(pair.now.bend_slope, bend_change_a_, bend_change_b_);
 }
 
-void ContactIsland::add_pair(const PairPoint& pair) {
+void ContactIsland::add_pair(const PairPoint& pair, Coupling& coupling) {
   ContactStep& first = *members_[pair.a].contact;
   ContactStep& second = *members_[pair.b].contact;
   first.lever_at_point(pair.touch_a, pair.point);
   second.lever_at_rows(pair.touch_b, pair.rows);
   find_changes(pair);
-  first.add_pushed(change_a_, 1.0);
-  second.add_pushed(change_b_, -1.0);
-  first.add_geometry(pair.now.force, pair.touch_a, pair.point);
-  second.add_geometry_of_other(-pair.now.force, pair.touch_b, pair.rows);
-  Coupling& coupling = couplings_[pair.coupling];
   const bool forward = pair.a < pair.b;
-  (forward ? coupling.ab : coupling.ba).noalias() += first.lever_push() * change_b_;
-  (forward ? coupling.ba : coupling.ab).noalias() -= second.lever_push() * change_a_;
+  first.add_pushed(change_a_, change_a_, 1.0, first.own_block());
+  first.add_pushed(change_b_, change_b_, 1.0, forward ? coupling.ab : coupling.ba);
+  second.add_pushed(change_b_, bend_change_b_, -1.0, second.own_block());
+  second.add_pushed(change_a_, bend_change_a_, -1.0, forward ? coupling.ba : coupling.ab);
+  first.add_geometry(pair.now.force, pair.touch_a, pair.point);
+  second.add_geometry_of_other(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
   // The torque on the second acts where the first's point is.
   if (!second.turns()) return;
   const Index turn = second.unknowns() - 6;
@@ -282,114 +278,113 @@ void ContactIsland::add_pair(const PairPoint& pair) {
 }
 
 void ContactIsland::make_jacobian(double heavier) {
-  for (const IslandMember& member : members_) member.contact->make_jacobian(heavier);
-  for (std::size_t k = 0; k < coupled_; ++k) {
-    couplings_[k].ab.setZero();
-    couplings_[k].ba.setZero();
+  for (const std::size_t i : moving_) members_[i].contact->make_jacobian(heavier);
+  links_.clear();
+  for (Coupling& coupling : std::span(couplings_).first(coupled_)) {
+    if (!coupling.touches || !(moves(coupling.a) || moves(coupling.b))) continue;
+    coupling.ab.setZero();
+    coupling.ba.setZero();
+    for (const PairPoint& pair : points_.subspan(coupling.first, coupling.count))
+      if (pair.now.acts) add_pair(pair, coupling);
+    if (moves(coupling.a) && moves(coupling.b))
+      links_.push_back({place_[coupling.a], place_[coupling.b], &coupling.ab, &coupling.ba});
   }
-  for (const PairPoint& pair : points_)
-    if (pair.now.acts) add_pair(pair);
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    const Index n = first_[i + 1] - first_[i];
-    residual_.segment(first_[i], n) = members_[i].contact->residual().head(n);
-  }
+  for (std::size_t k = 0; k < moving_.size(); ++k)
+    residual_.segment(first_[k], first_[k + 1] - first_[k]) =
+        members_[moving_[k]].contact->residual().head(first_[k + 1] - first_[k]);
 }
 
-bool ContactIsland::find_move_dense() {
-  const Index all = first_[members_.size()];
-  if (jacobian_.rows() != all) jacobian_.resize(all, all);
-  jacobian_.setZero();
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    const Index n = first_[i + 1] - first_[i];
-    jacobian_.block(first_[i], first_[i], n, n) =
-        members_[i].contact->jacobian().topLeftCorner(n, n);
-  }
-  for (std::size_t k = 0; k < coupled_; ++k) {
-    const Coupling& c = couplings_[k];
-    jacobian_.block(first_[c.a], first_[c.b], c.ab.rows(), c.ab.cols()) = c.ab;
-    jacobian_.block(first_[c.b], first_[c.a], c.ba.rows(), c.ba.cols()) = c.ba;
-  }
-  factor_.compute(jacobian_);
-  move_.head(all) = factor_.solve(residual_.head(all));
-  return move_.head(all).allFinite();
+bool ContactIsland::solve_for_move() {
+  const BlockSystem system{first_, diagonal_, links_, &scale_};
+  return solver_.solve(system, residual_, move_);
 }
 
-bool ContactIsland::find_move_sparse() {
-  const Index all = first_[members_.size()];
-  triplets_.clear();
-  const auto add = [this](Index row, Index column, const auto& block) {
-    for (Index j = 0; j < block.cols(); ++j)
-      for (Index i = 0; i < block.rows(); ++i)
-        triplets_.emplace_back(static_cast<int>(row + i), static_cast<int>(column + j),
-                               block(i, j));
+// Finds anew what is small; the size of the residuals that move in its units.
+double ContactIsland::measure() {
+  double square = 0.0;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (looked_[i] == 0) continue;
+    enough_[i] = members_[i].contact->enough();
+    if (moves(i)) square += sizes_[i] * sizes_[i] / (enough_[i] * enough_[i]);
+  }
+  return std::sqrt(square);
+}
+
+// A move of Newton's method of those that move. kDone: they are converged, or at rounding.
+ContactIsland::Outcome ContactIsland::move(int iteration, double& heavier) {
+  double size = measure();
+  if (const double renew = renewal(iteration, size); renew > 0.0) {
+    evaluate(renew);
+    size = measure();
+  }
+  if (!std::isfinite(size)) return Outcome::kFailed;
+  const auto of = [this](VectorXd& all, std::size_t k) {
+    return all.segment(first_[k], first_[k + 1] - first_[k]);
   };
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    const Index n = first_[i + 1] - first_[i];
-    add(first_[i], first_[i], members_[i].contact->jacobian().topLeftCorner(n, n));
+  for (std::size_t k = 0; k < moving_.size(); ++k)
+    of(z_before_, k) = members_[moving_[k]].contact->z().head(first_[k + 1] - first_[k]);
+  const auto slope = [&] {
+    double work = 0.0;
+    for (std::size_t k = 0; k < moving_.size(); ++k)
+      work += members_[moving_[k]].contact->work_along(of(move_, k));
+    return -work;
+  };
+  const auto go = [&](double length) {
+    for (std::size_t k = 0; k < moving_.size(); ++k)
+      members_[moving_[k]].contact->z().head(first_[k + 1] - first_[k]) =
+          of(z_before_, k) - length * of(move_, k);
+    const double next = evaluate(0.0);
+    return LineTrial{next, slope()};
+  };
+  const auto find_move = [&](double added) {
+    make_jacobian(added);
+    return solve_for_move() ? slope() : 0.0;
+  };
+  LineTrial reached;
+  const bool near = size <= 1e3;
+  if (!newton_move(find_move, go, size, near, heavier, reached))
+    return near ? Outcome::kDone : Outcome::kFailed;
+  // At rounding no move helps.
+  if (!(reached.size < 0.9 * size) && near) {
+    if (reached.size > size) go(0.0);
+    return Outcome::kDone;
   }
-  for (std::size_t k = 0; k < coupled_; ++k) {
-    add(first_[couplings_[k].a], first_[couplings_[k].b], couplings_[k].ab);
-    add(first_[couplings_[k].b], first_[couplings_[k].a], couplings_[k].ba);
-  }
-  sparse_.resize(all, all);
-  sparse_.setFromTriplets(triplets_.begin(), triplets_.end());
-  sparse_factor_.compute(sparse_);
-  if (sparse_factor_.info() != Eigen::Success) return false;
-  move_.head(all) = sparse_factor_.solve(residual_.head(all));
-  return move_.head(all).allFinite();
+  return Outcome::kMoved;
 }
 
-bool ContactIsland::solve(int& iterations) {
-  const Index all = first_[members_.size()];
+// Moves of each member by itself, which find out for most contacts whether they hold: one length
+// along a move of many would stop at the first that does.
+void ContactIsland::relax(std::size_t root, int iteration, int times) {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (group_[i] != root) continue;
+    choose_one(i);
+    evaluate(0.0);
+    double heavier = 0.0;
+    for (int k = 0; k < times && measure() > 1.0; ++k)
+      if (move(iteration, heavier) != Outcome::kMoved) break;
+  }
+}
+
+bool ContactIsland::solve(int relaxed, int alone, int& iterations) {
+  choose_all();
   evaluate(0.0);
-  double size = 0.0, heavier = 0.0;
-  for (std::size_t i = 0; i < members_.size(); ++i)
-    size = std::max(size, sizes_[i] / members_[i].contact->enough());
+  measure();
+  heavier_.assign(members_.size(), 0.0);
   for (iterations = 0; iterations < kMostIterations; ++iterations) {
-    if (const double renew = renewal(iterations, size); renew > 0.0) evaluate(renew);
-    bool small = true;
-    double square = 0.0;
-    for (std::size_t i = 0; i < members_.size(); ++i) {
-      enough_[i] = members_[i].contact->enough();
-      small = small && sizes_[i] <= enough_[i];
-      square += sizes_[i] * sizes_[i] / (enough_[i] * enough_[i]);
+    if (!find_groups()) return true;
+    bool moved = false;
+    for (std::size_t root = 0; root < members_.size(); ++root) {
+      if (group_[root] != root) continue;
+      const bool relaxes =
+          iterations < relaxed && std::count(group_.begin(), group_.end(), root) > 1;
+      if (relaxes) relax(root, iterations, alone);
+      choose(root);
+      if (relaxes) evaluate(0.0);
+      const Outcome outcome = move(iterations, heavier_[root]);
+      if (outcome == Outcome::kFailed) return false;
+      moved = moved || outcome == Outcome::kMoved;
     }
-    size = std::sqrt(square);
-    if (small) return true;
-    if (!std::isfinite(size)) return false;
-    for (std::size_t i = 0; i < members_.size(); ++i)
-      z_before_.segment(first_[i], first_[i + 1] - first_[i]) =
-          members_[i].contact->z().head(first_[i + 1] - first_[i]);
-    const auto slope = [this] {
-      double work = 0.0;
-      for (std::size_t i = 0; i < members_.size(); ++i)
-        work +=
-            members_[i].contact->work_along(move_.segment(first_[i], first_[i + 1] - first_[i]));
-      return -work;
-    };
-    const auto go = [&](double length) {
-      for (std::size_t i = 0; i < members_.size(); ++i) {
-        const Index n = first_[i + 1] - first_[i];
-        members_[i].contact->z().head(n) =
-            z_before_.segment(first_[i], n) - length * move_.segment(first_[i], n);
-      }
-      const double next = evaluate(0.0);
-      return LineTrial{next, slope()};
-    };
-    const auto find_move = [&](double added) {
-      make_jacobian(added);
-      const bool found = all <= kDense ? find_move_dense() : find_move_sparse();
-      return found ? slope() : 0.0;
-    };
-    LineTrial reached;
-    const bool near = size <= 1e3;
-    if (!newton_move(find_move, go, size, near, heavier, reached)) return near;
-    // At rounding no move helps.
-    if (!(reached.size < 0.9 * size) && near) {
-      if (reached.size > size) go(0.0);
-      return true;
-    }
-    size = reached.size;
+    if (!moved) return true;
   }
   return false;
 }
@@ -407,7 +402,8 @@ void ContactIsland::settle() {
     a.penetration = std::max(a.penetration, -pair.now.distance);
     if (!pair.now.acts) continue;
     a.work += pair.now.force.dot(pair.touch_a.x1 - pair.touch_a.x0);
-    b.work -= pair.now.force.dot(pair.way_b);
+    b.work -= pair.now.force.dot(pair.touch_a.x1 - pair.touch_a.x0 - pair.way.path) +
+              pair.now.bend_force.dot(pair.way.bend);
     const double impulse = h_ * pair.now.force.norm();
     a.impulse += impulse;
     b.impulse += impulse;
@@ -416,29 +412,45 @@ void ContactIsland::settle() {
   }
 }
 
+// Where the bodies would go without forces, with nothing held.
+void ContactIsland::begin() {
+  for (const IslandMember& member : members_)
+    member.contact->begin(*member.state, *member.load, member.free);
+  for (PairPoint& pair : points_) {
+    pair.now = {};
+    pair.held = {};
+    pair.fresh = true;
+  }
+}
+
 void ContactIsland::step(std::span<const IslandMember> members, std::span<PairPoint> points,
                          double h, std::span<StepReport> reports) {
   members_ = members;
   points_ = points;
   h_ = h;
-  first_.assign(1, 0);
-  for (const IslandMember& member : members) {
-    member.contact->begin(*member.state, *member.load, member.free);
-    first_.push_back(first_.back() + member.contact->unknowns());
-  }
-  const Index all = first_.back();
+  begin();
+  Index all = 0;
+  for (const IslandMember& member : members) all += member.contact->unknowns();
   if (residual_.size() < all) {
     residual_.resize(all);
     move_.resize(all);
     z_before_.resize(all);
+    scale_.resize(all);
   }
   enough_.assign(members.size(), 1.0);
   sizes_.assign(members.size(), 0.0);
   accounts_.resize(members.size());
   starts_.resize(members.size());
-  couple(points);
+  couple();
   int iterations = 0;
-  const bool converged = solve(iterations);
+  bool converged = false;
+  for (const Attempt& attempt : kAttempts) {
+    if (iterations != 0) begin();
+    int more = 0;
+    converged = solve(attempt.relaxed, attempt.alone, more);
+    iterations += more;
+    if (converged) break;
+  }
   if (converged) settle();
   for (std::size_t i = 0; i < members.size(); ++i) {
     StepReport& report = reports[i];

@@ -18,9 +18,7 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/LU>
-#include <Eigen/SparseLU>
-
+#include "runtime/contact/solve/block_solver.h"
 #include "runtime/contact/solve/contact_step.h"
 
 namespace tremolo {
@@ -34,20 +32,20 @@ struct IslandMember {
 };
 
 // A point of the member a near the shape of the member b at the start of the step, and what it
-// feels in it. rows: of U of b nearby, transposed, r x 3. start: X there, m; d0, m; energy e0, J.
+// feels in it. distance: d0, m; energy: e0, J. Once it acts, at the start: rows: of U of b nearby,
+// transposed, r x 3; gradient: of d.
 struct PairPoint {
   std::size_t a = 0, b = 0, point = 0;
   ContactLaw law;
-  Eigen::MatrixX3d rows, near;  // near: for the making of rows
+  Eigen::MatrixX3d rows;
   double distance = 0.0, energy = 0.0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), place_at_start = gradient;  // y
   ContactHeld held;   // along the world's axes
-  bool fresh = true;  // nothing is held yet
+  bool fresh = true;  // it has not acted
   ContactForce now;
   ContactTouch touch_a, touch_b;
-  Eigen::Vector3d way_b = Eigen::Vector3d::Zero();
-  Eigen::Vector3d place = way_b, slope = way_b;  // y at the end; the gradient of d there, world
-  std::size_t coupling = 0;
+  ContactWay way;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // y at the end
 };
 
 // The points of a (its body is `first`) that may touch b in the step are added to `points`, whose
@@ -59,50 +57,75 @@ class ContactIsland {
  public:
   // One step of all members; points: of pairs of them. reports: one a member; where the island
   // does not converge, none does, and all states are as before. What it needs grows with the
-  // largest island so far; an island of more than kDense unknowns allocates in each step.
+  // largest island so far; see block_solver.h.
   void step(std::span<const IslandMember> members, std::span<PairPoint> points, double h,
             std::span<StepReport> reports);
 
  private:
-  static constexpr Eigen::Index kDense = 320;
-
-  // How the residuals of two members, a < b, change with each other's unknowns.
+  // Two members, a < b, and their points, from `first` on. touches: one acted when last looked at.
+  // ab, ba: how the residuals of the one change with the unknowns of the other.
   struct Coupling {
     std::size_t a = 0, b = 0;
+    std::size_t first = 0, count = 0;
+    bool touches = false;
     Eigen::MatrixXd ab, ba;
   };
 
-  void couple(std::span<PairPoint> points);
+  enum class Outcome { kMoved, kDone, kFailed };
+
+  void couple();
+  void choose_all();
+  void choose(std::size_t root);
+  void choose_one(std::size_t member);
+  void arrange();
+  std::size_t root(std::size_t i);
+  bool find_groups();
+  double measure();
+  Outcome move(int iteration, double& heavier);
+  void relax(std::size_t root, int iteration, int times);
+  bool looks_at(const Coupling& coupling) const {
+    return looked_[coupling.a] != 0 || looked_[coupling.b] != 0;
+  }
+  bool moves(std::size_t member) const { return place_[member] != kStill; }
+  void evaluate(PairPoint& pair, double renew);
+  void find_start(PairPoint& pair);
   double evaluate(double renew);
   void make_jacobian(double heavier);
-  void add_pair(const PairPoint& pair);
+  void add_pair(const PairPoint& pair, Coupling& coupling);
   void find_changes(const PairPoint& pair);
-  bool find_move_dense();
-  bool find_move_sparse();
-  bool solve(int& iterations);
+  bool solve_for_move();
+  bool solve(int relaxed, int alone, int& iterations);
+  void begin();
   void settle();
+
+  static constexpr std::size_t kStill = static_cast<std::size_t>(-1);
 
   std::span<const IslandMember> members_;
   std::span<PairPoint> points_;
   double h_ = 0.0;
-  std::vector<Eigen::Index> first_;  // of each member's unknowns, and the number of all
-  std::vector<double> enough_;
+  // Members that are not converged, and what they touch, in groups that are solved for one after
+  // the other: group_ is a group's lowest member, or kStill. moving_: the group at hand; place_:
+  // each one's place in it, or kStill; first_: of its unknowns, and the number of all. looked_:
+  // their residual may change.
+  std::vector<std::size_t> parent_, group_, moving_, place_;
+  std::vector<Eigen::Index> first_;
+  std::vector<char> looked_;
+  std::vector<double> enough_, heavier_;
   std::vector<double> sizes_;
   std::vector<double> bends_;  // how far the coordinates move a member's points in the step, m
   std::vector<Coupling> couplings_;
   std::size_t coupled_ = 0;  // used
   std::vector<ContactAccount> accounts_;
-  // How a pair's force falls with the unknowns of its bodies, 3 x n each.
-  Eigen::Matrix3Xd change_a_, change_b_;
+  // How a pair's force, and what bends its second body, fall with the unknowns of its bodies, 3 x n
+  // each.
+  Eigen::Matrix3Xd change_a_, change_b_, bend_change_a_, bend_change_b_;
   Eigen::VectorXd by_q_;
-  Eigen::MatrixX3d near_first_, near_second_;
+  BentScratch scratch_;
   std::vector<double> starts_;
-  Eigen::VectorXd residual_, move_, z_before_;
-  Eigen::MatrixXd jacobian_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
-  Eigen::SparseMatrix<double> sparse_;
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> sparse_factor_;
-  std::vector<Eigen::Triplet<double>> triplets_;
+  Eigen::VectorXd residual_, move_, z_before_, scale_;
+  std::vector<const Eigen::MatrixXd*> diagonal_;
+  std::vector<BlockLink> links_;
+  BlockSolver solver_;
 };
 
 }  // namespace tremolo

@@ -84,6 +84,14 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most) {
   }
   points.centre = 0.5 * (low + high);
   points.extent = (high - low).maxCoeff();
+  // Places near the surface see several points, and the field is smooth between them.
+  points.field = ScatteredPoints(
+      points.rest, 0.25 * points.gap * points.gap + 1e-6 * points.extent * points.extent);
+  const auto stride = static_cast<Index>(points.field.stride());
+  points.axis_rows.setZero(3 * stride, r);
+  for (Index i = 0; i < static_cast<Index>(points.size()); ++i)
+    for (Index axis = 0; axis < 3; ++axis)
+      points.axis_rows.row(axis * stride + i) = points.rows.col(3 * i + axis).transpose();
   for (const Vector3d& place : points.rest)
     points.radius = std::max(points.radius, (place - points.centre).norm());
   return points;

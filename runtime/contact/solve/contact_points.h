@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "common/mesh/tet_mesh.h"
+#include "runtime/kernels/scattered_field.h"
 #include "runtime/model.h"
 
 namespace tremolo {
@@ -17,14 +18,18 @@ struct PointGroup {
   double radius = 0.0;
 };
 
-// rest: m. rows: r x 3n, columns 3 i .. 3 i + 2 are the transposed rows of U of point i. reach: r,
-// the farthest that a unit of a coordinate moves any point: |u| <= sum_i |q_i| reach_i. centre,
-// radius: of a ball around all. extent: the longest side of the boundary's box, m. gap: no vertex
-// of the boundary is farther from the nearest point, m: what may slip between points.
+// rest: m. rows: r x 3n, columns 3 i .. 3 i + 2 are the transposed rows of U of point i. field: the
+// points for fields through them; axis_rows: 3 stride x r, the same rows of U, all x, all y, all z,
+// zero in padding. reach: r, the farthest that a unit of a coordinate moves any point: |u| <= sum_i
+// |q_i| reach_i. centre, radius: of a ball around all. extent: the longest side of the boundary's
+// box, m. gap: no vertex of the boundary is farther from the nearest point, m: what may slip
+// between points.
 struct ContactPoints {
   std::vector<VertexId> ids;
   std::vector<Eigen::Vector3d> rest;
   Eigen::MatrixXd rows;
+  ScatteredPoints field;
+  Eigen::MatrixXd axis_rows;
   Eigen::VectorXd reach;
   std::vector<PointGroup> groups;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -37,6 +42,10 @@ struct ContactPoints {
   Eigen::Vector3d place(std::size_t i, const Eigen::VectorXd& q) const {
     const auto column = static_cast<Eigen::Index>(3 * i);
     return rest[i] + rows.middleCols<3>(column).transpose() * q;
+  }
+  // U q of all points, 3 stride: a field for field_at().
+  void displacement(const Eigen::VectorXd& q, Eigen::VectorXd& u) const {
+    u.noalias() = axis_rows * q;
   }
 };
 

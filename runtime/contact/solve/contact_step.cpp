@@ -54,7 +54,10 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
   for (VectorXd* v : {&q0_, &v0_, &q1_, &G_, &dp_, &force_, &middle_, &contact_push_})
     v->setZero(r);
   for (VectorXd* v : {&z_, &z_before_, &residual_, &move_}) v->setZero(n);
-  if (shape_) u0_ = u1_ = VectorXd::Zero(points_->rows.cols());
+  row_scale_.setConstant(n, 2.0 / h);
+  row_scale_.segment<3>(r).setConstant(1.0 / (std::sqrt(mass) * points_->radius));
+  row_scale_.tail<3>().setConstant(h / std::sqrt(mass));
+  if (shape_) u0_ = u1_ = VectorXd::Zero(points_->axis_rows.rows());
   K_.setZero(r, r);
   jacobian_.setIdentity(n, n);
   factor_.compute(jacobian_.topLeftCorner(free ? n : r, free ? n : r));
@@ -81,7 +84,7 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
   candidates_.reserve(points_->size() * colliders.size());
   impulses_.resize(colliders.size());
   q0_ = q;
-  if (shape_) u0_.noalias() = points_->rows.transpose() * q;
+  if (shape_) points_->displacement(q, u0_);
   // What the coordinates move a point by: so far, and in the step.
   ball_.centre = poses.start * points_->centre;
   ball_.radius = points_->radius;
@@ -139,6 +142,7 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   origin_ = free_ != nullptr ? free_->mesh_centre() : Vector3d(Vector3d::Zero());
   c0_ = free_ != nullptr ? free_->rigid().centre : poses_.start.position;
   z_.head(r) = h * v0_;
+  for (Candidate& candidate : candidates_) candidate.held = {candidate.start.normal};
   scale_ = 0.0;
   pairs_ = {};
   pairs_start_ = 0.0;
@@ -165,6 +169,11 @@ ContactTouch ContactStep::touch_at_point(std::size_t point) const {
   return touch_at(points_->rest[point], point_rows(point));
 }
 
+Vector3d ContactStep::end_of_point(std::size_t point) const {
+  const Vector3d from = points_->rest[point] - origin_;
+  return c1_ + R1_ * (from + point_rows(point).transpose() * q1_);
+}
+
 Vector3d ContactStep::middle_of(const ContactTouch& touch) const {
   return 0.5 * (c0_ + c1_) + R0_ * touch.arm;
 }
@@ -173,31 +182,34 @@ ContactTouch ContactStep::touch_by_other(const Vector3d& x1, const Vector3d& mid
   return {x1, x1, R0_.transpose() * (middle - 0.5 * (c0_ + c1_))};
 }
 
-Vector3d ContactStep::way_under(const ContactTouch& touch, const Eigen::MatrixX3d& rows) const {
-  const Vector3d bent = mean_ * (rows.transpose() * z_.head(model_->modes()));
-  return (c1_ - c0_) + R0_ * (phi_.cross(touch.arm) + bent);
+Vector3d ContactStep::way_under(const ContactTouch& touch) const {
+  return (c1_ - c0_) + R0_ * phi_.cross(touch.arm);
+}
+
+Vector3d ContactStep::bend_under(const Eigen::MatrixX3d& rows) const {
+  return R0_ * (mean_ * (rows.transpose() * z_.head(model_->modes())));
 }
 
 Vector3d ContactStep::into_rest(const Vector3d& x, bool at_end) const {
   return (at_end ? R1_ : R0_).transpose() * (x - (at_end ? c1_ : c0_)) + origin_;
 }
 
-// force: world.
+// force, bend_force: world.
 template <class Rows>
-void ContactStep::add_force(const Vector3d& force, const ContactTouch& touch, const Rows& rows) {
-  const Vector3d pull = R0_.transpose() * force;
-  contact_push_.noalias() += rows * (mean_.transpose() * pull);
+void ContactStep::add_force(const Vector3d& force, const Vector3d& bend_force,
+                            const ContactTouch& touch, const Rows& rows) {
+  contact_push_.noalias() += rows * (mean_.transpose() * (R0_.transpose() * bend_force));
   contact_force_ += force;
-  contact_torque_ += touch.arm.cross(pull);
+  contact_torque_ += touch.arm.cross(R0_.transpose() * force);
 }
 
 void ContactStep::push_point(const Vector3d& force, const ContactTouch& touch, std::size_t point) {
-  add_force(force, touch, point_rows(point));
+  add_force(force, force, touch, point_rows(point));
 }
 
-void ContactStep::push_rows(const Vector3d& force, const ContactTouch& touch,
-                            const Eigen::MatrixX3d& rows) {
-  add_force(force, touch, rows);
+void ContactStep::push_rows(const Vector3d& force, const Vector3d& bend_force,
+                            const ContactTouch& touch, const Eigen::MatrixX3d& rows) {
+  add_force(force, bend_force, touch, rows);
 }
 
 // A spring's mean force is that at the middle of the step, and exactly its discrete gradient.
@@ -209,7 +221,7 @@ void ContactStep::add_grips() {
     const Vector3d from = touch.x0 - grip.start, to = touch.x1 - grip.end;
     grip.force =
         (-0.5 * grip.stiffness) * (from + to) - (grip.damping / options_.step) * (to - from);
-    add_force(grip.force, touch, grip.place.rows.transpose());
+    add_force(grip.force, grip.force, touch, grip.place.rows.transpose());
   }
 }
 
@@ -255,14 +267,15 @@ void ContactStep::make_swing(const ContactTouch& touch, const Rows& rows) {
 
 // How the residual changes as a force turns with the body.
 template <class Rows>
-void ContactStep::add_turn(const Vector3d& force, const ContactTouch& touch, const Rows& rows) {
+void ContactStep::add_turn(const Vector3d& force, const Vector3d& bend_force,
+                           const ContactTouch& touch, const Rows& rows) {
   if (free_ == nullptr) return;
   const double h = options_.step;
   const Index r = model_->modes();
-  const Vector3d pull = R0_.transpose() * force;
+  const Vector3d pull = R0_.transpose() * force, bend_pull = R0_.transpose() * bend_force;
   const Matrix3d torque = cross_matrix(turn_.transpose() * touch.arm.cross(pull)) * turned_;
   jacobian_.block<3, 3>(r, r) -= h * torque;
-  const Matrix3d turned_pull = cross_matrix(turn_.transpose() * pull) * turned_;
+  const Matrix3d turned_pull = cross_matrix(turn_.transpose() * bend_pull) * turned_;
   jacobian_.block(0, r, r, 3).noalias() -= (0.25 * h * h) * rows * turned_pull;
 }
 
@@ -275,16 +288,16 @@ void ContactStep::add_geometry(const Vector3d& force, const ContactTouch& touch,
   make_swing(touch, point_rows(point));
   if (free_ == nullptr) return;
   const Index r = model_->modes();
-  add_turn(force, touch, point_rows(point));
+  add_turn(force, force, touch, point_rows(point));
   jacobian_.block(r, 0, 3, unknowns()).noalias() +=
       turn_of_arm(force) * swing_.leftCols(unknowns());
 }
 
-void ContactStep::add_geometry_of_other(const Vector3d& force, const ContactTouch& touch,
-                                        const Eigen::MatrixX3d& rows) {
+void ContactStep::add_geometry_of_other(const Vector3d& force, const Vector3d& bend_force,
+                                        const ContactTouch& touch, const Eigen::MatrixX3d& rows) {
   if (free_ == nullptr) return;
   const Index r = model_->modes();
-  add_turn(force, touch, rows);
+  add_turn(force, bend_force, touch, rows);
   jacobian_.block<3, 3>(r, r + 3) -= 0.5 * turn_of_arm(force) * R0_.transpose();
 }
 
@@ -312,9 +325,11 @@ const Eigen::Matrix3Xd& ContactStep::change_of_way(const ContactTouch& touch,
   return path_;
 }
 
-void ContactStep::add_pushed(const Eigen::Matrix3Xd& change, double sign) {
-  const Index n = unknowns();
-  jacobian_.topLeftCorner(n, n).noalias() += sign * push_.topRows(n) * change.leftCols(n);
+void ContactStep::add_pushed(const Eigen::Matrix3Xd& change, const Eigen::Matrix3Xd& bend_change,
+                             double sign, Eigen::Ref<Eigen::MatrixXd> block) const {
+  const Index r = model_->modes();
+  block.topRows(r).noalias() += sign * push_.topRows(r) * bend_change;
+  if (free_ != nullptr) block.bottomRows<6>().noalias() += sign * push_.bottomRows<6>() * change;
 }
 
 void ContactStep::add_tangent(const Matrix3d& stiffness) {
@@ -328,7 +343,7 @@ void ContactStep::evaluate(double renew) {
   const Index r = model_->modes();
   const auto d = z_.head(r);
   q1_ = q0_ + d;
-  if (in_island_ && shape_) u1_.noalias() = points_->rows.transpose() * q1_;
+  if (in_island_ && shape_) points_->displacement(q1_, u1_);
   model_->potential().averaged_gradient(q0_, q1_, workspace_, G_, nullptr);
   dp_ = S_.cwiseProduct(damping_.n.cwiseProduct(d) / h - v0_);
   force_ = G_ - load_->average;
@@ -389,7 +404,7 @@ void ContactStep::make_jacobian(double heavier) {
   for (const Candidate& candidate : candidates_) {
     if (!candidate.now.acts) continue;
     lever_at_point(candidate.touch, candidate.point);
-    add_tangent(candidate.now.stiffness);
+    add_tangent(candidate.now.slope.by_path);
     add_geometry(candidate.now.force, candidate.touch, candidate.point);
   }
   for (std::size_t i = 0; i < grips_.size(); ++i) {
@@ -397,7 +412,7 @@ void ContactStep::make_jacobian(double heavier) {
     make_lever(held_[i], grips_[i].place.rows.transpose());
     add_tangent(stiffness * Matrix3d::Identity());
     if (free_ == nullptr) continue;
-    add_turn(grips_[i].force, held_[i], grips_[i].place.rows.transpose());
+    add_turn(grips_[i].force, grips_[i].force, held_[i], grips_[i].place.rows.transpose());
     make_swing(held_[i], grips_[i].place.rows.transpose());
     jacobian_.block(r, 0, 3, unknowns()).noalias() +=
         turn_of_arm(grips_[i].force) * swing_.leftCols(unknowns());
@@ -406,15 +421,8 @@ void ContactStep::make_jacobian(double heavier) {
 
 // All rows as momenta, kg^1/2 m/s.
 double ContactStep::size_of_residual() const {
-  const double h = options_.step;
-  const Index r = model_->modes();
-  double square = residual_.head(r).squaredNorm() * 4.0 / (h * h);
-  if (free_ != nullptr) {
-    const double arm2 = mass_ * points_->radius * points_->radius;
-    square += residual_.segment<3>(r).squaredNorm() / arm2;
-    square += residual_.tail<3>().squaredNorm() * h * h / mass_;
-  }
-  return std::sqrt(square);
+  const Index n = unknowns();
+  return row_scale_.head(n).cwiseProduct(residual_.head(n)).norm();
 }
 
 double ContactStep::work_along(const Eigen::Ref<const VectorXd>& move) const {

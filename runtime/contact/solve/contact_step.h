@@ -17,6 +17,7 @@
 
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact/contact_values.h"
+#include "runtime/contact/solve/bent_shape.h"
 #include "runtime/contact/solve/contact_points.h"
 #include "runtime/frames/free_frame.h"
 #include "runtime/integrator.h"
@@ -81,6 +82,8 @@ class ContactStep {
   // renew: as of contact_force(); see renewal().
   void evaluate(double renew);
   double close();  // the residual's size, all rows as momenta, kg^1/2 m/s
+  // What makes momenta of the residual's rows, kg^1/2 m/s; the first unknowns() are used.
+  const Eigen::VectorXd& row_scale() const { return row_scale_; }
   // How far the coordinates move any point in the step, m.
   double bend_in_step() const { return z_.head(model_->modes()).cwiseAbs().dot(points_->reach); }
   // The product of the residual, as forces, with a move of the unknowns: the slope of what the step
@@ -101,40 +104,47 @@ class ContactStep {
   // A place of the body that touches, at the present z(): a point; or where another body's point
   // is, which ends at x1 and whose mean place is `middle`, m, world.
   ContactTouch touch_at_point(std::size_t point) const;
+  Eigen::Vector3d end_of_point(std::size_t point) const;  // its x1
   ContactTouch touch_by_other(const Eigen::Vector3d& x1, const Eigen::Vector3d& middle) const;
   // The mean place about which a force's torque is taken, m, world.
   Eigen::Vector3d middle_of(const ContactTouch& touch) const;
-  // By how much such a place, whose rows of U are `rows` (transposed, r x 3), moves in the step, m,
-  // world: a force's work on the body is its product with this.
-  Eigen::Vector3d way_under(const ContactTouch& touch, const Eigen::MatrixX3d& rows) const;
+  // By how much such a place, whose rows of U are `rows` (transposed, r x 3), moves in the step
+  // with the body as it is and as it bends, m, world: a force's work is its product with these.
+  Eigen::Vector3d way_under(const ContactTouch& touch) const;
+  Eigen::Vector3d bend_under(const Eigen::MatrixX3d& rows) const;
   // A place of the world in the mesh's coordinates, at the start or the end of the step.
   Eigen::Vector3d into_rest(const Eigen::Vector3d& x, bool at_end) const;
   // A direction of those coordinates in the world, in the middle.
   Eigen::Vector3d turn_out(const Eigen::Vector3d& n) const { return R0_ * (mean_ * n); }
   Eigen::Vector3d turn_out_at_end(const Eigen::Vector3d& n) const { return R1_ * n; }
   const Eigen::VectorXd& q_start() const { return q0_; }
-  // U q of all points, x y z x y z, m; for a body with a shape.
-  const Eigen::VectorXd& u_start() const { return u0_; }
-  const Eigen::VectorXd& u_end() const { return u1_; }
+  // The body's own shape, bent as at the start or the end of the step; for a body with a shape.
+  BentShape shape_at_start() const { return {&*shape_, points_.get(), &u0_}; }
+  BentShape shape_at_end() const { return {&*shape_, points_.get(), &u1_}; }
   // A force, N, world, between evaluate() and close().
   void push_point(const Eigen::Vector3d& force, const ContactTouch& touch, std::size_t point);
-  void push_rows(const Eigen::Vector3d& force, const ContactTouch& touch,
-                 const Eigen::MatrixX3d& rows);
+  // bend_force: what bends it.
+  void push_rows(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
+                 const ContactTouch& touch, const Eigen::MatrixX3d& rows);
   // What a force on the place does to the residual, n x 3 (it falls by that), and how the place's
   // end moves with the unknowns, 3 x n. Valid until the next lever.
   void lever_at_point(const ContactTouch& touch, std::size_t point);
   void lever_at_rows(const ContactTouch& touch, const Eigen::MatrixX3d& rows);
-  // How way_under() changes with the unknowns, nearly, 3 x n (of more columns the first).
+  // How bend_under() (the first r columns) and way_under() (the others) change with the unknowns,
+  // nearly, 3 x n (of more columns the first).
   const Eigen::Matrix3Xd& change_of_way(const ContactTouch& touch, const Eigen::MatrixX3d& rows);
-  // Adds push times `change` (3 x n), times the sign, to the Jacobian.
-  void add_pushed(const Eigen::Matrix3Xd& change, double sign);
-  auto lever_push() const { return push_.topRows(unknowns()); }
+  // Adds to the n rows of `block` what a change of the force on the lever's place, and of what
+  // bends the body there, does to the residual: 3 rows each and the block's columns, times the
+  // sign.
+  void add_pushed(const Eigen::Matrix3Xd& change, const Eigen::Matrix3Xd& bend_change, double sign,
+                  Eigen::Ref<Eigen::MatrixXd> block) const;
+  auto own_block() { return jacobian_.topLeftCorner(unknowns(), unknowns()); }
   auto lever_way() const { return way_.leftCols(unknowns()); }
   // What the force on a place adds to the Jacobian because the place and the body turn: on a point,
   // and on a place of another body's point (what does not depend on that body's unknowns).
   void add_geometry(const Eigen::Vector3d& force, const ContactTouch& touch, std::size_t point);
-  void add_geometry_of_other(const Eigen::Vector3d& force, const ContactTouch& touch,
-                             const Eigen::MatrixX3d& rows);
+  void add_geometry_of_other(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
+                             const ContactTouch& touch, const Eigen::MatrixX3d& rows);
   // How middle_of() the last point of add_geometry() moves with the unknowns, 3 x n (of more
   // columns the first); and how the residual of omega1 changes with an arm along the body's axes at
   // the start.
@@ -174,11 +184,13 @@ class ContactStep {
   template <class Rows>
   ContactTouch touch_at(const Eigen::Vector3d& rest, const Rows& rows) const;
   template <class Rows>
-  void add_force(const Eigen::Vector3d& force, const ContactTouch& touch, const Rows& rows);
+  void add_force(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
+                 const ContactTouch& touch, const Rows& rows);
   template <class Rows>
   void make_swing(const ContactTouch& touch, const Rows& rows);
   template <class Rows>
-  void add_turn(const Eigen::Vector3d& force, const ContactTouch& touch, const Rows& rows);
+  void add_turn(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
+                const ContactTouch& touch, const Rows& rows);
   template <class Rows>
   void make_lever(const ContactTouch& touch, const Rows& rows);
   void add_grips();
@@ -218,7 +230,7 @@ class ContactStep {
 
   Eigen::VectorXd u0_, u1_, q0_, v0_, q1_, G_, dp_, force_, middle_, contact_push_;
   Eigen::MatrixXd K_;
-  Eigen::VectorXd z_, z_before_, residual_, move_;
+  Eigen::VectorXd z_, z_before_, residual_, row_scale_, move_;
   Eigen::MatrixXd jacobian_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   Eigen::MatrixXd push_;    // n x 3: how a force on a point changes the residual

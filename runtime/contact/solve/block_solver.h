@@ -1,0 +1,77 @@
+// A linear system of several bodies: a dense block for each body, and one each way for each pair
+// that touches.
+//
+// GMRES with right preconditioning (Saad and Schultz, 1986), whose preconditioner is the block LU
+// decomposition without fill, D_k = A_kk - sum_j A_kj D_j^-1 A_jk over the neighbours j before k,
+// M = (D + L) D^-1 (D + U). Bodies with few neighbours come first: where contacts make no circles,
+// a stack or a chain, M is A and one iteration ends it. Where GMRES does not reach its tolerance,
+// as in tall jammed piles, a sparse LU decomposition does it.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+namespace tremolo {
+
+// How the rows of body a change with the unknowns of body b, and the other way round.
+struct BlockLink {
+  std::size_t a = 0, b = 0;
+  const Eigen::MatrixXd* ab = nullptr;
+  const Eigen::MatrixXd* ba = nullptr;
+};
+
+// first: of each body's unknowns, and the number of all. diagonal: of each body, whose top left
+// block is it. links: one a pair at most. scale: of each row, above zero, so that all rows are of
+// one unit.
+struct BlockSystem {
+  std::span<const Eigen::Index> first;
+  std::span<const Eigen::MatrixXd* const> diagonal;
+  std::span<const BlockLink> links;
+  const Eigen::VectorXd* scale = nullptr;
+
+  std::size_t bodies() const { return diagonal.size(); }
+  Eigen::Index unknowns() const { return first[diagonal.size()]; }
+};
+
+class BlockSolver {
+ public:
+  static constexpr int kMostIterations = 60;
+  static constexpr double kTolerance = 1e-8;  // of the scaled residual, relative
+
+  // x: the solution of A x = b; both unknowns() long or longer. False: there is none that is
+  // finite. Memory grows with the largest system so far; the sparse decomposition allocates.
+  bool solve(const BlockSystem& system, const Eigen::VectorXd& b, Eigen::VectorXd& x);
+
+  // Of the last solve; kMostIterations + 1: it was the decomposition's.
+  int iterations() const { return iterations_; }
+
+ private:
+  // Another body of a row, and the block there.
+  struct Neighbour {
+    std::size_t body = 0;
+    const Eigen::MatrixXd* block = nullptr;
+    const Eigen::MatrixXd* back = nullptr;  // from the other's row to this body
+  };
+
+  void find_neighbours();
+  void find_order();
+  bool decompose();
+  void multiply(const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> y) const;
+  void precondition(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::VectorXd& x);
+  bool iterate(const Eigen::VectorXd& b, Eigen::VectorXd& x);
+  bool solve_sparse(const Eigen::VectorXd& b, Eigen::VectorXd& x) const;
+
+  const BlockSystem* system_ = nullptr;
+  std::vector<std::vector<Neighbour>> neighbours_;
+  std::vector<std::size_t> order_, rank_, degree_;
+  std::vector<Eigen::MatrixXd> inverse_;  // of D_k
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  Eigen::MatrixXd d_, through_, basis_, hessenberg_;
+  Eigen::VectorXd part_, image_, turned_, cosine_, sine_;
+  int iterations_ = 0;
+};
+
+}  // namespace tremolo
