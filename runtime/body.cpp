@@ -1,6 +1,7 @@
 #include "runtime/body.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
@@ -232,6 +233,26 @@ Status Body::surface(std::span<float> positions, std::span<float> normals) const
   to_world(positions, true);
   to_world(normals, false);
   return Success{};
+}
+
+Result<std::optional<SurfaceHit>> Body::pick(const Eigen::Vector3d& origin,
+                                             const Eigen::Vector3d& direction,
+                                             SurfaceKind surface) const {
+  if (!origin.allFinite() || !direction.allFinite())
+    return usage_error("the ray's origin or direction is not finite");
+  const double length = direction.stableNorm();
+  if (!(length > 0.0) || !std::isfinite(length))
+    return usage_error("the ray's direction is zero or too long");
+  const Pose pose = this->pose();
+  const Eigen::Quaterniond back = pose.rotation.conjugate();
+  const Eigen::Vector3d along = direction / length;
+  const auto found = model_->surface_tree(surface).nearest(back * (origin - pose.position),
+                                                           (back * along).normalized(), state_.q);
+  if (!found) return std::optional<SurfaceHit>();
+  SurfaceHit hit{{surface, found->triangle, found->weights}, 0, found->distance, {}};
+  hit.vertex = model_->vertex_near(hit.place);
+  hit.point = origin + found->distance * along;
+  return std::optional<SurfaceHit>(hit);
 }
 
 }  // namespace tremolo

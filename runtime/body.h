@@ -1,6 +1,7 @@
 // A body: a model, where it is, how it moves, and what pushes it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "common/state_stream.h"
 #include "runtime/contact/contact_law.h"
 #include "runtime/contact/contact_values.h"
 #include "runtime/display/surface.h"
@@ -63,6 +65,27 @@ class Body {
   // kUsage otherwise, and nothing is changed.
   Status set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p);
 
+  // All that the body carries from step to step as the bytes of a file
+  // (formats/saved/saved_file.h): state, frame, gravity, damping, forces of apply_force(), hands,
+  // sums, contact, and what its method carries. With them put back, the steps that follow have the
+  // same bits as those of the body that was saved, under the same loads in time, which are not
+  // among it.
+  std::vector<std::byte> save() const;
+  // kContent, and the body is as it was, for bytes that are damaged, of another version, or of a
+  // body with another model, method, frame, contact or other loads in time.
+  Status restore(std::span<const std::byte> bytes);
+  // What save() holds without saying whose it is, for those who save several bodies; a hash of what
+  // it must be put back into.
+  void carry(StateStream& stream);
+  std::uint64_t content_hash() const;
+
+  // Rayleigh's alpha (1/s) and beta (s) from the next step on; a body that sleeps wakes. The
+  // accounts go on and stay closed. kUsage if one is negative or not finite. What a method carries
+  // from earlier steps to go faster is forgotten; allocates.
+  Status set_damping(double alpha, double beta);
+  double alpha() const { return options_.alpha; }
+  double beta() const { return options_.beta; }
+
   // Where the frame is; that of a kFixed body is the world's. Vertices are at pose() (X + U q).
   FrameKind frame() const { return frame_; }
   Pose pose() const;
@@ -106,6 +129,16 @@ class Body {
   // The same of a vertex that was looked up before (Model::vertex): nothing is allocated where
   // reserve_contact() has made room.
   Result<std::size_t> grab(VertexId vertex, VertexRows place, double stiffness, double damping);
+  // The same at any place of a surface, as pick() finds it. Errors as Model::place.
+  Result<std::size_t> grab(const SurfacePlace& place, double stiffness, double damping = 0.0);
+  // Holds a vertex, or a place of a surface, where it is, or where move_hand() says: a hand whose
+  // stiffness follows from mass and step, k = (30/h)^2 m and a damper of 60 m/h, m the mass with
+  // which the place resists in a step. It lets go by release(). Under a force F the place is F/k
+  // off, of a body of mass M that hangs on it M g h^2/(900 m); a motion that it had dies by an
+  // eighth a step. Errors as grab(), and kUsage for a place that does not move.
+  Result<std::size_t> pin(VertexId vertex);
+  Result<std::size_t> pin(const SurfacePlace& place);
+  Result<std::size_t> pin(VertexId vertex, VertexRows place);  // as grab() of such a vertex
   // Makes room for steps among these colliders with so many hands at once; set_contact() first.
   void reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands);
   // Where the point is at the end of the next step, m, world. kUsage: no such hand, not finite.
@@ -171,6 +204,13 @@ class Body {
   // The same with the high band from coordinate `low` on, 0 <= low <= r.
   Energy energy(Eigen::Index low) const;
 
+  // What a ray meets first on the surface as it is bent now, from either side; nullopt: nothing.
+  // origin: m, world; direction: world, of any length. kUsage if either is not finite, or the
+  // direction zero. Nothing is allocated after a model's first call.
+  Result<std::optional<SurfaceHit>> pick(const Eigen::Vector3d& origin,
+                                         const Eigen::Vector3d& direction,
+                                         SurfaceKind surface = SurfaceKind::kDrawn) const;
+
   // U_vertex q, m. Errors as Model::vertex.
   Result<Eigen::Vector3d> displacement(VertexId vertex) const;
 
@@ -198,10 +238,20 @@ class Body {
     double support = 0.0, gravity = 0.0;
     double contact = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, contact_error = 0.0;
     double hand = 0.0;
+
+    void carry(StateStream& stream) {
+      stream(work, dissipated, support, gravity, contact, lost, rubbed, given, contact_error);
+      stream(hand);
+    }
   };
   struct AppliedForce {
     Eigen::VectorXd force;
     int steps = 0;
+
+    void carry(StateStream& stream) {
+      stream.sized(force);
+      stream(steps);
+    }
   };
 
   Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
@@ -224,7 +274,11 @@ class Body {
   void fall_asleep();
   void sleep_a_step();
   StepPoses step_poses() const;
+  void carry_forces(StateStream& stream);
+  void carry_frame(StateStream& stream);
+  void carry_hands(StateStream& stream);
   Grip* find_hand(std::size_t hand);
+  double mass_at(const VertexRows& place) const;
   double end_frame_step(bool made);
   double end_frame_motion(bool made);
   double frame_kinetic(const Eigen::VectorXd& p) const;

@@ -18,6 +18,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/state_stream.h"
+
 namespace tremolo {
 
 // A state with at most this many times the energy that was put in is sound: one to go back to. The
@@ -76,6 +78,8 @@ class EnergyBound {
     const double enough = kEnergyBound * (std::max(energy, 0.0) + kEnergyRounding * harmonic);
     if (enough < most_) balance_ = most_ = enough;
   }
+
+  void carry(StateStream& stream) { stream(balance_, most_); }
 
  private:
   bool is_within(double factor, double energy, double harmonic) const {

@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "common/state_stream.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
 #include "runtime/split.h"
@@ -48,8 +49,8 @@ struct StepReport {
 // energy-preserving methods, in the energy; below 1e-14 rounding may keep the solve from
 // converging. Methods whose energy it shows in take it times (h omega_1)^3/1e-5 where that is less
 // than one, so that a smaller step never drifts more for its solves. halvings: how often a step
-// whose solve failed may be cut in two; 0 gives up at once. moving_frame: StepLoad::coupling will be
-// set, which only the energy-preserving family reads.
+// whose solve failed may be cut in two; 0 gives up at once. moving_frame: StepLoad::coupling will
+// be set, which only the energy-preserving family reads.
 struct IntegratorOptions {
   double step = 3e-3;
   double alpha = 0.0;
@@ -77,6 +78,14 @@ class Integrator {
 
   // Forgets what was carried from earlier steps.
   virtual void reset() {}
+
+  // What is carried from earlier steps, to be saved and put back: with it the next step has the
+  // same bits.
+  virtual void carry(StateStream& stream) = 0;
+
+  // Goes on where `before` is, the same method with other damping: takes over what it has found out
+  // about the motion or the loads. Most methods have nothing of the kind.
+  virtual void follow(const Integrator& before) { (void)before; }
 
   virtual std::string_view name() const = 0;
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/hash.h"
 #include "common/mesh/vertex_lookup.h"
 #include "common/number_text.h"
 #include "common/packed_index.h"
@@ -221,6 +222,77 @@ const SurfaceBasis& Model::surface_basis() const {
         render_ ? make_surface_basis(*render_) : make_surface_basis(surface_, triangles_));
   });
   return *surface_basis_;
+}
+
+DrawnSurface Model::surface_of(SurfaceKind surface) const {
+  if (surface == SurfaceKind::kDrawn) return drawn();
+  return {surface_.rest, surface_.rows, triangles_, surface_.vertex_ids};
+}
+
+Result<VertexRows> Model::place(const SurfacePlace& place) const {
+  const DrawnSurface surface = surface_of(place.surface);
+  if (place.triangle >= surface.triangles.size())
+    return usage_error("there is no triangle " + std::to_string(place.triangle) + " among the " +
+                       std::to_string(surface.triangles.size()) + " of the surface");
+  if (!place.weights.allFinite() || place.weights.minCoeff() < -1e-9 ||
+      std::abs(place.weights.sum() - 1.0) > 1e-6)
+    return usage_error("the weights of a triangle's corners are not negative and sum to one");
+  VertexRows rows{Eigen::Vector3d::Zero(), decltype(VertexRows::rows)::Zero(3, modes())};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto corner = static_cast<Eigen::Index>(surface.triangles[place.triangle][k]);
+    const double weight = place.weights[static_cast<Eigen::Index>(k)];
+    rows.rest += weight * surface.rest[static_cast<std::size_t>(corner)];
+    rows.rows += weight * surface.rows.middleRows<3>(3 * corner);
+  }
+  return rows;
+}
+
+VertexId Model::vertex_near(const SurfacePlace& place) const {
+  const DrawnSurface surface = surface_of(place.surface);
+  Eigen::Index corner = 0;
+  place.weights.maxCoeff(&corner);
+  return surface.mesh_vertices[static_cast<std::size_t>(
+      surface.triangles[place.triangle][static_cast<std::size_t>(corner)])];
+}
+
+const SurfaceTree& Model::surface_tree(SurfaceKind surface) const {
+  // Without a render surface both are one.
+  const bool drawn = surface == SurfaceKind::kDrawn || !render_;
+  std::unique_ptr<SurfaceTree>& tree = drawn ? drawn_tree_ : boundary_tree_;
+  std::call_once(drawn ? drawn_tree_once_ : boundary_tree_once_, [&] {
+    const DrawnSurface of = surface_of(surface);
+    tree = std::make_unique<SurfaceTree>(of.rest, of.rows, of.triangles);
+  });
+  return *tree;
+}
+
+std::uint64_t Model::content_hash() const {
+  std::call_once(hash_once_, [this] {
+    Hasher hasher;
+    const auto add = [&hasher](const auto& list) {
+      const std::uint64_t count = static_cast<std::uint64_t>(list.size());
+      hasher.add(std::as_bytes(std::span(&count, 1)));
+      hasher.add(std::as_bytes(std::span(list.data(), static_cast<std::size_t>(list.size()))));
+    };
+    add(lambda());
+    add(cubic());
+    add(quartic());
+    add(surface_.vertex_ids);
+    add(surface_.rest);
+    add(surface_.rows);
+    add(triangles_);
+    add(default_load_.vertices);
+    add(default_load_.forces);
+    if (inertia_) {
+      hasher.add(std::as_bytes(std::span(&inertia_->mass, 1)));
+      add(inertia_->first_moment);
+      add(inertia_->second_moment);
+      add(inertia_->linear);
+      add(inertia_->B);
+    }
+    content_hash_ = hasher.hash();
+  });
+  return content_hash_;
 }
 
 std::shared_ptr<const FrameInertia> Model::inertia_about_origin() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,6 +14,7 @@
 
 #include "common/result.h"
 #include "formats/basis/basis_data.h"
+#include "runtime/display/surface_tree.h"
 #include "runtime/kernels/potential.h"
 #include "runtime/values/vertex_rows.h"
 
@@ -88,6 +90,10 @@ class Model {
   std::size_t vertex_count() const { return vertex_count_; }         // of the source mesh
   std::size_t tetrahedron_count() const { return tetrahedron_count_; }
 
+  // Of all that moves: energy, boundary, inertia and the default load; made when it is first asked
+  // for. Thread-safe.
+  std::uint64_t content_hash() const;
+
   Eigen::VectorXd frequencies_hz() const;  // sqrt(lambda) / 2 pi, r
   // 2 / omega_max, s: explicit methods are linearly stable below.
   double explicit_step_limit() const;
@@ -96,6 +102,17 @@ class Model {
   // such vertex; what reading the file gives if the interior is read here. Thread-safe.
   Result<VertexRows> vertex(VertexId id) const;
 
+  // A place on a surface: where it is at rest and its rows of U, those of the corners by weights.
+  // kUsage if there is no such triangle, or the weights are not finite, below -1e-9 or do not sum
+  // to one to 1e-6.
+  Result<VertexRows> place(const SurfacePlace& place) const;
+  // The mesh's vertex at, or of a render surface near, the corner that weighs most; the place must
+  // be one.
+  VertexId vertex_near(const SurfacePlace& place) const;
+  // For rays (runtime/display/surface_tree.h), made when it is first asked for. Thread-safe; may
+  // throw bad_alloc.
+  const SurfaceTree& surface_tree(SurfaceKind surface) const;
+
   // The drawn surface's rows as they are multiplied for display (runtime/display/surface.h), made
   // when they are first asked for: a model that is never shown pays nothing. Thread-safe; may throw
   // bad_alloc.
@@ -103,6 +120,7 @@ class Model {
 
  private:
   Model(Potential potential, VertexBlock surface);
+  DrawnSurface surface_of(SurfaceKind surface) const;
   static Result<std::shared_ptr<Model>> assemble(const BasisData& data, Eigen::Index modes,
                                                  const ModelOptions& options);
 
@@ -111,7 +129,8 @@ class Model {
   std::vector<Triangle> triangles_;
   std::optional<RenderBlock> render_;
   std::optional<InertiaIntegrals> inertia_;
-  mutable std::once_flag origin_once_, centre_once_;
+  mutable std::once_flag origin_once_, centre_once_, hash_once_;
+  mutable std::uint64_t content_hash_ = 0;
   mutable std::shared_ptr<const FrameInertia> about_origin_, about_centre_;
   std::size_t rigid_mode_count_ = 0;
   DefaultLoad default_load_;
@@ -120,6 +139,8 @@ class Model {
   std::unique_ptr<InteriorRows> interior_;
   mutable std::once_flag surface_basis_once_;
   mutable std::unique_ptr<SurfaceBasis> surface_basis_;
+  mutable std::once_flag drawn_tree_once_, boundary_tree_once_;
+  mutable std::unique_ptr<SurfaceTree> drawn_tree_, boundary_tree_;
 };
 
 }  // namespace tremolo

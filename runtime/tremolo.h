@@ -203,6 +203,39 @@ tremolo_status tremolo_body_positions_double(const tremolo_body* body, double* o
 tremolo_status tremolo_body_surface_float(const tremolo_body* body, float* positions,
                                           float* normals, size_t length);
 
+/* What a ray meets. found: 0: nothing, the rest is 0. triangle, weights: as of
+ * tremolo_body_grab_at. vertex: of the mesh, the one to push, at or near the corner that weighs
+ * most. distance: from the ray's origin, m. point: m, world. */
+typedef struct tremolo_hit {
+  int32_t found;
+  uint32_t triangle;
+  uint32_t vertex;
+  uint32_t reserved; /* 0 */
+  double weights[3];
+  double distance;
+  double point[3];
+} tremolo_hit;
+
+/* What a ray meets first on the surface as it is bent now, from either side. origin: m, world.
+ * direction: world, of any length. TREMOLO_USAGE if they are not finite or the direction is zero.
+ * A model's first ray makes what makes the others fast. */
+tremolo_status tremolo_body_pick(const tremolo_body* body, const double origin[3],
+                                 const double direction[3], tremolo_hit* hit);
+
+/* All that the body carries from step to step. bytes: NULL to ask for the size alone; capacity:
+ * how many it may take, TREMOLO_USAGE if too few. size receives how many there are. */
+tremolo_status tremolo_body_save(const tremolo_body* body, void* bytes, size_t capacity,
+                                 size_t* size);
+
+/* Puts it back: the steps that follow have the same bits as those of the body that was saved, under
+ * the same forces. TREMOLO_CONTENT, and the body is as it was, for bytes that are damaged, of
+ * another version, or of a body with another model, method, frame or contact. */
+tremolo_status tremolo_body_restore(tremolo_body* body, const void* bytes, size_t size);
+
+/* Rayleigh's alpha (1/s) and beta (s) from the next step on. TREMOLO_USAGE if one is negative or
+ * not finite. */
+tremolo_status tremolo_body_set_damping(tremolo_body* body, double alpha, double beta);
+
 /* J; any of the three may be NULL. high_band: energy of the oscillation of the
  * coordinates above the split (runtime/energy.h). */
 tremolo_status tremolo_body_energy(const tremolo_body* body, double* kinetic, double* potential,
@@ -346,6 +379,19 @@ tremolo_status tremolo_body_grab(tremolo_body* body, uint32_t vertex, double sti
                                  double damping, uint64_t* hand);
 tremolo_status tremolo_body_move_hand(tremolo_body* body, uint64_t hand, const double place[3]);
 tremolo_status tremolo_body_release(tremolo_body* body, uint64_t hand);
+
+/* The same at any place of the surface that is drawn: in a triangle
+ * (tremolo_model_triangle_corners) at the mean of its corners by weights that are not negative and
+ * sum to one, as tremolo_body_pick finds them. TREMOLO_USAGE also for a place that is none. */
+tremolo_status tremolo_body_grab_at(tremolo_body* body, uint32_t triangle, const double weights[3],
+                                    double stiffness, double damping, uint64_t* hand);
+
+/* Holds a vertex, or a place, where it is, or where tremolo_body_move_hand says: a hand whose
+ * stiffness follows from mass and step (Body::pin in runtime/body.h says how, and how far off the
+ * place may be). It lets go by tremolo_body_release. */
+tremolo_status tremolo_body_pin(tremolo_body* body, uint32_t vertex, uint64_t* hand);
+tremolo_status tremolo_body_pin_at(tremolo_body* body, uint32_t triangle, const double weights[3],
+                                   uint64_t* hand);
 
 /* On the body in the last step, N; the hand feels the opposite. Zero for a hand that is not there.
  */

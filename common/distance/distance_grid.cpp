@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "common/hash.h"
+
 namespace tremolo {
 namespace {
 
@@ -195,6 +197,16 @@ DistanceGrid::Sample DistanceGrid::at(const Eigen::Vector3d& x) const {
   for (int axis = 0; axis < 3; ++axis)
     if (beyond[axis] != 0.0) sample.gradient[axis] = beyond[axis] / far;
   return sample;
+}
+
+std::uint64_t DistanceGrid::content_hash() const {
+  Hasher hasher;
+  const std::array<double, 4> frame = {nodes_.origin.x(), nodes_.origin.y(), nodes_.origin.z(),
+                                       nodes_.spacing};
+  hasher.add(std::as_bytes(std::span(frame)));
+  hasher.add(std::as_bytes(std::span(nodes_.counts)));
+  hasher.add(std::as_bytes(std::span(coefficients_)));
+  return hasher.hash();
 }
 
 }  // namespace tremolo

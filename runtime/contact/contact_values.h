@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "common/mesh/tet_mesh.h"
+#include "common/state_stream.h"
 #include "runtime/contact/collider.h"
 #include "runtime/frames/pose.h"
 #include "runtime/values/vertex_rows.h"
@@ -46,6 +47,12 @@ struct ContactAccount {
   int active = 0;  // points that push
 };
 
+inline void carry(StateStream& stream, ContactAccount& account) {
+  stream(account.energy, account.work, account.lost, account.rubbed, account.given);
+  stream(account.surplus, account.hand_work, account.hand_damped, account.penetration);
+  stream(account.impulse, account.active);
+}
+
 // A hand on a vertex: a spring of `stiffness` (N/m) and a damper (N s/m) from it to a point that
 // moves from `start` to `end` in the step, m, world. place: of the vertex. Both are implicit, so
 // that no stiffness is too large. force: on the body in the last step, N, world; the hand feels its
@@ -60,5 +67,13 @@ struct Grip {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   double work = 0.0, damped = 0.0;
 };
+
+// modes: r, which what is read must have.
+inline void carry(StateStream& stream, Grip& grip, Eigen::Index modes) {
+  stream(grip.vertex, grip.stiffness, grip.damping, grip.start, grip.end, grip.force);
+  stream(grip.work, grip.damped);
+  carry(stream, grip.place, modes);
+  stream.require(grip.stiffness >= 0.0 && grip.damping >= 0.0);
+}
 
 }  // namespace tremolo

@@ -72,6 +72,12 @@ class DrivenFrame final : public StepCoupling {
   double support_work() const { return support_work_; }  // J, on the motion relative to the frame
   double gravity_work() const { return gravity_work_; }  // J, likewise
 
+  // What is carried between steps.
+  void carry(StateStream& stream) {
+    stream(pose_, next_, motion_.acceleration, motion_.spin, motion_.spin_rate, known_);
+    stream(velocity_, spin_, acceleration_, spin_rate_, support_work_, gravity_work_);
+  }
+
   void begin(double h, const Eigen::VectorXd& q0, const Eigen::VectorXd& v0) override;
   void evaluate(const Eigen::VectorXd& d, const Eigen::VectorXd& S, Eigen::VectorXd& dp,
                 Eigen::VectorXd& force) override;

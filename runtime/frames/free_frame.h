@@ -32,10 +32,10 @@
 
 namespace tremolo {
 
-// The rigid part of a free body's state. centre: of mass, m; its place is centre + centre_rest, what
-// the sum over all steps would lose to rounding. velocity: m/s, world. rotation: of
-// length one. spin: omega, rad/s, along the body's axes. momentum: spatial angular momentum about
-// the centre of mass, N m s, world.
+// The rigid part of a free body's state. centre: of mass, m; its place is centre + centre_rest,
+// what the sum over all steps would lose to rounding. velocity: m/s, world. rotation: of length
+// one. spin: omega, rad/s, along the body's axes. momentum: spatial angular momentum about the
+// centre of mass, N m s, world.
 struct RigidState {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Vector3d centre_rest = Eigen::Vector3d::Zero();
@@ -44,6 +44,11 @@ struct RigidState {
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
 };
+
+inline void carry(StateStream& stream, RigidState& rigid) {
+  stream(rigid.centre, rigid.centre_rest, rigid.velocity, rigid.rotation, rigid.spin);
+  stream(rigid.momentum);
+}
 
 // A force (N, world) on a vertex, constant over one step. place: about the mesh's origin.
 struct StepForce {

@@ -13,7 +13,7 @@ namespace tremolo {
 struct PointForce {
   Signal signal;
   VertexRows place;
-  Eigen::Vector3d force;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
   int steps = 0;
 };
 

@@ -6,6 +6,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "common/state_stream.h"
+
 namespace tremolo {
 
 // position: of the mesh's origin, m, in the world. rotation: of length one.
@@ -15,6 +17,10 @@ struct Pose {
 
   Eigen::Vector3d operator*(const Eigen::Vector3d& x) const { return position + rotation * x; }
 };
+
+inline void carry(StateStream& stream, Pose& pose) {
+  stream(pose.position, pose.rotation);
+}
 
 // The matrix of a x: cross_matrix(a) b = a x b.
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {

@@ -130,6 +130,15 @@ class EnergyPreserving final : public Integrator {
   }
 
   void reset() override { N_of_last_step_ = false; }
+  void carry(StateStream& stream) override {
+    stream(N_of_last_step_);
+    if constexpr (Filter::kFollowsTheState) {
+      if (!N_of_last_step_ || !stream.good()) return;
+      stream(z1_, G_before_, d_hat_before_, G_missed_, N_);
+    } else {
+      stream.require(!N_of_last_step_);
+    }
+  }
   std::string_view name() const override { return name_; }
 
  private:

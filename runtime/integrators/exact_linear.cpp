@@ -183,6 +183,7 @@ class ExactLinear final : public Integrator {
     return report;
   }
 
+  void carry(StateStream&) override {}  // nothing
   std::string_view name() const override { return name_; }
 
  private:

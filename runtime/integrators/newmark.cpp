@@ -62,6 +62,11 @@ class Newmark final : public ImplicitStep {
     return report;
   }
 
+  void carry(StateStream& stream) override {
+    stream(V_, newton_.frozen);
+    if (newton_.frozen && stream.good()) stream(newton_.jacobian, newton_.cholesky, z1_, R_missed_);
+  }
+
  private:
   // Sets w to the solution with the predicted R(q1).
   void predict(const State& z0, const StepLoad& load, const VectorXd& R0) {

@@ -21,6 +21,7 @@ class OneStep : public Integrator {
   std::optional<double> known_potential(const Eigen::VectorXd& q) const final {
     return V_.known_energy(q);
   }
+  void carry(StateStream& stream) override { stream(V_); }
 
  protected:
   // want, uses: those of the PotentialCache.

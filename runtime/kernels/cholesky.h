@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "common/state_stream.h"
 #include "runtime/kernels/aligned.h"
 
 namespace tremolo {
@@ -21,6 +22,9 @@ class SmallCholesky {
 
   // x <- A^-1 x.
   void solve(Eigen::VectorXd& x) const;
+
+  // What compute() left.
+  void carry(StateStream& stream) { stream(diagonal_, columns_, rows_, inverse_); }
 
  private:
   std::size_t n_;

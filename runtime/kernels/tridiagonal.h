@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "common/state_stream.h"
 #include "runtime/kernels/aligned.h"
 
 namespace tremolo {
@@ -24,6 +25,9 @@ class Tridiagonal {
 
   const Eigen::VectorXd& diagonal() const { return diagonal_; }  // r
   const Eigen::VectorXd& off() const { return off_; }            // r - 1: T_{i,i+1}
+
+  // What compute() left.
+  void carry(StateStream& stream) { stream(diagonal_, off_, basis_); }
 
  private:
   std::size_t r_;
@@ -48,6 +52,10 @@ struct alignas(kCacheLine) ComplexLanes {
   }
 };
 
+inline void carry(StateStream& stream, ComplexLanes& lanes) {
+  for (std::size_t lane = 0; lane < 8; ++lane) stream(lanes.re[lane], lanes.im[lane]);
+}
+
 // sum_k c_k (T - z_k)^-1 x for eight poles z_k side by side in the lanes of one vector: a solve for
 // all of them takes as long as one.
 class PartialFractions {
@@ -61,6 +69,9 @@ class PartialFractions {
 
   // x <- limit x + sum_k Re[c_k (T - z_k)^-1 x] with the residues c.
   void apply(const ComplexLanes& residues, double limit, Eigen::VectorXd& x);
+
+  // What compute() left.
+  void carry(StateStream& stream) { stream(inverse_, ratio_); }
 
  private:
   ComplexLanes poles_;

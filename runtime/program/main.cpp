@@ -93,6 +93,7 @@ struct Request {
   std::string file;
   std::string select;
   bool json = false;
+  std::string save, restore;
   std::vector<std::string> directories;
   std::string picture;
 };
@@ -120,6 +121,8 @@ struct Parser {
     run = app.add_subcommand("run", "integrate a model or a scene");
     run->add_option("file", request.file, "basis file, or scene.toml")->required();
     run->add_flag("--json", request.json, "print one JSON object on stdout");
+    run->add_option("--save", request.save, "of a scene with [[bodies]]: its state at the end");
+    run->add_option("--restore", request.restore, "likewise: begin with what --save has written");
     add_run_flags(*run, options);
     plot = app.add_subcommand("plot", "energy over time of several runs in one picture");
     plot->add_option("runs", request.directories, "directories of tremolo run --out")->required();
@@ -157,6 +160,14 @@ std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flag
   return {options};
 }
 
+// Of runs that are no world.
+Status check_not_saved(const Request& request) {
+  if (request.save.empty() && request.restore.empty()) return Success{};
+  return usage_error(
+      "--save and --restore are of a scene with [[bodies]]; of a run of one body --coordinate all "
+      "--velocities records the states, and --start begins with one of them");
+}
+
 // flags: as they were parsed; run: who knows which of them were given.
 int run_world_scene(const std::string& text, const Request& request, const RunOptions& flags,
                     const CLI::App& run) {
@@ -164,6 +175,8 @@ int run_world_scene(const std::string& text, const Request& request, const RunOp
   if (!file) return report_error(file.error());
   const auto told = [&run](const char* flag) { return run.count(flag) > 0; };
   if (Status s = apply_flags(flags, told, *file); !s) return report_error(s.error());
+  file->outputs.save = request.save;
+  file->outputs.restore = request.restore;
   return run_world_command(*file, request.json);
 }
 
@@ -197,13 +210,16 @@ int run_program(int count, char** words) {
   if (*parser.plot) return plot_command(request.directories, request.picture);
   if (*parser.exporter) return export_command(request.exported);
   if (*parser.bench || *parser.reproduce) return start_laboratory(words);
-  if (std::filesystem::path(request.file).extension() != ".toml")
+  if (std::filesystem::path(request.file).extension() != ".toml") {
+    if (Status s = check_not_saved(request); !s) return report_error(s.error());
     return run_command(bodies_of(request, options), request.json);
+  }
   const Result<std::string> text = read_whole_file(request.file);
   if (!text) return report_error(text.error());
   const Result<bool> world = is_world(*text, request.file);
   if (!world) return report_error(world.error());
   if (*world) return run_world_scene(*text, request, options, *parser.run);
+  if (Status s = check_not_saved(request); !s) return report_error(s.error());
   return run_scene(*text, count, words, request);
 }
 

@@ -123,7 +123,7 @@ Status check_hand(const SceneHand& hand, const Scene& scene) {
   if (std::none_of(scene.bodies.begin(), scene.bodies.end(), named))
     return content_error("body: there is no body '" + hand.body + "'");
   if (hand.at.empty()) return content_error("at: it names no vertex");
-  if (!(hand.stiffness > 0.0) || !std::isfinite(hand.stiffness))
+  if (!hand.pin && (!(hand.stiffness > 0.0) || !std::isfinite(hand.stiffness)))
     return content_error("stiffness must be positive and finite (N/m)");
   if (!(hand.damping >= 0.0) || !std::isfinite(hand.damping))
     return content_error("damping must be finite and not negative (N s/m)");

@@ -105,6 +105,7 @@ struct SceneCollider {
 struct SceneHand {
   std::string body;
   std::string at;
+  bool pin = false;        // Body::pin: stiffness and damping are not read
   double stiffness = 0.0;  // N/m, above 0
   double damping = 0.0;    // N s/m
   std::optional<Eigen::Vector3d> position;

@@ -45,13 +45,23 @@ bool MovingHand::before_step(const SceneHand& wanted, std::int64_t k, double ste
     const Pose begun = path_.pose_in(piece, t);
     base_ = wanted.position.value_or(begun.rotation.conjugate() * (vertex - begun.position));
     const Result<std::size_t> number =
-        body.grab(vertex_, std::move(place_), wanted.stiffness, wanted.damping);
+        wanted.pin ? body.pin(vertex_, std::move(place_))
+                   : body.grab(vertex_, std::move(place_), wanted.stiffness, wanted.damping);
     over_ = !number;
     if (!number) return false;
     number_ = *number;
   }
   return bool(
       body.move_hand(*number_, path_.pose_in(piece, static_cast<double>(k + 1) * step) * base_));
+}
+
+void MovingHand::carry(StateStream& stream, const Body& body) {
+  stream(number_, over_, base_);
+  // The body has the vertex's rows of a hand that holds.
+  if (!stream.reads() || number_ || over_ || place_.rows.cols() > 0) return;
+  Result<VertexRows> place = body.model().vertex(vertex_);
+  stream.require(bool(place));
+  if (place) place_ = std::move(*place);
 }
 
 }  // namespace tremolo

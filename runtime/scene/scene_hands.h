@@ -25,6 +25,9 @@ class MovingHand {
   // (Body::reserve_contact). False if the body did not take it.
   bool before_step(const SceneHand& wanted, std::int64_t k, double step, Body& body);
 
+  // What it carries between steps. body: which it holds, put back before.
+  void carry(StateStream& stream, const Body& body);
+
   VertexId vertex() const { return vertex_; }
   bool holds() const { return number_.has_value(); }
   // On the body in the last step, N, world; zero while it does not hold.

@@ -364,4 +364,17 @@ Momenta SceneWorld::momenta(std::size_t i) const {
   return {world, pose.position.cross(world) + pose.rotation * angular};
 }
 
+Result<std::optional<SceneWorld::Hit>> SceneWorld::pick(const Vector3d& origin,
+                                                        const Vector3d& direction,
+                                                        SurfaceKind surface) const {
+  std::optional<Hit> nearest;
+  for (std::size_t i = 0; i < size(); ++i) {
+    const auto found = actors_[i].body.pick(origin, direction, surface);
+    if (!found) return found.error();
+    if (*found && (!nearest || (*found)->distance < nearest->hit.distance))
+      nearest = Hit{i, **found};
+  }
+  return nearest;
+}
+
 }  // namespace tremolo

@@ -11,6 +11,7 @@
 // the others go on.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -24,6 +25,8 @@
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "common/state_stream.h"
+#include "formats/saved/saved_file.h"
 #include "runtime/body.h"
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/scene/energy_account.h"
@@ -52,6 +55,8 @@ struct ContactEvent {
   std::size_t other = kNone;
   Kind kind = Kind::kBegin;
   double impulse = 0.0;
+
+  void carry(StateStream& stream) { stream(body, collider, other, kind, impulse); }
 };
 
 // The model of a body of a scene.
@@ -110,6 +115,29 @@ class SceneWorld {
     return hands_[i].hand.force(actors_[hands_[i].body].body);
   }
 
+  // All that the world carries from step to step: the bytes of a file
+  // (formats/saved/saved_file.h), or the file, which appears whole or not at all (kSystem). With it
+  // put back into a world of the same scene, the steps that follow have the same bits as those of
+  // the world that was saved. What is not in the scene is not among it, but for forces of
+  // Body::apply_force() and what a body holds by itself: loads in time that were added.
+  std::vector<std::byte> save() const;
+  Status save(const std::string& path) const;
+  // kContent, which names what is wrong and leaves the world as it was, for what is damaged or cut
+  // off, of another version, or of a scene with another step, gravity, body, model, collider or
+  // hand; kSystem for a file that cannot be read.
+  Status restore(std::span<const std::byte> bytes);
+  Status restore(const std::string& path);
+  // What save() holds without saying whose it is.
+  void carry(StateStream& stream);
+
+  // Body::pick of all bodies: what the ray meets first, and of which body. Errors as there.
+  struct Hit {
+    std::size_t body = 0;
+    SurfaceHit hit;
+  };
+  Result<std::optional<Hit>> pick(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                                  SurfaceKind surface = SurfaceKind::kDrawn) const;
+
   // Evaluates the body's energy.
   EnergyAccount account(std::size_t i) const;
   // Of a body that is not free they need the inertia integrals; zeros without.
@@ -136,12 +164,16 @@ class SceneWorld {
   struct Touching {
     bool now = false;
     double impulse = 0.0;
+
+    void carry(StateStream& stream) { stream(now, impulse); }
   };
   // Of two bodies, by their numbers. seen: in the last step.
   struct Pair {
     std::size_t a = 0, b = 0;
     double impulse = 0.0;
     bool seen = false;
+
+    void carry(StateStream& stream) { stream(a, b, impulse, seen); }
   };
 
   explicit SceneWorld(const Scene& scene) : scene_(scene) {}
@@ -156,6 +188,10 @@ class SceneWorld {
   Status check_apart() const;
   void note_contact(std::size_t i);
   void note_pairs();
+  SavedState saved_parts() const;
+  SavedState saved_state() const;
+  Status restore_from(const Result<SavedState>& saved, const std::string& name);
+  void carry_contacts(StateStream& stream);
 
   Scene scene_;
   std::vector<Actor> actors_;

@@ -104,11 +104,16 @@ Result<SceneHand> read_hand(const toml::table& table, std::size_t number, const 
   SceneHand hand;
   const std::string what = "hand " + std::to_string(number);
   TomlKeys keys(table, path, what);
-  for (const char* key : {"body", "at", "stiffness"}) need(keys, key);
+  for (const char* key : {"body", "at"}) need(keys, key);
   keys.read("body", hand.body);
   keys.read_text_or_number("at", hand.at);
+  keys.read("pin", hand.pin);
+  if (!hand.pin) need(keys, "stiffness");
   keys.read("stiffness", hand.stiffness);
   keys.read("damping", hand.damping);
+  if (hand.pin && (keys.has("stiffness") || keys.has("damping")))
+    keys.fail("pin",
+              "a pin is as stiff as mass and step allow: leave `stiffness` and `damping` out");
   if (keys.has("position")) keys.read("position", hand.position.emplace());
   keys.read("from", hand.from);
   keys.read("until", hand.until);

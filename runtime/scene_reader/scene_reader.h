@@ -12,13 +12,16 @@
 namespace tremolo {
 
 // What a run of the scene writes. out: a folder; empty: nothing. every: a CSV row every so many
-// steps. surfaces: so many of each body, evenly spaced in time, as ply, obj or inc.
+// steps. surfaces: so many of each body, evenly spaced in time, as ply, obj or inc. save: the file
+// of the world at the end; restore: of the one at which it begins; empty: none.
 struct SceneOutputs {
   std::string out;
   int every = 1;
   int surfaces = 0;
   std::string surface_format = "ply";
   bool plot = false;
+  std::string save;
+  std::string restore;
 };
 
 // files: what the scene was read from beside `path`, the CSV files that it names.

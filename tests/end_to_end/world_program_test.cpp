@@ -226,5 +226,46 @@ TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {
   }
 }
 
+// A run that is cut in two by --save and --restore writes the same rows, and the same file at the
+// end; what belongs to another scene is refused, and nothing is written.
+TEST_F(WorldProgram, ARunThatWasSavedGoesOnWithTheSameBits) {
+  const std::string scene =
+      "gravity = [0, 0, -9.81]\n" + body("shaken", "driven", kShaken) +
+      body("thrown", "free", "position = [0, 0, 0.5]\nspin = [1, 2, 8]\n") +
+      "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\nposition = [0, 0, -0.1]\n";
+  const std::string columns = " --coordinate all --velocities ";
+  ASSERT_EQ(run(scene, "--duration 1.2 --out whole --save whole.saved" + columns).code, 0);
+  ASSERT_EQ(run(scene, "--duration 0.45 --save cut.saved").code, 0);
+  const ProgramResult rest = run(
+      scene, "--duration 1.2 --restore cut.saved --out rest --save rest.saved --json" + columns);
+  ASSERT_EQ(rest.code, 0) << rest.err;
+  EXPECT_EQ(json::parse(rest.out)["steps"], 400);
+  const auto text_of = [this](const std::string& name) {
+    std::ostringstream text;
+    text << std::ifstream(folder_ + "/" + name, std::ios::binary).rdbuf();
+    return text.str();
+  };
+  EXPECT_EQ(text_of("whole.saved"), text_of("rest.saved"));
+  for (const char* name : {"shaken", "thrown"}) {
+    const std::string whole = text_of(std::string("whole/") + name + "/run.csv");
+    std::string tail = text_of(std::string("rest/") + name + "/run.csv");
+    tail.erase(0, tail.find('\n') + 1);
+    EXPECT_GT(tail.size(), 1'000U);
+    EXPECT_TRUE(whole.ends_with(tail)) << name;
+  }
+  const ProgramResult other =
+      run("gravity = [0, 0, -9]\n" + scene.substr(scene.find('\n') + 1),
+          "--duration 1.2 --restore cut.saved --out never --save never.saved");
+  EXPECT_EQ(other.code, 3) << other.err;
+  EXPECT_NE(other.err.find("another step or gravity"), std::string::npos) << other.err;
+  EXPECT_FALSE(fs::exists(folder_ + "/never.saved"));
+  EXPECT_EQ(run(scene, "--duration 0.3 --restore cut.saved").code, 3);
+  EXPECT_EQ(run(scene, "--restore cut.saved --save cut.saved").code, 2);
+  EXPECT_EQ(run(scene, "--restore none.saved").code, 1);
+  const ProgramResult single =
+      run_program(folder_, kTremolo + "run " + models_ + "/held.tremolo --save one.saved");
+  EXPECT_EQ(single.code, 2);
+}
+
 }  // namespace
 }  // namespace tremolo

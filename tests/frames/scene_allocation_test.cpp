@@ -120,6 +120,31 @@ TEST(SceneAllocation, StepsAmongCollidersAndHandsAllocateNothing) {
   EXPECT_EQ(after - before, 0);
 }
 
+// After a model's first ray; and steps of what is pinned.
+TEST(SceneAllocation, RaysAndPinnedStepsAllocateNothing) {
+  Body body = testing::make_framed(testing::frame_model(20, true, 60.0, 300.0), FrameKind::kFree,
+                                   {.step = 1e-3});
+  ASSERT_TRUE(body.set_contact());
+  ASSERT_TRUE(body.set_gravity({0.0, 0.0, -9.81}));
+  ASSERT_TRUE(body.pin(VertexId{5}));
+  for (int k = 0; k < 3; ++k) ASSERT_TRUE(body.step().converged);
+  ASSERT_TRUE(body.pick({0.0, 0.0, 3.0}, {0.0, 0.0, -1.0}));
+  const long before = scene_mallocs;
+  bool good = true;
+  int hits = 0;
+  for (int k = 0; k < 300; ++k) {
+    good = good && body.step().converged;
+    const Eigen::Vector3d to(0.02 * (k % 20) - 0.2, 0.001 * k - 0.15, 0.0);
+    const auto hit = body.pick({0.0, 0.0, 3.0}, to - Eigen::Vector3d(0.0, 0.0, 3.0));
+    good = good && bool(hit);
+    if (hit && *hit) ++hits;
+  }
+  const long after = scene_mallocs;
+  EXPECT_TRUE(good);
+  EXPECT_GT(hits, 0);
+  EXPECT_EQ(after - before, 0);
+}
+
 }  // namespace
 }  // namespace tremolo
 #endif

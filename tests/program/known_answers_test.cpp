@@ -39,6 +39,7 @@ class EulerStep final : public Integrator {
     state.q = q;
     return {};
   }
+  void carry(StateStream&) override {}
   std::string_view name() const override { return "euler"; }
 
  private:

@@ -119,7 +119,7 @@ TEST(SceneReader, ReadsCollidersAndHands) {
       "[[hands]]\nbody = \"a\"\nat = 17\nstiffness = 100\ndamping = 2\n"
       "position = [1, 2, 3]\nfrom = 0.5\nuntil = 2\n[[hands.motion]]\nkind = \"spin\"\n"
       "axis = [0, 0, 1]\nrate = 1\n[[hands]]\nbody = \"a\"\nat = \"near:0,0,0\"\n"
-      "stiffness = 1\n");
+      "stiffness = 1\n[[hands]]\nbody = \"a\"\nat = 3\npin = true\n");
   ASSERT_EQ(file.scene.bodies.size(), 1U);
   const SceneBody& body = file.scene.bodies[0];
   EXPECT_FALSE(body.feels_contact);
@@ -138,7 +138,9 @@ TEST(SceneReader, ReadsCollidersAndHands) {
   EXPECT_EQ(std::get<BoxShape>(file.scene.colliders[2].shape).half_extents, Vector3d(1, 2, 3));
   EXPECT_EQ(file.scene.colliders[3].file, "folder/rock.collider");
   EXPECT_EQ(file.scene.colliders[3].made_by, "./demo");
-  ASSERT_EQ(file.scene.hands.size(), 2U);
+  ASSERT_EQ(file.scene.hands.size(), 3U);
+  EXPECT_FALSE(file.scene.hands[0].pin);
+  EXPECT_TRUE(file.scene.hands[2].pin);
   const SceneHand& hand = file.scene.hands[0];
   EXPECT_EQ(hand.at, "17");
   EXPECT_EQ(hand.stiffness, 100.0);
@@ -218,6 +220,10 @@ TEST(SceneReader, TellsFileLineAndKeyOfWhatIsWrong) {
   const std::string hand = kBody + "[[hands]]\nbody = \"a\"\n";
   expect_refused(hand, "line 4: hand 1: it has no `at`");
   expect_refused(hand + "at = 3\n", "hand 1: it has no `stiffness`");
+  expect_refused(hand + "at = 3\npin = false\n", "hand 1: it has no `stiffness`");
+  expect_refused(hand + "at = 3\npin = 1\n", "hand 1: 'pin' must be true or false");
+  expect_refused(hand + "at = 3\npin = true\ndamping = 2\n",
+                 "line 7: hand 1: a pin is as stiff as mass and step allow");
   expect_refused(hand + "at = 3\nstiffness = 0\n", "hand 1: stiffness must be positive");
   expect_refused(hand + "at = 3\nstiffness = 9\nforce = 3\n", "hand 1: unknown key 'force'");
   expect_refused(hand + "at = 3\nstiffness = 9\nuntil = -1\n", "hand 1: until must be behind from");

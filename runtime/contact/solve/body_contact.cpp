@@ -120,6 +120,49 @@ Result<std::size_t> Body::grab(VertexId vertex, VertexRows place, double stiffne
   return next_hand_++;
 }
 
+Result<std::size_t> Body::grab(const SurfacePlace& place, double stiffness, double damping) {
+  Result<VertexRows> rows = model_->place(place);
+  if (!rows) return rows.error();
+  return grab(model_->vertex_near(place), std::move(*rows), stiffness, damping);
+}
+
+// With which a place resists a force in a step, the mean over all directions, kg; infinite for a
+// place that does not move. A coordinate of the frequency omega resists as 1 + (h omega)^2/4.
+double Body::mass_at(const VertexRows& place) const {
+  const double h = options_.step;
+  const Eigen::ArrayXd give = 1.0 / (1.0 + (0.25 * h * h) * model_->lambda().array());
+  double lightness = (place.rows.colwise().squaredNorm().transpose().array() * give).sum() / 3.0;
+  if (free_) {
+    const std::shared_ptr<const FrameInertia> inertia = model_->inertia_about_centre();
+    const Eigen::Matrix3d& P = inertia->P0;
+    const Eigen::Matrix3d J = P.trace() * Eigen::Matrix3d::Identity() - P;
+    const Eigen::Matrix3d arm = cross_matrix(place.rest + place.rows * state_.q - inertia->centre);
+    lightness += 1.0 / inertia->mass - (arm * J.inverse() * arm).trace() / 3.0;
+  }
+  return 1.0 / lightness;
+}
+
+Result<std::size_t> Body::pin(VertexId vertex, VertexRows place) {
+  // (h omega) of the mass on its spring, which the damper makes critical: far enough above the 2 at
+  // which the step stops a motion at once for the spring to be stiff, not so far that it rings on.
+  constexpr double kTurn = 30.0;
+  const double h = options_.step, mass = mass_at(place);
+  if (!std::isfinite(mass)) return usage_error("the place does not move: there is nothing to pin");
+  return grab(vertex, std::move(place), kTurn * kTurn * mass / (h * h), 2.0 * kTurn * mass / h);
+}
+
+Result<std::size_t> Body::pin(VertexId vertex) {
+  Result<VertexRows> place = model_->vertex(vertex);
+  if (!place) return place.error();
+  return pin(vertex, std::move(*place));
+}
+
+Result<std::size_t> Body::pin(const SurfacePlace& place) {
+  Result<VertexRows> rows = model_->place(place);
+  if (!rows) return rows.error();
+  return pin(model_->vertex_near(place), std::move(*rows));
+}
+
 Grip* Body::find_hand(std::size_t hand) {
   const auto found = std::find(hands_.begin(), hands_.end(), hand);
   return found == hands_.end() ? nullptr

@@ -49,11 +49,21 @@ class BodyGroup {
     if (i < rest_.size()) rest_[i] = {};
   }
 
+  // Who rests and for how long. bodies: as many as there are.
+  void carry(StateStream& stream, std::size_t bodies) {
+    stream.sized(rest_);
+    stream.require(rest_.empty() || rest_.size() == bodies);
+    if (stream.reads()) touches_.clear();
+  }
+
  private:
   struct Rest {
     double quiet = 0.0;  // s
     bool asleep = false;
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+    double alpha = 0.0, beta = 0.0;
+
+    void carry(StateStream& stream) { stream(quiet, asleep, gravity, alpha, beta); }
   };
   // Bodies that may touch, and their points.
   struct Pair {

@@ -600,4 +600,17 @@ void ContactStep::settle_account() {
   account_.given = account_.work + account_.energy - start + account_.lost + account_.rubbed;
 }
 
+void ContactStep::set_damping(double alpha, double beta) {
+  options_.alpha = alpha;
+  options_.beta = beta;
+  damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
+  S_ = (0.5 + options_.step * damping_.theta.array() * damping_.D.array()).inverse();
+}
+
+void ContactStep::carry(StateStream& stream) {
+  stream(account_, poses_.start, poses_.end, ball_.centre, ball_.radius, ball_.deformed);
+  stream(ball_.travel, q0_, u0_);
+  stream.sized(impulses_);
+}
+
 }  // namespace tremolo

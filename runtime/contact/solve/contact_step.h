@@ -165,6 +165,12 @@ class ContactStep {
   const ContactBall& ball() const { return ball_; }
   const StepPoses& poses() const { return poses_; }
 
+  // alpha, beta: Rayleigh's, from the next step on.
+  void set_damping(double alpha, double beta);
+
+  // What is carried between steps: the account, and where the body was when others looked last.
+  void carry(StateStream& stream);
+
  private:
   struct Candidate {
     std::size_t point;

@@ -110,6 +110,24 @@ class ImexvAdaptive final : public ImexvStep {
     watching_ = false;
   }
 
+  void follow(const Integrator& before) override {
+    const auto* other = dynamic_cast<const ImexvAdaptive*>(&before);
+    if (other == nullptr) return;
+    low_ = other->low_;
+    most_low_ = other->most_low_;
+    patience_ = other->patience_;
+  }
+
+  void carry(StateStream& stream) override {
+    Index low = low_, most_low = most_low_;
+    stream(V_, low, most_low, patience_, watching_, balance_.now, balance_.highest, z1_);
+    stream.require(low >= 0 && low <= model_->modes() && most_low >= 0 &&
+                   most_low <= model_->modes());
+    if (!stream.good()) return;
+    low_ = low;
+    most_low_ = most_low;
+  }
+
  private:
   // now: H at the start of the watch, plus work, less dissipation, J. highest: since that start.
   struct Balance {

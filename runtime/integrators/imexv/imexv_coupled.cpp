@@ -71,6 +71,7 @@ class ImexvCoupled final : public ImplicitStep {
   }
 
   std::optional<Split> split() const override { return split_; }
+  void carry(StateStream& stream) override { stream(V_, S_ends_); }
 
  private:
   void kick_low(State& state, const VectorXd& f) {

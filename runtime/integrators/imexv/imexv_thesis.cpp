@@ -72,6 +72,10 @@ class ImexvThesis final : public OneStep {
   }
 
   void reset() override { f_before_.setZero(); }
+  void carry(StateStream& stream) override { stream(V_, f_before_); }
+  void follow(const Integrator& before) override {
+    if (const auto* other = dynamic_cast<const ImexvThesis*>(&before)) f_before_ = other->f_before_;
+  }
   std::optional<Split> split() const override { return split_; }
 
   void synchronized_momentum(const State& state, Eigen::VectorXd& p) const override {

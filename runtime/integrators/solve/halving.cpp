@@ -34,6 +34,21 @@ class Halving final : public Integrator {
   void reset() override {
     for (Level& level : levels_) level.integrator->reset();
   }
+  void carry(StateStream& stream) override {
+    std::size_t count = levels_.size();
+    stream(count);
+    stream.require(count >= 1 && count <= static_cast<std::size_t>(options_.halvings) + 1);
+    if (!stream.good()) return;
+    while (levels_.size() > count) levels_.pop_back();
+    for (std::size_t depth = 0; depth < count && stream.good(); ++depth) {
+      stream.require(make_level(depth));
+      if (stream.good()) levels_[depth].integrator->carry(stream);
+    }
+  }
+  void follow(const Integrator& before) override {
+    if (const auto* other = dynamic_cast<const Halving*>(&before))
+      levels_.front().integrator->follow(*other->levels_.front().integrator);
+  }
   std::string_view name() const override { return levels_.front().integrator->name(); }
   std::optional<Split> split() const override { return levels_.front().integrator->split(); }
   std::optional<double> known_potential(const Eigen::VectorXd& q) const override {

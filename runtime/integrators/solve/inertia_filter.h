@@ -11,6 +11,7 @@
 //     from_basis(x)        x <- W x
 //     apply(x), solve(x)   in the basis: x <- N x and x <- J^-1 x
 //     multiply(x)          in the basis: x <- Z x; only where N follows the state
+//     carry(stream)        what compute() left; likewise
 //
 // Nothing is allocated after construction.
 #pragma once
@@ -114,6 +115,7 @@ class DampedMatrixFilter {
     filter_.multiply(x);
     filter_.from_basis(x);
   }
+  void carry(StateStream& stream) { stream(filter_, factor_); }
 
  private:
   Eigen::VectorXd shift_;

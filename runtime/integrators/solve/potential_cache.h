@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "common/state_stream.h"
 #include "runtime/kernels/potential.h"
 
 namespace tremolo {
@@ -41,6 +42,12 @@ class PotentialCache {
   std::optional<double> known_energy(const Eigen::VectorXd& q) const {
     if ((want_ & kWantEnergy) != 0 && q_ == q) return at_q_.energy;
     return std::nullopt;
+  }
+
+  // What is remembered: evaluated anew with other parts it may differ in the last digit.
+  void carry(StateStream& stream) {
+    stream(q_, at_q_.energy, at_q_.force);
+    stream(at_q_.tangent);
   }
 
  private:

@@ -59,6 +59,9 @@ class RationalFilter {
   void solve(Eigen::VectorXd& x);
   void multiply(Eigen::VectorXd& x) const;
 
+  // What compute() left.
+  void carry(StateStream& stream) { stream(tridiagonal_, resolvents_); }
+
  private:
   RationalFilter(Eigen::Index size, const FilterFractions& fractions);
 

@@ -29,7 +29,8 @@ using Json = nlohmann::ordered_json;
 
 // How a run of a world ended.
 struct WorldEnding {
-  double seconds = 0.0;  // processor time of the steps
+  double seconds = 0.0;    // processor time of the steps
+  std::int64_t steps = 0;  // that this run made
   int exit_code = 0;
   int signal = 0;
   std::string reason;
@@ -118,7 +119,7 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   json["duration"] = file.scene.duration;
   json["steps"] = world.steps();
   json["reached"] = world.time();
-  const double each = 1e6 * ending.seconds / static_cast<double>(world.steps());
+  const double each = 1e6 * ending.seconds / static_cast<double>(ending.steps);
   json["microseconds_per_step"] = finite_number(each);
   json["real_time_factor"] = finite_number(world.step_size() * 1e6 / each);
   double worst = 0.0;
@@ -134,13 +135,16 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
 
 // Refuses a run that would write over its own input.
 Status keep_world_apart(const SceneFile& file) {
-  if (file.outputs.out.empty()) return Success{};
+  if (file.outputs.out.empty() && file.outputs.save.empty()) return Success{};
   std::vector<NamedFile> inputs{{file.path, "the scene"}};
+  if (!file.outputs.restore.empty()) inputs.push_back({file.outputs.restore, "--restore"});
   for (const std::string& csv : file.files) inputs.push_back({csv, "a CSV file of the scene"});
   for (const SceneBody& body : file.scene.bodies) inputs.push_back({body.model, "a basis file"});
   for (const SceneCollider& collider : file.scene.colliders)
     if (!collider.file.empty()) inputs.push_back({collider.file, "a collider file"});
-  std::vector<std::string> outputs{(fs::path(file.outputs.out) / kReportName).string()};
+  std::vector<std::string> outputs{file.outputs.save};
+  if (file.outputs.out.empty()) return keep_apart(outputs, inputs);
+  outputs.push_back((fs::path(file.outputs.out) / kReportName).string());
   for (const SceneBody& body : file.scene.bodies)
     for (const char* name : {kTableName, kPictureName, kFramesName, kMaterialsName})
       outputs.push_back((fs::path(file.outputs.out) / body.name / name).string());
@@ -172,6 +176,7 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
   const Interruption interruption;
   ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
+  const std::int64_t before_it = world.steps();
   WorldEnding ending;
   Result<bool> inside = observe_all(world, logs);
   while (inside && *inside && world.steps() < steps && ending.exit_code == 0) {
@@ -189,6 +194,7 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
     }
   }
   if (!inside) return inside.error();
+  ending.steps = world.steps() - before_it;
   tell_end(logs, ending);
   return ending;
 }
@@ -217,6 +223,25 @@ void print_bodies(const SceneFile& file, const SceneWorld& world,
   }
 }
 
+Status begin_where_saved(const SceneFile& file, SceneWorld& world) {
+  if (file.outputs.restore.empty()) return Success{};
+  if (Status s = world.restore(file.outputs.restore); !s) return s;
+  if (world.time() > file.scene.duration * (1.0 + 1e-9))
+    return content_error(
+        fmt::format("{}: it was saved at t = {:.6g} s, behind the duration of "
+                    "{:.6g} s",
+                    file.outputs.restore, world.time(), file.scene.duration));
+  return Success{};
+}
+
+// Also of a run that a signal ends; not of one in which a step or an orbit broke off.
+Status save_end(const SceneFile& file, const SceneWorld& world, const WorldEnding& ending) {
+  if (file.outputs.save.empty() || (ending.exit_code != 0 && ending.signal == 0)) return Success{};
+  if (Status s = world.save(file.outputs.save); !s) return s;
+  tell("saved at t = {:.6g} s: {}\n", world.time(), file.outputs.save);
+  return Success{};
+}
+
 struct WorldRun {
   Json json;
   WorldEnding ending;
@@ -226,6 +251,7 @@ Result<WorldRun> run_world(const SceneFile& file) {
   Result<SceneWorld> world = SceneWorld::create(file.scene);
   if (!world) return error_of_file(file.path, value_error(world.error()));
   if (Status s = keep_world_apart(file); !s) return s.error();
+  if (Status s = begin_where_saved(file, *world); !s) return s.error();
   const auto told = [&](std::size_t i, const Error& error) {
     return Error{error.kind, file.path + ": body '" + world->name(i) + "': " + error.message};
   };
@@ -242,9 +268,10 @@ Result<WorldRun> run_world(const SceneFile& file) {
   for (BodyLog& log : logs)
     if (Status s = log.finish(*world); !s) return s.error();
   tell_end(logs, *ending);
+  if (Status s = save_end(file, *world, *ending); !s) return s.error();
   tell("{}: {} bodies reached {:.6g} of {:.6g} s in steps of {:.4g} s, {:.2f} us each\n",
        fs::path(file.path).stem().string(), world->size(), world->time(), file.scene.duration,
-       world->step_size(), 1e6 * ending->seconds / static_cast<double>(world->steps()));
+       world->step_size(), 1e6 * ending->seconds / static_cast<double>(ending->steps));
   print_bodies(file, *world, logs);
   return WorldRun{world_json(file, *world, logs, *ending), *ending};
 }

@@ -23,7 +23,7 @@ struct Options {
   std::vector<double> stability_steps_ms = {10, 6, 3, 1.5, 0.75};
   double stability_duration = 30.0;
   std::string out = "build/bench";
-  std::string only;      // precision, stability, speed; empty: all
+  std::string only;      // precision, stability, speed, hand; empty: all
   unsigned threads = 0;  // 0: one a core
   bool json = false;
 };

@@ -66,6 +66,7 @@ SpeedSection measure_kernel_speed(const Options& options, const MachineProbe& pr
 SpeedSection measure_step_speed(const Options& options, const MachineProbe& probe);
 SpeedSection measure_world_speed(const Options& options, const MachineProbe& probe);
 SpeedSection measure_surface_speed(const Options& options, const MachineProbe& probe);
+SpeedSection measure_hand_speed(const Options& options, const MachineProbe& probe);
 SpeedSection measure_savings_speed(const Options& options, const MachineProbe& probe);
 
 // All sections.
@@ -74,7 +75,8 @@ struct Speed {
   std::vector<SpeedSection> sections;
 };
 
-// Takes a minute or two and prints each row on stderr. Throws as the sections do.
+// All sections, or that of a hand where --only says "hand". Takes two or three minutes and prints
+// each row on stderr. Throws as the sections do.
 Speed measure_speed(const Options& options);
 
 // One section, with speed.csv. Throws a Failure (kSystem).

@@ -1,0 +1,50 @@
+// Saved states: what a body or a world carries from step to step, and what it belongs to.
+//
+// A file of sections (formats/sections/section_layout.h) of the kind "TREMSAVE", version 1.0:
+// `about`, u8, lines of text: the kind and the version that saved it, then a line a part; `hashes`,
+// u64, one a part; `state`, u8, the bytes of common/state_stream.h. A state is put back by the
+// version that saved it and into what is the same in every part, nowhere else.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+// What a state belongs to: its parts (a body's model, a scene's colliders ...), each with a name of
+// its own, one line, and a hash of all that it is.
+struct SavedPart {
+  std::string name;
+  std::uint64_t hash = 0;
+};
+
+// kind: "a body" or "a world". version: of the library that saved it.
+struct SavedState {
+  std::string kind;
+  std::string version;
+  std::vector<SavedPart> parts;
+  std::string state;
+};
+
+// The bytes of the file; the same state gives the same bytes.
+std::vector<std::byte> encode_saved(const SavedState& saved);
+
+// The same, written under a temporary name and renamed to `path`. Errors: kSystem.
+Status write_saved(const std::string& path, const SavedState& saved);
+
+// Reads with distrust. Errors name the file and the section: kContent for what is cut off, damaged
+// or no such file, kSystem for one that cannot be read.
+Result<SavedState> read_saved(const std::string& path);
+// `name` is for errors.
+Result<SavedState> read_saved(std::span<const std::byte> bytes, const std::string& name);
+
+// kContent, which says what differs, unless the state was saved by this version and belongs to
+// `here`, whose `state` is not looked at.
+Status check_belongs(const SavedState& saved, const SavedState& here);
+
+}  // namespace tremolo
