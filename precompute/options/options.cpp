@@ -57,6 +57,9 @@ void add_outputs(CLI::App& app, PrecomputeOptions& options, ModelTexts& texts) {
   app.add_option("--preview", options.preview,
                  "write the mesh's boundary, .ply, painted: blue what is held, red what is loaded, "
                  "with an arrow, green what --select finds; without --output nothing is computed");
+  app.add_flag("--keep-elements", options.keep_elements,
+               "keep the tetrahedra and their masses in the file: a body on several bones shares "
+               "its mass among them");
   app.add_option("--modes-vtu", options.modes_vtu,
                  "also write the modes on the tetrahedra, .vtu, for ParaView and meshio");
   app.add_option("--encoding", texts.encoding,
