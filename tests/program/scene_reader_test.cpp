@@ -282,9 +282,9 @@ TEST(SceneReader, ReadsBones) {
 
 TEST(SceneReader, TellsWhatIsWrongWithBones) {
   const auto with = [](const std::string& keys) { return kDriven + "[[bodies.bones]]\n" + keys; };
-  expect_refused(with("head = [0, 0, 1]\n"), "line 6: body 'a', bone 1: it has no `name`");
+  expect_refused(with("head = [0, 0, 1]\n"), "line 5: body 'a', bone 1: it has no `name`");
   expect_refused(with("name = \"b\"\nlength = 1\n"),
-                 "line 8: body 'a', bone 'b': unknown key 'length'");
+                 "line 7: body 'a', bone 'b': unknown key 'length'");
   expect_refused(with("name = \"b\"\nhead = [1]\n"), "body 'a', bone 'b': 'head' must be");
   expect_refused(with("name = \"b\"\nparent = \"c\"\n"),
                  "body 'a': bone 'b': parent: there is no bone 'c' before it");
