@@ -99,8 +99,9 @@ void add_import(CLI::App& app, PrecomputeOptions& options) {
       "orthonormal in the lumped mass, of which --density is part (--material file: the "
       "mesh file's own)");
   // --up: the rows of an imported basis refer to the axes of the mesh's file.
-  for (const char* other : {"--linear-modes", "--modes", "--linear", "--target-error",
-                            "--error-budget", "--point-mass", "--up", "--refine"})
+  for (const char* other :
+       {"--linear-modes", "--modes", "--linear", "--target-error", "--error-budget", "--point-mass",
+        "--up", "--refine", "--keep-elements"})
     basis->excludes(app.get_option(other));
   CLI::Option* cubic =
       app.add_option("--import-cubic", options.import_cubic,

@@ -169,15 +169,15 @@ struct BoneForces {
   VectorXd shares, field, between;
 };
 
-BoneForces forces_by_differences(const RiggedBar& bar, const BoneWeights& weights,
+BoneForces forces_by_differences(const testing::PointCloud& cloud, const BoneWeights& weights,
                                  const std::vector<MotionPath>& paths, const VectorXd& q,
                                  const VectorXd& v, double t) {
   constexpr double kBit = 2e-3;
   const VectorXd zero = VectorXd::Zero(q.size());
   BoneForces forces{zero, zero, zero};
-  for (std::size_t k = 0; k < bar.cloud.masses.size(); ++k) {
-    const double m = bar.cloud.masses[k];
-    const MatrixXd phi = bar.cloud.basis.middleRows(3 * static_cast<Eigen::Index>(k), 3);
+  for (std::size_t k = 0; k < cloud.masses.size(); ++k) {
+    const double m = cloud.masses[k];
+    const MatrixXd phi = cloud.basis.middleRows(3 * static_cast<Eigen::Index>(k), 3);
     const auto w = weights.row(static_cast<Eigen::Index>(k));
     std::vector<Vector3d> felt;
     std::vector<Eigen::Matrix3d> turns;
@@ -185,7 +185,7 @@ BoneForces forces_by_differences(const RiggedBar& bar, const BoneWeights& weight
     Eigen::Matrix3d F = Eigen::Matrix3d::Zero();
     for (std::size_t b = 0; b < paths.size(); ++b) {
       const auto x = [&](double s) {
-        return Vector3d(paths[b].pose(t + s) * Vector3d(bar.cloud.places[k] + phi * (q + s * v)));
+        return Vector3d(paths[b].pose(t + s) * Vector3d(cloud.places[k] + phi * (q + s * v)));
       };
       felt.push_back(second_difference(x, kBit));
       turns.push_back(paths[b].pose(t).rotation.toRotationMatrix());
@@ -230,7 +230,7 @@ TEST(Skeleton, ForceIsThatOfTheSkinnedPositionsInTheirSecondDifference) {
     // Blended by elements: a point has the mean weight of its tetrahedron.
     for (const double blend : {1e-9, 0.15}) {
       const BoneWeights weights = testing::weights_of_points(bar, bar_bones(), blend);
-      const BoneForces expected = forces_by_differences(bar, weights, paths, q, v, 0.3);
+      const BoneForces expected = forces_by_differences(bar.cloud, weights, paths, q, v, 0.3);
       const VectorXd force = force_of_bones(*bar_skin(bar, blend), paths, q, v, 0.3);
       std::printf("order %d, blend %g: off by %.1e, from the field by %.2f of %.3g\n", order, blend,
                   (force - expected.shares).norm() / force.norm(),
@@ -259,10 +259,75 @@ TEST(Skeleton, ForceOnPointsOfOneBoneEachIsThatOfTheSkinsOwnField) {
     skin.shares.push_back(std::make_shared<const FrameInertia>(testing::integrals_of(carried),
                                                                Vector3d(Vector3d::Zero())));
   }
-  const BoneForces expected = forces_by_differences(bar, weights, paths, q, v, 0.3);
+  const BoneForces expected = forces_by_differences(bar.cloud, weights, paths, q, v, 0.3);
   const VectorXd force = force_of_bones(skin, paths, q, v, 0.3);
   EXPECT_GT(force.norm(), 1.0);
   EXPECT_LE((force - expected.field).norm(), 1e-5 * force.norm());
+}
+
+// Newton's laws of the shares by the classical method of Runge and Kutta.
+State run_shares(const testing::PointCloud& cloud, const testing::StrainModel& strain,
+                 const BoneWeights& weights, const std::vector<MotionPath>& paths, State s,
+                 const VectorXd& damping, double time, int steps) {
+  const double h = time / steps;
+  for (int k = 0; k < steps; ++k) {
+    const double t = k * h;
+    const auto slope = [&](double at, const VectorXd& q, const VectorXd& v) {
+      return State{v, forces_by_differences(cloud, weights, paths, q, v, at).shares -
+                          testing::strain_force(strain, q) - damping.cwiseProduct(v)};
+    };
+    const State k1 = slope(t, s.q, s.p);
+    const State k2 = slope(t + 0.5 * h, s.q + 0.5 * h * k1.q, s.p + 0.5 * h * k1.p);
+    const State k3 = slope(t + 0.5 * h, s.q + 0.5 * h * k2.q, s.p + 0.5 * h * k2.p);
+    const State k4 = slope(t + h, s.q + h * k3.q, s.p + h * k3.p);
+    s.q += h / 6.0 * (k1.q + 2.0 * k2.q + 2.0 * k3.q + k4.q);
+    s.p += h / 6.0 * (k1.p + 2.0 * k2.p + 2.0 * k3.p + k4.p);
+  }
+  return s;
+}
+
+TEST(Skeleton, FollowsNewtonsLawsOfItsSharesInSecondOrder) {
+  constexpr double kTime = 0.48;
+  const testing::StrainModel strain =
+      testing::random_strain_model(testing::spread_omega(4, 14.0, 60.0), 0.2, 3);
+  const testing::PointCloud cloud = testing::random_cloud(4, false, 3);
+  const Model::Pointer model = *Model::from_data(testing::basis_of(cloud, strain, false));
+  const std::vector<MotionPath> paths = {path_of(0), path_of(1), path_of(2)};
+  const Vector3d middle = Vector3d::Zero();
+  const std::vector<BoneSegment> bones = {
+      {{-0.4, 0.0, 0.1}, middle}, {middle, {0.3, 0.0, 0.0}}, {{0.4, 0.2, 0.1}, middle}};
+  const BoneWeights weights = weights_near(cloud.places, bones, 0.3);
+  Skin skin{weights, weights, BoneWeights(0, 3), {}};
+  for (Eigen::Index b = 0; b < 3; ++b) {
+    testing::PointCloud carried = cloud;
+    for (std::size_t k = 0; k < carried.masses.size(); ++k)
+      carried.masses[k] *= weights(static_cast<Eigen::Index>(k), b);
+    skin.shares.push_back(std::make_shared<const FrameInertia>(testing::integrals_of(carried),
+                                                               Vector3d(Vector3d::Zero())));
+  }
+  const auto shared = std::make_shared<const Skin>(skin);
+  const State start{testing::random_vector(4, 0.02, 8), testing::random_vector(4, 0.3, 9)};
+  const VectorXd damping = (0.3 + 1e-3 * strain.omega.array().square()).matrix();
+  const State exact = run_shares(cloud, strain, weights, paths, start, damping, kTime, 3000);
+  for (const char* method : kDrivenMethods) {
+    std::vector<double> errors;
+    for (const int steps : {120, 240, 480}) {
+      Body body = make_rigged(model, shared,
+                              {.step = kTime / steps,
+                               .alpha = 0.3,
+                               .beta = 1e-3,
+                               .tolerance = 1e-11,
+                               .max_iterations = 60},
+                              method);
+      begin_bones(paths, body);
+      ASSERT_TRUE(body.set_state(start.q, start.p));
+      for (int k = 0; k < steps; ++k) ASSERT_TRUE(step_bones(paths, body).converged);
+      errors.push_back((body.state().q - exact.q).norm() / exact.q.norm());
+    }
+    std::printf("%-8s errors %.2e %.2e %.2e\n", method, errors[0], errors[1], errors[2]);
+    EXPECT_LE(errors[2], 1e-3) << method;
+    EXPECT_GE(std::log2(errors[0] / errors[2]) / 2.0, 1.75) << method;
+  }
 }
 
 TEST(Skeleton, SharesOfTheInertiaSumToTheWholeAndAreThoseOfThePoints) {
