@@ -62,7 +62,7 @@ build() {
 }
 
 models="beam basket bridge horse tower heart"
-scene_models="horse-free heart-free ball-free bell"  # which scenes need
+scene_models="horse-free horse-rig heart-free ball-free bell"  # which scenes need
 scene_colliders="bell"
 
 # precompute MODEL: its basis file, unless it is newer than everything it is made of. The mesh is that of

@@ -11,6 +11,7 @@
 #include "formats/vtk/vtu_writer.h"
 #include "precompute/checkpoint/checkpoint.h"
 #include "precompute/options/named_files.h"
+#include "precompute/problem/model_geometry.h"
 #include "precompute/problem/preview.h"
 #include "precompute/provenance.h"
 #include "precompute/ranks/rank_agreement.h"
@@ -97,6 +98,7 @@ void write_result(const CommandLine& line, PrecomputeResult& result, bool rows_a
                   StageLog& log) {
   const PrecomputeOptions& options = line.options;
   if (options.encoding == BasisEncoding::kCompact) find_encoding_error(result, log);
+  if (options.keep_elements) add_elements(result.problem, result.data);
   result.data.provenance = provenance_json(options, result);
   log.begin("file");
   Status written = rows_are_here ? write_basis(options.output_path, result.data, options.encoding)

@@ -80,6 +80,23 @@ Result<Body> Body::create(Model::Pointer model, std::string_view integrator,
   return body;
 }
 
+Result<Body> Body::create(Model::Pointer model, std::string_view integrator,
+                          const IntegratorOptions& options, std::shared_ptr<const Skin> skin) {
+  const auto fits = [&skin](const BoneWeights& weights, std::size_t points) {
+    return std::cmp_equal(weights.rows(), points) && weights.cols() == std::ssize(skin->shares);
+  };
+  if (!skin || skin->shares.empty() || skin->shares.front()->modes() != model->modes() ||
+      !fits(skin->drawn, model->drawn().rest.size()) ||
+      !fits(skin->surface, model->surface().rest.size()))
+    return usage_error("the skin was made for another model");
+  Result<Body> body = create(std::move(model), integrator, options, FrameKind::kDriven);
+  if (!body) return body;
+  body->driven_ = std::make_unique<DrivenFrame>(skin->shares, options.step);
+  body->bone_maps_.resize(skin->bones());
+  body->skin_ = std::move(skin);
+  return body;
+}
+
 Body::Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
            const IntegratorOptions& options, Eigen::Index low)
     : model_(std::move(model)),
@@ -205,7 +222,7 @@ Status Body::surface_positions(std::span<double> out) const {
   if (Status s = check_buffer(drawn_numbers(*model_), out.size(), "positions"); !s) return s;
   const DrawnSurface drawn = model_->drawn();
   write_positions(drawn.rest, drawn.rows, state_.q, out);
-  to_world(out, true);
+  to_world(out, true, &Skin::drawn);
   return Success{};
 }
 
@@ -213,14 +230,14 @@ Status Body::boundary_positions(std::span<double> out) const {
   const VertexBlock& surface = model_->surface();
   if (Status s = check_buffer(3 * surface.rest.size(), out.size(), "positions"); !s) return s;
   write_positions(surface.rest, surface.rows, state_.q, out);
-  to_world(out, true);
+  to_world(out, true, &Skin::surface);
   return Success{};
 }
 
 Status Body::surface_positions(std::span<float> out) const {
   if (Status s = check_buffer(drawn_numbers(*model_), out.size(), "positions"); !s) return s;
   tremolo::surface_positions(model_->surface_basis(), state_.q, surface_, out);
-  to_world(out, true);
+  to_world(out, true, &Skin::drawn);
   return Success{};
 }
 
@@ -230,8 +247,8 @@ Status Body::surface(std::span<float> positions, std::span<float> normals) const
   if (Status s = check_buffer(needed, normals.size(), "normals"); !s) return s;
   surface_with_normals(model_->surface_basis(), model_->drawn().triangles, state_.q, surface_,
                        positions, normals);
-  to_world(positions, true);
-  to_world(normals, false);
+  to_world(positions, true, &Skin::drawn);
+  to_world(normals, false, &Skin::drawn);
   return Success{};
 }
 

@@ -25,6 +25,7 @@
 #include "runtime/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
+#include "runtime/skeleton/skin.h"
 
 namespace tremolo {
 
@@ -52,6 +53,13 @@ class Body {
   static Result<Body> create(Model::Pointer model, std::string_view integrator = kDefaultIntegrator,
                              const IntegratorOptions& options = {},
                              FrameKind frame = FrameKind::kFixed);
+
+  // A driven body that hangs on bones with its skin, which must have been made for this model; its
+  // bones are at rest at first, their poses the identity. Errors as for kDriven; kUsage for a skin
+  // of another model. Colliders and hands see the first bone's frame alone: use set_contact() with
+  // one bone only.
+  static Result<Body> create(Model::Pointer model, std::string_view integrator,
+                             const IntegratorOptions& options, std::shared_ptr<const Skin> skin);
 
   const Model& model() const { return *model_; }
   const Model::Pointer& model_pointer() const { return model_; }
@@ -101,6 +109,17 @@ class Body {
   Status move_to(const Pose& next);
   Status move_to(const Pose& next, const FrameMotion& motion);
 
+  // Of a body on bones; else 0. pose() is then the first bone's; set_pose() and move_to() do the
+  // same with all bones.
+  std::size_t bones() const { return skin_ ? skin_->bones() : 0; }
+  const Skin* skin() const { return skin_.get(); }
+  // Where the bone is relative to where it is at rest, in the mesh's coordinates. bone < bones().
+  const Pose& bone_pose(std::size_t bone) const { return driven_->pose(bone); }
+  // As set_pose, move_to and move_to with one bone. kUsage also if there is no such bone.
+  Status set_bone(std::size_t bone, const Pose& pose);
+  Status move_bone_to(std::size_t bone, const Pose& next);
+  Status move_bone_to(std::size_t bone, const Pose& next, const FrameMotion& motion);
+
   // Of a free body. velocity: of the centre of mass, m/s, world. spin: rad/s, along the body's
   // axes. kUsage if the body is not free or a value is not finite.
   Status set_motion(const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin);
@@ -113,6 +132,13 @@ class Body {
   // no inertia integrals.
   Status set_gravity(const Eigen::Vector3d& gravity);
   const Eigen::Vector3d& gravity() const { return gravity_; }
+  // Gravity's force on the coordinates with the frame or the bones where they are now, r; zeros
+  // for a free body.
+  Eigen::VectorXd gravity_force() const;
+  // How a vertex's surroundings are turned from the mesh's axes to the world's: the frame's
+  // rotation, or the blend of the bones', which is not orthogonal between them. Errors as
+  // Model::vertex.
+  Result<Eigen::Matrix3d> turn_at(VertexId vertex) const;
 
   // Makes the body feel colliders. kUsage for options out of range, a method that contact does not
   // go with (a fixed body takes any; those near a collider take the step of
@@ -214,12 +240,12 @@ class Body {
   // U_vertex q, m. Errors as Model::vertex.
   Result<Eigen::Vector3d> displacement(VertexId vertex) const;
 
-  // pose() (X + U_vertex q), m. Errors as Model::vertex.
+  // pose() (X + U_vertex q), or on bones their blend, m. Errors as Model::vertex.
   Result<Eigen::Vector3d> position(VertexId vertex) const;
 
-  // pose() (X + U q) of the drawn surface's vertices, x y z x y z ..., m. out: 3 *
-  // model().drawn().rest.size() long, else kUsage. The double variant allocates nothing. The float
-  // variant reads rows that the model makes for it when they are first asked for
+  // pose() (X + U q), or on bones their blend, of the drawn surface's vertices, x y z x y z ..., m.
+  // out: 3 * model().drawn().rest.size() long, else kUsage. The double variant allocates nothing.
+  // The float variant reads rows that the model makes for it when they are first asked for
   // (runtime/display/surface.h, where its error is told), and allocates nothing after that.
   Status surface_positions(std::span<double> out) const;
   Status surface_positions(std::span<float> out) const;
@@ -258,6 +284,9 @@ class Body {
        const IntegratorOptions& options, Eigen::Index low);
   void begin_frame(FrameKind frame);
   Status check_pose(const Pose& pose) const;
+  Status check_bone(std::size_t bone, const Pose& pose) const;
+  Result<Eigen::VectorXd> weights_of(VertexId vertex) const;
+  std::span<const BoneMap> bone_maps() const;
   Status add_point_force(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force,
                          int steps);
   void gather_loads();
@@ -282,8 +311,9 @@ class Body {
   double end_frame_step(bool made);
   double end_frame_motion(bool made);
   double frame_kinetic(const Eigen::VectorXd& p) const;
+  // weights: of the skin, for these vectors.
   template <class Number>
-  void to_world(std::span<Number> vectors, bool places) const;
+  void to_world(std::span<Number> vectors, bool places, BoneWeights Skin::*weights) const;
   void age_applied_forces();
   double kick() const;
   double total_energy() const;
@@ -301,7 +331,9 @@ class Body {
   FrameKind frame_ = FrameKind::kFixed;
   std::unique_ptr<DrivenFrame> driven_;  // also of a fixed body on which gravity acts
   std::unique_ptr<FreeFrame> free_;
-  std::shared_ptr<ContactStep> contact_;  // its type is not known here; no one shares it
+  std::shared_ptr<const Skin> skin_;        // of a driven body; null: one frame carries it
+  mutable std::vector<BoneMap> bone_maps_;  // one a bone, at their poses
+  std::shared_ptr<ContactStep> contact_;    // its type is not known here; no one shares it
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   std::vector<PointForce> points_;  // of a body whose frame moves
   std::vector<StepForce> step_forces_;

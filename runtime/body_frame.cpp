@@ -3,10 +3,20 @@
 #include <cmath>
 #include <string>
 
+#include "common/mesh/vertex_lookup.h"
 #include "common/number_text.h"
 #include "runtime/body.h"
 
 namespace tremolo {
+namespace {
+
+Status check_frame_motion(const FrameMotion& motion) {
+  if (motion.acceleration.allFinite() && motion.spin.allFinite() && motion.spin_rate.allFinite())
+    return Success{};
+  return usage_error("the frame's motion is not finite");
+}
+
+}  // namespace
 
 void Body::begin_frame(FrameKind frame) {
   frame_ = frame;
@@ -39,7 +49,7 @@ Status Body::check_pose(const Pose& pose) const {
 Status Body::set_pose(const Pose& pose) {
   if (Status s = check_pose(pose); !s) return s;
   const Pose unit{pose.position, pose.rotation.normalized()};
-  if (driven_) driven_->teleport(unit);
+  for (std::size_t b = 0; driven_ && b < driven_->bones(); ++b) driven_->teleport(unit, b);
   if (free_) {
     free_->set_pose(unit, state_.q, state_.p);
     keep_sound_state();
@@ -50,16 +60,43 @@ Status Body::set_pose(const Pose& pose) {
 Status Body::move_to(const Pose& next) {
   if (frame_ != FrameKind::kDriven) return usage_error("the body's frame is not driven");
   if (Status s = check_pose(next); !s) return s;
-  driven_->move_to({next.position, next.rotation.normalized()});
+  for (std::size_t b = 0; b < driven_->bones(); ++b)
+    driven_->move_to({next.position, next.rotation.normalized()}, b);
   return Success{};
 }
 
 Status Body::move_to(const Pose& next, const FrameMotion& motion) {
   if (frame_ != FrameKind::kDriven) return usage_error("the body's frame is not driven");
   if (Status s = check_pose(next); !s) return s;
-  if (!motion.acceleration.allFinite() || !motion.spin.allFinite() || !motion.spin_rate.allFinite())
-    return usage_error("the frame's motion is not finite");
-  driven_->move_to({next.position, next.rotation.normalized()}, motion);
+  if (Status s = check_frame_motion(motion); !s) return s;
+  for (std::size_t b = 0; b < driven_->bones(); ++b)
+    driven_->move_to({next.position, next.rotation.normalized()}, motion, b);
+  return Success{};
+}
+
+Status Body::check_bone(std::size_t bone, const Pose& pose) const {
+  if (bone >= bones())
+    return usage_error("the body has " + std::to_string(bones()) + " bones, no bone " +
+                       std::to_string(bone));
+  return check_pose(pose);
+}
+
+Status Body::set_bone(std::size_t bone, const Pose& pose) {
+  if (Status s = check_bone(bone, pose); !s) return s;
+  driven_->teleport({pose.position, pose.rotation.normalized()}, bone);
+  return Success{};
+}
+
+Status Body::move_bone_to(std::size_t bone, const Pose& next) {
+  if (Status s = check_bone(bone, next); !s) return s;
+  driven_->move_to({next.position, next.rotation.normalized()}, bone);
+  return Success{};
+}
+
+Status Body::move_bone_to(std::size_t bone, const Pose& next, const FrameMotion& motion) {
+  if (Status s = check_bone(bone, next); !s) return s;
+  if (Status s = check_frame_motion(motion); !s) return s;
+  driven_->move_to({next.position, next.rotation.normalized()}, motion, bone);
   return Success{};
 }
 
@@ -104,7 +141,10 @@ Status Body::add_point_force(const Signal& signal, VertexId vertex, const Eigen:
     return reduced.error();
   Result<VertexRows> place = model_->vertex(vertex);
   if (!place) return place.error();
-  points_.push_back({signal, std::move(*place), force, steps});
+  PointForce point{signal, std::move(*place), force, steps};
+  if (skin_)
+    if (Status s = take(point.weights, weights_of(vertex)); !s) return s;
+  points_.push_back(std::move(point));
   step_forces_.resize(points_.size());
   return Success{};
 }
@@ -120,7 +160,13 @@ void Body::gather_frame() {
     const StepSignal signal =
         point.steps > 0 ? StepSignal{1.0, 1.0, 1.0} : sample_signal(point.signal, time(), h);
     if (signal.start == 0.0 && signal.average == 0.0 && signal.end == 0.0) continue;
-    const Eigen::Vector3d force = driven_->mid_rotation().transpose() * point.force;
+    Eigen::Matrix3d turn = driven_->mid_rotation();
+    if (skin_) {
+      turn.setZero();
+      for (std::size_t b = 0; b < bones(); ++b)
+        turn += point.weights[static_cast<Eigen::Index>(b)] * driven_->mid_rotation(b);
+    }
+    const Eigen::Vector3d force = turn.transpose() * point.force;
     const auto& rows = point.place.rows;
     step_load_.start.noalias() += rows.transpose() * (signal.start * force);
     step_load_.average.noalias() += rows.transpose() * (signal.average * force);
@@ -206,10 +252,42 @@ double Body::frame_kinetic(const Eigen::VectorXd& p) const {
   return free_ ? free_->kinetic(state_.q, p) : kinetic_energy(p);
 }
 
+// Of a vertex on bones.
+Result<Eigen::VectorXd> Body::weights_of(VertexId vertex) const {
+  if (const auto at = find_vertex(model_->surface().vertex_ids, vertex))
+    return Eigen::VectorXd(skin_->surface.row(static_cast<Eigen::Index>(*at)).transpose());
+  const Result<const VertexBlock*> interior = model_->interior();
+  if (!interior) return interior.error();
+  if (const auto at = find_vertex((*interior)->vertex_ids, vertex);
+      at && std::cmp_less(*at, skin_->interior.rows()))
+    return Eigen::VectorXd(skin_->interior.row(static_cast<Eigen::Index>(*at)).transpose());
+  return usage_error("the skin has no weights of vertex " + std::to_string(vertex));
+}
+
+std::span<const BoneMap> Body::bone_maps() const {
+  for (std::size_t b = 0; b < bones(); ++b) bone_maps_[b] = bone_map(driven_->pose(b));
+  return bone_maps_;
+}
+
+Eigen::VectorXd Body::gravity_force() const {
+  if (!driven_) return Eigen::VectorXd::Zero(model_->modes());
+  return driven_->gravity_force(gravity_);
+}
+
+Result<Eigen::Matrix3d> Body::turn_at(VertexId vertex) const {
+  if (!skin_) return pose().rotation.toRotationMatrix();
+  const Result<Eigen::VectorXd> weights = weights_of(vertex);
+  if (!weights) return weights.error();
+  return Eigen::Matrix3d(blended(*weights, bone_maps()).leftCols<3>());
+}
+
 // vectors: x y z x y z ..., along the frame's axes, or places in it.
 template <class Number>
-void Body::to_world(std::span<Number> vectors, bool places) const {
+void Body::to_world(std::span<Number> vectors, bool places, BoneWeights Skin::*weights) const {
   if (frame_ == FrameKind::kFixed) return;
+  if (skin_)
+    return places ? skin_places((*skin_).*weights, bone_maps(), vectors)
+                  : skin_normals((*skin_).*weights, bone_maps(), vectors);
   using Vector = Eigen::Matrix<Number, 3, 1>;
   const Pose pose = this->pose();
   const Eigen::Matrix<Number, 3, 3> turn = pose.rotation.toRotationMatrix().cast<Number>();
@@ -220,13 +298,18 @@ void Body::to_world(std::span<Number> vectors, bool places) const {
   }
 }
 
-template void Body::to_world(std::span<double>, bool) const;
-template void Body::to_world(std::span<float>, bool) const;
+template void Body::to_world(std::span<double>, bool, BoneWeights Skin::*) const;
+template void Body::to_world(std::span<float>, bool, BoneWeights Skin::*) const;
 
 Result<Eigen::Vector3d> Body::position(VertexId vertex) const {
   const Result<VertexRows> rows = model_->vertex(vertex);
   if (!rows) return rows.error();
-  return pose() * Eigen::Vector3d(rows->rest + rows->rows * state_.q);
+  const Eigen::Vector3d y = rows->rest + rows->rows * state_.q;
+  if (!skin_) return pose() * y;
+  const Result<Eigen::VectorXd> weights = weights_of(vertex);
+  if (!weights) return weights.error();
+  const BoneMap map = blended(*weights, bone_maps());
+  return Eigen::Vector3d(map.leftCols<3>() * y + map.col(3));
 }
 
 }  // namespace tremolo

@@ -132,6 +132,9 @@ Result<BasisData> read_visible(BasisReader& reader, const ModelOptions& options)
   Result<std::optional<InertiaIntegrals>> inertia = read_inertia(reader);
   if (!inertia) return inertia.error();
   data.inertia = std::move(*inertia);
+  if (Status s = take(data.elements, read_elements(reader)); !s) return s.error();
+  if (!data.elements.corners.empty())
+    if (Status s = take(data.edges, read_edges(reader)); !s) return s.error();
   Result<DefaultLoad> load = read_default_load(reader);
   if (!load) return load.error();
   data.load = std::move(*load);
@@ -167,6 +170,10 @@ Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Ind
     if (Status s = check_inertia(*data.inertia, data.lambda.size()); !s) return s.error();
     model->inertia_ = leading_inertia(*data.inertia, modes);
   }
+  if (data.elements.corners.size() != data.elements.masses.size())
+    return content_error("the tetrahedra and their masses differ in number");
+  model->elements_ = data.elements;
+  if (!data.elements.corners.empty()) model->edges_ = data.edges;
   model->rigid_mode_count_ = data.rigid_mode_count;
   model->triangles_ = data.triangles;
   model->default_load_ = data.load;
@@ -308,6 +315,10 @@ std::shared_ptr<const FrameInertia> Model::inertia_about_centre() const {
     about_centre_ = std::make_shared<const FrameInertia>(*inertia_, centre);
   });
   return about_centre_;
+}
+
+Result<const VertexBlock*> Model::interior() const {
+  return interior_->block();
 }
 
 Result<VertexRows> Model::vertex(VertexId id) const {

@@ -84,6 +84,10 @@ class Model {
   // the model must have inertia(). Thread-safe; may throw bad_alloc.
   std::shared_ptr<const FrameInertia> inertia_about_origin() const;
   std::shared_ptr<const FrameInertia> inertia_about_centre() const;
+  // Where the mass is, and the edges whose middles are vertices; empty unless the file kept the
+  // tetrahedra.
+  const MassElements& elements() const { return elements_; }
+  const std::vector<MeshEdge>& edges() const { return edges_; }
   // Free parts times six: 6 for a body that is held nowhere.
   std::size_t rigid_mode_count() const { return rigid_mode_count_; }
   const DefaultLoad& default_load() const { return default_load_; }  // may be empty
@@ -112,6 +116,9 @@ class Model {
   // For rays (runtime/display/surface_tree.h), made when it is first asked for. Thread-safe; may
   // throw bad_alloc.
   const SurfaceTree& surface_tree(SurfaceKind surface) const;
+  // The vertices inside, read from the file when somebody asks first. Errors of reading it.
+  // Thread-safe; rows has r columns.
+  Result<const VertexBlock*> interior() const;
 
   // The drawn surface's rows as they are multiplied for display (runtime/display/surface.h), made
   // when they are first asked for: a model that is never shown pays nothing. Thread-safe; may throw
@@ -129,6 +136,8 @@ class Model {
   std::vector<Triangle> triangles_;
   std::optional<RenderBlock> render_;
   std::optional<InertiaIntegrals> inertia_;
+  MassElements elements_;
+  std::vector<MeshEdge> edges_;
   mutable std::once_flag origin_once_, centre_once_, hash_once_;
   mutable std::uint64_t content_hash_ = 0;
   mutable std::shared_ptr<const FrameInertia> about_origin_, about_centre_;

@@ -270,6 +270,37 @@ typedef struct tremolo_frame_motion {
 tremolo_status tremolo_body_move_to(tremolo_body* body, const double position[3],
                                     const double quaternion[4], const tremolo_frame_motion* motion);
 
+/* ---- bodies on bones ----
+ *
+ * A driven body may hang on several bones: x = sum_b w_b(X) T_b (X + u), T_b being where bone b is
+ * now relative to where it is at rest, a position and a quaternion as above; each bone carries its
+ * share of the mass. More than one bone needs a basis file that kept its tetrahedra
+ * (tremolo-precompute --keep-elements). Bones are counted from 0. */
+
+/* segments: of each bone its two ends at rest, in the mesh's coordinates, m, six numbers a bone; a
+ * point hangs on those that are nearest, blended over `blend` m (0: a tenth of the body's size).
+ * options: frame is not read. TREMOLO_USAGE for what is not finite, no bones, a model without
+ * inertia integrals or tetrahedra, a method that does not go with driven bodies; TREMOLO_CONTENT
+ * for a model with point masses. */
+tremolo_status tremolo_body_create_on_bones(const tremolo_model* model,
+                                            const tremolo_body_options* options, size_t bones,
+                                            const double* segments, double blend,
+                                            tremolo_body** body);
+
+/* weights: a row for each drawn vertex, a column a bone, row by row; each row sums to 1 (to 0.001;
+ * it is made so). Errors as above, and TREMOLO_CONTENT for weights that are none. */
+tremolo_status tremolo_body_create_with_weights(const tremolo_model* model,
+                                                const tremolo_body_options* options, size_t bones,
+                                                const double* weights, tremolo_body** body);
+
+/* As tremolo_body_set_pose and tremolo_body_move_to with one bone; those two take all bones along.
+ * TREMOLO_USAGE also if there is no such bone. */
+tremolo_status tremolo_body_set_bone(tremolo_body* body, size_t bone, const double position[3],
+                                     const double quaternion[4]);
+tremolo_status tremolo_body_move_bone_to(tremolo_body* body, size_t bone, const double position[3],
+                                         const double quaternion[4],
+                                         const tremolo_frame_motion* motion);
+
 /* Of a free body: the velocity of its centre of mass, m/s, along the world's axes, and its spin,
  * rad/s, along its own. TREMOLO_USAGE if it is not free or a value is not finite. To read, either
  * may be NULL; both are zero of a body that is not free. */

@@ -88,6 +88,24 @@ Result<std::optional<InertiaIntegrals>> read_inertia(BasisReader& reader) {
   return std::optional(std::move(inertia));
 }
 
+Result<MassElements> read_elements(BasisReader& reader) {
+  MassElements elements;
+  if (!reader.has(kTetrahedra)) return elements;
+  const auto ids = reader.indices(kTetrahedra, reader.dimensions().vertices);
+  if (!ids) return ids.error();
+  const auto masses = reader.doubles(kTetrahedronMasses);
+  if (!masses) return masses.error();
+  for (std::size_t e = 0; e < masses->size(); ++e) {
+    if (!((*masses)[e] > 0.0))
+      return content_error("section 'tetra_masses': mass " + std::to_string(e) +
+                           " is not positive");
+    Tetrahedron& corners = elements.corners.emplace_back();
+    for (std::size_t a = 0; a < 4; ++a) corners[a] = static_cast<VertexId>((*ids)[4 * e + a]);
+  }
+  elements.masses.assign(masses->begin(), masses->end());
+  return elements;
+}
+
 Result<VegaFiles> read_vega_files(BasisReader& reader) {
   VegaFiles files;
   for (const auto& [name, bytes] :
@@ -114,6 +132,7 @@ Result<BasisData> read_basis(BasisReader& reader) {
   if (Status s = take(data.edges, read_edges(reader)); !s) return s.error();
   if (Status s = take(data.render, read_render(reader)); !s) return s.error();
   if (Status s = take(data.inertia, read_inertia(reader)); !s) return s.error();
+  if (Status s = take(data.elements, read_elements(reader)); !s) return s.error();
   if (Status s = read_optional(reader, data); !s) return s.error();
   return data;
 }

@@ -58,6 +58,14 @@ struct VegaFiles {
   std::string cubic;  // .cub
 };
 
+// Where the mass is. corners: of each tetrahedron, vertices of the mesh, positively oriented.
+// masses: rho V of each, kg, without point masses. Both are empty where the maker did not keep
+// them.
+struct MassElements {
+  std::vector<Tetrahedron> corners;
+  std::vector<double> masses;
+};
+
 // One precomputed model (docs/theory.md, section "Reduced energy"):
 //   V(q) = 1/2 q^T diag(lambda) q + C[q,q,q] + Q[q,q,q,q]     J, mass matrix = identity
 struct BasisData {
@@ -83,6 +91,7 @@ struct BasisData {
   std::vector<MeshEdge> edges;
   std::optional<RenderBlock> render;
   std::optional<InertiaIntegrals> inertia;  // none: an imported model, or a file made before these
+  MassElements elements;                    // none unless asked for (--keep-elements)
 
   std::string provenance;  // a JSON object, UTF-8
   VegaFiles vega;          // read_basis() leaves them in the file: read_vega_files()

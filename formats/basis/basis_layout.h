@@ -69,6 +69,9 @@ inline constexpr std::string_view kEdgePoints = "edge_points";
 inline constexpr std::string_view kInertiaRest = "inertia_rest";
 inline constexpr std::string_view kInertiaLinear = "inertia_linear";
 inline constexpr std::string_view kInertiaPairs = "inertia_pairs";
+// Likewise: the tetrahedra and what they weigh, for who shares the mass among bones.
+inline constexpr std::string_view kTetrahedra = "tetrahedra";
+inline constexpr std::string_view kTetrahedronMasses = "tetra_masses";
 
 // Entries of the section `coef_scales`, in this order.
 namespace coefficient_scale {

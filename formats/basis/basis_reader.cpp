@@ -57,6 +57,7 @@ SectionSizes BasisReader::sizes() const {
           .render_vertices = rows_of(kRenderRest),
           .render_triangles = rows_of(kRenderTriangles),
           .edges = rows_of(kEdgePoints),
+          .tetrahedra = d.tetrahedra,
           .compact = compact(),
           .linear = has(kQuartic) && linear()};
 }

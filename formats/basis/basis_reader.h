@@ -108,6 +108,10 @@ Result<std::vector<MeshEdge>> read_edges(BasisReader& reader);
 Result<std::optional<RenderBlock>> read_render(BasisReader& reader);
 Result<std::optional<InertiaIntegrals>> read_inertia(BasisReader& reader);
 
+// Empty if the file has none. kContent for an index that names nothing or a mass that is not
+// positive.
+Result<MassElements> read_elements(BasisReader& reader);
+
 // The files of an imported model; empty when it is none.
 Result<VegaFiles> read_vega_files(BasisReader& reader);
 

@@ -9,7 +9,7 @@ std::vector<SectionShape> section_shapes(const SectionSizes& sizes) {
                         f32 = ElementType::kF32, f64 = ElementType::kF64;
   const ElementType coefficient = sizes.compact ? f32 : f64;
   const ElementType basis = sizes.compact ? ElementType::kI16 : f64;
-  const auto& [r, s, inner, t, fixed, l, v, w, edges, compact, linear] = sizes;
+  const auto& [r, s, inner, t, fixed, l, v, w, edges, m, compact, linear] = sizes;
   const std::uint64_t cubic = linear ? 0 : triple_count(r);
   const std::uint64_t quartic = linear ? 0 : quad_count(r);
   constexpr bool yes = true, no = false;
@@ -31,6 +31,8 @@ std::vector<SectionShape> section_shapes(const SectionSizes& sizes) {
       {kInertiaRest, f64, kRestMoments, 1, no, kInertiaLinear},
       {kInertiaLinear, f64, r, 12, no, kInertiaPairs},
       {kInertiaPairs, f64, pair_count(r), 9, no, kInertiaRest},
+      {kTetrahedra, u32, m, 4, no, kTetrahedronMasses},
+      {kTetrahedronMasses, f64, m, 1, no, kTetrahedra},
       // The first eight of the render surface need each other in a circle.
       {kRenderRest, f64, v, 3, no, kRenderBasis},
       {kRenderBasis, basis, 3 * v, r, no, kRenderAnchors},

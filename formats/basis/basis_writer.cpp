@@ -139,6 +139,11 @@ Contents contents_of(const BasisData& data, const Additions& more) {
     contents[kInertiaLinear] = bytes_of(data.inertia->linear);
     contents[kInertiaPairs] = bytes_of(data.inertia->B);
   }
+  if (!data.elements.corners.empty()) {
+    static_assert(sizeof(Tetrahedron) == 4 * sizeof(VertexId));
+    contents[kTetrahedra] = bytes_of(data.elements.corners);
+    contents[kTetrahedronMasses] = bytes_of(data.elements.masses);
+  }
   if (!data.vega.basis.empty()) contents[kVegaBasis] = bytes_of(data.vega.basis);
   if (!data.vega.cubic.empty()) contents[kVegaCubic] = bytes_of(data.vega.cubic);
   return contents;
@@ -178,6 +183,7 @@ Result<std::vector<SectionContent>> list_sections(const BasisData& data, const A
                               .render_vertices = render ? render->vertices.size() : 0,
                               .render_triangles = render ? render->triangles.size() : 0,
                               .edges = data.edges.size(),
+                              .tetrahedra = data.tetrahedron_count,
                               .compact = more.compact.has_value(),
                               .linear = is_linear(data)};
   const Contents contents = contents_of(data, more);

@@ -57,6 +57,9 @@ void add_outputs(CLI::App& app, PrecomputeOptions& options, ModelTexts& texts) {
   app.add_option("--preview", options.preview,
                  "write the mesh's boundary, .ply, painted: blue what is held, red what is loaded, "
                  "with an arrow, green what --select finds; without --output nothing is computed");
+  app.add_flag("--keep-elements", options.keep_elements,
+               "keep the tetrahedra and their masses in the file: a body on several bones shares "
+               "its mass among them");
   app.add_option("--modes-vtu", options.modes_vtu,
                  "also write the modes on the tetrahedra, .vtu, for ParaView and meshio");
   app.add_option("--encoding", texts.encoding,
@@ -96,8 +99,9 @@ void add_import(CLI::App& app, PrecomputeOptions& options) {
       "orthonormal in the lumped mass, of which --density is part (--material file: the "
       "mesh file's own)");
   // --up: the rows of an imported basis refer to the axes of the mesh's file.
-  for (const char* other : {"--linear-modes", "--modes", "--linear", "--target-error",
-                            "--error-budget", "--point-mass", "--up", "--refine"})
+  for (const char* other :
+       {"--linear-modes", "--modes", "--linear", "--target-error", "--error-budget", "--point-mass",
+        "--up", "--refine", "--keep-elements"})
     basis->excludes(app.get_option(other));
   CLI::Option* cubic =
       app.add_option("--import-cubic", options.import_cubic,

@@ -15,8 +15,9 @@ struct PrecomputeOptions : ModelRequest {
   std::string
       import_basis;  // VegaFEM's .U and .cub: import instead of solving (precompute/vega/import.h)
   std::string import_cubic;
-  bool error_budget = false;  // measure what mesh, basis and step leave out (error_budget.h)
-  bool mass_given = false;  // --mass was given: an import orthonormalises its basis in it
+  bool keep_elements = false;  // the tetrahedra and their masses stay in the file, for bones
+  bool error_budget = false;   // measure what mesh, basis and step leave out (error_budget.h)
+  bool mass_given = false;     // --mass was given: an import orthonormalises its basis in it
   std::string modes_vtu;  // file for the modes on the tetrahedra, for ParaView; empty: not written
   std::string command_line;  // for the file's provenance
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "precompute/fem/stvk.h"
+
 namespace tremolo {
 namespace {
 
@@ -40,6 +42,14 @@ void add_geometry(const Problem& problem, BasisData& data) {
   data.fixed_vertex_count = problem.fixed.size();
   data.load = problem.load;
   data.edges = mesh.edges;
+}
+
+void add_elements(const Problem& problem, BasisData& data) {
+  const Solid solid = make_solid(problem.mesh, problem.materials);
+  data.elements.corners = problem.mesh.tetrahedra;
+  data.elements.masses.clear();
+  for (std::size_t e = 0; e < solid.elements.size(); ++e)
+    data.elements.masses.push_back(solid.density(e) * solid.elements[e].volume);
 }
 
 }  // namespace tremolo

@@ -14,4 +14,7 @@ inline constexpr std::size_t kCoarseBoundary = 5'000;
 // vertex blocks stay empty.
 void add_geometry(const Problem& problem, BasisData& data);
 
+// Adds the tetrahedra and their masses, kg.
+void add_elements(const Problem& problem, BasisData& data);
+
 }  // namespace tremolo

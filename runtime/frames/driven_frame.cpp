@@ -24,8 +24,13 @@ FrameMotion motion_between(const Pose& before, const Pose& start, const Pose& en
 }
 
 DrivenFrame::DrivenFrame(std::shared_ptr<const FrameInertia> inertia, double step)
-    : inertia_(std::move(inertia)), step_(step) {
-  const Index r = inertia_->modes();
+    : DrivenFrame(std::vector{std::move(inertia)}, step) {}
+
+DrivenFrame::DrivenFrame(const std::vector<std::shared_ptr<const FrameInertia>>& shares,
+                         double step)
+    : step_(step) {
+  for (const auto& share : shares) bones_.emplace_back().inertia = share;
+  const Index r = shares.front()->modes();
   for (VectorXd* v : {&push_, &gravity_push_, &q0_, &x_, &stiff_}) v->setZero(r);
   stiffness_.setZero(r, r);
   gyro_.setZero(r, r);
@@ -33,65 +38,91 @@ DrivenFrame::DrivenFrame(std::shared_ptr<const FrameInertia> inertia, double ste
   turn_factor_.compute(turn_);
 }
 
-void DrivenFrame::teleport(const Pose& pose) {
-  pose_ = next_ = pose;
-  known_ = false;
-  velocity_.setZero();
-  spin_.setZero();
-  acceleration_.setZero();
-  spin_rate_.setZero();
+void DrivenFrame::teleport(const Pose& pose, std::size_t bone) {
+  Bone fresh;
+  fresh.inertia = std::move(bones_[bone].inertia);
+  fresh.pose = fresh.next = pose;
+  bones_[bone] = std::move(fresh);
 }
 
-void DrivenFrame::move_to(const Pose& next) {
-  next_ = next;
-  known_ = false;
+void DrivenFrame::move_to(const Pose& next, std::size_t bone) {
+  bones_[bone].next = next;
+  bones_[bone].known = false;
 }
 
-void DrivenFrame::move_to(const Pose& next, const FrameMotion& motion) {
-  next_ = next;
-  motion_ = motion;
-  known_ = true;
+void DrivenFrame::move_to(const Pose& next, const FrameMotion& motion, std::size_t bone) {
+  bones_[bone].next = next;
+  bones_[bone].motion = motion;
+  bones_[bone].known = true;
+}
+
+void DrivenFrame::find_motion(Bone& bone) const {
+  const Vector3d velocity = (bone.next.position - bone.pose.position) / step_;
+  const Vector3d spin = spin_between(bone.pose, bone.next, step_);
+  if (!bone.known) {
+    const Vector3d acceleration = (velocity - bone.velocity) / step_;
+    const Vector3d spin_rate = (spin - bone.spin) / step_;
+    bone.motion = {1.5 * acceleration - 0.5 * bone.acceleration, spin,
+                   1.5 * spin_rate - 0.5 * bone.spin_rate};
+  }
+  bone.mid_rotation = (bone.pose.rotation * turn_by(0.5 * step_ * spin)).toRotationMatrix();
 }
 
 void DrivenFrame::prepare(const Vector3d& gravity) {
-  const Vector3d velocity = (next_.position - pose_.position) / step_;
-  const Vector3d spin = spin_between(pose_, next_, step_);
-  if (!known_) {
-    const Vector3d acceleration = (velocity - velocity_) / step_;
-    const Vector3d spin_rate = (spin - spin_) / step_;
-    motion_ = {1.5 * acceleration - 0.5 * acceleration_, spin, 1.5 * spin_rate - 0.5 * spin_rate_};
+  gravity_push_.setZero();
+  push_.setZero();
+  turning_ = false;
+  for (Bone& bone : bones_) {
+    find_motion(bone);
+    const Vector3d g = bone.mid_rotation.transpose() * gravity;
+    const Vector3d a = bone.mid_rotation.transpose() * bone.motion.acceleration;
+    x_.noalias() = bone.inertia->s.transpose() * g;
+    gravity_push_ += x_;
+    push_.noalias() += bone.inertia->s.transpose() * (-a);
+    push_ += x_;
+    turning_ = turning_ || bone.turning();
   }
-  mid_rotation_ = (pose_.rotation * turn_by(0.5 * step_ * spin)).toRotationMatrix();
-  const Vector3d g = mid_rotation_.transpose() * gravity;
-  const Vector3d a = mid_rotation_.transpose() * motion_.acceleration;
-  gravity_push_.noalias() = inertia_->s.transpose() * g;
-  push_.noalias() = inertia_->s.transpose() * (-a);
-  push_ += gravity_push_;
-  turning_ = !motion_.spin.isZero(0.0) || !motion_.spin_rate.isZero(0.0);
   turned_work_ = 0.0;
-  if (turning_) prepare_turn();
+  if (turning_) {
+    stiffness_.setZero();
+    gyro_.setZero();
+    for (const Bone& bone : bones_)
+      if (bone.turning()) add_turn(bone);
+  }
   push_norm_ = push_.norm();
 }
 
+Eigen::VectorXd DrivenFrame::gravity_force(const Vector3d& gravity) const {
+  VectorXd force = VectorXd::Zero(push_.size());
+  for (const Bone& bone : bones_)
+    force += bone.inertia->s.transpose() * (bone.pose.rotation.conjugate() * gravity);
+  return force;
+}
+
 // The constant parts go to push_, what is linear in q and v to stiffness_ and gyro_.
-void DrivenFrame::prepare_turn() {
-  const Index r = inertia_->modes();
-  const Vector3d& w = motion_.spin;
-  const Vector3d& rate = motion_.spin_rate;
-  push_.noalias() -= inertia_->a.transpose() * rate;
-  stiffness_.setZero();
-  stiffness_.diagonal().setConstant(-w.squaredNorm());
-  gyro_.setZero();
+void DrivenFrame::add_turn(const Bone& bone) {
+  const FrameInertia& inertia = *bone.inertia;
+  const Index r = inertia.modes();
+  const Vector3d& w = bone.motion.spin;
+  const Vector3d& rate = bone.motion.spin_rate;
+  push_.noalias() -= inertia.a.transpose() * rate;
+  // The traces of the B_ij are those of the identity where one bone carries all.
+  if (bones_.size() == 1) {
+    stiffness_.diagonal().setConstant(-w.squaredNorm());
+  } else {
+    for (Index e = 0; e < 3; ++e)
+      stiffness_ -= w.squaredNorm() * inertia.pairs.middleRows((3 + e) * r, r);
+  }
   for (Index m = 0; m < 3; ++m) {
-    const auto c = inertia_->pairs.middleRows(m * r, r);
+    const auto c = inertia.pairs.middleRows(m * r, r);
     stiffness_ -= rate[m] * c;
     gyro_ -= (2.0 * w[m]) * c;
   }
   for (Index e = 0; e < 6; ++e) {
     const auto& [k, l] = kSymmetricEntries[static_cast<std::size_t>(e)];
     const double ww = w[k] * w[l] * (k == l ? 1.0 : 2.0);
-    stiffness_ += ww * inertia_->pairs.middleRows((3 + e) * r, r);
-    push_ += 0.5 * ((k == l ? w.squaredNorm() : 0.0) - ww) * inertia_->P_linear.col(e);
+    stiffness_ += ww * inertia.pairs.middleRows((3 + e) * r, r);
+    push_ += 0.5 * ((k == l ? w.squaredNorm() : 0.0) - ww) * inertia.P_linear.col(e);
   }
 }
 
@@ -136,14 +167,16 @@ void DrivenFrame::end_step(const VectorXd& q0, const VectorXd& q1) {
   const double gravity = gravity_push_.dot(x_);
   gravity_work_ += gravity;
   support_work_ += push_.dot(x_) - gravity + turned_work_;
-  const Vector3d velocity = (next_.position - pose_.position) / step_;
-  const Vector3d spin = spin_between(pose_, next_, step_);
-  acceleration_ = (velocity - velocity_) / step_;
-  spin_rate_ = (spin - spin_) / step_;
-  velocity_ = velocity;
-  spin_ = spin;
-  pose_ = next_;
-  known_ = false;
+  for (Bone& bone : bones_) {
+    const Vector3d velocity = (bone.next.position - bone.pose.position) / step_;
+    const Vector3d spin = spin_between(bone.pose, bone.next, step_);
+    bone.acceleration = (velocity - bone.velocity) / step_;
+    bone.spin_rate = (spin - bone.spin) / step_;
+    bone.velocity = velocity;
+    bone.spin = spin;
+    bone.pose = bone.next;
+    bone.known = false;
+  }
 }
 
 void DrivenFrame::cancel_step() {

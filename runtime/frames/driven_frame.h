@@ -8,9 +8,16 @@
 // Everything of the frame is taken at the middle of the step: omega from the two poses,
 // accelerations by the difference of the velocities of neighbouring steps, which is of second
 // order.
+//
+// A body may hang on several bones, each a frame of its own that carries a share w_b(X) of the mass
+// at X (docs/theory.md, "A body on bones"). Its shares ride on their bones, so that s, a, P and c
+// are sums over bones, each with the integrals of its share; since the shares add up to one, so do
+// the integrals, and the kinetic energy relative to the bones is 1/2 |q'|^2 as with one frame.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <vector>
 
 #include <Eigen/LU>
 
@@ -38,23 +45,30 @@ class DrivenFrame final : public StepCoupling {
  public:
   // inertia: about the mesh's origin.
   DrivenFrame(std::shared_ptr<const FrameInertia> inertia, double step);
+  // One a bone, at least one: of the share of the mass that it carries.
+  DrivenFrame(const std::vector<std::shared_ptr<const FrameInertia>>& shares, double step);
 
-  const Pose& pose() const { return pose_; }
-  const Pose& next_pose() const { return next_; }  // at the end of the step to come
+  std::size_t bones() const { return bones_.size(); }
+  const Pose& pose(std::size_t bone = 0) const { return bones_[bone].pose; }
+  // At the end of the step to come.
+  const Pose& next_pose(std::size_t bone = 0) const { return bones_[bone].next; }
 
-  // Puts the frame elsewhere, at rest, without a kick.
-  void teleport(const Pose& pose);
+  // Puts a bone elsewhere, at rest, without a kick.
+  void teleport(const Pose& pose, std::size_t bone = 0);
 
-  // Where the frame is at the end of the next step; without a call it stands still. The first form
-  // knows what was, not what comes: its accelerations are those of the last two nodes, carried on
-  // linearly to the middle of the step.
-  void move_to(const Pose& next);
-  void move_to(const Pose& next, const FrameMotion& motion);
+  // Where a bone is at the end of the next step; without a call it stands still. Without the motion
+  // what was is known, not what comes: its accelerations are those of the last two nodes, carried
+  // on linearly to the middle of the step.
+  void move_to(const Pose& next, std::size_t bone = 0);
+  void move_to(const Pose& next, const FrameMotion& motion, std::size_t bone = 0);
 
   // Of the next step: turns and forces. gravity: m/s^2, world.
   void prepare(const Eigen::Vector3d& gravity);
-  const FrameMotion& motion() const { return motion_; }
-  Eigen::Matrix3d mid_rotation() const { return mid_rotation_; }
+  const Eigen::Matrix3d& mid_rotation(std::size_t bone = 0) const {
+    return bones_[bone].mid_rotation;
+  }
+  // Of gravity at the poses as they are, r.
+  Eigen::VectorXd gravity_force(const Eigen::Vector3d& gravity) const;
   // -S^T a and the constant parts of E and grad Phi, r; to be added to the step's load.
   const Eigen::VectorXd& push() const { return push_; }
   bool turning() const { return turning_; }
@@ -69,13 +83,18 @@ class DrivenFrame final : public StepCoupling {
   // The step was not made: what it booked is taken back.
   void cancel_step();
 
-  double support_work() const { return support_work_; }  // J, on the motion relative to the frame
+  // J, of all bones on the motion relative to them.
+  double support_work() const { return support_work_; }
   double gravity_work() const { return gravity_work_; }  // J, likewise
 
   // What is carried between steps.
   void carry(StateStream& stream) {
-    stream(pose_, next_, motion_.acceleration, motion_.spin, motion_.spin_rate, known_);
-    stream(velocity_, spin_, acceleration_, spin_rate_, support_work_, gravity_work_);
+    for (Bone& bone : bones_) {
+      stream(bone.pose, bone.next, bone.motion.acceleration, bone.motion.spin);
+      stream(bone.motion.spin_rate, bone.known, bone.velocity, bone.spin, bone.acceleration);
+      stream(bone.spin_rate);
+    }
+    stream(support_work_, gravity_work_);
   }
 
   void begin(double h, const Eigen::VectorXd& q0, const Eigen::VectorXd& v0) override;
@@ -85,18 +104,25 @@ class DrivenFrame final : public StepCoupling {
   bool finish(const Eigen::VectorXd& d, double defect, Eigen::VectorXd& v) override;
 
  private:
-  void prepare_turn();
+  struct Bone {
+    std::shared_ptr<const FrameInertia> inertia;
+    Pose pose, next;
+    FrameMotion motion;
+    bool known = false;  // motion was given
+    // Of the last step: velocity, m/s, and spin; at the node before it: their changes over the
+    // step.
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), spin = Eigen::Vector3d::Zero();
+    Eigen::Vector3d acceleration = Eigen::Vector3d::Zero(), spin_rate = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d mid_rotation = Eigen::Matrix3d::Identity();
+    bool turning() const { return !motion.spin.isZero(0.0) || !motion.spin_rate.isZero(0.0); }
+  };
 
-  std::shared_ptr<const FrameInertia> inertia_;
+  void find_motion(Bone& bone) const;
+  void add_turn(const Bone& bone);
+
+  std::vector<Bone> bones_;
   double step_;
-  Pose pose_, next_;
-  FrameMotion motion_;
-  bool known_ = false;  // motion_ was given
   bool turning_ = false;
-  // Of the last step: velocity, m/s, and spin; at the node before it: their changes over the step.
-  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero(), spin_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d acceleration_ = Eigen::Vector3d::Zero(), spin_rate_ = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d mid_rotation_ = Eigen::Matrix3d::Identity();
   Eigen::VectorXd push_, gravity_push_;
   double push_norm_ = 0.0;
   Eigen::MatrixXd stiffness_;  // of E and grad Phi, r x r, not symmetric, 1/s^2

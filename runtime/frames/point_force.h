@@ -8,13 +8,15 @@
 
 namespace tremolo {
 
-// place: the vertex. force: N, along the world's axes, times the signal. steps: so many steps more
-// if positive; else as long as the signal lasts.
+// place: the vertex. weights: with which it hangs on the body's bones; empty with one frame. force:
+// N, along the world's axes, times the signal. steps: so many steps more if positive; else as long
+// as the signal lasts.
 struct PointForce {
   Signal signal;
   VertexRows place;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   int steps = 0;
+  Eigen::VectorXd weights = {};
 };
 
 }  // namespace tremolo

@@ -52,6 +52,14 @@ Pose pose_of(const SpinMotion& spin, double t) {
   return {spin.about - turn * spin.about, turn};
 }
 
+Pose pose_of(const SwingMotion& swing, double t) {
+  const double phase =
+      2.0 * std::numbers::pi * swing.frequency * (t - swing.course.start) + swing.phase;
+  const Eigen::Quaterniond turn =
+      turn_by((swing.amplitude * swing.course.rate(t) * std::sin(phase)) * swing.axis.normalized());
+  return {swing.about - turn * swing.about, turn};
+}
+
 Pose pose_of(const GlideMotion& glide, double t) {
   return shifted(glide.course.path(t) * glide.velocity);
 }
@@ -117,6 +125,17 @@ std::string problem_of(const SpinMotion& spin) {
   if (!spin.axis.allFinite() || !(spin.axis.norm() > 0.0)) return "its axis has no direction";
   if (!spin.about.allFinite() || !std::isfinite(spin.rate)) return "its rate is not finite";
   return course_problem(spin.course);
+}
+
+std::string problem_of(const SwingMotion& swing) {
+  if (!swing.axis.allFinite() || !(swing.axis.norm() > 0.0)) return "its axis has no direction";
+  if (!swing.about.allFinite() || !std::isfinite(swing.amplitude) || !std::isfinite(swing.phase))
+    return "its amplitude, phase or the point that it swings about is not finite";
+  if (!(swing.frequency > 0.0) || !std::isfinite(swing.frequency))
+    return "its frequency must be positive and finite (Hz)";
+  if (!std::isfinite(swing.course.start) || !(swing.course.ramp > 0.0))
+    return "a swing needs a start and a ramp above zero";
+  return course_problem(swing.course);
 }
 
 std::string problem_of(const GlideMotion& glide) {
@@ -319,6 +338,7 @@ Pose MotionPath::part_pose(const Part& part, std::size_t piece, double t) const 
   }
   if (const auto* shake = std::get_if<ShakeMotion>(&part)) return pose_of(*shake, t);
   if (const auto* spin = std::get_if<SpinMotion>(&part)) return pose_of(*spin, t);
+  if (const auto* swing = std::get_if<SwingMotion>(&part)) return pose_of(*swing, t);
   if (const auto* glide = std::get_if<GlideMotion>(&part)) return pose_of(*glide, t);
   return pose_of(std::get<FallMotion>(part), t);
 }

@@ -58,6 +58,17 @@ struct SpinMotion {
   Course course;
 };
 
+// A turn to and fro about the axis through `about`, along the world's axes: amplitude sin(2 pi
+// frequency (t - start) + phase), rad and Hz, within the course, which needs a start and a ramp.
+struct SwingMotion {
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d about = Eigen::Vector3d::Zero();  // m
+  double amplitude = 0.0;
+  double frequency = 1.0;
+  double phase = 0.0;
+  Course course;
+};
+
 // m/s, along the world's axes.
 struct GlideMotion {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
@@ -100,8 +111,8 @@ struct RecordMotion {
   std::vector<Eigen::Vector3d> accelerations;
 };
 
-using MotionPart =
-    std::variant<ShakeMotion, SpinMotion, GlideMotion, FallMotion, KeyframeMotion, RecordMotion>;
+using MotionPart = std::variant<ShakeMotion, SpinMotion, SwingMotion, GlideMotion, FallMotion,
+                                KeyframeMotion, RecordMotion>;
 
 // Nothing: still.
 struct Motion {
@@ -145,7 +156,8 @@ class MotionPath {
     std::vector<double> times;
     std::vector<Eigen::Vector3d> accelerations, velocities, places;
   };
-  using Part = std::variant<ShakeMotion, SpinMotion, GlideMotion, FallMotion, Keys, Record>;
+  using Part =
+      std::variant<ShakeMotion, SpinMotion, SwingMotion, GlideMotion, FallMotion, Keys, Record>;
 
   static Keys make_keys(const KeyframeMotion& motion);
   static void find_slopes(Segment& segment, Interpolation interpolation);

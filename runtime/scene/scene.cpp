@@ -62,6 +62,36 @@ Status check_loads(const SceneBody& body) {
   return Success{};
 }
 
+Status check_bones(const SceneBody& body) {
+  if (body.bones.empty()) {
+    if (body.bone_weights.size() > 0) return content_error("bone-weights: it has no bones");
+    return Success{};
+  }
+  if (body.kind != FrameKind::kDriven)
+    return content_error("bones carry a driven body only: say kind = \"driven\"");
+  if (!(body.bone_blend >= 0.0) || !std::isfinite(body.bone_blend))
+    return content_error("bone-blend must be finite and not negative (m)");
+  std::set<std::string> names;
+  for (const SceneBone& bone : body.bones) {
+    if (bone.name.empty()) return content_error("a bone has no name");
+    const std::string what = "bone '" + bone.name + "': ";
+    if (!bone.parent.empty() && !names.contains(bone.parent))
+      return content_error(what + "parent: there is no bone '" + bone.parent + "' before it");
+    if (!names.insert(bone.name).second)
+      return content_error("two bones are named '" + bone.name + "'");
+    if (!bone.head.allFinite() || !bone.tail.allFinite())
+      return content_error(what + "its head or tail is not finite");
+    if (const Result<MotionPath> path = MotionPath::create(bone.motion); !path)
+      return content_error(what + path.error().message);
+  }
+  if (body.bone_weights.size() == 0) return Success{};
+  if (body.bone_weights.cols() != std::ssize(body.bones))
+    return content_error("bone-weights: there are " + std::to_string(body.bone_weights.cols()) +
+                         " columns for " + std::to_string(body.bones.size()) + " bones");
+  const std::string problem = weights_problem(body.bone_weights);
+  return problem.empty() ? Status(Success{}) : content_error("bone-weights: " + problem);
+}
+
 Status check_body(const SceneBody& body) {
   if (body.model.empty()) return content_error("it names no model");
   if (const std::string problem = pose_problem(body.pose); !problem.empty())
@@ -77,12 +107,16 @@ Status check_body(const SceneBody& body) {
     return content_error("its acceleration-limit must be positive (m/s^2)");
   if (Status s = check_loads(body); !s) return s;
   if (Status s = check_contact(body.contact); !s) return s;
+  if (Status s = check_bones(body); !s) return s;
   return check_motion(body);
 }
 
 // Of a body that needs contact.
 Status check_method(const SceneBody& body) {
   const std::string& method = body.integrator;
+  if (!body.bones.empty())
+    return content_error(
+        "a body on bones touches nothing, and no hand holds it: say contact = false");
   if (frame_kind(body) == FrameKind::kFixed || method == "avf" || method == "ep2" ||
       method == "ep4")
     return Success{};

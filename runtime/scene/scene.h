@@ -15,6 +15,7 @@
 #include "runtime/body.h"
 #include "runtime/contact/collider.h"
 #include "runtime/scene/motion.h"
+#include "runtime/skeleton/bone_weights.h"
 
 namespace tremolo {
 
@@ -37,6 +38,19 @@ struct SceneColumns {
   bool velocities = false;
 };
 
+// A bone of a body. name: its own among the body's bones. parent: the name of one before it, which
+// takes it along; empty: the body's frame does. head, tail: its ends at rest, m, in the mesh's
+// coordinates; by its distance to them the body hangs on it, unless there are weights. motion: its
+// own, relative to the parent, about its head: the parts' positions and axes are along the mesh's
+// axes, from the head.
+struct SceneBone {
+  std::string name;
+  std::string parent;
+  Eigen::Vector3d head = Eigen::Vector3d::Zero();
+  Eigen::Vector3d tail = Eigen::Vector3d::Zero();
+  Motion motion;
+};
+
 // name: each body's own. model: path of the basis file; made_by: the command that makes it, told
 // where it is missing. options.step is not read: a scene has one step. pose: at t = 0; a motion
 // moves the frame from there. velocity, m/s, of the centre of mass, and spin, rad/s: of a free body
@@ -46,7 +60,9 @@ struct SceneColumns {
 // stands still. feels_contact: it touches the scene's colliders, as contact says; a driven, free or
 // turned body then needs avf, ep2 or ep4. Hands hold it either way. contact.shape: what other
 // bodies bump into; without one they pass through. shape_file: of a mesh's distances, in its place;
-// shape_made_by: the command that makes it, told where it is missing.
+// shape_made_by: the command that makes it, told where it is missing. bones: of a driven body that
+// hangs on several frames and touches nothing; bone_weights: a row a drawn vertex, a column a bone;
+// none: by distance, with bone_blend, m (runtime/bones.h; 0: the usual one).
 struct SceneBody {
   std::string name;
   std::string model;
@@ -61,6 +77,9 @@ struct SceneBody {
   bool settled = false;
   std::vector<SceneLoad> loads;
   Motion motion;
+  std::vector<SceneBone> bones;
+  BoneWeights bone_weights;
+  double bone_blend = 0.0;
   double acceleration_limit = 1e4;
   bool feels_contact = true;
   ContactOptions contact;

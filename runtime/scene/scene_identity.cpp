@@ -53,6 +53,10 @@ struct PartAdder {
     identity.add(part.axis, part.about, part.rate);
     add(identity, part.course);
   }
+  void operator()(const SwingMotion& part) const {
+    identity.add(part.axis, part.about, part.amplitude, part.frequency, part.phase);
+    add(identity, part.course);
+  }
   void operator()(const GlideMotion& part) const {
     identity.add(part.velocity);
     add(identity, part.course);
@@ -112,6 +116,13 @@ std::uint64_t hash_of(const SceneBody& body, const Model& model, const Collider*
   identity.add(body.settled, body.loads.size());
   for (const SceneLoad& load : body.loads) add(identity, load);
   add(identity, body.motion);
+  const BoneWeights& weights = body.bone_weights;
+  identity.add(body.bones.size(), body.bone_blend,
+               std::vector<double>(weights.data(), weights.data() + weights.size()));
+  for (const SceneBone& bone : body.bones) {
+    identity.add(bone.name, bone.parent, bone.head, bone.tail);
+    add(identity, bone.motion);
+  }
   const ContactOptions& contact = body.contact;
   identity.add(body.feels_contact, contact.points, contact.margin, contact.stiffness);
   identity.add(contact.friction, contact.restitution, shape != nullptr);

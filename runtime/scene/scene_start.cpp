@@ -87,6 +87,7 @@ Status add_loads(const std::vector<SceneLoad>& loads, Body& body) {
 Status settle(const SceneBody& wanted, const Eigen::Vector3d& gravity, Body& body) {
   const Model& model = body.model();
   Eigen::VectorXd force = push_of_gravity(model, body.pose(), gravity);
+  if (body.bones() > 0) force = body.gravity_force();
   for (const SceneLoad& load : wanted.loads) {
     Signal signal = load.signal;
     signal.table = load.table.get();
@@ -94,7 +95,16 @@ Status settle(const SceneBody& wanted, const Eigen::Vector3d& gravity, Body& bod
     if (now == 0.0) continue;
     Result<DefaultLoad> forces = forces_of(load, model);
     if (!forces) return forces.error();
-    for (Eigen::Vector3d& one : forces->forces) one = body.pose().rotation.conjugate() * one;
+    for (std::size_t i = 0; i < forces->vertices.size(); ++i) {
+      Eigen::Vector3d& one = forces->forces[i];
+      if (body.bones() == 0) {
+        one = body.pose().rotation.conjugate() * one;
+        continue;
+      }
+      const Result<Eigen::Matrix3d> turn = body.turn_at(forces->vertices[i]);
+      if (!turn) return turn.error();
+      one = (turn->transpose() * one).eval();
+    }
     const Result<Eigen::VectorXd> reduced = reduce_load(model, *forces, now);
     if (!reduced) return reduced.error();
     force += *reduced;

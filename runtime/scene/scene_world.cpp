@@ -1,6 +1,7 @@
 #include "runtime/scene/scene_world.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -29,6 +30,25 @@ double reach_of(const Model& model) {
   double reach = 0.0;
   for (const Vector3d& x : model.surface().rest) reach = std::max(reach, x.norm());
   return reach;
+}
+
+// Of what one frame carries. poses: of the frame a step before, now, and a step from now.
+Momenta momenta_in_frame(const FrameInertia& inertia, const Eigen::VectorXd& q,
+                         const Eigen::VectorXd& v, const std::array<Pose, 3>& poses, double h) {
+  const auto& [before, pose, behind] = poses;
+  // Of the frame at the node: the mean of the steps before and behind it.
+  const Vector3d velocity =
+      pose.rotation.conjugate() * (behind.position - before.position) / (2.0 * h);
+  const Vector3d spin = (turn_of(before.rotation.conjugate() * pose.rotation) +
+                         turn_of(pose.rotation.conjugate() * behind.rotation)) /
+                        (2.0 * h);
+  InertiaAt at(q.size());
+  at.compute(inertia, q);
+  const Vector3d moment = inertia.first_moment + inertia.s * q;
+  const Vector3d linear = inertia.mass * velocity + spin.cross(moment) + inertia.s * v;
+  const Vector3d angular = moment.cross(velocity) + at.J * spin + inertia.a * v + at.couple(v);
+  const Vector3d world = pose.rotation * linear;
+  return {world, pose.position.cross(world) + pose.rotation * angular};
 }
 
 Pose unit(const Pose& pose) {
@@ -85,8 +105,12 @@ Status SceneWorld::add(const SceneBody& wanted, Model::Pointer model) {
   IntegratorOptions options = wanted.options;
   options.step = scene_.step;
   const double reach = reach_of(*model);
+  std::shared_ptr<const Skin> skin;
+  if (!wanted.bones.empty())
+    if (Status s = take(skin, make_scene_skin(wanted, *model)); !s) return s;
   Result<Body> body =
-      Body::create(std::move(model), wanted.integrator, options, frame_kind(wanted));
+      skin ? Body::create(std::move(model), wanted.integrator, options, std::move(skin))
+           : Body::create(std::move(model), wanted.integrator, options, frame_kind(wanted));
   if (!body) return body.error();
   Result<MotionPath> path = MotionPath::create(wanted.motion, unit(wanted.pose));
   if (!path) return path.error();
@@ -94,6 +118,12 @@ Status SceneWorld::add(const SceneBody& wanted, Model::Pointer model) {
   Actor actor{std::move(*body), std::move(*path), nullptr};
   if (actor.body.model().inertia() != nullptr)
     actor.inertia = actor.body.model().inertia_about_origin();
+  if (!wanted.bones.empty()) {
+    Result<BonePaths> bones = BonePaths::create(wanted);
+    if (!bones) return bones.error();
+    actor.bones = std::move(*bones);
+    if (Status s = check_bone_accelerations(wanted, *actor.bones, scene_, reach); !s) return s;
+  }
   if (Status s = begin(wanted, actor); !s) return s;
   actor.energy_at_start = actor.body.energy().total();
   actors_.push_back(std::move(actor));
@@ -109,6 +139,12 @@ Status SceneWorld::begin(const SceneBody& wanted, Actor& actor) const {
     if (body.frame() == FrameKind::kFree)
       if (Status s = body.set_motion(wanted.velocity, pose.rotation.conjugate() * wanted.spin); !s)
         return s;
+  }
+  if (actor.bones) {
+    std::vector<Pose> poses(actor.bones->size());
+    actor.bones->poses(0.0, poses);
+    for (std::size_t b = 0; b < poses.size(); ++b)
+      if (Status s = body.set_bone(b, poses[b]); !s) return s;
   }
   // A body makes what gravity needs when it first gets some: not inside a step.
   for (const Vector3d& value : scene_.gravity.values)
@@ -211,7 +247,15 @@ std::optional<std::size_t> SceneWorld::find(std::string_view name) const {
   return std::nullopt;
 }
 
+// Poses of a path are of length one and finite: the call cannot fail.
+void SceneWorld::move_bones(Actor& actor) const {
+  const BonePaths::Step step = actor.bones->step(steps_, scene_.step);
+  for (std::size_t b = 0; b < actor.bones->size(); ++b)
+    (void)actor.body.move_bone_to(b, step.end[b], step.motion(b, scene_.step));
+}
+
 void SceneWorld::move_frame(Actor& actor) const {
+  if (actor.bones) return move_bones(actor);
   if (actor.path.still()) return;
   const double h = scene_.step, t = time();
   const std::size_t piece = actor.path.piece(t + 0.5 * h);
@@ -339,29 +383,29 @@ Momenta SceneWorld::momenta(std::size_t i) const {
   const Body& body = actor.body;
   if (body.frame() == FrameKind::kFree) return {body.linear_momentum(), body.angular_momentum()};
   if (!actor.inertia) return {};
-  const FrameInertia& inertia = *actor.inertia;
-  const Eigen::VectorXd& q = body.state().q;
-  Eigen::VectorXd v(q.size());
+  Eigen::VectorXd v(body.model().modes());
   body.integrator().synchronized_momentum(body.state(), v);
-  // Of the frame at the node: the mean of the steps before and behind it.
-  const Pose pose = body.pose();
-  Vector3d velocity = Vector3d::Zero(), spin = Vector3d::Zero();
-  if (!actor.path.still()) {
-    const double h = scene_.step, t = time();
-    const Pose before = actor.path.pose_in(actor.piece, t - h);
-    const Pose behind = actor.path.pose_in(actor.piece, t + h);
-    velocity = pose.rotation.conjugate() * (behind.position - before.position) / (2.0 * h);
-    spin = (turn_of(before.rotation.conjugate() * pose.rotation) +
-            turn_of(pose.rotation.conjugate() * behind.rotation)) /
-           (2.0 * h);
+  const double h = scene_.step, t = time();
+  if (actor.bones) {
+    const std::size_t count = actor.bones->size();
+    std::vector<Pose> before(count), behind(count);
+    actor.bones->poses(t - h, before);
+    actor.bones->poses(t + h, behind);
+    Momenta sum;
+    for (std::size_t b = 0; b < count; ++b) {
+      const Momenta one = momenta_in_frame(*body.skin()->shares[b], body.state().q, v,
+                                           {before[b], body.bone_pose(b), behind[b]}, h);
+      sum.linear += one.linear;
+      sum.angular += one.angular;
+    }
+    return sum;
   }
-  InertiaAt at(q.size());
-  at.compute(inertia, q);
-  const Vector3d moment = inertia.first_moment + inertia.s * q;
-  const Vector3d linear = inertia.mass * velocity + spin.cross(moment) + inertia.s * v;
-  const Vector3d angular = moment.cross(velocity) + at.J * spin + inertia.a * v + at.couple(v);
-  const Vector3d world = pose.rotation * linear;
-  return {world, pose.position.cross(world) + pose.rotation * angular};
+  const Pose pose = body.pose();
+  if (actor.path.still())
+    return momenta_in_frame(*actor.inertia, body.state().q, v, {pose, pose, pose}, h);
+  return momenta_in_frame(
+      *actor.inertia, body.state().q, v,
+      {actor.path.pose_in(actor.piece, t - h), pose, actor.path.pose_in(actor.piece, t + h)}, h);
 }
 
 Result<std::optional<SceneWorld::Hit>> SceneWorld::pick(const Vector3d& origin,

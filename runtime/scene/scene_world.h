@@ -32,6 +32,7 @@
 #include "runtime/scene/energy_account.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
+#include "runtime/scene/scene_bones.h"
 #include "runtime/scene/scene_colliders.h"
 #include "runtime/scene/scene_hands.h"
 
@@ -155,6 +156,7 @@ class SceneWorld {
     double size = 0.0;              // m, of the contact points
     double penetration = 0.0;       // share of the size
     std::int64_t contacts = 0;
+    std::optional<BonePaths> bones = {};
   };
   struct Hand {
     MovingHand hand;
@@ -184,6 +186,7 @@ class SceneWorld {
   std::span<const PlacedCollider> felt_by(std::size_t i) const;
   Result<ContactOptions> contact_of(const SceneBody& wanted);
   void move_frame(Actor& actor) const;
+  void move_bones(Actor& actor) const;
   void move_hands();
   Status check_apart() const;
   void note_contact(std::size_t i);

@@ -45,6 +45,22 @@ SpinMotion read_spin(TomlKeys& keys) {
   return spin;
 }
 
+// Degrees become radians.
+SwingMotion read_swing(TomlKeys& keys) {
+  SwingMotion swing;
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  double amplitude = 0.0, phase = 0.0;
+  keys.read("axis", swing.axis);
+  keys.read("about", swing.about);
+  keys.read("amplitude", amplitude);
+  keys.read("frequency", swing.frequency);
+  keys.read("phase", phase);
+  swing.amplitude = kDegree * amplitude;
+  swing.phase = kDegree * phase;
+  swing.course = read_course(keys, 0.0, swing.frequency > 0.0 ? 1.0 / swing.frequency : 1.0);
+  return swing;
+}
+
 GlideMotion read_glide(TomlKeys& keys) {
   GlideMotion glide;
   keys.read("velocity", glide.velocity);
@@ -156,11 +172,11 @@ Pose read_pose(TomlKeys& keys) {
 Result<MotionPart> read_motion_part(const toml::table& table, const std::string& path,
                                     const std::string& what, std::vector<std::string>& files) {
   TomlKeys keys(table, path, what);
-  const std::vector<std::string_view> kinds = {"shake", "spin",      "glide",
-                                               "fall",  "keyframes", "csv"};
+  const std::vector<std::string_view> kinds = {"shake",     "spin", "glide", "fall",
+                                               "keyframes", "csv",  "swing"};
   const std::size_t kind = keys.read_word("kind", kinds, kinds.size());
   if (!keys.has("kind"))
-    keys.fail("kind", "it needs a `kind`: shake, spin, glide, fall, keyframes or csv");
+    keys.fail("kind", "it needs a `kind`: shake, swing, spin, glide, fall, keyframes or csv");
   if (kind == 5) return read_csv(keys, files);
   MotionPart part;
   if (kind == 0) part = read_shake(keys);
@@ -168,6 +184,7 @@ Result<MotionPart> read_motion_part(const toml::table& table, const std::string&
   if (kind == 2) part = read_glide(keys);
   if (kind == 3) part = read_fall(keys);
   if (kind == 4) part = read_keyframes(keys);
+  if (kind == 6) part = read_swing(keys);
   if (keys.good())
     if (const std::string problem = part_problem(part); !problem.empty()) keys.fail("", problem);
   if (Status s = keys.finish(); !s) return s.error();

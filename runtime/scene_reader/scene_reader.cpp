@@ -12,6 +12,7 @@
 
 #include "formats/file/whole_file.h"
 #include "runtime/integrator.h"
+#include "runtime/scene_reader/bone_reader.h"
 #include "runtime/scene_reader/contact_reader.h"
 #include "runtime/scene_reader/csv_rows.h"
 #include "runtime/scene_reader/motion_reader.h"
@@ -233,6 +234,7 @@ Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneF
     if (Status s = load_keys.finish(); !s) return s.error();
     std::move(more->begin(), more->end(), std::back_inserter(body.loads));
   }
+  if (Status s = read_bones(keys, file.path, what, file.files, body); !s) return s.error();
   if (Status s = take(body.motion, read_motion(keys, file.path, what, file.files)); !s)
     return s.error();
   if (Status s = keys.finish(); !s) return s.error();

@@ -7,6 +7,7 @@
 
 #include "formats/basis/basis_reader.h"
 #include "runtime/body.h"
+#include "runtime/bones.h"
 #include "runtime/frames/frame_inertia.h"
 #include "tests/support/mass_points.h"
 #include "tests/support/programs.h"
@@ -70,6 +71,39 @@ TEST_F(InertiaProgram, ThreeRanksGiveTheSameIntegralsAsOne) {
       for (Eigen::Index i = 0; i <= j; ++i, ++pair)
         EXPECT_LE((a.B.col(pair) - sign[i] * sign[j] * b.B.col(pair)).norm(), kSame);
   }
+}
+
+TEST_F(InertiaProgram, BonesShareTheInertiaOfAFileThatKeptItsElements) {
+  const std::vector<BoneSegment> bones = {{{0.3, -0.1, 0.2}, {0.5, -0.1, 0.2}},
+                                          {{0.5, -0.1, 0.2}, {0.7, -0.1, 0.2}}};
+  const std::string held = " --fix 'x<0.301' --linear-modes 4 --modes 8";
+  const auto skin_of = [&](const std::string& name) {
+    Result<Model::Pointer> model = Model::load(folder_ + "/" + name);
+    EXPECT_TRUE(model) << (model ? "" : model.error().message);
+    return skin_near_bones(**model, bones, 0.1);
+  };
+  EXPECT_TRUE(made("--order 1" + held, "without.tremolo").elements.corners.empty());
+  const auto refused = skin_of("without.tremolo");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("--keep-elements"), std::string::npos);
+  for (const std::string& arguments :
+       {std::string("--order 1"), std::string("--order 2"), std::string("--encoding compact")}) {
+    const BasisData data = made("--keep-elements " + arguments + held, "kept.tremolo");
+    ASSERT_EQ(data.elements.corners.size(), mesh_.tetrahedra.size());
+    double mass = 0.0;
+    for (const double one : data.elements.masses) mass += one;
+    EXPECT_NEAR(mass, data.inertia->mass, 1e-12 * mass);
+    const auto skin = skin_of("kept.tremolo");
+    ASSERT_TRUE(skin) << arguments << skin.error().message;
+    Eigen::Matrix3Xd s = data.inertia->linear.topRows<3>();
+    for (const auto& share : (*skin)->shares) s -= share->s;
+    EXPECT_LE(s.norm(), 1e-13 * data.inertia->linear.topRows<3>().norm()) << arguments;
+    EXPECT_NEAR((*skin)->shares[0]->mass, (*skin)->shares[1]->mass, 0.02 * mass);
+  }
+  made("--keep-elements --point-mass 'x>0.699'=0.2" + held, "heavy.tremolo");
+  const auto heavy = skin_of("heavy.tremolo");
+  ASSERT_FALSE(heavy);
+  EXPECT_NE(heavy.error().message.find("point masses"), std::string::npos);
 }
 
 // Modes and derivatives of second and third order alike.

@@ -200,8 +200,8 @@ TEST_F(WorldProgram, TellsWhichBodyBeginsInsideACollider) {
 }
 
 TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {
-  for (const char* name :
-       {"tumbling", "shaken-tower", "stopped-horse", "dropped-heart", "pulled-horse", "bells"}) {
+  for (const char* name : {"tumbling", "shaken-tower", "stopped-horse", "dropped-heart",
+                           "pulled-horse", "bells", "walking-horse"}) {
     // Their models are those of this build.
     const std::string path = std::string(TREMOLO_SOURCE_DIR "/assets/scenes/") + name + ".toml";
     std::stringstream text;

@@ -41,6 +41,30 @@ TEST(BasisFile, WhatIsWrittenIsRead) {
   expect_equal(*data, tiny_basis());
 }
 
+TEST(BasisFile, ElementsThatAreKeptAreReadAndThoseThatAreNoneRefused) {
+  BasisData data = tiny_basis();
+  data.elements.corners = {{0, 1, 2, 3}, {0, 1, 2, 4}, {0, 1, 3, 4}, {1, 2, 3, 4}};
+  data.elements.masses = {1.0, 2.0, 3.0, 4.0};
+  const Bytes bytes = *encode_basis(data);
+  const auto read = decode(bytes);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->elements.corners, data.elements.corners);
+  EXPECT_EQ(read->elements.masses, data.elements.masses);
+  expect_equal(*read, tiny_basis());
+  Bytes changed = bytes;
+  put(changed, offset_of(changed, kTetrahedra), std::uint32_t{5});
+  reseal(changed);
+  EXPECT_FALSE(decode(changed));
+  for (const double mass : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    changed = bytes;
+    put(changed, offset_of(changed, kTetrahedronMasses), mass);
+    reseal(changed);
+    EXPECT_FALSE(decode(changed)) << mass;
+  }
+  data.elements.masses.pop_back();
+  EXPECT_FALSE(encode_basis(data));
+}
+
 TEST(BasisFile, BytesAtAnOddAddressAreReadToo) {
   const Bytes bytes = tiny_bytes();
   Bytes shifted(bytes.size() + 1);

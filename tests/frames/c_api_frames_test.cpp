@@ -9,6 +9,8 @@
 #include "formats/basis/basis_writer.h"
 #include "runtime/tremolo.h"
 #include "tests/support/frame_models.h"
+#include "tests/support/rigged_model.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tremolo {
 namespace {
@@ -109,6 +111,63 @@ TEST_F(CApiFrames, DrivenBodyFollowsPosesAsInCpp) {
     ASSERT_TRUE(other.step().converged);
   }
   expect_state(other);
+}
+
+TEST_F(CApiFrames, BonesCarryABodyAsInCpp) {
+  const testing::RiggedBar bar = testing::rigged_bar(4);
+  const std::string path = testing::fresh_folder() + "/bar.tremolo";
+  ASSERT_TRUE(write_basis(path, bar.data));
+  tremolo_model* model = nullptr;
+  ASSERT_EQ(tremolo_model_load(path.c_str(), 0, &model), TREMOLO_OK) << tremolo_last_error();
+  const std::vector<BoneSegment> bones = testing::bar_bones();
+  std::vector<double> segments;
+  for (const BoneSegment& bone : bones)
+    for (const Vector3d& end : {bone.head, bone.tail})
+      segments.insert(segments.end(), end.begin(), end.end());
+  tremolo_body* body = nullptr;
+  ASSERT_EQ(tremolo_body_create_on_bones(model, nullptr, 3, segments.data(), 0.08, &body),
+            TREMOLO_OK)
+      << tremolo_last_error();
+  Body other = testing::make_rigged(bar.model, testing::bar_skin(bar), {});
+  const BoneWeights weights = testing::bar_skin(bar)->drawn;
+  tremolo_body* weighed = nullptr;
+  ASSERT_EQ(tremolo_body_create_with_weights(model, nullptr, 3, weights.data(), &weighed),
+            TREMOLO_OK)
+      << tremolo_last_error();
+  for (int k = 1; k <= 50; ++k) {
+    const double half = 0.01 * k, turn[] = {std::cos(half), 0.0, std::sin(half), 0.0};
+    const tremolo_frame_motion motion = {{1.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, {0.0, 0.1, 0.0}};
+    for (const std::size_t bone : {std::size_t{1}, std::size_t{2}}) {
+      const bool known = bone == 1;
+      for (tremolo_body* each : {body, weighed})
+        ASSERT_EQ(tremolo_body_move_bone_to(each, bone, kHere, turn, known ? &motion : nullptr),
+                  TREMOLO_OK);
+      const Pose pose{Vector3d(kHere), Eigen::Quaterniond(turn[0], turn[1], turn[2], turn[3])};
+      const FrameMotion same = {{1.0, 0.0, 0.0}, {0.0, 6.0, 0.0}, {0.0, 0.1, 0.0}};
+      ASSERT_TRUE(known ? other.move_bone_to(bone, pose, same) : other.move_bone_to(bone, pose));
+    }
+    for (tremolo_body* each : {body, weighed})
+      ASSERT_EQ(tremolo_body_step(each, 1, nullptr), TREMOLO_OK);
+    ASSERT_TRUE(other.step().converged);
+  }
+  Eigen::VectorXd q(4), p(4);
+  ASSERT_EQ(tremolo_body_state(body, q.data(), p.data(), 4), TREMOLO_OK);
+  EXPECT_GT(q.norm(), 1e-3);
+  EXPECT_EQ(q, other.state().q);
+  // Vertices inside have the weights of the nearest drawn one instead of their own.
+  ASSERT_EQ(tremolo_body_state(weighed, q.data(), p.data(), 4), TREMOLO_OK);
+  EXPECT_LE((q - other.state().q).norm(), 0.2 * q.norm());
+  EXPECT_EQ(tremolo_body_set_bone(body, 3, kHere, kUpright), TREMOLO_USAGE);
+  EXPECT_NE(std::strstr(tremolo_last_error(), "no bone 3"), nullptr);
+  EXPECT_EQ(tremolo_body_set_contact(body, nullptr), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_body_create_on_bones(model, nullptr, 0, segments.data(), 0.1, &body),
+            TREMOLO_USAGE);
+  const std::vector<double> wrong(weights.size(), 1.0);
+  EXPECT_EQ(tremolo_body_create_with_weights(model, nullptr, 3, wrong.data(), &body),
+            TREMOLO_CONTENT);
+  tremolo_body_destroy(body);
+  tremolo_body_destroy(weighed);
+  tremolo_model_release(model);
 }
 
 TEST_F(CApiFrames, WhatIsWrongIsToldAndChangesNothing) {

@@ -7,6 +7,7 @@
 
 #include "runtime/scene/scene_world.h"
 #include "tests/support/frame_models.h"
+#include "tests/support/rigged_model.h"
 
 #if defined(__GLIBC__) && !defined(TREMOLO_SANITIZED)
 namespace {
@@ -56,7 +57,19 @@ TEST(SceneAllocation, StepsOfAllKindsOfFramesAllocateNothing) {
       body.loads = {load};
       scene.bodies.push_back(body);
     }
-  Result<SceneWorld> world = SceneWorld::create(scene, [](const SceneBody& body) {
+  SceneBody boned;
+  boned.name = boned.model = "boned";
+  boned.kind = FrameKind::kDriven;
+  boned.bones.resize(2);
+  boned.bones[0].name = "a";
+  boned.bones[1].name = "b";
+  boned.bones[1].parent = "a";
+  boned.bones[1].head = boned.bones[1].tail = {0.4, 0.0, 0.0};
+  boned.bones[1].motion.parts = {SpinMotion{{0, 0, 1}, {0, 0, 0}, 3.0, {}}};
+  scene.bodies.push_back(boned);
+  const testing::RiggedBar bar = testing::rigged_bar(6);
+  Result<SceneWorld> world = SceneWorld::create(scene, [&bar](const SceneBody& body) {
+    if (body.model == "boned") return Result<Model::Pointer>(bar.model);
     return Result<Model::Pointer>(testing::frame_model(6, body.model == "free", 14.0, 120.0));
   });
   ASSERT_TRUE(world) << world.error().message;

@@ -23,6 +23,8 @@ void tremolo::fuzz::read_input(std::string_view bytes) {
     if (!path) finding("a motion that is none");
     for (const double t : {-1.0, 0.0, 0.5, 1e3})
       if (!pose_problem(path->pose(t)).empty()) finding("a pose that is none");
+    for (const SceneBone& bone : body.bones)
+      if (bone.name.empty() || !MotionPath::create(bone.motion)) finding("a bone that is none");
     if (!(body.contact.margin > 0.0) || body.contact.points < 1)
       finding("contact without a margin or a point");
   }

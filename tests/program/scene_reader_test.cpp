@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -238,7 +239,7 @@ TEST(SceneReader, TellsWhatIsWrongWithAMotion) {
   const auto with = [](const std::string& keys) { return kDriven + "[[bodies.motion]]\n" + keys; };
   expect_refused(with("rate = 1\n"), "body 'a', motion: it needs a `kind`");
   expect_refused(with("kind = \"jump\"\n"),
-                 "must be one of shake, spin, glide, fall, keyframes, csv");
+                 "must be one of shake, spin, glide, fall, keyframes, csv, swing");
   expect_refused(with("kind = \"shake\"\nfrequency = 0\n"), "its frequency must be positive");
   expect_refused(with("kind = \"spin\"\nspeed = 3\n"),
                  "line 7: body 'a', motion: unknown key 'speed'");
@@ -254,6 +255,73 @@ TEST(SceneReader, TellsWhatIsWrongWithAMotion) {
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().kind, ErrorKind::kSystem);
   EXPECT_NE(missing.error().message.find("none.csv"), std::string::npos);
+}
+
+TEST(SceneReader, ReadsBones) {
+  const std::string folder = testing::fresh_folder();
+  std::ofstream(folder + "/weights.csv") << "upper,lower\n1,0\n0.25,0.75\n0,1\n";
+  const std::string bones =
+      "[[bodies.bones]]\nname = \"upper\"\nhead = [0, 0, 1]\ntail = [0, 0, 2]\n"
+      "[[bodies.bones]]\nname = \"lower\"\nparent = \"upper\"\nhead = [0, 0, 2]\n"
+      "[[bodies.bones.motion]]\nkind = \"swing\"\naxis = [0, 1, 0]\namplitude = 90\n"
+      "frequency = 2\nphase = 180\n";
+  const std::string path = folder + "/s.toml";
+  const SceneFile by_distance = read_scene_text(kDriven + "bone-blend = 0.1\n" + bones, path);
+  const SceneBody& body = by_distance.scene.bodies[0];
+  ASSERT_EQ(body.bones.size(), 2U);
+  EXPECT_EQ(body.bones[0].name, "upper");
+  EXPECT_EQ(body.bones[0].tail, Vector3d(0.0, 0.0, 2.0));
+  EXPECT_EQ(body.bones[1].parent, "upper");
+  EXPECT_EQ(body.bones[1].tail, body.bones[1].head);
+  EXPECT_EQ(body.bone_blend, 0.1);
+  EXPECT_EQ(body.bone_weights.size(), 0);
+  const auto& swing = std::get<SwingMotion>(body.bones[1].motion.parts[0]);
+  EXPECT_NEAR(swing.amplitude, std::numbers::pi / 2.0, 1e-15);
+  EXPECT_NEAR(swing.phase, std::numbers::pi, 1e-15);
+  EXPECT_EQ(swing.course.ramp, 0.5);  // a period
+  const SceneFile given =
+      read_scene_text(kDriven + "bone-weights = \"weights.csv\"\n" + bones, path);
+  EXPECT_EQ(given.files, std::vector{folder + "/weights.csv"});
+  ASSERT_EQ(given.scene.bodies[0].bone_weights.rows(), 3);
+  EXPECT_EQ(given.scene.bodies[0].bone_weights(1, 1), 0.75);
+}
+
+TEST(SceneReader, TellsWhatIsWrongWithBones) {
+  const auto with = [](const std::string& keys) { return kDriven + "[[bodies.bones]]\n" + keys; };
+  expect_refused(with("head = [0, 0, 1]\n"), "line 5: body 'a', bone 1: it has no `name`");
+  expect_refused(with("name = \"b\"\nlength = 1\n"),
+                 "line 7: body 'a', bone 'b': unknown key 'length'");
+  expect_refused(with("name = \"b\"\nhead = [1]\n"), "body 'a', bone 'b': 'head' must be");
+  expect_refused(with("name = \"b\"\nparent = \"c\"\n"),
+                 "body 'a': bone 'b': parent: there is no bone 'c' before it");
+  expect_refused(with("name = \"b\"\n[[bodies.bones.motion]]\nkind = \"keyframes\"\n"
+                      "keys = [[0, 0, 0, 0, 1, 1, 0, 0]]\n"),
+                 "bone 'b', motion: key 1: the quaternion is of length 1.41421, must be 1");
+  expect_refused(kBody + "[[bodies.bones]]\nname = \"b\"\n",
+                 "body 'a': bones carry a driven body only");
+  expect_refused(kDriven + "bone-weights = \"w.csv\"\n", "there are no [[bodies.bones]]");
+  expect_refused(kDriven +
+                     "bone-weights = \"w.csv\"\nbone-blend = 1\n[[bodies.bones]]\nname = "
+                     "\"b\"\n",
+                 "say one thing");
+  expect_refused(kDriven + "bone-blend = -1\n[[bodies.bones]]\nname = \"b\"\n",
+                 "bone-blend must be finite and not negative");
+
+  const std::string folder = testing::fresh_folder();
+  const auto refused = [&](const std::string& rows, const std::string& words) {
+    std::ofstream(folder + "/w.csv") << rows;
+    const Result<SceneFile> file =
+        parse_world(kDriven +
+                        "bone-weights = \"w.csv\"\n[[bodies.bones]]\nname = \"b\"\n"
+                        "[[bodies.bones]]\nname = \"c\"\n",
+                    folder + "/s.toml");
+    ASSERT_FALSE(file);
+    EXPECT_EQ(file.error().message.find(folder + "/w.csv"), 0U) << file.error().message;
+    EXPECT_NE(file.error().message.find(words), std::string::npos) << file.error().message;
+  };
+  refused("b,c\n1,0\n0.5,0.6\n", "row 2: the weights sum to 1.1, must sum to 1");
+  refused("1,0\n1.5,-0.5\n", "row 2: a weight is -0.5, must not be negative");
+  refused("1,0\n1,0,0\n", "line 2: expected a weight for each of the 2 bones");
 }
 
 TEST(SceneReader, TellsTheLineOfACsvFile) {

@@ -9,6 +9,7 @@
 namespace tremolo {
 
 Status Body::set_contact(const ContactOptions& options) {
+  if (bones() > 1) return usage_error("a body on several bones touches nothing");
   if (model_->inertia() == nullptr)
     return usage_error(
         "contact needs the inertia integrals, which this basis file has not; make it again with "

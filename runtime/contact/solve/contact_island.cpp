@@ -13,6 +13,8 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 120;
+// Of what is small: less of it counts as converged, as the last move of Newton's method makes it.
+constexpr double kConverged = 0.1;
 // In how many iterations members move by themselves first, and how often in each; one attempt at
 // the step after the other.
 struct Attempt {
@@ -121,6 +123,10 @@ std::size_t ContactIsland::root(std::size_t i) {
   return i;
 }
 
+bool ContactIsland::is_converged(std::size_t i) const {
+  return sizes_[i] <= kConverged * enough_[i];
+}
+
 // Who is not converged makes groups with what it touches: group_ is the lowest member of a group,
 // or kStill. False: all are converged.
 bool ContactIsland::find_groups() {
@@ -129,13 +135,13 @@ bool ContactIsland::find_groups() {
   bool any = false;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     parent_[i] = i;
-    if (sizes_[i] <= enough_[i]) continue;
+    if (is_converged(i)) continue;
     group_[i] = i;
     any = true;
   }
   for (const Coupling& coupling : std::span(couplings_).first(coupled_)) {
     const auto [x, y] = std::pair{coupling.a, coupling.b};
-    if (!coupling.touches || !(sizes_[x] > enough_[x] || sizes_[y] > enough_[y])) continue;
+    if (!coupling.touches || (is_converged(x) && is_converged(y))) continue;
     group_[x] = group_[y] = 0;
     const std::size_t first = root(x), second = root(y);
     parent_[std::max(first, second)] = std::min(first, second);

@@ -79,6 +79,7 @@ class ContactIsland {
   void choose_one(std::size_t member);
   void arrange();
   std::size_t root(std::size_t i);
+  bool is_converged(std::size_t i) const;
   bool find_groups();
   double measure();
   Outcome move(int iteration, double& heavier);

@@ -1,0 +1,60 @@
+// The bones of a scene's body as functions of time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/bones.h"
+#include "runtime/frames/driven_frame.h"
+#include "runtime/scene/motion.h"
+#include "runtime/scene/scene.h"
+
+namespace tremolo {
+
+// The skin that the body asks for. Errors of skin_of_weights and skin_near_bones.
+Result<std::shared_ptr<const Skin>> make_scene_skin(const SceneBody& body, const Model& model);
+
+// T_b(t) = T_parent(t) (h_b M_b(t) h_b^-1): M_b is the bone's own motion, about its head, where
+// h_b puts the origin; the parent of a bone that names none is the body's frame.
+class BonePaths {
+ public:
+  // Errors: kContent, with the bone's name, for a motion that is none or that jumps.
+  static Result<BonePaths> create(const SceneBody& body);
+
+  std::size_t size() const { return bones_.size(); }
+  // One a bone. Nothing is allocated.
+  void poses(double t, std::span<Pose> out) const;
+  // The motion of every bone in the k-th step, counted from 0, and where it ends. Nothing is
+  // allocated. Valid until the next call.
+  struct Step {
+    std::span<const Pose> before, start, end, after;
+    FrameMotion motion(std::size_t bone, double step) const {
+      return motion_between(before[bone], start[bone], end[bone], after[bone], step);
+    }
+  };
+  Step step(std::int64_t k, double step);
+
+ private:
+  struct Bone {
+    MotionPath path;  // of M_b h_b^-1
+    Eigen::Vector3d head;
+    std::size_t parent;  // size(): the body's frame
+  };
+
+  explicit BonePaths(MotionPath root) : root_(std::move(root)) {}
+
+  MotionPath root_;
+  std::vector<Bone> bones_;
+  std::vector<Pose> poses_[4];
+};
+
+// Errors: kContent, telling the bone and the acceleration, where a point within `reach` (m) of the
+// mesh's origin would be accelerated by a bone above the body's limit.
+Status check_bone_accelerations(const SceneBody& wanted, BonePaths& paths, const Scene& scene,
+                                double reach);
+
+}  // namespace tremolo

@@ -1,0 +1,78 @@
+// A body's skin on its bones, by linear blending:
+//
+//     x = sum_b w_b(X) T_b (X + U q),     T_b y = c_b + R_b y
+//
+// T_b is where bone b is now relative to where it is at rest, in the mesh's coordinates.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "runtime/frames/frame_inertia.h"
+#include "runtime/frames/pose.h"
+#include "runtime/skeleton/bone_weights.h"
+
+namespace tremolo {
+
+// Made for one model (runtime/bones.h); bodies share it. drawn, surface, interior: the weights of
+// the vertices that are drawn, of the boundary's and of those inside. shares: the inertia of what
+// each bone carries, about the mesh's origin.
+struct Skin {
+  BoneWeights drawn, surface, interior;
+  std::vector<std::shared_ptr<const FrameInertia>> shares;
+
+  std::size_t bones() const { return shares.size(); }
+};
+
+// The matrix [R c] of a pose.
+using BoneMap = Eigen::Matrix<double, 3, 4>;
+
+inline BoneMap bone_map(const Pose& pose) {
+  BoneMap map;
+  map << pose.rotation.toRotationMatrix(), pose.position;
+  return map;
+}
+
+// sum_b w_b [R_b c_b]. Weights of zero cost nothing.
+template <class Weights>
+BoneMap blended(const Weights& weights, std::span<const BoneMap> maps) {
+  BoneMap sum = BoneMap::Zero();
+  for (std::size_t b = 0; b < maps.size(); ++b)
+    if (const double weight = weights[static_cast<Eigen::Index>(b)]; weight != 0.0)
+      sum += weight * maps[b];
+  return sum;
+}
+
+// Moves places x y z x y z ..., one a row of the weights, in place. Nothing is allocated.
+template <class Number>
+void skin_places(const BoneWeights& weights, std::span<const BoneMap> maps,
+                 std::span<Number> places) {
+  using Vector = Eigen::Matrix<Number, 3, 1>;
+  for (std::size_t i = 0; i + 2 < places.size(); i += 3) {
+    const Eigen::Matrix<Number, 3, 4> map =
+        blended(weights.row(static_cast<Eigen::Index>(i / 3)), maps).template cast<Number>();
+    Eigen::Map<Vector> x(places.data() + i);
+    x = (map.template leftCols<3>() * x + map.col(3)).eval();
+  }
+}
+
+// Turns unit normals likewise and makes them of length one again: exact where one bone carries a
+// vertex, without the slope of the weights elsewhere. A zero normal stays zero.
+template <class Number>
+void skin_normals(const BoneWeights& weights, std::span<const BoneMap> maps,
+                  std::span<Number> normals) {
+  using Vector = Eigen::Matrix<Number, 3, 1>;
+  for (std::size_t i = 0; i + 2 < normals.size(); i += 3) {
+    const auto row = weights.row(static_cast<Eigen::Index>(i / 3));
+    const Eigen::Matrix<Number, 3, 4> map = blended(row, maps).template cast<Number>();
+    Eigen::Map<Vector> x(normals.data() + i);
+    x = (map.template leftCols<3>() * x).eval();
+    if (const Number length = x.norm(); length > Number(0) && row.maxCoeff() < 1.0) x /= length;
+  }
+}
+
+}  // namespace tremolo
