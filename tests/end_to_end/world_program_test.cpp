@@ -199,20 +199,23 @@ TEST_F(WorldProgram, TellsWhichBodyBeginsInsideACollider) {
   EXPECT_NE(result.err.find("inside collider 'floor'"), std::string::npos) << result.err;
 }
 
+// A scene of assets/scenes with the models of this build.
+std::string shipped_scene(const std::string& name) {
+  std::stringstream text;
+  text << std::ifstream(TREMOLO_SOURCE_DIR "/assets/scenes/" + name + ".toml").rdbuf();
+  std::string scene = text.str();
+  for (const auto& [from, to] :
+       {std::pair<std::string, std::string>{"../../build/models", TREMOLO_MODEL_DIR},
+        {"\"earthquake.csv\"", "\"" TREMOLO_SOURCE_DIR "/assets/scenes/earthquake.csv\""}})
+    for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
+      scene.replace(at, from.size(), to);
+  return scene;
+}
+
 TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {
   for (const char* name : {"tumbling", "shaken-tower", "stopped-horse", "dropped-heart",
-                           "pulled-horse", "bells", "walking-horse"}) {
-    // Their models are those of this build.
-    const std::string path = std::string(TREMOLO_SOURCE_DIR "/assets/scenes/") + name + ".toml";
-    std::stringstream text;
-    text << std::ifstream(path).rdbuf();
-    std::string scene = text.str();
-    for (const auto& [from, to] :
-         {std::pair<std::string, std::string>{"../../build/models", TREMOLO_MODEL_DIR},
-          {"\"earthquake.csv\"", "\"" TREMOLO_SOURCE_DIR "/assets/scenes/earthquake.csv\""}})
-      for (std::size_t at = 0; (at = scene.find(from, at)) != std::string::npos; at += to.size())
-        scene.replace(at, from.size(), to);
-    const ProgramResult result = run(scene, "--json");
+                           "pulled-horse", "bells", "walking-horse", "stacked-baskets"}) {
+    const ProgramResult result = run(shipped_scene(name), "--json");
     ASSERT_EQ(result.code, 0) << name << result.err;
     const json report = json::parse(result.out);
     // Contact is solved to 1e-10 of the momenta in a step.
@@ -224,6 +227,22 @@ TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {
     EXPECT_GT(share, 0.02) << name;
     EXPECT_LT(share, 0.3) << name;
   }
+}
+
+// The first layers have reached the floor then, and each other.
+TEST_F(WorldProgram, PoursTwoHundredBalls) {
+  const ProgramResult result = run(shipped_scene("poured"), "--json --duration 0.15");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  ASSERT_EQ(report["bodies"].size(), 200U);
+  EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
+  int contacts = 0;
+  for (const json& body : report["bodies"]) {
+    contacts += body["contacts"].get<int>();
+    EXPECT_LE(body["penetration_max"].get<double>(), 0.02) << body["body"];
+  }
+  EXPECT_GE(contacts, 50);
+  EXPECT_NE(result.err.find("and 188 bodies more"), std::string::npos) << result.err;
 }
 
 // A run that is cut in two by --save and --restore writes the same rows, and the same file at the

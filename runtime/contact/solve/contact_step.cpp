@@ -143,7 +143,6 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   c0_ = free_ != nullptr ? free_->rigid().centre : poses_.start.position;
   z_.head(r) = h * v0_;
   for (Candidate& candidate : candidates_) candidate.held = {candidate.start.normal};
-  scale_ = 0.0;
   pairs_ = {};
   pairs_start_ = 0.0;
   if (free_ != nullptr) {
@@ -471,9 +470,9 @@ double ContactStep::way_of_move() const {
   return way + turned + move_.segment<3>(r + 3).norm();
 }
 
-double ContactStep::enough() {
-  scale_ = std::max(scale_, size_of_motion());
-  return std::max({kTolerance * scale_, grips_rounding(), std::numeric_limits<double>::min()});
+double ContactStep::enough() const {
+  return std::max({kTolerance * size_of_motion(), grips_rounding(),
+                   std::numeric_limits<double>::min()});
 }
 
 double renewal(int iteration, double size) {

@@ -89,7 +89,7 @@ class ContactStep {
   // The product of the residual, as forces, with a move of the unknowns: the slope of what the step
   // minimizes, J, but for what turns.
   double work_along(const Eigen::Ref<const Eigen::VectorXd>& move) const;
-  double enough();  // a residual's size that is small; call it once an iteration
+  double enough() const;  // a residual's size that is small
   // heavier: so many times more inertia than there is, for a move that falls.
   void make_jacobian(double heavier);
   // What other bodies' contact is in the account: energy, lost, rubbed, work, given, penetration,
@@ -252,7 +252,6 @@ class ContactStep {
   Eigen::Vector3d c0_, c1_;  // of the mesh's origin, or of a free body's centre of mass
   Eigen::Vector3d origin_;   // in the mesh's coordinates, of c
   Eigen::Vector3d contact_force_, contact_torque_;
-  double scale_ = 0.0;
 };
 
 }  // namespace tremolo

@@ -24,6 +24,8 @@
 namespace tremolo {
 namespace {
 
+constexpr std::size_t kTold = 12;  // bodies whose lines a run prints
+
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
@@ -201,7 +203,8 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
 
 void print_bodies(const SceneFile& file, const SceneWorld& world,
                   const std::vector<BodyLog>& logs) {
-  for (std::size_t i = 0; i < logs.size(); ++i) {
+  const std::size_t told = std::min(logs.size(), kTold);
+  for (std::size_t i = 0; i < told; ++i) {
     const BodyReport& report = logs[i].report();
     const EnergyAccount& account = report.account;
     tell("  {} ({}, {}): energy {:.6g} -> {:.6g} J; ", file.scene.bodies[i].name,
@@ -221,6 +224,7 @@ void print_bodies(const SceneFile& file, const SceneWorld& world,
     if (!report.files.empty())
       tell("    wrote into {}: {}\n", logs[i].options().out, list_files(report.files));
   }
+  if (told < logs.size()) tell("  and {} bodies more, of which --json tells\n", logs.size() - told);
 }
 
 Status begin_where_saved(const SceneFile& file, SceneWorld& world) {

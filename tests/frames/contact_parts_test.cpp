@@ -1,0 +1,227 @@
+// The parts of contact between bodies, each by itself: the law of a pair, the distance from a bent
+// body, the solver of blocks.
+#include <algorithm>
+#include <random>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "runtime/contact/contact_law.h"
+#include "runtime/contact/solve/bent_shape.h"
+#include "runtime/contact/solve/block_solver.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+class Numbers {
+ public:
+  double one(double size) { return size * spread_(engine_); }
+  Vector3d vector(double size) { return {one(size), one(size), one(size)}; }
+  VectorXd column(Eigen::Index n, double size) {
+    return VectorXd::NullaryExpr(n, [&] { return one(size); });
+  }
+  MatrixXd matrix(Eigen::Index rows, Eigen::Index columns, double size) {
+    return MatrixXd::NullaryExpr(rows, columns, [&] { return one(size); });
+  }
+
+ private:
+  std::mt19937 engine_{7};
+  std::uniform_real_distribution<double> spread_{-1.0, 1.0};
+};
+
+// h = 1 ms, margin 0.3 mm, as a ball of 6 cm has it.
+constexpr double kStep = 1e-3;
+ContactLaw pair_law() {
+  return {.margin = 3e-4,
+          .stiffness = 2e9,
+          .restitution = 0.4,
+          .friction = 0.3,
+          .rebound_speed = 3e-3,
+          .slip_speed = 3e-3};
+}
+
+// F.p - F_w.w, the work that the force does on the point less what it does on the bending, is what
+// the energy falls by less what restitution and friction take; whatever p, w and d1 are.
+TEST(ContactParts, ThePairGivesWhatItStored) {
+  Numbers numbers;
+  const ContactLaw law = pair_law();
+  int pushed = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double d0 = numbers.one(4e-4), d1 = d0 + numbers.one(2e-4);
+    const ContactHeld held{Vector3d(0.1, 0.2, 1.0) + numbers.vector(0.1), 0.5};
+    // Now and then the point sticks to what bends under it.
+    const Vector3d bend = numbers.vector(2e-4);
+    const ContactWay way{i % 3 == 0 ? bend : numbers.vector(2e-4), bend};
+    const ContactForce contact = contact_force(law, d0, law.energy(d0), d1, way, kStep, held);
+    const double work = contact.force.dot(way.path) - contact.bend_force.dot(way.bend);
+    const double given = law.energy(d0) - law.energy(d1) - contact.lost - contact.rubbed;
+    EXPECT_NEAR(work, given, 1e-12 * (law.energy(d0) + law.energy(d1) + contact.rubbed)) << i;
+    if (contact.pressure == 0.0) continue;
+    ++pushed;
+    // No correction is longer than the change of distance that the normal leaves unexplained.
+    EXPECT_LT(contact.force.norm(), 40.0 * contact.pressure + 0.5) << i;
+  }
+  EXPECT_GT(pushed, 1000);
+}
+
+TEST(ContactParts, TheSlopesAreDerivatives) {
+  Numbers numbers;
+  const ContactLaw law = pair_law();
+  for (int i = 0; i < 200; ++i) {
+    const double d0 = numbers.one(2e-4), d1 = d0 + numbers.one(1e-4);
+    const ContactHeld held{Vector3d(0.1, 0.2, 1.0), 0.5};
+    const ContactWay way{numbers.vector(1e-4), numbers.vector(1e-4)};
+    const double d_distance = numbers.one(1.0);
+    const Vector3d d_path = numbers.vector(1.0), d_bend = numbers.vector(1.0);
+    const auto at = [&](double t) {
+      return contact_force(law, d0, law.energy(d0), d1 + t * d_distance,
+                           {way.path + t * d_path, way.bend + t * d_bend}, kStep, held);
+    };
+    const double t = 1e-10;
+    const ContactForce now = at(0.0), before = at(-t), after = at(t);
+    const auto fall = [&](const ContactSlope& slope) {
+      return Vector3d(slope.by_distance * d_distance + slope.by_path * d_path +
+                      slope.by_bend * d_bend);
+    };
+    const double size = now.slope.by_distance.norm() + now.slope.by_path.norm();
+    EXPECT_LT(((before.force - after.force) / (2 * t) - fall(now.slope)).norm(), 2e-5 * size) << i;
+    EXPECT_LT(((before.bend_force - after.bend_force) / (2 * t) - fall(now.bend_slope)).norm(),
+              2e-5 * size)
+        << i;
+  }
+}
+
+// Points of a sphere whose coordinates bend it.
+ContactPoints sphere_points(Numbers& numbers, std::size_t count, Eigen::Index r) {
+  ContactPoints points;
+  for (std::size_t i = 0; i < count; ++i) points.rest.push_back(numbers.vector(1.0).normalized());
+  const auto n = static_cast<Eigen::Index>(count);
+  points.rows = numbers.matrix(r, 3 * n, 0.2);
+  points.field = ScatteredPoints(points.rest, 0.01);
+  const auto stride = static_cast<Eigen::Index>(points.field.stride());
+  points.axis_rows.setZero(3 * stride, r);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      points.axis_rows.row(axis * stride + i) = points.rows.col(3 * i + axis).transpose();
+  return points;
+}
+
+TEST(ContactParts, ABentDistanceHasItsDerivatives) {
+  Numbers numbers;
+  constexpr Eigen::Index kModes = 5;
+  const Collider shape = SphereShape{1.0};
+  BentScratch scratch;
+  for (const std::size_t count : {7, 30, 101}) {
+    const ContactPoints points = sphere_points(numbers, count, kModes);
+    for (int i = 0; i < 20; ++i) {
+      const VectorXd q = numbers.column(kModes, 0.3), dq = numbers.column(kModes, 1.0);
+      const Vector3d y = 1.1 * numbers.vector(1.0).normalized(), dy = numbers.vector(1.0);
+      VectorXd u;
+      points.displacement(q, u);
+      const BentShape bent{&shape, &points, &u};
+      // The mean by the weights, summed as it is written.
+      Vector3d sum = Vector3d::Zero();
+      double weight = 0.0;
+      for (std::size_t k = 0; k < count; ++k) {
+        const double near = 1.0 / ((y - points.rest[k]).squaredNorm() + 0.01);
+        sum += near * near * (points.place(k, q) - points.rest[k]);
+        weight += near * near;
+      }
+      EXPECT_LT((field_at(points.field, u, y) - sum / weight).norm(), 1e-14);
+
+      const double t = 1e-6;
+      const auto at = [&](double by_place, double by_q) {
+        VectorXd moved;
+        points.displacement(q + by_q * dq, moved);
+        return bent_distance({&shape, &points, &moved}, y + by_place * dy);
+      };
+      VectorXd change;
+      const Vector3d gradient = bent_change(bent, y, scratch, change);
+      EXPECT_NEAR((at(t, 0) - at(-t, 0)) / (2 * t), gradient.dot(dy), 1e-8);
+      EXPECT_NEAR((at(0, t) - at(0, -t)) / (2 * t), change.dot(dq), 1e-8);
+      EXPECT_LT((bent_gradient(bent, y) - gradient).norm(), 1e-15);
+      // The place's rows tell the same change.
+      Eigen::MatrixX3d rows;
+      bent_rows(bent, y, scratch, rows);
+      EXPECT_NEAR(-gradient.dot(rows.transpose() * dq), change.dot(dq), 1e-12);
+    }
+  }
+}
+
+// Bodies with sizes of their own, linked as given; against a dense decomposition.
+void expect_solution(std::size_t bodies, const std::vector<std::pair<int, int>>& pairs,
+                     double coupling, int most_iterations) {
+  Numbers numbers;
+  std::vector<Eigen::Index> first = {0};
+  for (std::size_t i = 0; i < bodies; ++i)
+    first.push_back(first.back() + 3 + static_cast<Eigen::Index>(i % 4));
+  const Eigen::Index n = first.back();
+  MatrixXd all = MatrixXd::Zero(n, n);
+  std::vector<MatrixXd> blocks(bodies);
+  std::vector<const MatrixXd*> diagonal;
+  for (std::size_t i = 0; i < bodies; ++i) {
+    const Eigen::Index size = first[i + 1] - first[i];
+    // Larger than what is used of it.
+    blocks[i] = numbers.matrix(size + 2, size + 2, 1.0);
+    blocks[i].diagonal().array() += 8.0;
+    all.block(first[i], first[i], size, size) = blocks[i].topLeftCorner(size, size);
+    diagonal.push_back(&blocks[i]);
+  }
+  std::vector<std::pair<MatrixXd, MatrixXd>> both(pairs.size());
+  std::vector<BlockLink> links;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto a = static_cast<std::size_t>(pairs[k].first);
+    const auto b = static_cast<std::size_t>(pairs[k].second);
+    const Eigen::Index rows = first[a + 1] - first[a], columns = first[b + 1] - first[b];
+    both[k] = {numbers.matrix(rows, columns, coupling), numbers.matrix(columns, rows, coupling)};
+    all.block(first[a], first[b], rows, columns) = both[k].first;
+    all.block(first[b], first[a], columns, rows) = both[k].second;
+    links.push_back({a, b, &both[k].first, &both[k].second});
+  }
+  // Rows of very different units.
+  VectorXd scale = VectorXd::Ones(n);
+  for (Eigen::Index i = 0; i < n; i += 2) scale[i] = 1e-6;
+  const VectorXd b = numbers.column(n, 1.0);
+  VectorXd x(n);
+  BlockSolver solver;
+  ASSERT_TRUE(solver.solve({first, diagonal, links, &scale}, b, x));
+  EXPECT_LE(solver.iterations(), most_iterations);
+  EXPECT_LT((scale.asDiagonal() * (all * x - b)).norm(), 2e-8 * (scale.asDiagonal() * b).norm());
+}
+
+TEST(ContactParts, BlocksInAChainAreDecomposedExactly) {
+  expect_solution(1, {}, 0.0, 1);
+  expect_solution(6, {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}}, 1.0, 1);
+  // A star, and two trees.
+  expect_solution(6, {{0, 1}, {0, 2}, {0, 3}, {0, 4}, {0, 5}}, 0.5, 1);
+  expect_solution(7, {{2, 6}, {2, 4}, {1, 5}, {0, 5}, {3, 5}}, 1.0, 1);
+}
+
+TEST(ContactParts, BlocksInCirclesAreSolvedFor) {
+  std::vector<std::pair<int, int>> grid;
+  for (int i = 0; i < 5; ++i)
+    for (int j = 0; j < 5; ++j) {
+      if (i < 4) grid.emplace_back(5 * i + j, 5 * i + 5 + j);
+      if (j < 4) grid.emplace_back(5 * i + j, 5 * i + j + 1);
+    }
+  expect_solution(25, grid, 0.5, 30);
+  // So far from the preconditioner that the sparse decomposition has to do it.
+  expect_solution(25, grid, 40.0, BlockSolver::kMostIterations + 1);
+}
+
+TEST(ContactParts, ASingularBlockIsNoSolution) {
+  const std::vector<Eigen::Index> first = {0, 2};
+  const MatrixXd zero = MatrixXd::Zero(2, 2);
+  const std::vector<const MatrixXd*> diagonal = {&zero};
+  const VectorXd scale = VectorXd::Ones(2), b = VectorXd::Ones(2);
+  VectorXd x(2);
+  BlockSolver solver;
+  EXPECT_FALSE(solver.solve({first, diagonal, {}, &scale}, b, x));
+}
+
+}  // namespace
+}  // namespace tremolo
