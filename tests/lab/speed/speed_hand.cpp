@@ -22,9 +22,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStep = 1e-3;  // s
-constexpr int kSteps = 100'000;
-constexpr int kModes = 20;
+constexpr double kHandStep = 1e-3;  // s
+constexpr int kHandSteps = 100'000;
+constexpr int kHandModes = 20;
 constexpr double kMedianBound = 100.0;  // us
 constexpr double kTailBound = 300.0;    // us, of 99.9 %
 
@@ -66,7 +66,7 @@ struct HandRun {
 // slides over it and comes off.
 HandRun run_hand(const Model::Pointer& model, FrameKind frame, const PlacedCollider& collider) {
   Body body =
-      or_fail(Body::create(model, kDefaultIntegrator, {.step = kStep, .beta = 1e-3}, frame));
+      or_fail(Body::create(model, kDefaultIntegrator, {.step = kHandStep, .beta = 1e-3}, frame));
   or_fail(body.set_contact());
   or_fail(body.set_gravity({0.0, 0.0, -9.81}));
   const double size = box_of(*model).sizes().maxCoeff();
@@ -76,10 +76,10 @@ HandRun run_hand(const Model::Pointer& model, FrameKind frame, const PlacedColli
   const Vector3d at = or_fail(body.position(vertex));
   body.reserve_contact(std::span(&collider, 1), 1);
   HandRun run;
-  run.times.reserve(kSteps);
+  run.times.reserve(kHandSteps);
   int touching = 0;
-  for (int k = 0; k < kSteps; ++k) {
-    const double t = kStep * (k + 1);
+  for (int k = 0; k < kHandSteps; ++k) {
+    const double t = kHandStep * (k + 1);
     const double round = 2.0 * std::numbers::pi * 0.7 * t;
     const Vector3d way(std::sin(round), 1.0 - std::cos(round),
                        0.5 - 2.0 * std::sin(2.0 * std::numbers::pi * 1.1 * t));
@@ -93,7 +93,7 @@ HandRun run_hand(const Model::Pointer& model, FrameKind frame, const PlacedColli
     run.largest = std::max(run.largest, force);
   }
   std::sort(run.times.begin(), run.times.end());
-  run.touching = static_cast<double>(touching) / kSteps;
+  run.touching = static_cast<double>(touching) / kHandSteps;
   return run;
 }
 
@@ -103,16 +103,17 @@ void add_hand(const Model::Pointer& model, FrameKind frame, bool sphere, SpeedSe
                                        sphere ? "sphere" : "plane", model->modes());
   const HandRun run = run_hand(model, frame, below(*model, sphere));
   const auto part = [&run](double share) {
-    return run.times[static_cast<std::size_t>(share * (kSteps - 1))];
+    return run.times[static_cast<std::size_t>(share * (kHandSteps - 1))];
   };
   section.rows.push_back(
       {.what = what + ": median",
        .value = part(0.5),
        .note = fmt::format("touches in {:.0f} % of the steps", 100.0 * run.touching)});
   section.rows.push_back({.what = what + ": 99.9 %", .value = part(0.999), .note = {}});
-  section.rows.push_back({.what = what + ": slowest",
-                          .value = run.times.back(),
-                          .note = fmt::format("of {}; force to {:.3g} N", kSteps, run.largest)});
+  section.rows.push_back(
+      {.what = what + ": slowest",
+       .value = run.times.back(),
+       .note = fmt::format("of {}; force to {:.3g} N", kHandSteps, run.largest)});
   for (Criterion criterion : {at_most(what + ", median, us", part(0.5), kMedianBound),
                               at_most(what + ", 99.9 %, us", part(0.999), kTailBound)}) {
     criterion.decides = false;
@@ -181,12 +182,12 @@ SpeedSection measure_hand_speed(const Options& options, const MachineProbe&) {
       "time of its thread, the force on the hand read in it. Free: nothing else holds the body. A "
       "ray on a surface that is bent by a tenth of its size, the mean of many from all sides; the "
       "textbook looks at each triangle.",
-      kModes, kSteps, 1e3 * kStep);
+      kHandModes, kHandSteps, 1e3 * kHandStep);
   for (const auto& [name, frame] :
        {std::pair{"heart", FrameKind::kFixed}, {"heart-free", FrameKind::kFree}}) {
     const std::string path = fmt::format("{}/{}.tremolo", options.models_dir, name);
     if (frame == FrameKind::kFree && !std::filesystem::exists(path)) continue;
-    const Model::Pointer model = or_fail(Model::load(path, {.modes = kModes}));
+    const Model::Pointer model = or_fail(Model::load(path, {.modes = kHandModes}));
     for (const bool sphere : {false, true}) add_hand(model, frame, sphere, section);
   }
   for (const char* name : {"horse", "heart"}) add_rays(name, options, section);
