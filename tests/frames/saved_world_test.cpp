@@ -83,7 +83,7 @@ Scene crowded() {
   return scene;
 }
 
-SceneWorld world_of(const Scene& scene) {
+SceneWorld saved_world_of(const Scene& scene) {
   Result<SceneWorld> world = SceneWorld::create(scene, saved_model);
   EXPECT_TRUE(world) << (world ? "" : world.error().message);
   return std::move(*world);
@@ -112,21 +112,21 @@ void expect_same(SceneWorld& a, SceneWorld& b) {
 
 TEST(SavedWorld, GoesOnWithTheSameBits) {
   const Scene scene = crowded();
-  SceneWorld straight = world_of(scene);
+  SceneWorld straight = saved_world_of(scene);
   int done = 0;
   for (const int cut : {0, 1, 50, 150, 299, 301, 420, 700}) {
     run(straight, cut - done);
     done = cut;
     const std::vector<std::byte> bytes = straight.save();
-    SceneWorld fresh = world_of(scene);
+    SceneWorld fresh = saved_world_of(scene);
     Status restored = fresh.restore(bytes);
     ASSERT_TRUE(restored) << restored.error().message;
     expect_same(straight, fresh);
     // A world that is somewhere else, ahead or behind.
-    SceneWorld other = world_of(scene);
+    SceneWorld other = saved_world_of(scene);
     run(other, 350);
     ASSERT_TRUE(other.restore(bytes));
-    SceneWorld reference = world_of(scene);
+    SceneWorld reference = saved_world_of(scene);
     run(reference, cut);
     for (int k = 0; k < 120; ++k) {
       run(fresh, 1);
@@ -156,10 +156,10 @@ TEST(SavedWorld, ThoseThatSleepGoOnSleeping) {
     body.contact.restitution = 0.0;
   }
   scene.bodies[1].pose.position = {2.0, 0.0, 0.6};
-  SceneWorld straight = world_of(scene);
+  SceneWorld straight = saved_world_of(scene);
   for (int k = 0; k < 20'000 && !(straight.asleep(0) && straight.asleep(1)); ++k) run(straight, 1);
   ASSERT_TRUE(straight.asleep(0) && straight.asleep(1));
-  SceneWorld fresh = world_of(scene);
+  SceneWorld fresh = saved_world_of(scene);
   ASSERT_TRUE(fresh.restore(straight.save()));
   // Something wakes one of them.
   for (SceneWorld* world : {&straight, &fresh}) {
@@ -174,18 +174,18 @@ TEST(SavedWorld, ThoseThatSleepGoOnSleeping) {
 // Forces that still act come along; a world whose bodies got other loads is refused.
 TEST(SavedWorld, ForcesComeAlongAndOtherLoadsAreRefused) {
   const Scene scene = crowded();
-  SceneWorld straight = world_of(scene);
+  SceneWorld straight = saved_world_of(scene);
   run(straight, 20);
   ASSERT_TRUE(straight.body(0).apply_force(4, {1.0, 2.0, 3.0}, 30));
   ASSERT_TRUE(straight.body(3).apply_force(4, {1.0, 2.0, 3.0}, 40));
   run(straight, 5);
   const std::vector<std::byte> bytes = straight.save();
-  SceneWorld fresh = world_of(scene);
+  SceneWorld fresh = saved_world_of(scene);
   ASSERT_TRUE(fresh.restore(bytes));
   run(straight, 60);
   run(fresh, 60);
   expect_same(straight, fresh);
-  SceneWorld loaded = world_of(scene);
+  SceneWorld loaded = saved_world_of(scene);
   ASSERT_TRUE(loaded.body(3).add_load({.kind = SignalKind::kSine}, 4, {1.0, 0.0, 0.0}));
   run(loaded, 3);
   const std::string before = state_bytes(loaded);
@@ -206,11 +206,11 @@ void expect_refused(SceneWorld& world, std::span<const std::byte> bytes, const s
 
 TEST(SavedWorld, AnotherSceneIsToldByWhatDiffers) {
   const Scene scene = crowded();
-  SceneWorld saved = world_of(scene);
+  SceneWorld saved = saved_world_of(scene);
   run(saved, 30);
   const std::vector<std::byte> bytes = saved.save();
   const auto refused = [&bytes](const Scene& other, const std::string& words) {
-    SceneWorld world = world_of(other);
+    SceneWorld world = saved_world_of(other);
     run(world, 5);
     expect_refused(world, bytes, words);
   };
@@ -237,12 +237,12 @@ TEST(SavedWorld, AnotherSceneIsToldByWhatDiffers) {
   refused(other, "without body 'new'");
   other = scene;
   other.duration = 5.0;  // how long it runs is not what it is
-  SceneWorld longer = world_of(other);
+  SceneWorld longer = saved_world_of(other);
   EXPECT_TRUE(longer.restore(bytes));
 }
 
 TEST(SavedWorld, DamagedAndTruncatedFilesAreRefused) {
-  SceneWorld world = world_of(crowded());
+  SceneWorld world = saved_world_of(crowded());
   run(world, 120);
   std::vector<std::byte> bytes = world.save();
   run(world, 10);
@@ -258,7 +258,7 @@ TEST(SavedWorld, DamagedAndTruncatedFilesAreRefused) {
     if (world.restore(bytes)) {
       ASSERT_EQ(kept, std::byte{0});
       bytes[at] = kept;
-      SceneWorld other = world_of(crowded());
+      SceneWorld other = saved_world_of(crowded());
       ASSERT_TRUE(other.restore(bytes));
       ASSERT_EQ(state_bytes(world), state_bytes(other));
       StateStream stream = StateStream::reading(std::as_bytes(std::span(before)));
@@ -271,7 +271,7 @@ TEST(SavedWorld, DamagedAndTruncatedFilesAreRefused) {
 
 // States that somebody wrote by hand, with the right checksums: refused, or a world that steps.
 TEST(SavedWorld, ForgedStatesDoNotCrash) {
-  SceneWorld world = world_of(crowded());
+  SceneWorld world = saved_world_of(crowded());
   run(world, 350);
   const Result<SavedState> saved = read_saved(world.save(), "test");
   ASSERT_TRUE(saved);
@@ -282,7 +282,7 @@ TEST(SavedWorld, ForgedStatesDoNotCrash) {
     for (int k = 0; k < 3; ++k)
       forged.state[generator() % forged.state.size()] = static_cast<char>(generator());
     if (trial % 7 == 0) forged.state.resize(generator() % forged.state.size());
-    SceneWorld other = world_of(crowded());
+    SceneWorld other = saved_world_of(crowded());
     if (!other.restore(encode_saved(forged))) {
       ++refused;
       continue;
@@ -295,10 +295,10 @@ TEST(SavedWorld, ForgedStatesDoNotCrash) {
 TEST(SavedWorld, FilesAppearWholeAndComeBack) {
   const testing::TemporaryFolder folder;
   const std::string path = folder.file("world.saved");
-  SceneWorld world = world_of(crowded());
+  SceneWorld world = saved_world_of(crowded());
   run(world, 60);
   ASSERT_TRUE(world.save(path));
-  SceneWorld fresh = world_of(crowded());
+  SceneWorld fresh = saved_world_of(crowded());
   ASSERT_TRUE(fresh.restore(path));
   expect_same(world, fresh);
   EXPECT_EQ(fresh.restore(folder.file("none")).error().kind, ErrorKind::kSystem);
@@ -421,7 +421,7 @@ TEST(SavedBody, OtherBodiesAreRefused) {
   refused(body_of({"ep4", FrameKind::kDriven}, false), "another method or frame");
   refused(body_of({"ep4", FrameKind::kFixed, 0.0, 0.0, 0.5}, false), "another model");
   refused(body_of(c, true), "other loads");
-  SceneWorld world = world_of(crowded());
+  SceneWorld world = saved_world_of(crowded());
   expect_refused(world, bytes, "the state of a body, not of a world");
 }
 
