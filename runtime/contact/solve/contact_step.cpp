@@ -471,8 +471,8 @@ double ContactStep::way_of_move() const {
 }
 
 double ContactStep::enough() const {
-  return std::max({kTolerance * size_of_motion(), grips_rounding(),
-                   std::numeric_limits<double>::min()});
+  return std::max(
+      {kTolerance * size_of_motion(), grips_rounding(), std::numeric_limits<double>::min()});
 }
 
 double renewal(int iteration, double size) {
@@ -480,11 +480,12 @@ double renewal(int iteration, double size) {
   return iteration < kFullRenewals ? 1.0 : 0.5;
 }
 
-bool ContactStep::solve(StepReport& report) {
+// heavier: of the first moves.
+bool ContactStep::solve(double heavier, StepReport& report) {
   const double h = options_.step;
   const Index n = unknowns();
   evaluate(0.0);
-  double size = close(), enough = this->enough(), heavier = 0.0;
+  double size = close(), enough = this->enough();
   for (int i = 0; i < kNewtonIterations; ++i) {
     if (const double renew = renewal(i, size / enough); renew > 0.0) {
       evaluate(renew);
@@ -525,9 +526,13 @@ bool ContactStep::solve(StepReport& report) {
 
 StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free) {
   StepReport report;
-  begin(state, load, free);
-  in_island_ = false;
-  report.converged = solve(report) && z_.allFinite();
+  // From the beginning once more with short moves, where long ones led astray.
+  for (const double heavier : {0.0, 10.0, 1000.0}) {
+    begin(state, load, free);
+    in_island_ = false;
+    report.converged = solve(heavier, report) && z_.allFinite();
+    if (report.converged) break;
+  }
   if (report.converged) finish(state, report);
   return report;
 }

@@ -205,7 +205,7 @@ class ContactStep {
   double size_of_motion() const;
   double way_of_move() const;
   double grips_rounding() const;
-  bool solve(StepReport& report);
+  bool solve(double heavier, StepReport& report);
   void settle_grips();
   void settle_account();
 
