@@ -255,6 +255,7 @@ Status Body::surface(std::span<float> positions, std::span<float> normals) const
 Result<std::optional<SurfaceHit>> Body::pick(const Eigen::Vector3d& origin,
                                              const Eigen::Vector3d& direction,
                                              SurfaceKind surface) const {
+  if (bones() > 1) return usage_error("a body on several bones is not seen by rays");
   if (!origin.allFinite() || !direction.allFinite())
     return usage_error("the ray's origin or direction is not finite");
   const double length = direction.stableNorm();

@@ -232,7 +232,8 @@ class Body {
 
   // What a ray meets first on the surface as it is bent now, from either side; nullopt: nothing.
   // origin: m, world; direction: world, of any length. kUsage if either is not finite, or the
-  // direction zero. Nothing is allocated after a model's first call.
+  // direction zero, and of a body on several bones. Nothing is allocated after a model's first
+  // call.
   Result<std::optional<SurfaceHit>> pick(const Eigen::Vector3d& origin,
                                          const Eigen::Vector3d& direction,
                                          SurfaceKind surface = SurfaceKind::kDrawn) const;

@@ -414,7 +414,7 @@ Result<std::optional<SceneWorld::Hit>> SceneWorld::pick(const Vector3d& origin,
   std::optional<Hit> nearest;
   for (std::size_t i = 0; i < size(); ++i) {
     const auto found = actors_[i].body.pick(origin, direction, surface);
-    if (!found) return found.error();
+    if (!found) return error_of_body(scene_.bodies[i], found.error());
     if (*found && (!nearest || (*found)->distance < nearest->hit.distance))
       nearest = Hit{i, **found};
   }

@@ -52,4 +52,6 @@ measure "falling and rebounding, 0.6 s" 10 "[10, 1, 1]" "[0.1, 0.1, 0.1]" 0.6
 measure "falling and rebounding, 0.6 s" 100 "[10, 10, 1]" "[0.1, 0.1, 0.1]" 0.6
 measure "falling and rebounding, 0.6 s" 1000 "[40, 25, 1]" "[0.1, 0.1, 0.1]" 0.6
 measure "the same, 9 s" 1000 "[40, 25, 1]" "[0.1, 0.1, 0.1]" 9
+measure "the same, 6 s" 100 "[10, 10, 1]" "[0.1, 0.1, 0.1]" 6
+measure "the same, 27 s" 100 "[10, 10, 1]" "[0.1, 0.1, 0.1]" 27
 measure "a heap, 1.5 s" 27 "[3, 3, 3]" "[0.062, 0.061, 0.065]" 1.5

@@ -113,6 +113,34 @@ TEST(Skeleton, BonesThatMoveTogetherAreADrivenFrame) {
   }
 }
 
+TEST(Skeleton, SavedInMotionItGoesOnWithTheSameBits) {
+  const RiggedBar bar = rigged_bar(5);
+  const std::vector<MotionPath> paths = {path_of(0), path_of(1), path_of(2)};
+  Body body = make_rigged(bar.model, bar_skin(bar), {.step = 3e-3});
+  ASSERT_TRUE(body.set_gravity({0.0, 2.0, -9.81}));
+  begin_bones(paths, body);
+  for (int k = 0; k < 50; ++k) ASSERT_TRUE(step_bones(paths, body).converged);
+  Body other = make_rigged(bar.model, bar_skin(bar), {.step = 3e-3});
+  ASSERT_TRUE(other.restore(body.save()));
+  for (int k = 0; k < 50; ++k)
+    for (Body* one : {&body, &other}) ASSERT_TRUE(step_bones(paths, *one).converged);
+  EXPECT_EQ(body.state().q, other.state().q);
+  EXPECT_EQ(body.state().p, other.state().p);
+  EXPECT_EQ(body.support_work(), other.support_work());
+  EXPECT_EQ(positions_of(body), positions_of(other));
+  // Another skin is another body.
+  const std::vector<BoneSegment> bones = bar_bones();
+  Body narrow = make_rigged(bar.model, *skin_near_bones(*bar.model, bones, 0.02), {.step = 3e-3});
+  EXPECT_FALSE(narrow.restore(body.save()));
+}
+
+TEST(Skeleton, ContactAndRaysAreRefused) {
+  const RiggedBar bar = rigged_bar(5);
+  Body body = make_rigged(bar.model, bar_skin(bar), {.step = 3e-3});
+  EXPECT_EQ(body.set_contact({}).error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(body.pick({0, 0, 1}, {0, 0, -1}).error().kind, ErrorKind::kUsage);
+}
+
 TEST(Skeleton, BonesThatStandStillAreAHeldBody) {
   const RiggedBar bar = rigged_bar(5);
   for (const char* method : kDrivenMethods) {

@@ -32,6 +32,12 @@ std::uint64_t Body::content_hash() const {
   stream(frame, touches, options.step, options.newmark_beta, options.newmark_gamma);
   stream(options.split.rule, options.split.count, options.split.safety, options.tolerance);
   stream(options.max_iterations, options.halvings);
+  if (skin_) {
+    std::size_t count = bones();
+    std::vector<double> weights(skin_->drawn.data(), skin_->drawn.data() + skin_->drawn.size());
+    stream(count);
+    stream.sized(weights);
+  }
   if (touches) {
     ContactLaw law = contact_->law();
     std::vector<VertexId> ids = contact_->points().ids;
