@@ -174,6 +174,11 @@ class Body {
   // Numbers of other hands stay.
   Status release(std::size_t hand);
   double hand_work() const { return sums_.hand; }  // J, since the start; part of work()
+  // What joints did to the body (runtime/contact/joint.h), likewise.
+  double joint_work() const { return sums_.joint; }
+  // With which a place resists a force in a step, the mean over all directions, kg; infinite for a
+  // place that does not move. A coordinate of the frequency omega resists as 1 + (h omega)^2/4.
+  double mass_at(const VertexRows& place) const;
 
   // Adds a load in time; its signal's clock is time(). Forces on vertices are along the world's
   // axes, whatever the frame does; reduced ones along the frame's, and not for a free body.
@@ -264,11 +269,11 @@ class Body {
     double work = 0.0, dissipated = 0.0;
     double support = 0.0, gravity = 0.0;
     double contact = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, contact_error = 0.0;
-    double hand = 0.0;
+    double hand = 0.0, joint = 0.0;
 
     void carry(StateStream& stream) {
       stream(work, dissipated, support, gravity, contact, lost, rubbed, given, contact_error);
-      stream(hand);
+      stream(hand, joint);
     }
   };
   struct AppliedForce {
@@ -308,7 +313,6 @@ class Body {
   void carry_frame(StateStream& stream);
   void carry_hands(StateStream& stream);
   Grip* find_hand(std::size_t hand);
-  double mass_at(const VertexRows& place) const;
   double end_frame_step(bool made);
   double end_frame_motion(bool made);
   double frame_kinetic(const Eigen::VectorXd& p) const;

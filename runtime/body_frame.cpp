@@ -213,8 +213,9 @@ double Body::end_frame_step(bool made) {
   double contact = 0.0;
   if (contact_ && made) {
     const ContactAccount account = contact_account();
-    contact = account.work + account.hand_work;
+    contact = account.work + account.hand_work + account.joint_work;
     sums_.hand += account.hand_work;
+    sums_.joint += account.joint_work;
     sums_.contact += account.work;
     sums_.lost += account.lost;
     sums_.rubbed += account.rubbed;

@@ -42,6 +42,7 @@ struct StepPoses {
 struct ContactAccount {
   double energy = 0.0, work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, surplus = 0.0;
   double hand_work = 0.0, hand_damped = 0.0;
+  double joint_work = 0.0;
   double penetration = 0.0;
   double impulse = 0.0;
   int active = 0;  // points that push
@@ -50,6 +51,7 @@ struct ContactAccount {
 inline void carry(StateStream& stream, ContactAccount& account) {
   stream(account.energy, account.work, account.lost, account.rubbed, account.given);
   stream(account.surplus, account.hand_work, account.hand_damped, account.penetration);
+  stream(account.joint_work);
   stream(account.impulse, account.active);
 }
 

@@ -8,9 +8,9 @@ namespace tremolo {
 // body and colliders now. The rest is what each cause has given since the start; what one took is
 // negative. load: forces on vertices. support: the accelerations of the frame. contact_given:
 // colliders that move and, of a driven body, its frame that moves along them. restitution,
-// friction, damping: never positive. hand: the hands that hold it. contact_error: contact energy
-// that a step found where the step before had left none; it should be zero, and is a part of what
-// remains.
+// friction, damping: never positive. hand, joint: the hands and joints that hold it. contact_error:
+// contact energy that a step found where the step before had left none; it should be zero, and is a
+// part of what remains.
 struct EnergyAccount {
   double kinetic = 0.0;
   double potential = 0.0;
@@ -23,12 +23,14 @@ struct EnergyAccount {
   double restitution = 0.0;
   double friction = 0.0;
   double hand = 0.0;
+  double joint = 0.0;
   double damping = 0.0;
   double contact_error = 0.0;
 
   double total() const { return kinetic + potential + contact; }
   double given() const {
-    return load + support + gravity + contact_given + restitution + friction + hand + damping;
+    return load + support + gravity + contact_given + restitution + friction + hand + joint +
+           damping;
   }
   // What nobody accounts for.
   double remainder() const { return total() - at_start - given(); }

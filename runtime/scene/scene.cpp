@@ -62,6 +62,21 @@ Status check_loads(const SceneBody& body) {
   return Success{};
 }
 
+Status check_damping(const SceneBody& body) {
+  for (const auto& [key, course] :
+       {std::pair{"alpha", &body.alphas}, std::pair{"beta", &body.betas}}) {
+    double before = -1.0;
+    for (const ValueFrom& from : *course) {
+      if (!(from.time >= 0.0) || !std::isfinite(from.time) || !(from.time > before))
+        return content_error(std::string(key) + ": its moments must not be negative, and ascend");
+      if (!(from.value >= 0.0) || !std::isfinite(from.value))
+        return content_error(std::string(key) + " must be finite and not negative");
+      before = from.time;
+    }
+  }
+  return Success{};
+}
+
 Status check_bones(const SceneBody& body) {
   if (body.bones.empty()) {
     if (body.bone_weights.size() > 0) return content_error("bone-weights: it has no bones");
@@ -106,6 +121,7 @@ Status check_body(const SceneBody& body) {
   if (!(body.acceleration_limit > 0.0))
     return content_error("its acceleration-limit must be positive (m/s^2)");
   if (Status s = check_loads(body); !s) return s;
+  if (Status s = check_damping(body); !s) return s;
   if (Status s = check_contact(body.contact); !s) return s;
   if (Status s = check_bones(body); !s) return s;
   return check_motion(body);
@@ -174,6 +190,25 @@ Status check_hand(const SceneHand& hand, const Scene& scene) {
   return Success{};
 }
 
+Status check_joint(const SceneJoint& joint, const Scene& scene) {
+  for (const auto& [key, name] : {std::pair{"body", &joint.body}, std::pair{"to", &joint.to}}) {
+    const auto named = [name = name](const SceneBody& body) { return body.name == *name; };
+    if (std::none_of(scene.bodies.begin(), scene.bodies.end(), named))
+      return content_error(std::string(key) + ": there is no body '" + *name + "'");
+  }
+  if (joint.body == joint.to) return content_error("to: it joins '" + joint.to + "' to itself");
+  if (joint.at.empty()) return content_error("at: it names no vertex");
+  const JointOptions& options = joint.options;
+  if (options.stiffness && (!(*options.stiffness > 0.0) || !std::isfinite(*options.stiffness)))
+    return content_error("stiffness must be positive and finite (N/m)");
+  if (!(options.damping >= 0.0) || !std::isfinite(options.damping))
+    return content_error("damping must be finite and not negative (N s/m)");
+  if (!(options.length >= 0.0) || !std::isfinite(options.length))
+    return content_error("length must be finite and not negative (m)");
+  if (!(joint.until > 0.0)) return content_error("until must be positive (s)");
+  return Success{};
+}
+
 }  // namespace
 
 FrameKind frame_kind(const SceneBody& body) {
@@ -193,7 +228,10 @@ bool bodies_touch(const Scene& scene) {
 bool needs_contact(const Scene& scene, const SceneBody& body) {
   if (body.feels_contact && (!scene.colliders.empty() || bodies_touch(scene))) return true;
   return std::any_of(scene.hands.begin(), scene.hands.end(),
-                     [&body](const SceneHand& hand) { return hand.body == body.name; });
+                     [&body](const SceneHand& hand) { return hand.body == body.name; }) ||
+         std::any_of(scene.joints.begin(), scene.joints.end(), [&body](const SceneJoint& joint) {
+           return joint.body == body.name || joint.to == body.name;
+         });
 }
 
 Eigen::Vector3d SceneGravity::at(double t) const {
@@ -230,6 +268,9 @@ Status check_scene(const Scene& scene) {
   for (std::size_t i = 0; i < scene.hands.size(); ++i)
     if (Status s = check_hand(scene.hands[i], scene); !s)
       return error_of("hand " + std::to_string(i + 1), s.error());
+  for (std::size_t i = 0; i < scene.joints.size(); ++i)
+    if (Status s = check_joint(scene.joints[i], scene); !s)
+      return error_of("joint " + std::to_string(i + 1), s.error());
   return Success{};
 }
 

@@ -14,6 +14,7 @@
 #include "common/result.h"
 #include "runtime/body.h"
 #include "runtime/contact/collider.h"
+#include "runtime/contact/joint.h"
 #include "runtime/scene/motion.h"
 #include "runtime/skeleton/bone_weights.h"
 
@@ -51,18 +52,26 @@ struct SceneBone {
   Motion motion;
 };
 
+// A value that holds from a moment on, s.
+struct ValueFrom {
+  double time = 0.0;
+  double value = 0.0;
+};
+
 // name: each body's own. model: path of the basis file; made_by: the command that makes it, told
-// where it is missing. options.step is not read: a scene has one step. pose: at t = 0; a motion
-// moves the frame from there. velocity, m/s, of the centre of mass, and spin, rad/s: of a free body
-// at t = 0. settled: it begins in the shape in which gravity and its loads at t = 0 hold it at rest
-// in its frame; not for a free body. acceleration_limit, m/s^2: no point of the body may be
-// accelerated more by its frame. A fixed body at a pose of its own is driven by a motion that
-// stands still. feels_contact: it touches the scene's colliders, as contact says; a driven, free or
-// turned body then needs avf, ep2 or ep4. Hands hold it either way. contact.shape: what other
-// bodies bump into; without one they pass through. shape_file: of a mesh's distances, in its place;
-// shape_made_by: the command that makes it, told where it is missing. bones: of a driven body that
-// hangs on several frames and touches nothing; bone_weights: a row a drawn vertex, a column a bone;
-// none: by distance, with bone_blend, m (runtime/bones.h; 0: the usual one).
+// where it is missing. options.step is not read: a scene has one step. alphas, betas: Rayleigh's,
+// in the order of time, in the place of options.alpha and beta from the first step on that begins
+// then. pose: at t = 0; a motion moves the frame from there. velocity, m/s, of the centre of mass,
+// and spin, rad/s: of a free body at t = 0. settled: it begins in the shape in which gravity and
+// its loads at t = 0 hold it at rest in its frame; not for a free body. acceleration_limit, m/s^2:
+// no point of the body may be accelerated more by its frame. A fixed body at a pose of its own is
+// driven by a motion that stands still. feels_contact: it touches the scene's colliders, as contact
+// says; a driven, free or turned body then needs avf, ep2 or ep4. Hands hold it either way.
+// contact.shape: what other bodies bump into; without one they pass through. shape_file: of a
+// mesh's distances, in its place; shape_made_by: the command that makes it, told where it is
+// missing. bones: of a driven body that hangs on several frames and touches nothing; bone_weights:
+// a row a drawn vertex, a column a bone; none: by distance, with bone_blend, m (runtime/bones.h; 0:
+// the usual one).
 struct SceneBody {
   std::string name;
   std::string model;
@@ -71,6 +80,7 @@ struct SceneBody {
   FrameKind kind = FrameKind::kFixed;
   std::string integrator{kDefaultIntegrator};
   IntegratorOptions options;
+  std::vector<ValueFrom> alphas, betas;
   Pose pose;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();
@@ -133,6 +143,16 @@ struct SceneHand {
   double until = kForEver;
 };
 
+// A joint between a vertex of a body and one of another (runtime/contact/joint.h). body, to: their
+// names. at, to_at: a vertex's id, or a selector of one vertex; without to_at the second place is
+// where the first is at t = 0. It holds until `until`, s.
+struct SceneJoint {
+  std::string body, at;
+  std::string to, to_at;
+  JointOptions options;
+  double until = kForEver;
+};
+
 struct Scene {
   double step = 3e-3;      // s, of all bodies
   double duration = 30.0;  // s
@@ -140,19 +160,21 @@ struct Scene {
   std::vector<SceneBody> bodies;
   std::vector<SceneCollider> colliders;
   std::vector<SceneHand> hands;
+  std::vector<SceneJoint> joints;
 };
 
 // Whether bodies of the scene may touch each other.
 bool bodies_touch(const Scene& scene);
 
-// Whether the body needs Body::set_contact(): colliders or bodies that it feels, or a hand on it.
+// Whether the body needs Body::set_contact(): colliders or bodies that it feels, a hand or a joint
+// on it.
 bool needs_contact(const Scene& scene, const SceneBody& body);
 
 // Errors, kContent, each with the body, collider, hand or key that it is about: no body, names that
 // are empty or stand twice, a step or duration that is not positive and finite, a pose, velocity,
 // gravity, force or motion that is not finite or out of range, a motion of a body that is not
 // driven, velocities of one that is not free, a method that contact does not go with, sizes,
-// friction or restitution out of range, a hand on a body that is not there.
+// friction or restitution out of range, a hand or a joint on a body that is not there.
 Status check_scene(const Scene& scene);
 
 }  // namespace tremolo

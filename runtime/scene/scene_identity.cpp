@@ -114,6 +114,10 @@ std::uint64_t hash_of(const SceneBody& body, const Model& model, const Collider*
   identity.add(options.split.count, options.split.safety, options.tolerance);
   identity.add(options.max_iterations, options.halvings, body.pose, body.velocity, body.spin);
   identity.add(body.settled, body.loads.size());
+  for (const std::vector<ValueFrom>* course : {&body.alphas, &body.betas}) {
+    if (!course->empty()) identity.add(course->size());
+    for (const ValueFrom& from : *course) identity.add(from.time, from.value);
+  }
   for (const SceneLoad& load : body.loads) add(identity, load);
   add(identity, body.motion);
   const BoneWeights& weights = body.bone_weights;
@@ -146,6 +150,14 @@ std::uint64_t hash_of(const SceneHand& hand) {
   return identity.hash();
 }
 
+std::uint64_t hash_of(const SceneJoint& joint) {
+  Identity identity;
+  const JointOptions& options = joint.options;
+  identity.add(joint.body, joint.at, joint.to, joint.to_at, joint.until, options.touch);
+  identity.add(options.stiffness.value_or(0.0), options.damping, options.length);
+  return identity.hash();
+}
+
 }  // namespace
 
 std::vector<SavedPart> scene_parts(const Scene& scene, const std::vector<const Model*>& models,
@@ -163,6 +175,8 @@ std::vector<SavedPart> scene_parts(const Scene& scene, const std::vector<const M
         {"collider '" + scene.colliders[c].name + "'", hash_of(scene.colliders[c], colliders[c])});
   for (std::size_t k = 0; k < scene.hands.size(); ++k)
     parts.push_back({"hand " + std::to_string(k + 1), hash_of(scene.hands[k])});
+  for (std::size_t k = 0; k < scene.joints.size(); ++k)
+    parts.push_back({"joint " + std::to_string(k + 1), hash_of(scene.joints[k])});
   return parts;
 }
 

@@ -86,6 +86,9 @@ void SceneWorld::carry(StateStream& stream) {
   }
   carry_contacts(stream);
   for (Hand& hand : hands_) hand.hand.carry(stream, actors_[hand.body].body);
+  if (stream.reads())
+    for (JointOf& joint : joints_) joint.joint.let_go(*group_);
+  for (JointOf& joint : joints_) joint.joint.carry(stream, *group_, joint.a, joint.b);
   group_->carry(stream, size());
   if (!stream.reads()) return;
   failures_.clear();

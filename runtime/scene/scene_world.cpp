@@ -20,6 +20,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double kSameTime = 1e-9;  // of a step
+
 Error error_of_body(const SceneBody& body, Error error) {
   error.message = "body '" + body.name + "': " + error.message;
   return error;
@@ -98,6 +100,7 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
   world.stepped_.resize(world.size());
   world.reports_.resize(world.size());
   world.failures_.reserve(world.actors_.size());
+  if (Status s = world.add_joints(); !s) return s.error();
   return world;
 }
 
@@ -183,6 +186,7 @@ Status SceneWorld::check_apart() const {
   for (std::size_t a = 0; a < size(); ++a)
     for (std::size_t b = 0; b < size(); ++b) {
       if (a == b || !scene_.bodies[a].feels_contact || !scene_.bodies[b].feels_contact) continue;
+      if (passes_through(a, b)) continue;
       const Collider* shape = actors_[b].body.contact()->shape();
       if (shape == nullptr) continue;
       const auto [x, r] = ball(a);
@@ -241,10 +245,45 @@ Status SceneWorld::add_hands() {
   return Success{};
 }
 
+// Those of a pair in the scene's order.
+Status SceneWorld::add_joints() {
+  for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
+    const std::size_t a = *find(scene_.joints[i].body), b = *find(scene_.joints[i].to);
+    Result<HeldJoint> joint = HeldJoint::create(scene_.joints[i], actors_[a].body, actors_[b].body);
+    if (!joint)
+      return Error{joint.error().kind,
+                   "joint " + std::to_string(i + 1) + ": " + joint.error().message};
+    joint->begin(*group_, place_[a], place_[b]);
+    joints_.push_back({std::move(*joint), place_[a], place_[b]});
+  }
+  return Success{};
+}
+
+// Whether a joint holds the two that do not touch each other.
+bool SceneWorld::passes_through(std::size_t a, std::size_t b) const {
+  const std::string &one = name(a), &two = name(b);
+  return std::any_of(scene_.joints.begin(), scene_.joints.end(), [&](const SceneJoint& joint) {
+    return !joint.options.touch &&
+           ((joint.body == one && joint.to == two) || (joint.body == two && joint.to == one));
+  });
+}
+
 std::optional<std::size_t> SceneWorld::find(std::string_view name) const {
   for (std::size_t i = 0; i < size(); ++i)
     if (scene_.bodies[i].name == name) return i;
   return std::nullopt;
+}
+
+// Damping that begins at the step.
+Status SceneWorld::damp(std::size_t i) {
+  const SceneBody& wanted = scene_.bodies[i];
+  Body& body = actors_[i].body;
+  const auto now = [this](const std::vector<ValueFrom>& course, double before) {
+    for (const ValueFrom& from : course)
+      if (from.time <= time() + kSameTime * scene_.step) before = from.value;
+    return before;
+  };
+  return body.set_damping(now(wanted.alphas, body.alpha()), now(wanted.betas, body.beta()));
 }
 
 // Poses of a path are of length one and finite: the call cannot fail.
@@ -332,12 +371,16 @@ std::span<const SceneWorld::Failure> SceneWorld::step() {
   events_.clear();
   colliders_.move(steps_, scene_.step);
   move_hands();
+  for (std::size_t i = 0; i < joints_.size(); ++i)
+    joints_[i].joint.before_step(scene_.joints[i], time(), scene_.step, *group_);
   const Vector3d gravity = scene_.gravity.at(time() + 0.5 * scene_.step);
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     Actor& actor = actors_[i];
     stepped_[place_[i]] = actor.failed ? nullptr : &actor.body;
     if (actor.failed) continue;
     if (gravity_changes_) (void)actor.body.set_gravity(gravity);
+    // Its values were checked when the world was made.
+    if (!scene_.bodies[i].alphas.empty() || !scene_.bodies[i].betas.empty()) (void)damp(i);
     move_frame(actor);
   }
   group_->step(stepped_, colliders_.placed(), reports_);
@@ -370,10 +413,11 @@ EnergyAccount SceneWorld::account(std::size_t i) const {
   account.restitution = 0.0 - body.contact_lost();
   account.friction = 0.0 - body.contact_rubbed();
   account.hand = body.hand_work();
+  account.joint = body.joint_work();
   // A body's first step finds what was stored at the start.
   if (body.steps() > 0) account.contact_error = body.contact_error() - actors_[i].contact_at_start;
-  account.load =
-      body.work() - account.support - account.gravity - body.contact_work() - account.hand;
+  account.load = body.work() - account.support - account.gravity - body.contact_work() -
+                 account.hand - account.joint;
   account.damping = 0.0 - body.dissipated();
   return account;
 }

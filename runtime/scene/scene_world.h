@@ -35,6 +35,7 @@
 #include "runtime/scene/scene_bones.h"
 #include "runtime/scene/scene_colliders.h"
 #include "runtime/scene/scene_hands.h"
+#include "runtime/scene/scene_joints.h"
 
 namespace tremolo {
 
@@ -73,8 +74,8 @@ class SceneWorld {
   // for a motion that jumps and does not say how, or that accelerates a point of the body more than
   // it may (looked at in the first 1e6 steps), for a collider's motion that jumps, for a body that
   // begins inside a collider by more than its margin, for a hand whose selector is not one vertex
-  // that moves; those of load_scene_collider; kSolver where a body that should begin settled finds
-  // no shape to stand in.
+  // that moves, for a joint likewise; those of load_scene_collider; kSolver where a body that
+  // should begin settled finds no shape to stand in.
   static Result<SceneWorld> create(const Scene& scene,
                                    const ModelSource& source = load_scene_model);
 
@@ -116,6 +117,9 @@ class SceneWorld {
     return hands_[i].hand.force(actors_[hands_[i].body].body);
   }
 
+  // In the scene's order; null: its time is over.
+  const Joint* joint(std::size_t i) const { return joints_[i].joint.find(*group_); }
+
   // All that the world carries from step to step: the bytes of a file
   // (formats/saved/saved_file.h), or the file, which appears whole or not at all (kSystem). With it
   // put back into a world of the same scene, the steps that follow have the same bits as those of
@@ -124,8 +128,8 @@ class SceneWorld {
   std::vector<std::byte> save() const;
   Status save(const std::string& path) const;
   // kContent, which names what is wrong and leaves the world as it was, for what is damaged or cut
-  // off, of another version, or of a scene with another step, gravity, body, model, collider or
-  // hand; kSystem for a file that cannot be read.
+  // off, of another version, or of a scene with another step, gravity, body, model, collider,
+  // hand or joint; kSystem for a file that cannot be read.
   Status restore(std::span<const std::byte> bytes);
   Status restore(const std::string& path);
   // What save() holds without saying whose it is.
@@ -162,6 +166,11 @@ class SceneWorld {
     MovingHand hand;
     std::size_t body;
   };
+  // a, b: the bodies' numbers in the group.
+  struct JointOf {
+    HeldJoint joint;
+    std::size_t a, b;
+  };
   // Of a body and a collider. impulse: since they touch, N s.
   struct Touching {
     bool now = false;
@@ -183,6 +192,9 @@ class SceneWorld {
   Status begin(const SceneBody& wanted, Actor& actor) const;
   Status begin_contact(std::size_t i);
   Status add_hands();
+  Status add_joints();
+  Status damp(std::size_t i);
+  bool passes_through(std::size_t a, std::size_t b) const;
   std::span<const PlacedCollider> felt_by(std::size_t i) const;
   Result<ContactOptions> contact_of(const SceneBody& wanted);
   void move_frame(Actor& actor) const;
@@ -200,6 +212,7 @@ class SceneWorld {
   std::vector<Actor> actors_;
   SceneColliders colliders_;
   std::vector<Hand> hands_;
+  std::vector<JointOf> joints_;
   std::vector<Touching> touching_;  // bodies x colliders
   std::vector<Failure> failures_;
   std::vector<ContactEvent> events_;

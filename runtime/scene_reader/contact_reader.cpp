@@ -122,4 +122,24 @@ Result<SceneHand> read_hand(const toml::table& table, std::size_t number, const 
   return hand;
 }
 
+Result<SceneJoint> read_joint(const toml::table& table, std::size_t number,
+                              const std::string& path) {
+  SceneJoint joint;
+  TomlKeys keys(table, path, "joint " + std::to_string(number));
+  for (const char* key : {"body", "at", "to"}) need(keys, key);
+  keys.read("body", joint.body);
+  keys.read_text_or_number("at", joint.at);
+  keys.read("to", joint.to);
+  keys.read_text_or_number("to-at", joint.to_at);
+  if (keys.has("stiffness")) keys.read("stiffness", joint.options.stiffness.emplace());
+  keys.read("damping", joint.options.damping);
+  if (keys.has("damping") && !keys.has("stiffness"))
+    keys.fail("damping", "without a `stiffness` both are as large as masses and step allow");
+  keys.read("length", joint.options.length);
+  keys.read("touch", joint.options.touch);
+  keys.read("until", joint.until);
+  if (Status s = keys.finish(); !s) return s.error();
+  return joint;
+}
+
 }  // namespace tremolo

@@ -1,4 +1,4 @@
-// The colliders and hands of a scene file: tables -> SceneCollider, SceneHand.
+// The colliders, hands and joints of a scene file: tables -> SceneCollider, SceneHand, SceneJoint.
 #pragma once
 
 #include <cstddef>
@@ -22,5 +22,7 @@ Result<SceneCollider> read_collider(const toml::table& table, std::size_t number
                                     const std::string& path, std::vector<std::string>& files);
 Result<SceneHand> read_hand(const toml::table& table, std::size_t number, const std::string& path,
                             std::vector<std::string>& files);
+Result<SceneJoint> read_joint(const toml::table& table, std::size_t number,
+                              const std::string& path);
 
 }  // namespace tremolo

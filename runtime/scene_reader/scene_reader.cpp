@@ -109,14 +109,26 @@ Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usua
   return std::vector<SceneLoad>{std::move(load)};
 }
 
+// A number, or rows [t, value], each from its moment on.
+void read_course(TomlKeys& keys, const char* key, double& value, std::vector<ValueFrom>& course) {
+  const toml::node* node = keys.find(key);
+  const toml::array* rows = node == nullptr ? nullptr : node->as_array();
+  if (rows == nullptr) return keys.read(key, value);
+  for (const toml::node& row : *rows)
+    if (const auto numbers = numbers_of(row); numbers && numbers->size() == 2)
+      course.push_back({(*numbers)[0], (*numbers)[1]});
+  if (rows->empty() || course.size() != rows->size())
+    keys.fail(key, std::string("'") + key + "' must be a number or a list of [t, value]");
+}
+
 void read_method(TomlKeys& keys, SceneBody& body) {
   IntegratorOptions& options = body.options;
   keys.read("integrator", body.integrator);
   const auto names = integrator_names();
   if (std::find(names.begin(), names.end(), body.integrator) == names.end())
     keys.fail("integrator", "unknown integrator '" + body.integrator + "'");
-  keys.read("alpha", options.alpha);
-  keys.read("beta", options.beta);
+  read_course(keys, "alpha", options.alpha, body.alphas);
+  read_course(keys, "beta", options.beta, body.betas);
   keys.read("newmark-beta", options.newmark_beta);
   keys.read("newmark-gamma", options.newmark_gamma);
   keys.read("tolerance", options.tolerance);
@@ -292,6 +304,12 @@ Result<SceneFile> parse_world(std::string_view text, const std::string& path) {
     Result<SceneHand> hand = read_hand(*entry, ++number, path, file.files);
     if (!hand) return hand.error();
     file.scene.hands.push_back(std::move(*hand));
+  }
+  number = 0;
+  for (const toml::table* entry : keys.read_tables("joints")) {
+    Result<SceneJoint> joint = read_joint(*entry, ++number, path);
+    if (!joint) return joint.error();
+    file.scene.joints.push_back(std::move(*joint));
   }
   if (Status s = keys.finish(); !s) return s.error();
   if (Status s = check_scene(file.scene); !s) return error_of_file(path, s.error());

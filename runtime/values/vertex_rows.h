@@ -7,16 +7,18 @@
 
 namespace tremolo {
 
-// One vertex: rest position (m) and its three rows of U, 3 x r, kg^-1/2.
+// One vertex: rest position (m) and its three rows of U, 3 x r, kg^-1/2, row by row in memory.
 struct VertexRows {
   Eigen::Vector3d rest = Eigen::Vector3d::Zero();
-  Eigen::Matrix<double, 3, Eigen::Dynamic> rows;
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> rows;
 };
 
 // modes: r, which what is read must have.
 inline void carry(StateStream& stream, VertexRows& place, Eigen::Index modes) {
   stream(place.rest);
-  stream.sized(place.rows);
+  Eigen::Matrix<double, 3, Eigen::Dynamic> columns = place.rows;
+  stream.sized(columns);
+  place.rows = columns;
   stream.require(place.rows.cols() == modes && place.rows.allFinite() && place.rest.allFinite());
 }
 

@@ -118,7 +118,7 @@ TEST_F(WorldProgram, WritesAFolderABody) {
   EXPECT_EQ(line,
             "t,kinetic,potential,total,high_band,work,dissipated,load,support,gravity,contact,"
             "friction,damping,x,y,z,qw,qx,qy,qz,px,py,pz,lx,ly,lz,restitution,hand,"
-            "contact_energy,contact_force");
+            "contact_energy,contact_force,joint");
   int rows = 0;
   while (std::getline(table, line)) ++rows;
   EXPECT_EQ(rows, 11);

@@ -127,8 +127,6 @@ Result<std::size_t> Body::grab(const SurfacePlace& place, double stiffness, doub
   return grab(model_->vertex_near(place), std::move(*rows), stiffness, damping);
 }
 
-// With which a place resists a force in a step, the mean over all directions, kg; infinite for a
-// place that does not move. A coordinate of the frequency omega resists as 1 + (h omega)^2/4.
 double Body::mass_at(const VertexRows& place) const {
   const double h = options_.step;
   const Eigen::ArrayXd give = 1.0 / (1.0 + (0.25 * h * h) * model_->lambda().array());

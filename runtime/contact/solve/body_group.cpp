@@ -48,6 +48,58 @@ void BodyGroup::begin(std::size_t i) {
   begun_[i] = 1;
 }
 
+std::size_t BodyGroup::join(std::size_t a, std::size_t b, Joint joint) {
+  Link link{std::min(a, b), std::max(a, b), next_joint_++, b < a, std::move(joint)};
+  const auto after =
+      std::upper_bound(links_.begin(), links_.end(), link, [](const Link& x, const Link& y) {
+        return x.a < y.a || (x.a == y.a && (x.b < y.b || (x.b == y.b && x.number < y.number)));
+      });
+  links_.insert(after, std::move(link));
+  wake(a);
+  wake(b);
+  return next_joint_ - 1;
+}
+
+bool BodyGroup::separate(std::size_t number) {
+  for (const Link& link : links_)
+    if (link.number == number) {
+      wake(link.a);
+      wake(link.b);
+    }
+  return std::erase_if(links_, [number](const Link& link) { return link.number == number; }) != 0;
+}
+
+const Joint* BodyGroup::joint(std::size_t number) const {
+  for (const Link& link : links_)
+    if (link.number == number) return &link.joint;
+  return nullptr;
+}
+
+bool BodyGroup::is_joined(std::size_t i) const {
+  return std::any_of(links_.begin(), links_.end(),
+                     [i](const Link& link) { return link.a == i || link.b == i; });
+}
+
+// False: a joint that lets them pass through each other holds them.
+bool BodyGroup::may_touch(std::size_t a, std::size_t b) const {
+  return std::none_of(links_.begin(), links_.end(), [a, b](const Link& link) {
+    return link.a == a && link.b == b && !link.joint.touch;
+  });
+}
+
+// Wakes the one that sleeps of two of which one is awake; true if there was one.
+bool BodyGroup::wake_pair(std::size_t a, std::size_t b) {
+  bool woke = false;
+  if (begun_[a] == 0 && begun_[b] == 0) return false;
+  for (const std::size_t i : {a, b}) {
+    if (begun_[i] != 0 || !rest_[i].asleep) continue;
+    rest_[i] = {};
+    begin(i);
+    woke = true;
+  }
+  return woke;
+}
+
 // The points of a and b that may touch; wakes the one that sleeps.
 void BodyGroup::look_at(std::size_t a, std::size_t b) {
   const ContactStep& first = *bodies_[a]->contact_;
@@ -93,16 +145,11 @@ void BodyGroup::find_pairs() {
       const double end = high(by_place_[m]);
       for (std::size_t n = m + 1; n < by_place_.size() && low(by_place_[n]) <= end; ++n) {
         const auto [a, b] = std::minmax(by_place_[m], by_place_[n]);
-        if (begun_[a] != 0 || begun_[b] != 0) look_at(a, b);
+        if ((begun_[a] != 0 || begun_[b] != 0) && may_touch(a, b)) look_at(a, b);
       }
     }
-    for (const Pair& pair : pairs_)
-      for (const std::size_t i : {pair.a, pair.b}) {
-        if (begun_[i] != 0 || !rest_[i].asleep) continue;
-        rest_[i] = {};
-        begin(i);
-        again = true;
-      }
+    for (const Pair& pair : pairs_) again = wake_pair(pair.a, pair.b) || again;
+    for (const Link& link : links_) again = wake_pair(link.a, link.b) || again;
   }
   std::sort(pairs_.begin(), pairs_.end(),
             [](const Pair& x, const Pair& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
@@ -117,11 +164,13 @@ std::size_t BodyGroup::root(std::size_t i) {
 void BodyGroup::make_islands() {
   parent_.resize(bodies_.size());
   std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  for (const Pair& pair : pairs_) {
-    if (begun_[pair.a] == 0 || begun_[pair.b] == 0) continue;
-    const std::size_t first = root(pair.a), second = root(pair.b);
+  const auto unite = [this](std::size_t a, std::size_t b) {
+    if (begun_[a] == 0 || begun_[b] == 0) return;
+    const std::size_t first = root(a), second = root(b);
     parent_[std::max(first, second)] = std::min(first, second);
-  }
+  };
+  for (const Pair& pair : pairs_) unite(pair.a, pair.b);
+  for (const Link& link : links_) unite(link.a, link.b);
   islands_.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i)
     if (begun_[i] != 0) islands_.push_back(i);
@@ -163,14 +212,25 @@ void BodyGroup::step_island(std::size_t first, std::size_t count) {
       island_points_[used].b = member_of_[island_points_[used].b];
     }
   }
+  gather_joints(root_here);
   const std::span<PairPoint> points(island_points_.data(), used);
   island_reports_.resize(count);
-  island_.step(members_, points, bodies_[who[0]]->options_.step, island_reports_);
+  island_.step(members_, points, island_joints_, bodies_[who[0]]->options_.step, island_reports_);
   if (island_reports_[0].converged) note_touches(points, who);
   for (std::size_t m = 0; m < count; ++m) {
     Body& body = *bodies_[who[m]];
     if (island_reports_[m].converged) body.end_contact();
     reports_[who[m]] = body.end_step(island_reports_[m]);
+  }
+}
+
+// Those of the island whose members member_of_ tells.
+void BodyGroup::gather_joints(std::size_t root_here) {
+  island_joints_.clear();
+  for (Link& link : links_) {
+    if (begun_[link.a] == 0 || begun_[link.b] == 0 || root(link.a) != root_here) continue;
+    const std::size_t a = member_of_[link.a], b = member_of_[link.b];
+    island_joints_.push_back({&link.joint, link.turned ? b : a, link.turned ? a : b});
   }
 }
 
@@ -197,7 +257,7 @@ void BodyGroup::put_to_sleep() {
     Body& body = *bodies_[i];
     Rest& rest = rest_[i];
     bool quiet = reports_[i].converged && body.frame_ == FrameKind::kFree && body.contact_ &&
-                 body.contact_account().active > 0;
+                 (body.contact_account().active > 0 || is_joined(i));
     if (quiet) {
       const double speed2 = 2.0 * body.free_->kinetic(body.state_.q, body.state_.p);
       const double limit = body.contact_->law().slip_speed;

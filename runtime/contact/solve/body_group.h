@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 
 #include "runtime/body.h"
+#include "runtime/contact/joint.h"
 #include "runtime/contact/solve/contact_island.h"
 
 namespace tremolo {
@@ -38,6 +39,14 @@ class BodyGroup {
   void step(std::span<Body* const> bodies, std::span<const PlacedCollider> colliders,
             std::span<StepReport> reports);
 
+  // Joins the bodies a and b of step(), a != b, which wake; returns the joint's number. Sums follow
+  // the order of the pairs, and of the joints of one pair that of their numbers.
+  std::size_t join(std::size_t a, std::size_t b, Joint joint);
+  // False: there is no such joint. Numbers of others stay.
+  bool separate(std::size_t number);
+  // As after the last step; null: there is no such joint.
+  const Joint* joint(std::size_t number) const;
+
   // Two bodies that pushed each other in the last step, a < b, and the impulse, N s. Sorted.
   struct Touch {
     std::size_t a = 0, b = 0;
@@ -49,11 +58,13 @@ class BodyGroup {
     if (i < rest_.size()) rest_[i] = {};
   }
 
-  // Who rests and for how long. bodies: as many as there are.
+  // Who rests and for how long, and what joints tell; the joints themselves are as before. bodies:
+  // as many as there are.
   void carry(StateStream& stream, std::size_t bodies) {
     stream.sized(rest_);
     stream.require(rest_.empty() || rest_.size() == bodies);
     if (stream.reads()) touches_.clear();
+    for (Link& link : links_) link.joint.carry(stream);
   }
 
  private:
@@ -71,7 +82,19 @@ class BodyGroup {
     std::size_t first = 0, count = 0;
   };
 
+  // A joint, a < b; turned: b has its first place.
+  struct Link {
+    std::size_t a = 0, b = 0;
+    std::size_t number = 0;
+    bool turned = false;
+    Joint joint;
+  };
+
   bool has_to_wake(std::size_t i) const;
+  bool wake_pair(std::size_t a, std::size_t b);
+  bool may_touch(std::size_t a, std::size_t b) const;
+  bool is_joined(std::size_t i) const;
+  void gather_joints(std::size_t root_here);
   void begin(std::size_t i);
   void find_pairs();
   void look_at(std::size_t a, std::size_t b);
@@ -92,6 +115,9 @@ class BodyGroup {
   std::vector<std::size_t> member_of_;  // the body's number in its island
   std::vector<char> restless_;          // of an island, by its root
   std::vector<Pair> pairs_;
+  std::vector<Link> links_;  // by a, b and number
+  std::size_t next_joint_ = 0;
+  std::vector<IslandJoint> island_joints_;
   std::vector<PairPoint> points_, island_points_;
   std::size_t used_ = 0;
   std::vector<IslandMember> members_;

@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "runtime/contact/joint.h"
 #include "runtime/contact/solve/block_solver.h"
 #include "runtime/contact/solve/contact_step.h"
 
@@ -48,6 +49,14 @@ struct PairPoint {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // y at the end
 };
 
+// A joint of the members a and b in a step.
+struct IslandJoint {
+  Joint* joint = nullptr;
+  std::size_t a = 0, b = 0;
+  ContactTouch touch_a = {}, touch_b = {};
+  JointForce now = {};
+};
+
 // The points of a (its body is `first`) that may touch b in the step are added to `points`, whose
 // first `count` entries are used; the number of them then. Both must have gathered.
 std::size_t add_pair_points(const ContactStep& first, const ContactStep& second, std::size_t a,
@@ -55,67 +64,83 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
 
 class ContactIsland {
  public:
-  // One step of all members; points: of pairs of them. reports: one a member; where the island
-  // does not converge, none does, and all states are as before. What it needs grows with the
-  // largest island so far; see block_solver.h.
-  void step(std::span<const IslandMember> members, std::span<PairPoint> points, double h,
-            std::span<StepReport> reports);
+  // One step of all members; points: of pairs of them, pair by pair; joints: likewise. reports: one
+  // a member; where the island does not converge, none does, and all states are as before. What it
+  // needs grows with the largest island so far; see block_solver.h.
+  void step(std::span<const IslandMember> members, std::span<PairPoint> points,
+            std::span<IslandJoint> joints, double h, std::span<StepReport> reports);
 
  private:
-  // Two members, a < b, and their points, from `first` on. touches: one acted when last looked at.
-  // ab, ba: how the residuals of the one change with the unknowns of the other.
+  // Two members, a < b, their points, from `first` on, and their joints. touches: a joint holds
+  // them, or a point acted when last looked at. looked: it is evaluated. ab, ba: how the residuals
+  // of the one change with the unknowns of the other.
   struct Coupling {
     std::size_t a = 0, b = 0;
     std::size_t first = 0, count = 0;
-    bool touches = false;
+    std::size_t first_joint = 0, joints = 0;
+    bool touches = false, looked = false;
     Eigen::MatrixXd ab, ba;
   };
 
   enum class Outcome { kMoved, kDone, kFailed };
 
   void couple();
+  Coupling& add_coupling(std::size_t low, std::size_t high);
+  void list_couplings();
+  std::span<const std::size_t> couplings_of(std::size_t member) const {
+    return std::span(coupling_of_)
+        .subspan(first_coupling_[member], first_coupling_[member + 1] - first_coupling_[member]);
+  }
+  void choose_none();
+  void look(std::size_t member);
+  void look_at_couplings(std::size_t member);
   void choose_all();
-  void choose(std::size_t root);
+  void choose(std::span<const std::size_t> group);
   void choose_one(std::size_t member);
-  void arrange();
+  void move_with(std::size_t member);
   std::size_t root(std::size_t i);
   bool is_converged(std::size_t i) const;
   bool find_groups();
   double measure();
   Outcome move(int iteration, double& heavier);
-  void relax(std::size_t root, int iteration, int times);
-  bool looks_at(const Coupling& coupling) const {
-    return looked_[coupling.a] != 0 || looked_[coupling.b] != 0;
-  }
+  void relax(std::span<const std::size_t> group, int iteration, int times);
   bool moves(std::size_t member) const { return place_[member] != kStill; }
   void evaluate(PairPoint& pair, double renew);
+  void evaluate(IslandJoint& link);
   void find_start(PairPoint& pair);
   double evaluate(double renew);
   void make_jacobian(double heavier);
   void add_pair(const PairPoint& pair, Coupling& coupling);
+  void add_joint(const IslandJoint& link, Coupling& coupling);
   void find_changes(const PairPoint& pair);
   bool solve_for_move();
   bool solve(int relaxed, int alone, int& iterations);
   void begin();
   void settle();
+  void settle_joints();
 
   static constexpr std::size_t kStill = static_cast<std::size_t>(-1);
 
   std::span<const IslandMember> members_;
   std::span<PairPoint> points_;
+  std::span<IslandJoint> joints_;
   double h_ = 0.0;
   // Members that are not converged, and what they touch, in groups that are solved for one after
-  // the other: group_ is a group's lowest member, or kStill. moving_: the group at hand; place_:
-  // each one's place in it, or kStill; first_: of its unknowns, and the number of all. looked_:
-  // their residual may change.
-  std::vector<std::size_t> parent_, group_, moving_, place_;
+  // the other: group_ is a group's lowest member, or kStill; in by_group_ those of a group stand
+  // next to each other. moving_: the group at hand; place_: each one's place in it, or kStill;
+  // first_: of its unknowns, and the number of all. looked_: their residual may change; looked_at_,
+  // seen_: these members, and the couplings of them.
+  std::vector<std::size_t> parent_, group_, by_group_, moving_, place_;
   std::vector<Eigen::Index> first_;
   std::vector<char> looked_;
+  std::vector<std::size_t> looked_at_, seen_;
   std::vector<double> enough_, heavier_;
   std::vector<double> sizes_;
   std::vector<double> bends_;  // how far the coordinates move a member's points in the step, m
   std::vector<Coupling> couplings_;
   std::size_t coupled_ = 0;  // used
+  // The couplings of each member, one member after the other.
+  std::vector<std::size_t> first_coupling_, coupling_of_;
   std::vector<ContactAccount> accounts_;
   // How a pair's force, and what bends its second body, fall with the unknowns of its bodies, 3 x n
   // each.

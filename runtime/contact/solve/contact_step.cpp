@@ -42,7 +42,8 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
       shape_(contact.shape),
       damping_(make_inertia_damping(*model_, options, cotangent_weight)),
       S_((0.5 + options.step * damping_.theta.array() * damping_.D.array()).inverse()),
-      workspace_(model_->potential().make_workspace(kUseSegment)) {
+      workspace_(model_->potential().make_workspace(kUseSegment)),
+      lever_(model_->modes()) {
   const double h = options.step;
   law_.margin = contact.margin * points_->extent;
   law_.stiffness = contact.stiffness * mass / (2.0 * h * h * law_.margin);
@@ -61,11 +62,8 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
   K_.setZero(r, r);
   jacobian_.setIdentity(n, n);
   factor_.compute(jacobian_.topLeftCorner(free ? n : r, free ? n : r));
-  push_.setZero(n, 3);
-  pushed_.setZero(n, 3);
-  way_.setZero(3, n);
-  swing_.setZero(3, n);
-  path_.setZero(3, n);
+  motion_.h = h;
+  motion_.modes = r;
 }
 
 void ContactStep::reset() {
@@ -138,77 +136,64 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   q0_ = state.q;
   v0_ = state.p;
   if (load.coupling != nullptr) load.coupling->begin(h, q0_, v0_);
-  R0_ = poses_.start.rotation.toRotationMatrix();
-  origin_ = free_ != nullptr ? free_->mesh_centre() : Vector3d(Vector3d::Zero());
-  c0_ = free_ != nullptr ? free_->rigid().centre : poses_.start.position;
+  motion_.turns = free_ != nullptr;
+  motion_.R0 = poses_.start.rotation.toRotationMatrix();
+  motion_.origin = free_ != nullptr ? free_->mesh_centre() : Vector3d(Vector3d::Zero());
+  motion_.c0 = free_ != nullptr ? free_->rigid().centre : poses_.start.position;
   z_.head(r) = h * v0_;
   for (Candidate& candidate : candidates_) candidate.held = {candidate.start.normal};
   pairs_ = {};
   pairs_start_ = 0.0;
+  joints_rounding_ = 0.0;
   if (free_ != nullptr) {
     z_.segment<3>(r) = free_->rigid().spin;
     z_.tail<3>() = h * free_->rigid().velocity;
     return;
   }
-  turn_ = R0_.transpose() * poses_.end.rotation.toRotationMatrix();
+  motion_.set_turn(motion_.R0.transpose() * poses_.end.rotation.toRotationMatrix());
   const Eigen::Quaterniond turn = poses_.start.rotation.conjugate() * poses_.end.rotation;
-  phi_ = 2.0 / turn.w() * turn.vec();
-  c1_ = poses_.end.position;
+  motion_.phi = 2.0 / turn.w() * turn.vec();
+  motion_.c1 = poses_.end.position;
 }
 
-template <class Rows>
-ContactTouch ContactStep::touch_at(const Vector3d& rest, const Rows& rows) const {
-  const Vector3d from = rest - origin_;
-  const Vector3d y0 = from + rows.transpose() * q0_;
-  const Vector3d y1 = from + rows.transpose() * q1_;
-  return {c0_ + R0_ * y0, c1_ + R1_ * y1, mean_ * (0.5 * (y0 + y1))};
+// rest: in the mesh's coordinates, m.
+ContactTouch ContactStep::touch_at(const Vector3d& rest, const PlaceRows& rows) const {
+  const Vector3d from = rest - motion_.origin;
+  return motion_.touch(from + rows.transpose() * q0_, from + rows.transpose() * q1_);
 }
 
 ContactTouch ContactStep::touch_at_point(std::size_t point) const {
   return touch_at(points_->rest[point], point_rows(point));
 }
 
+ContactTouch ContactStep::straight_touch_at(const VertexRows& place) const {
+  const Vector3d from = place.rest - motion_.origin;
+  return motion_.straight_touch(from + place.rows * q0_, from + place.rows * q1_);
+}
+
 Vector3d ContactStep::end_of_point(std::size_t point) const {
-  const Vector3d from = points_->rest[point] - origin_;
-  return c1_ + R1_ * (from + point_rows(point).transpose() * q1_);
+  const Vector3d from = points_->rest[point] - motion_.origin;
+  return motion_.c1 + motion_.R1 * (from + point_rows(point).transpose() * q1_);
 }
 
-Vector3d ContactStep::middle_of(const ContactTouch& touch) const {
-  return 0.5 * (c0_ + c1_) + R0_ * touch.arm;
+Vector3d ContactStep::bend_under(const PlaceRows& rows) const {
+  return motion_.turn_out(rows.transpose() * z_.head(model_->modes()));
 }
 
-ContactTouch ContactStep::touch_by_other(const Vector3d& x1, const Vector3d& middle) const {
-  return {x1, x1, R0_.transpose() * (middle - 0.5 * (c0_ + c1_))};
-}
-
-Vector3d ContactStep::way_under(const ContactTouch& touch) const {
-  return (c1_ - c0_) + R0_ * phi_.cross(touch.arm);
-}
-
-Vector3d ContactStep::bend_under(const Eigen::MatrixX3d& rows) const {
-  return R0_ * (mean_ * (rows.transpose() * z_.head(model_->modes())));
-}
-
-Vector3d ContactStep::into_rest(const Vector3d& x, bool at_end) const {
-  return (at_end ? R1_ : R0_).transpose() * (x - (at_end ? c1_ : c0_)) + origin_;
-}
-
-// force, bend_force: world.
-template <class Rows>
-void ContactStep::add_force(const Vector3d& force, const Vector3d& bend_force,
-                            const ContactTouch& touch, const Rows& rows) {
-  contact_push_.noalias() += rows * (mean_.transpose() * (R0_.transpose() * bend_force));
+void ContactStep::push(const Vector3d& force, const Vector3d& bend_force, const ContactTouch& touch,
+                       const PlaceRows& rows) {
+  contact_push_.noalias() +=
+      rows * (motion_.mean.transpose() * (motion_.R0.transpose() * bend_force));
   contact_force_ += force;
-  contact_torque_ += touch.arm.cross(R0_.transpose() * force);
+  contact_torque_ += touch.arm.cross(motion_.R0.transpose() * force);
 }
 
 void ContactStep::push_point(const Vector3d& force, const ContactTouch& touch, std::size_t point) {
-  add_force(force, force, touch, point_rows(point));
+  push(force, force, touch, point_rows(point));
 }
 
-void ContactStep::push_rows(const Vector3d& force, const Vector3d& bend_force,
-                            const ContactTouch& touch, const Eigen::MatrixX3d& rows) {
-  add_force(force, bend_force, touch, rows);
+void ContactStep::push_turn(const Vector3d& torque) {
+  contact_torque_ += motion_.R0.transpose() * torque;
 }
 
 // A spring's mean force is that at the middle of the step, and exactly its discrete gradient.
@@ -216,11 +201,11 @@ void ContactStep::add_grips() {
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     Grip& grip = grips_[i];
     ContactTouch& touch = held_[i];
-    touch = touch_at(grip.place.rest, grip.place.rows.transpose());
+    touch = touch_at(grip.place.rest, place_rows(grip.place));
     const Vector3d from = touch.x0 - grip.start, to = touch.x1 - grip.end;
     grip.force =
         (-0.5 * grip.stiffness) * (from + to) - (grip.damping / options_.step) * (to - from);
-    add_force(grip.force, grip.force, touch, grip.place.rows.transpose());
+    push(grip.force, grip.force, touch, place_rows(grip.place));
   }
 }
 
@@ -237,104 +222,27 @@ void ContactStep::add_contact(double renew) {
   add_grips();
 }
 
-// How the residual falls with a force on a touched place, n x 3 in push_, and how the place's end
-// moves with the unknowns, 3 x n in way_.
-template <class Rows>
-void ContactStep::make_lever(const ContactTouch& touch, const Rows& rows) {
-  const double h = options_.step;
-  const Index r = model_->modes();
-  way_.leftCols(r).noalias() = R1_ * rows.transpose();
-  push_.topRows(r).noalias() = (0.5 * h * h) * rows * (R0_ * mean_).transpose();
+// On a place of the body's own, on which the force is `force`.
+void ContactStep::add_geometry(const Vector3d& force, const Vector3d& bend_force,
+                               const ContactTouch& touch, const PlaceRows& rows) {
   if (free_ == nullptr) return;
-  const Vector3d y1 = R1_.transpose() * (touch.x1 - c1_);
-  way_.middleCols<3>(r) = -R1_ * cross_matrix(y1) * turned_;
-  way_.rightCols<3>().setIdentity();
-  push_.middleRows<3>(r) = h * turn_.transpose() * cross_matrix(touch.arm) * R0_.transpose();
-  push_.bottomRows<3>().setIdentity();
+  add_turn(motion_, force, bend_force, touch, rows, jacobian_);
+  jacobian_.block(model_->modes(), 0, 3, unknowns()).noalias() +=
+      motion_.turn_of_arm(force) * lever_.swing();
 }
 
-// How the arm of a touched place of the body's own moves with the unknowns, into swing_.
-template <class Rows>
-void ContactStep::make_swing(const ContactTouch& touch, const Rows& rows) {
-  const Index r = model_->modes();
-  swing_.leftCols(r).noalias() = (0.5 * mean_) * rows.transpose();
-  if (free_ == nullptr) return;
-  const Vector3d y0 = R0_.transpose() * (touch.x0 - c0_), y1 = R1_.transpose() * (touch.x1 - c1_);
-  swing_.middleCols<3>(r) = -0.25 * turn_ * cross_matrix(y0 + y1) * turned_;
-  swing_.rightCols<3>().setZero();
-}
-
-// How the residual changes as a force turns with the body.
-template <class Rows>
-void ContactStep::add_turn(const Vector3d& force, const Vector3d& bend_force,
-                           const ContactTouch& touch, const Rows& rows) {
-  if (free_ == nullptr) return;
-  const double h = options_.step;
-  const Index r = model_->modes();
-  const Vector3d pull = R0_.transpose() * force, bend_pull = R0_.transpose() * bend_force;
-  const Matrix3d torque = cross_matrix(turn_.transpose() * touch.arm.cross(pull)) * turned_;
-  jacobian_.block<3, 3>(r, r) -= h * torque;
-  const Matrix3d turned_pull = cross_matrix(turn_.transpose() * bend_pull) * turned_;
-  jacobian_.block(0, r, r, 3).noalias() -= (0.25 * h * h) * rows * turned_pull;
-}
-
-Matrix3d ContactStep::turn_of_arm(const Vector3d& force) const {
-  return options_.step * turn_.transpose() * cross_matrix(R0_.transpose() * force);
-}
-
-void ContactStep::add_geometry(const Vector3d& force, const ContactTouch& touch,
-                               std::size_t point) {
-  make_swing(touch, point_rows(point));
-  if (free_ == nullptr) return;
-  const Index r = model_->modes();
-  add_turn(force, force, touch, point_rows(point));
-  jacobian_.block(r, 0, 3, unknowns()).noalias() +=
-      turn_of_arm(force) * swing_.leftCols(unknowns());
+void ContactStep::add_geometry_at_point(const Vector3d& force, const ContactTouch& touch,
+                                        std::size_t point) {
+  lever_.make_swing(motion_, touch, point_rows(point));
+  add_geometry(force, force, touch, point_rows(point));
 }
 
 void ContactStep::add_geometry_of_other(const Vector3d& force, const Vector3d& bend_force,
-                                        const ContactTouch& touch, const Eigen::MatrixX3d& rows) {
+                                        const ContactTouch& touch, const PlaceRows& rows) {
   if (free_ == nullptr) return;
   const Index r = model_->modes();
-  add_turn(force, bend_force, touch, rows);
-  jacobian_.block<3, 3>(r, r + 3) -= 0.5 * turn_of_arm(force) * R0_.transpose();
-}
-
-const Eigen::Matrix3Xd& ContactStep::path_of_middle() {
-  path_.noalias() = R0_ * swing_;
-  if (free_ != nullptr) path_.rightCols<3>() += 0.5 * Matrix3d::Identity();
-  return path_;
-}
-
-void ContactStep::lever_at_point(const ContactTouch& touch, std::size_t point) {
-  make_lever(touch, point_rows(point));
-}
-
-void ContactStep::lever_at_rows(const ContactTouch& touch, const Eigen::MatrixX3d& rows) {
-  make_lever(touch, rows);
-}
-
-const Eigen::Matrix3Xd& ContactStep::change_of_way(const ContactTouch& touch,
-                                                   const Eigen::MatrixX3d& rows) {
-  const Index r = model_->modes();
-  path_.leftCols(r).noalias() = (R0_ * mean_) * rows.transpose();
-  if (free_ == nullptr) return path_;
-  path_.middleCols<3>(r) = (-0.5 * options_.step) * R0_ * cross_matrix(touch.arm);
-  path_.rightCols<3>().setIdentity();
-  return path_;
-}
-
-void ContactStep::add_pushed(const Eigen::Matrix3Xd& change, const Eigen::Matrix3Xd& bend_change,
-                             double sign, Eigen::Ref<Eigen::MatrixXd> block) const {
-  const Index r = model_->modes();
-  block.topRows(r).noalias() += sign * push_.topRows(r) * bend_change;
-  if (free_ != nullptr) block.bottomRows<6>().noalias() += sign * push_.bottomRows<6>() * change;
-}
-
-void ContactStep::add_tangent(const Matrix3d& stiffness) {
-  const Index n = unknowns();
-  pushed_.topRows(n).noalias() = push_.topRows(n) * stiffness;
-  jacobian_.topLeftCorner(n, n).noalias() += pushed_.topRows(n) * way_.leftCols(n);
+  add_turn(motion_, force, bend_force, touch, rows, jacobian_);
+  jacobian_.block<3, 3>(r, r + 3) -= 0.5 * motion_.turn_of_arm(force) * motion_.R0.transpose();
 }
 
 void ContactStep::evaluate(double renew) {
@@ -349,19 +257,18 @@ void ContactStep::evaluate(double renew) {
   middle_ = d;
   if (free_ != nullptr) {
     const FreeFrame::SpinTrial trial = free_->try_spin(middle_, S_, z_.segment<3>(r), dp_, force_);
-    turn_ = trial.turn;
     spin_jacobian_ = trial.jacobian;
-    phi_ = (0.5 * h) * (free_->rigid().spin + z_.segment<3>(r));
-    turned_ = (0.5 * h / (1.0 + 0.25 * phi_.squaredNorm())) *
-              (Matrix3d::Identity() - 0.5 * cross_matrix(phi_));
+    motion_.set_turn(trial.turn);
+    const Vector3d phi = (0.5 * h) * (free_->rigid().spin + z_.segment<3>(r));
+    motion_.phi = phi;
+    motion_.turned = (0.5 * h / (1.0 + 0.25 * phi.squaredNorm())) *
+                     (Matrix3d::Identity() - 0.5 * cross_matrix(phi));
     residual_.segment<3>(r) = trial.residual;
     residual_.tail<3>() = free_->centre_residual(z_.tail<3>());
-    c1_ = c0_ + z_.tail<3>();
+    motion_.c1 = motion_.c0 + z_.tail<3>();
   } else if (load_->coupling != nullptr) {
     load_->coupling->evaluate(middle_, S_, dp_, force_);
   }
-  R1_ = R0_ * turn_;
-  mean_ = 0.5 * (Matrix3d::Identity() + turn_);
   add_contact(renew);
 }
 
@@ -372,7 +279,7 @@ double ContactStep::close() {
   residual_.head(r) = (0.5 * h) * damping_.n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
                       (0.5 * h) * damping_.D.cwiseProduct(z_.head(r));
   if (free_ != nullptr) {
-    residual_.segment<3>(r) -= h * (turn_.transpose() * contact_torque_);
+    residual_.segment<3>(r) -= h * (motion_.turn.transpose() * contact_torque_);
     residual_.tail<3>() -= contact_force_;
   }
   return size_of_residual();
@@ -402,19 +309,17 @@ void ContactStep::make_jacobian(double heavier) {
   }
   for (const Candidate& candidate : candidates_) {
     if (!candidate.now.acts) continue;
-    lever_at_point(candidate.touch, candidate.point);
-    add_tangent(candidate.now.slope.by_path);
-    add_geometry(candidate.now.force, candidate.touch, candidate.point);
+    lever_.make(motion_, candidate.touch, point_rows(candidate.point));
+    lever_.add_tangent(candidate.now.slope.by_path, jacobian_);
+    add_geometry_at_point(candidate.now.force, candidate.touch, candidate.point);
   }
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     const double stiffness = 0.5 * grips_[i].stiffness + grips_[i].damping / h;
-    make_lever(held_[i], grips_[i].place.rows.transpose());
-    add_tangent(stiffness * Matrix3d::Identity());
-    if (free_ == nullptr) continue;
-    add_turn(grips_[i].force, grips_[i].force, held_[i], grips_[i].place.rows.transpose());
-    make_swing(held_[i], grips_[i].place.rows.transpose());
-    jacobian_.block(r, 0, 3, unknowns()).noalias() +=
-        turn_of_arm(grips_[i].force) * swing_.leftCols(unknowns());
+    const PlaceRows rows = place_rows(grips_[i].place);
+    lever_.make(motion_, held_[i], rows);
+    lever_.add_tangent(stiffness * Matrix3d::Identity(), jacobian_);
+    lever_.make_swing(motion_, held_[i], rows);
+    add_geometry(grips_[i].force, grips_[i].force, held_[i], rows);
   }
 }
 
@@ -447,18 +352,25 @@ double ContactStep::size_of_motion() const {
   return size;
 }
 
-// What rounding of a place leaves of the momenta of stiff hands.
+// What rounding of a place, which is `far` from the world's origin, leaves of the momenta.
+double ContactStep::held_rounding(const VertexRows& place, double stiffness, double far) const {
+  const double lightness = place.rows.norm() + (free_ != nullptr ? 1.0 / std::sqrt(mass_) : 0.0);
+  return 4.0 * std::numeric_limits<double>::epsilon() * options_.step * stiffness * lightness *
+         (far + points_->extent);
+}
+
 double ContactStep::grips_rounding() const {
-  const double h = options_.step;
   double sum = 0.0;
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     const Grip& grip = grips_[i];
-    const double stiffness = 0.5 * grip.stiffness + grip.damping / h;
-    const double lightness =
-        grip.place.rows.norm() + (free_ != nullptr ? 1.0 / std::sqrt(mass_) : 0.0);
-    sum += stiffness * (held_[i].x1.norm() + grip.end.norm() + points_->extent) * lightness;
+    const double stiffness = 0.5 * grip.stiffness + grip.damping / options_.step;
+    sum += held_rounding(grip.place, stiffness, held_[i].x1.norm() + grip.end.norm());
   }
-  return 4.0 * std::numeric_limits<double>::epsilon() * h * sum;
+  return sum;
+}
+
+void ContactStep::hold_at(const VertexRows& place, double stiffness) {
+  joints_rounding_ += held_rounding(place, 0.5 * stiffness, 2.0 * motion_.c0.norm());
 }
 
 // By how much move_ moves any point at most, m.
@@ -471,8 +383,8 @@ double ContactStep::way_of_move() const {
 }
 
 double ContactStep::enough() const {
-  return std::max(
-      {kTolerance * size_of_motion(), grips_rounding(), std::numeric_limits<double>::min()});
+  return std::max({kTolerance * size_of_motion(), grips_rounding() + joints_rounding_,
+                   std::numeric_limits<double>::min()});
 }
 
 double renewal(int iteration, double size) {
@@ -570,7 +482,7 @@ void ContactStep::settle_grips() {
     const ContactTouch& touch = held_[i];
     const Vector3d way = touch.x1 - touch.x0 - (grip.end - grip.start);
     grip.damped = grip.damping / options_.step * way.squaredNorm();
-    const Vector3d mean_force = 0.5 * (R0_ + R1_).transpose() * grip.force;
+    const Vector3d mean_force = 0.5 * (motion_.R0 + motion_.R1).transpose() * grip.force;
     grip.work = free_ != nullptr ? grip.force.dot(touch.x1 - touch.x0)
                                  : (grip.place.rows * z_.head(model_->modes())).dot(mean_force);
     account_.hand_work += grip.work;
@@ -599,7 +511,8 @@ void ContactStep::settle_account() {
   }
   settle_grips();
   if (free_ == nullptr)
-    account_.work = contact_push_.dot(z_.head(model_->modes())) - account_.hand_work;
+    account_.work =
+        contact_push_.dot(z_.head(model_->modes())) - account_.hand_work - account_.joint_work;
   account_.surplus = start - before;
   account_.given = account_.work + account_.energy - start + account_.lost + account_.rubbed;
 }

@@ -19,18 +19,12 @@
 #include "runtime/contact/contact_values.h"
 #include "runtime/contact/solve/bent_shape.h"
 #include "runtime/contact/solve/contact_points.h"
+#include "runtime/contact/solve/step_motion.h"
 #include "runtime/frames/free_frame.h"
 #include "runtime/integrator.h"
 #include "runtime/integrators/solve/inertia_filter.h"
 
 namespace tremolo {
-
-// What a force on a place of the body, or on a hand's vertex, does. x0, x1: where it is at the ends
-// of the step, m, world. arm: of the force about the centre, along the body's axes at the start.
-struct ContactTouch {
-  Eigen::Vector3d x0 = Eigen::Vector3d::Zero(), x1 = x0;
-  Eigen::Vector3d arm = x0;
-};
 
 // Where a body's points are in a step: at its start within `radius` + `deformed` of `centre` in the
 // world, m; in it none goes farther than `travel` without contact.
@@ -81,6 +75,9 @@ class ContactStep {
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }
   // renew: as of contact_force(); see renewal().
   void evaluate(double renew);
+  // A joint of this stiffness, N/m, holds the place: what rounding leaves there counts as small.
+  // After begin().
+  void hold_at(const VertexRows& place, double stiffness);
   double close();  // the residual's size, all rows as momenta, kg^1/2 m/s
   // What makes momenta of the residual's rows, kg^1/2 m/s; the first unknowns() are used.
   const Eigen::VectorXd& row_scale() const { return row_scale_; }
@@ -101,60 +98,42 @@ class ContactStep {
   // The state at the end of the step.
   void finish(State& state, StepReport& report);
 
-  // A place of the body that touches, at the present z(): a point; or where another body's point
-  // is, which ends at x1 and whose mean place is `middle`, m, world.
+  // The body's frame in the step, at the present z(), and what a force does to its equations.
+  const StepMotion& motion() const { return motion_; }
+  PlaceLever& lever() { return lever_; }
+  // A place of the body that touches, at the present z(): a point; or any place, with the straight
+  // mean of its ends as the force's.
   ContactTouch touch_at_point(std::size_t point) const;
+  ContactTouch straight_touch_at(const VertexRows& place) const;
   Eigen::Vector3d end_of_point(std::size_t point) const;  // its x1
-  ContactTouch touch_by_other(const Eigen::Vector3d& x1, const Eigen::Vector3d& middle) const;
-  // The mean place about which a force's torque is taken, m, world.
-  Eigen::Vector3d middle_of(const ContactTouch& touch) const;
-  // By how much such a place, whose rows of U are `rows` (transposed, r x 3), moves in the step
-  // with the body as it is and as it bends, m, world: a force's work is its product with these.
-  Eigen::Vector3d way_under(const ContactTouch& touch) const;
-  Eigen::Vector3d bend_under(const Eigen::MatrixX3d& rows) const;
-  // A place of the world in the mesh's coordinates, at the start or the end of the step.
-  Eigen::Vector3d into_rest(const Eigen::Vector3d& x, bool at_end) const;
-  // A direction of those coordinates in the world, in the middle.
-  Eigen::Vector3d turn_out(const Eigen::Vector3d& n) const { return R0_ * (mean_ * n); }
-  Eigen::Vector3d turn_out_at_end(const Eigen::Vector3d& n) const { return R1_ * n; }
+  // By how much a place, whose rows of U are `rows`, moves in the step as the body bends, m, world:
+  // a force's work is its product with that and with motion().way_under().
+  Eigen::Vector3d bend_under(const PlaceRows& rows) const;
   const Eigen::VectorXd& q_start() const { return q0_; }
   // The body's own shape, bent as at the start or the end of the step; for a body with a shape.
   BentShape shape_at_start() const { return {&*shape_, points_.get(), &u0_}; }
   BentShape shape_at_end() const { return {&*shape_, points_.get(), &u1_}; }
-  // A force, N, world, between evaluate() and close().
+  // A force, N, world, between evaluate() and close(); bend_force: what bends the body. And a
+  // torque alone, N m, world.
   void push_point(const Eigen::Vector3d& force, const ContactTouch& touch, std::size_t point);
-  // bend_force: what bends it.
-  void push_rows(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
-                 const ContactTouch& touch, const Eigen::MatrixX3d& rows);
-  // What a force on the place does to the residual, n x 3 (it falls by that), and how the place's
-  // end moves with the unknowns, 3 x n. Valid until the next lever.
-  void lever_at_point(const ContactTouch& touch, std::size_t point);
-  void lever_at_rows(const ContactTouch& touch, const Eigen::MatrixX3d& rows);
-  // How bend_under() (the first r columns) and way_under() (the others) change with the unknowns,
-  // nearly, 3 x n (of more columns the first).
-  const Eigen::Matrix3Xd& change_of_way(const ContactTouch& touch, const Eigen::MatrixX3d& rows);
-  // Adds to the n rows of `block` what a change of the force on the lever's place, and of what
-  // bends the body there, does to the residual: 3 rows each and the block's columns, times the
-  // sign.
-  void add_pushed(const Eigen::Matrix3Xd& change, const Eigen::Matrix3Xd& bend_change, double sign,
-                  Eigen::Ref<Eigen::MatrixXd> block) const;
+  void push(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
+            const ContactTouch& touch, const PlaceRows& rows);
+  void push_turn(const Eigen::Vector3d& torque);
+  auto point_rows(std::size_t point) const {
+    return points_->rows.middleCols<3>(static_cast<Eigen::Index>(3 * point));
+  }
+  Eigen::MatrixXd& whole_block() { return jacobian_; }
   auto own_block() { return jacobian_.topLeftCorner(unknowns(), unknowns()); }
-  auto lever_way() const { return way_.leftCols(unknowns()); }
-  // What the force on a place adds to the Jacobian because the place and the body turn: on a point,
-  // and on a place of another body's point (what does not depend on that body's unknowns).
-  void add_geometry(const Eigen::Vector3d& force, const ContactTouch& touch, std::size_t point);
+  // What the force on a place adds to the Jacobian because the place and the body turn: where the
+  // lever has its swing; on a point; and on a place of another body's point (what does not depend
+  // on that body's unknowns).
+  void add_geometry(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
+                    const ContactTouch& touch, const PlaceRows& rows);
+  void add_geometry_at_point(const Eigen::Vector3d& force, const ContactTouch& touch,
+                             std::size_t point);
   void add_geometry_of_other(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
-                             const ContactTouch& touch, const Eigen::MatrixX3d& rows);
-  // How middle_of() the last point of add_geometry() moves with the unknowns, 3 x n (of more
-  // columns the first); and how the residual of omega1 changes with an arm along the body's axes at
-  // the start.
-  const Eigen::Matrix3Xd& path_of_middle();
-  Eigen::Matrix3d turn_of_arm(const Eigen::Vector3d& force) const;
-  const Eigen::Matrix3d& rotation_at_start() const { return R0_; }
+                             const ContactTouch& touch, const PlaceRows& rows);
   bool turns() const { return free_ != nullptr; }
-  // Adds the lever's to the Jacobian, of a place whose force falls with its end by `stiffness`,
-  // N/m.
-  void add_tangent(const Eigen::Matrix3d& stiffness);
   double mass() const { return mass_; }
   bool can_move() const { return can_move_; }
   // False: it feels hands alone.
@@ -182,28 +161,15 @@ class ContactStep {
     ContactTouch touch;
   };
 
-  auto point_rows(std::size_t point) const {
-    return points_->rows.middleCols<3>(static_cast<Eigen::Index>(3 * point));
-  }
   void add_candidates(const PlacedCollider& collider, std::size_t index, const Eigen::VectorXd& q,
                       double reach);
-  template <class Rows>
-  ContactTouch touch_at(const Eigen::Vector3d& rest, const Rows& rows) const;
-  template <class Rows>
-  void add_force(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
-                 const ContactTouch& touch, const Rows& rows);
-  template <class Rows>
-  void make_swing(const ContactTouch& touch, const Rows& rows);
-  template <class Rows>
-  void add_turn(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
-                const ContactTouch& touch, const Rows& rows);
-  template <class Rows>
-  void make_lever(const ContactTouch& touch, const Rows& rows);
+  ContactTouch touch_at(const Eigen::Vector3d& rest, const PlaceRows& rows) const;
   void add_grips();
   void add_contact(double renew);
   double size_of_residual() const;
   double size_of_motion() const;
   double way_of_move() const;
+  double held_rounding(const VertexRows& place, double stiffness, double far) const;
   double grips_rounding() const;
   bool solve(double heavier, StepReport& report);
   void settle_grips();
@@ -231,6 +197,7 @@ class ContactStep {
   ContactAccount account_;
   ContactAccount pairs_;
   double pairs_start_ = 0.0;
+  double joints_rounding_ = 0.0;  // kg^1/2 m/s
   const StepLoad* load_ = nullptr;
   FreeFrame* free_ = nullptr;
 
@@ -239,18 +206,9 @@ class ContactStep {
   Eigen::VectorXd z_, z_before_, residual_, row_scale_, move_;
   Eigen::MatrixXd jacobian_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
-  Eigen::MatrixXd push_;    // n x 3: how a force on a point changes the residual
-  Eigen::MatrixXd pushed_;  // that times a stiffness
-  Eigen::MatrixXd way_;     // 3 x n: how the point's end moves with the unknowns
-  Eigen::Matrix3d R0_, R1_, spin_jacobian_;
-  Eigen::Matrix3d turn_;    // Ro0^T Ro1
-  Eigen::Matrix3d mean_;    // Ro0^T Ro~
-  Eigen::Vector3d phi_;     // cay(phi) is turn_
-  Eigen::Matrix3d turned_;  // how the end turns, along its own axes, with omega1
-  Eigen::Matrix3Xd path_;
-  Eigen::Matrix3Xd swing_;   // 3 x n: how an arm moves with the unknowns
-  Eigen::Vector3d c0_, c1_;  // of the mesh's origin, or of a free body's centre of mass
-  Eigen::Vector3d origin_;   // in the mesh's coordinates, of c
+  Eigen::Matrix3d spin_jacobian_;
+  StepMotion motion_;
+  PlaceLever lever_;
   Eigen::Vector3d contact_force_, contact_torque_;
 };
 

@@ -40,7 +40,8 @@ const std::vector<std::string> kFurther = {"load",
                                            "restitution",
                                            "hand",
                                            "contact_energy",
-                                           "contact_force"};
+                                           "contact_force",
+                                           "joint"};
 
 BodyPlace place_of(const SceneWorld& world, std::size_t body) {
   return {world.body(body).pose(), world.momenta(body)};
@@ -49,8 +50,9 @@ BodyPlace place_of(const SceneWorld& world, std::size_t body) {
 // J that came and went, whatever their sign.
 double turnover(const EnergyAccount& account) {
   double sum = 0.0;
-  for (const double cause : {account.load, account.support, account.gravity, account.contact_given,
-                             account.restitution, account.friction, account.hand, account.damping})
+  for (const double cause :
+       {account.load, account.support, account.gravity, account.contact_given, account.restitution,
+        account.friction, account.hand, account.joint, account.damping})
     sum += std::abs(cause);
   return sum;
 }
@@ -171,7 +173,8 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
                 account.restitution,
                 account.hand,
                 account.contact,
-                body.contact_account().impulse / body.step_size()};
+                body.contact_account().impulse / body.step_size(),
+                account.joint};
     if (Status s = recorder_.record(moment_, body.energy(), further_); !s) return s.error();
   }
   if (frames_.due(moment_.steps))

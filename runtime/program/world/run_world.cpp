@@ -67,7 +67,8 @@ Json json_causes(const EnergyAccount& account) {
           {"friction", finite_number(account.friction)},
           {"restitution", finite_number(account.restitution)},
           {"damping", finite_number(account.damping)},
-          {"hand", finite_number(account.hand)}};
+          {"hand", finite_number(account.hand)},
+          {"joint", finite_number(account.joint)}};
 }
 
 Json body_json(const SceneBody& body, const BodyReport& report, double step) {
@@ -113,6 +114,17 @@ Json body_json(const SceneBody& body, const BodyReport& report, double step) {
   return json;
 }
 
+// joint: null where its time is over.
+Json joint_json(const SceneJoint& wanted, const Joint* joint) {
+  const Joint now = joint == nullptr ? Joint{} : *joint;
+  return {{"body", wanted.body},
+          {"to", wanted.to},
+          {"holds", joint != nullptr},
+          {"force", json_vector(now.force)},
+          {"energy", finite_number(now.energy)},
+          {"damped", finite_number(now.damped)}};
+}
+
 Json world_json(const SceneFile& file, const SceneWorld& world, const std::vector<BodyLog>& logs,
                 const WorldEnding& ending) {
   Json json;
@@ -132,6 +144,9 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   json["bodies"] = Json::array();
   for (std::size_t i = 0; i < logs.size(); ++i)
     json["bodies"].push_back(body_json(file.scene.bodies[i], logs[i].report(), world.step_size()));
+  json["joints"] = Json::array();
+  for (std::size_t i = 0; i < file.scene.joints.size(); ++i)
+    json["joints"].push_back(joint_json(file.scene.joints[i], world.joint(i)));
   return json;
 }
 
@@ -214,9 +229,10 @@ void print_bodies(const SceneFile& file, const SceneWorld& world,
          account.load, account.support, account.gravity, account.damping, report.balance_error());
     if (world.body(i).contact() != nullptr)
       tell(
-          "    contact {:.4g}, restitution {:.4g}, friction {:.4g}, hand {:.4g} J; {} contacts, "
-          "{:.3g} % of its size deep at most\n",
-          account.contact_given, account.restitution, account.friction, account.hand,
+          "    contact {:.4g}, restitution {:.4g}, friction {:.4g}, hand {:.4g}, joint {:.4g} J; "
+          "{} "
+          "contacts, {:.3g} % of its size deep at most\n",
+          account.contact_given, account.restitution, account.friction, account.hand, account.joint,
           report.contacts, 100 * report.penetration_max);
     if (report.size > 0)
       tell("    deformed by {:.4g} m at most, {:.3g} % of its size\n", report.largest_displacement,

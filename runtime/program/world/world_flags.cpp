@@ -20,8 +20,14 @@ Status apply_to_body(const RunOptions& flags, const std::function<bool(const cha
   if (told("--modes")) body.model_options.modes = flags.modes;
   if (told("--linear")) body.model_options.linear = flags.linear;
   if (told("--hull")) body.model_options.hull = flags.hull;
-  if (told("--alpha")) options.alpha = flags.alpha;
-  if (told("--beta")) options.beta = flags.beta;
+  if (told("--alpha")) {
+    options.alpha = flags.alpha;
+    body.alphas.clear();
+  }
+  if (told("--beta")) {
+    options.beta = flags.beta;
+    body.betas.clear();
+  }
   if (told("--newmark-beta")) options.newmark_beta = flags.newmark_beta;
   if (told("--newmark-gamma")) options.newmark_gamma = flags.newmark_gamma;
   if (told("--tolerance")) options.tolerance = flags.tolerance;

@@ -1,0 +1,86 @@
+#include "runtime/contact/solve/make_joint.h"
+
+#include <cmath>
+#include <limits>
+
+namespace tremolo {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Vector3d place_now(const Body& body, const VertexRows& place) {
+  return body.pose() * Vector3d(place.rest + place.rows * body.state().q);
+}
+
+// (h omega) of the two masses on a stiff joint, as that of a pin.
+constexpr double kTurn = 30.0;
+
+Status set_springs(Joint& joint, const Body& first, const Body& second,
+                   const JointOptions& options) {
+  joint.length = options.length;
+  joint.touch = options.touch;
+  if (options.stiffness) {
+    joint.stiffness = *options.stiffness;
+    joint.damping = options.damping;
+  } else {
+    const double h = first.step_size();
+    const double lightness = 1.0 / first.mass_at(joint.first) + 1.0 / second.mass_at(joint.second);
+    if (!(lightness > 0.0)) return usage_error("neither place moves: there is nothing to join");
+    joint.stiffness = kTurn * kTurn / (lightness * h * h);
+    joint.damping = 2.0 * kTurn / (lightness * h);
+  }
+  for (const double value : {joint.stiffness, joint.damping, joint.length})
+    if (!std::isfinite(value) || value < 0.0)
+      return usage_error("a joint's stiffness, damping and length are finite and not negative");
+  return Success{};
+}
+
+Status check_bodies(const Body& first, const Body& second) {
+  if (&first == &second) return usage_error("a joint needs two bodies");
+  if (first.contact() == nullptr || second.contact() == nullptr)
+    return usage_error("joints need set_contact() of both bodies first");
+  if (first.step_size() != second.step_size())
+    return usage_error("bodies that are joined have one step size");
+  return Success{};
+}
+
+}  // namespace
+
+double joint_distance(const Joint& joint, const Body& first, const Body& second) {
+  return (place_now(first, joint.first) - place_now(second, joint.second)).norm();
+}
+
+Result<Joint> make_joint(const Body& first, VertexId at, const Body& second, VertexId to,
+                         const JointOptions& options) {
+  if (Status s = check_bodies(first, second); !s) return s.error();
+  Joint joint;
+  if (Status s = take(joint.first, first.model().vertex(at)); !s) return s.error();
+  if (Status s = take(joint.second, second.model().vertex(to)); !s) return s.error();
+  if (Status s = set_springs(joint, first, second, options); !s) return s.error();
+  return joint;
+}
+
+Result<Joint> make_joint(const Body& first, VertexId at, const Body& second,
+                         const JointOptions& options) {
+  if (Status s = check_bodies(first, second); !s) return s.error();
+  Joint joint;
+  if (Status s = take(joint.first, first.model().vertex(at)); !s) return s.error();
+  const Pose pose = second.pose();
+  const Vector3d place =
+      pose.rotation.conjugate() * (place_now(first, joint.first) - pose.position);
+  const Eigen::VectorXd& q = second.state().q;
+  double nearest = std::numeric_limits<double>::infinity();
+  const VertexBlock& boundary = second.model().surface();
+  for (std::size_t i = 0; i < boundary.rest.size(); ++i) {
+    const auto rows = boundary.rows.middleRows(static_cast<Eigen::Index>(3 * i), 3);
+    const Vector3d there = boundary.rest[i] + rows * q;
+    if ((there - place).squaredNorm() >= nearest) continue;
+    nearest = (there - place).squaredNorm();
+    joint.second = {boundary.rest[i] + (place - there), rows};
+  }
+  if (Status s = set_springs(joint, first, second, options); !s) return s.error();
+  return joint;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,116 @@
+#include "runtime/contact/solve/step_motion.h"
+
+#include "runtime/frames/pose.h"
+
+namespace tremolo {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+void StepMotion::set_turn(const Matrix3d& turn_in_step) {
+  turn = turn_in_step;
+  R1 = R0 * turn;
+  mean = 0.5 * (Matrix3d::Identity() + turn);
+}
+
+// (x0 + x1)/2 is beside the mean place by (Ro1 - Ro0)(y1 - y0)/4.
+ContactTouch StepMotion::straight_touch(const Vector3d& y0, const Vector3d& y1) const {
+  const Vector3d turned_mean = 0.5 * (y0 + turn * y1);
+  return {c0 + R0 * y0, c1 + R1 * y1, turned_mean};
+}
+
+// The place's way is way_under() of that arm and Ro0 (mean - phi x (turn - 1)/4)(y1 - y0), where
+// turn - 1 = phi x mean.
+Vector3d StepMotion::straight_bend(const Vector3d& force) const {
+  const Vector3d pull = R0.transpose() * force;
+  return R0 * (pull - 0.25 * phi.cross(phi.cross(pull)));
+}
+
+Matrix3d StepMotion::turn_of_arm(const Vector3d& force) const {
+  return h * turn.transpose() * cross_matrix(R0.transpose() * force);
+}
+
+PlaceLever::PlaceLever(Index modes)
+    : push_(Eigen::MatrixXd::Zero(modes + 6, 3)),
+      pushed_(push_),
+      way_(Eigen::MatrixXd::Zero(3, modes + 6)),
+      swing_(Eigen::Matrix3Xd::Zero(3, modes + 6)),
+      path_(swing_) {}
+
+void PlaceLever::make(const StepMotion& motion, const ContactTouch& touch, const PlaceRows& rows) {
+  const double h = motion.h;
+  const Index r = motion.modes;
+  n_ = motion.unknowns();
+  way_.leftCols(r).noalias() = motion.R1 * rows.transpose();
+  push_.topRows(r).noalias() = (0.5 * h * h) * rows * (motion.R0 * motion.mean).transpose();
+  if (!motion.turns) return;
+  const Vector3d y1 = motion.R1.transpose() * (touch.x1 - motion.c1);
+  way_.middleCols<3>(r) = -motion.R1 * cross_matrix(y1) * motion.turned;
+  way_.rightCols<3>().setIdentity();
+  push_.middleRows<3>(r) =
+      h * motion.turn.transpose() * cross_matrix(touch.arm) * motion.R0.transpose();
+  push_.bottomRows<3>().setIdentity();
+}
+
+void PlaceLever::add_tangent(const Matrix3d& stiffness, Eigen::MatrixXd& jacobian) {
+  pushed_.topRows(n_).noalias() = push_.topRows(n_) * stiffness;
+  jacobian.topLeftCorner(n_, n_).noalias() += pushed_.topRows(n_) * way_.leftCols(n_);
+}
+
+void PlaceLever::add_pushed(const Eigen::Matrix3Xd& change, const Eigen::Matrix3Xd& bend_change,
+                            double sign, Eigen::Ref<Eigen::MatrixXd> block) const {
+  const Index r = push_.rows() - 6;
+  block.topRows(r).noalias() += sign * push_.topRows(r) * bend_change;
+  if (n_ > r) block.bottomRows<6>().noalias() += sign * push_.bottomRows<6>() * change;
+}
+
+void PlaceLever::make_swing(const StepMotion& motion, const ContactTouch& touch,
+                            const PlaceRows& rows) {
+  const Index r = motion.modes;
+  n_ = motion.unknowns();
+  swing_.leftCols(r).noalias() = (0.5 * motion.mean) * rows.transpose();
+  if (!motion.turns) return;
+  const Vector3d y0 = motion.R0.transpose() * (touch.x0 - motion.c0);
+  const Vector3d y1 = motion.R1.transpose() * (touch.x1 - motion.c1);
+  swing_.middleCols<3>(r) = -0.25 * motion.turn * cross_matrix(y0 + y1) * motion.turned;
+  swing_.rightCols<3>().setZero();
+}
+
+void PlaceLever::make_straight_swing(const StepMotion& motion) {
+  swing_.leftCols(n_).noalias() = (0.5 * motion.R0.transpose()) * way_.leftCols(n_);
+  if (motion.turns) swing_.rightCols<3>().setZero();
+}
+
+const Eigen::Matrix3Xd& PlaceLever::path_of_middle(const StepMotion& motion) {
+  path_.noalias() = motion.R0 * swing_;
+  if (motion.turns) path_.rightCols<3>() += 0.5 * Matrix3d::Identity();
+  return path_;
+}
+
+const Eigen::Matrix3Xd& PlaceLever::change_of_way(const StepMotion& motion,
+                                                  const ContactTouch& touch,
+                                                  const PlaceRows& rows) {
+  const Index r = motion.modes;
+  path_.leftCols(r).noalias() = (motion.R0 * motion.mean) * rows.transpose();
+  if (!motion.turns) return path_;
+  path_.middleCols<3>(r) = (-0.5 * motion.h) * motion.R0 * cross_matrix(touch.arm);
+  path_.rightCols<3>().setIdentity();
+  return path_;
+}
+
+void add_turn(const StepMotion& motion, const Vector3d& force, const Vector3d& bend_force,
+              const ContactTouch& touch, const PlaceRows& rows, Eigen::MatrixXd& jacobian) {
+  if (!motion.turns) return;
+  const double h = motion.h;
+  const Index r = motion.modes;
+  const Vector3d pull = motion.R0.transpose() * force;
+  const Vector3d bend_pull = motion.R0.transpose() * bend_force;
+  const Matrix3d turned_back = motion.turn.transpose();
+  jacobian.block<3, 3>(r, r) -=
+      h * cross_matrix(turned_back * touch.arm.cross(pull)) * motion.turned;
+  const Matrix3d turned_pull = cross_matrix(turned_back * bend_pull) * motion.turned;
+  jacobian.block(0, r, r, 3).noalias() -= (0.25 * h * h) * rows * turned_pull;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,43 @@
+// The joints of a scene: each holds two bodies together until its time is over.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "common/result.h"
+#include "common/state_stream.h"
+#include "runtime/body.h"
+#include "runtime/contact/joint.h"
+#include "runtime/contact/solve/body_group.h"
+#include "runtime/scene/scene.h"
+
+namespace tremolo {
+
+class HeldJoint {
+ public:
+  // kContent: a selector that is not one vertex, places that begin apart though the joint is stiff
+  // and has no length; else as make_joint.
+  static Result<HeldJoint> create(const SceneJoint& wanted, const Body& first, const Body& second);
+
+  // Joins the bodies a and b of the group; lets them go where the time is over at t, s.
+  void begin(BodyGroup& group, std::size_t a, std::size_t b);
+  void before_step(const SceneJoint& wanted, double t, double step, BodyGroup& group);
+
+  // Null: it is over.
+  const Joint* find(const BodyGroup& group) const {
+    return number_ ? group.joint(*number_) : nullptr;
+  }
+
+  // Whether it holds. What is read is put into the group: call it for all joints, in their order,
+  // after all have let go.
+  void let_go(BodyGroup& group);
+  void carry(StateStream& stream, BodyGroup& group, std::size_t a, std::size_t b);
+
+ private:
+  explicit HeldJoint(Joint joint) : made_(std::move(joint)) {}
+
+  Joint made_;
+  std::optional<std::size_t> number_;
+};
+
+}  // namespace tremolo
