@@ -186,5 +186,37 @@ TEST(DampingChange, AccountsStayClosedInContactAndSleepersWake) {
   EXPECT_FALSE(world->asleep(0));
 }
 
+// In a scene each value holds from its moment on, as if it were set then.
+TEST(DampingChange, ComesFromTheScene) {
+  Scene scene;
+  scene.step = 1e-3;
+  SceneBody stone;
+  stone.name = "stone";
+  stone.kind = FrameKind::kFree;
+  stone.model = "free";
+  stone.spin = {1.0, 2.0, 3.0};
+  scene.bodies = {stone};
+  Scene changing = scene;
+  changing.bodies[0].alphas = {{0.0, 0.5}, {0.05, 2.0}};
+  changing.bodies[0].betas = {{0.02, 1e-3}, {0.0301, 0.0}};
+  const ModelSource source = [](const SceneBody&) {
+    return Result<Model::Pointer>(testing::frame_model(5, true, 60.0, 300.0, 0.3, 3));
+  };
+  Result<SceneWorld> by_hand = SceneWorld::create(scene, source);
+  Result<SceneWorld> by_scene = SceneWorld::create(changing, source);
+  ASSERT_TRUE(by_hand && by_scene);
+  for (SceneWorld* world : {&*by_hand, &*by_scene}) {
+    ASSERT_TRUE(world->body(0).apply_force(5, {20.0, 0.0, 10.0}, 10));
+  }
+  for (int k = 0; k < 100; ++k) {
+    const double alpha = k < 50 ? 0.5 : 2.0, beta = k >= 20 && k < 31 ? 1e-3 : 0.0;
+    ASSERT_TRUE(by_hand->body(0).set_damping(alpha, beta));
+    (void)by_hand->step();
+    (void)by_scene->step();
+    ASSERT_EQ(by_hand->body(0).state().q, by_scene->body(0).state().q) << k;
+  }
+  EXPECT_LT(std::abs(by_scene->account(0).remainder()), 1e-12 * by_scene->account(0).total());
+}
+
 }  // namespace
 }  // namespace tremolo

@@ -35,5 +35,10 @@ void tremolo::fuzz::read_input(std::string_view bytes) {
     if (!MotionPath::create(collider.motion, collider.pose)) finding("a motion that is none");
   }
   for (const SceneHand& hand : file->scene.hands)
-    if (!(hand.stiffness > 0.0) || !(hand.until > hand.from)) finding("a hand that holds nothing");
+    if (!(hand.pin || hand.stiffness > 0.0) || !(hand.until > hand.from))
+      finding("a hand that holds nothing");
+  for (const SceneJoint& joint : file->scene.joints)
+    if (joint.body == joint.to || joint.at.empty() ||
+        !(joint.options.stiffness.value_or(1.0) > 0.0))
+      finding("a joint that joins nothing");
 }

@@ -154,6 +154,45 @@ TEST(SceneReader, ReadsCollidersAndHands) {
   EXPECT_EQ(file.scene.hands[1].until, kForEver);
 }
 
+TEST(SceneReader, ReadsJointsAndDampingInTime) {
+  const std::string two = kBody +
+                          "alpha = [[0, 1], [0.5, 0]]\n[[bodies]]\nname = \"b\"\n"
+                          "model = \"m.tremolo\"\nbeta = 0.002\n";
+  const Result<SceneFile> read = parse_world(
+      two +
+          "[[joints]]\nbody = \"a\"\nat = 3\nto = \"b\"\nto-at = \"near:0,0,0\"\nstiffness = 9\n"
+          "damping = 2\nlength = 0.1\ntouch = true\nuntil = 2\n"
+          "[[joints]]\nbody = \"b\"\nat = 4\nto = \"a\"\n",
+      "scene.toml");
+  ASSERT_TRUE(read) << read.error().message;
+  const Scene& scene = read->scene;
+  ASSERT_EQ(scene.joints.size(), 2U);
+  const SceneJoint& joint = scene.joints[0];
+  EXPECT_EQ(joint.body + joint.at + joint.to + joint.to_at, "a3bnear:0,0,0");
+  EXPECT_EQ(*joint.options.stiffness, 9.0);
+  EXPECT_EQ(joint.options.damping, 2.0);
+  EXPECT_EQ(joint.options.length, 0.1);
+  EXPECT_TRUE(joint.options.touch);
+  EXPECT_EQ(joint.until, 2.0);
+  EXPECT_FALSE(scene.joints[1].options.stiffness);
+  EXPECT_TRUE(scene.joints[1].to_at.empty());
+  ASSERT_EQ(scene.bodies[0].alphas.size(), 2U);
+  EXPECT_EQ(scene.bodies[0].alphas[1].time, 0.5);
+  EXPECT_EQ(scene.bodies[0].alphas[0].value, 1.0);
+  EXPECT_TRUE(scene.bodies[0].betas.empty());
+  EXPECT_EQ(scene.bodies[1].options.beta, 0.002);
+  const std::string start = two + "[[joints]]\nbody = \"a\"\nat = 3\n";
+  expect_refused(start, "joint 1: it has no `to`");
+  expect_refused(start + "to = \"c\"\n", "joint 1: to: there is no body 'c'");
+  expect_refused(start + "to = \"a\"\n", "joint 1: to: it joins 'a' to itself");
+  expect_refused(start + "to = \"b\"\ndamping = 1\n", "joint 1: without a `stiffness`");
+  expect_refused(start + "to = \"b\"\nstiffness = -1\n", "joint 1: stiffness must be positive");
+  expect_refused(start + "to = \"b\"\nforce = 1\n", "joint 1: unknown key 'force'");
+  expect_refused(kBody + "alpha = [[1, 1], [0, 1]]\n", "alpha: its moments");
+  expect_refused(kBody + "beta = [[0, -1]]\n", "beta must be finite and not negative");
+  expect_refused(kBody + "beta = [0, 1]\n", "a number or a list of [t, value]");
+}
+
 TEST(SceneReader, ReadsCsvFilesBesideTheScene) {
   const std::string folder = testing::fresh_folder();
   std::ofstream(folder + "/poses.csv") << "t,x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n1,2,0,0,0,1,0,0\n";
