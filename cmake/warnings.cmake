@@ -8,6 +8,9 @@ target_compile_options(tremolo_flags INTERFACE
 target_compile_options(tremolo_flags INTERFACE -fopenmp-simd)
 # tremolo_light(TARGET): code whose time does not count, which is compiled the faster for it.
 function(tremolo_light target)
+  if(EMSCRIPTEN)
+    return()
+  endif()
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O2>)
 endfunction()
 if(TREMOLO_SANITIZE)

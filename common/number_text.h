@@ -2,17 +2,16 @@
 #pragma once
 
 #include <array>
-#include <charconv>
 #include <string>
+
+#include "common/decimal.h"
 
 namespace tremolo {
 
 // Six digits, with an exponent where that is shorter: "0.003", "1e-300", "nan".
 inline std::string number_text(double value) {
   std::array<char, 32> text;
-  const auto result =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 6);
-  return {text.data(), result.ptr};
+  return {text.data(), write_decimal(text.data(), text.data() + text.size(), value)};
 }
 
 }  // namespace tremolo

@@ -24,7 +24,7 @@ template <class Thing>
 bool restore_state(Thing& thing, std::string_view bytes) {
   const std::string before = state_bytes(thing);
   const auto read = [&thing](std::string_view from) {
-    StateStream stream = StateStream::reading(std::as_bytes(std::span(from)));
+    StateStream stream = StateStream::reading(std::as_bytes(std::span(from.data(), from.size())));
     thing.carry(stream);
     return stream.good() && stream.left() == 0;
   };

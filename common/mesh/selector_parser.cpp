@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "common/decimal.h"
 #include "common/format_text.h"
 #include "common/mesh/selector.h"
 
@@ -38,7 +39,7 @@ std::optional<T> number(std::string_view text, int base = 10) {
   const char* end = text.data() + text.size();
   std::from_chars_result result{};
   if constexpr (std::is_floating_point_v<T>)
-    result = std::from_chars(text.data(), end, value);
+    result = read_decimal(text.data(), end, value);
   else
     result = std::from_chars(text.data(), end, value, base);
   if (result.ec != std::errc{} || result.ptr != end) return std::nullopt;

@@ -8,7 +8,7 @@
 namespace tremolo {
 
 std::string checksum(std::string_view bytes) {
-  return hash_text(hash_bytes(std::as_bytes(std::span(bytes))));
+  return hash_text(hash_bytes(std::as_bytes(std::span(bytes.data(), bytes.size()))));
 }
 
 Result<std::string> program_checksum() {

@@ -8,7 +8,9 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 
+#include "common/decimal.h"
 #include "common/result.h"
 
 namespace tremolo {
@@ -90,7 +92,12 @@ bool TextScanner::read_number(T& value, std::string_view what) {
   std::string_view digits = found;
   if (digits.size() > 1 && digits.front() == '+' && digits[1] != '-') digits.remove_prefix(1);
   const char* end = digits.data() + digits.size();
-  const auto [stop, code] = std::from_chars(digits.data(), end, value);
+  std::from_chars_result read{};
+  if constexpr (std::is_same_v<T, double>)
+    read = read_decimal(digits.data(), end, value);
+  else
+    read = std::from_chars(digits.data(), end, value);
+  const auto [stop, code] = read;
   if (found.empty() || code != std::errc{} || stop != end) return fail(what, found);
   if (at_ == text_.size() && !style_.open_end)
     return fail("a line end behind " + std::string(what) + " (the file may be cut off)", "");

@@ -45,7 +45,7 @@ Result<SectionFile> SectionFile::from_memory(std::span<const std::byte> bytes, s
   opened.name_ = std::move(name);
   opened.bytes_ = bytes;
   if (reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(double) != 0) {
-    opened.copy_ = std::make_unique_for_overwrite<std::byte[]>(bytes.size());
+    opened.copy_ = std::make_unique<std::byte[]>(bytes.size());
     std::memcpy(opened.copy_.get(), bytes.data(), bytes.size());
     opened.bytes_ = {opened.copy_.get(), bytes.size()};
   }

@@ -1,6 +1,6 @@
 #include "runtime/kernels/lanes.h"
 
-#include <bit>
+#include <cstdint>
 
 namespace tremolo {
 namespace {
@@ -9,7 +9,7 @@ constexpr LaneMasks make_masks() {
   LaneMasks masks{};
   for (std::size_t row = 0; row <= kVectorLanes; ++row)
     for (std::size_t lane = 0; lane < row; ++lane)
-      masks.row[row][lane] = std::bit_cast<double>(~std::uint64_t{0});
+      masks.row[row][lane] = __builtin_bit_cast(double, ~std::uint64_t{0});
   return masks;
 }
 

@@ -22,6 +22,8 @@ namespace tremolo {
 
 inline constexpr double kSinceEver = -std::numeric_limits<double>::infinity();
 inline constexpr double kForEver = std::numeric_limits<double>::infinity();
+// Moments that are nearer, in steps, are one.
+inline constexpr double kSameTime = 1e-9;
 
 // How far the length of a quaternion that somebody wrote down may be from 1; it is made so.
 inline constexpr double kQuaternionSlack = 1e-3;

@@ -7,13 +7,7 @@
 #include "runtime/scene/selection.h"
 
 namespace tremolo {
-namespace {
-
 using Eigen::Vector3d;
-
-constexpr double kSameTime = 1e-9;  // of a step
-
-}  // namespace
 
 Result<MovingHand> MovingHand::create(const SceneHand& wanted, const Body& body) {
   const Result<std::vector<VertexId>> vertices = vertices_of(wanted.at, body.model());

@@ -12,8 +12,6 @@
 namespace tremolo {
 namespace {
 
-constexpr double kSameTime = 1e-9;  // of a step
-
 Result<VertexId> one_vertex(const char* key, const std::string& text, const Body& body) {
   const Result<std::vector<VertexId>> vertices = vertices_of(text, body.model());
   const std::string what = std::string(key) + " = \"" + text + "\"";

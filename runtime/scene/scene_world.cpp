@@ -20,8 +20,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSameTime = 1e-9;  // of a step
-
 Error error_of_body(const SceneBody& body, Error error) {
   error.message = "body '" + body.name + "': " + error.message;
   return error;

@@ -237,7 +237,8 @@ void BodyGroup::gather_joints(std::size_t root_here) {
 void BodyGroup::note_touches(std::span<const PairPoint> points, std::span<const std::size_t> who) {
   for (const PairPoint& point : points) {
     if (point.now.pressure == 0.0) continue;
-    const auto [a, b] = std::minmax(who[point.a], who[point.b]);
+    const std::size_t a = std::min(who[point.a], who[point.b]);
+    const std::size_t b = std::max(who[point.a], who[point.b]);
     const double impulse = bodies_[a]->options_.step * point.now.force.norm();
     const auto found = std::find_if(touches_.begin(), touches_.end(), [&](const Touch& touch) {
       return touch.a == a && touch.b == b;

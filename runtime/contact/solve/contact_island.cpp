@@ -95,7 +95,8 @@ void ContactIsland::couple() {
   }
   const std::size_t touching = coupled_;
   for (std::size_t i = 0; i < joints_.size(); ++i) {
-    const auto [low, high] = std::minmax(joints_[i].a, joints_[i].b);
+    const std::size_t low = std::min(joints_[i].a, joints_[i].b);
+    const std::size_t high = std::max(joints_[i].a, joints_[i].b);
     const auto same = [low, high](const Coupling& coupling) {
       return coupling.a == low && coupling.b == high;
     };

@@ -1,0 +1,81 @@
+// The package in node: its numbers against the native engine's, its errors, its memory.
+// usage: node engine_test.mjs PACKAGE TREMOLO MODEL FOLDER
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+
+const [packagePath, program, modelPath, folder] = process.argv.slice(2);
+const bytes = readFileSync(modelPath);
+const kVertex = 1045, kForce = [0.05, 0.4, -0.2], kSteps = 1000, kStep = 0.003;
+
+function nativeState(integrator) {
+  const out = join(folder, integrator);
+  execFileSync(program, ['run', modelPath, '--integrator', integrator, '--tolerance', '1e-12', '--load',
+    'impulse', '--at', `${kVertex}`, '--force', kForce.join(','), '--duration', `${kSteps * kStep}`,
+    '--every', `${kSteps}`, '--coordinate', 'all', '--out', out],
+  { env: { ...process.env, TREMOLO_VECTORS: 'plain' }, stdio: 'ignore' });
+  const lines = readFileSync(join(out, 'run.csv'), 'utf8').trim().split('\n');
+  const names = lines[0].split(','), last = lines.at(-1).split(',').map(Number);
+  return names.flatMap((name, k) => (/^q\d+$/.test(name) ? [last[k]] : []));
+}
+
+for (const file of ['tremolo.mjs', 'tremolo.single.mjs']) {
+  const { loadTremolo, TremoloError } = await import(pathToFileURL(join(packagePath, file)));
+  const tremolo = await loadTremolo();
+  assert.match(tremolo.version, /^\d+\.\d+\.\d+$/);
+  const model = tremolo.loadModel(bytes);
+  for (const integrator of ['ep4', 'ep2', 'newmark', 'imexv', 'implicit-euler']) {
+    const body = model.createBody({ integrator, step: kStep, tolerance: 1e-12 });
+    body.applyForce(kVertex, kForce, 1);
+    body.step(kSteps);
+    const { q } = body.state(), expected = nativeState(integrator);
+    assert.equal(q.length, expected.length);
+    const size = Math.max(...expected.map(Math.abs));
+    const worst = Math.max(...expected.map((x, i) => Math.abs(x - q[i])));
+    console.log(`${file} ${integrator}: ${(worst / size).toExponential(1)} of max |q|`);
+    assert.ok(size > 0 && worst <= 1e-9 * size, `${integrator}: ${worst / size}`);
+    body.release();
+  }
+  // The account: what pulls at a body is what its energy is.
+  const body = model.createBody({ frame: 'fixed' });
+  body.setContact();
+  const rest = body.positions(), corners = model.corners();
+  const target = [0, 1, 2].map((k) => (rest[3 * corners[0] + k] + rest[3 * corners[1] + k] +
+    rest[3 * corners[2] + k]) / 3);
+  const hit = body.pick([target[0], target[1] - 1, target[2]], [0, 2, 0]);
+  assert.ok(hit && Math.abs(hit.distance - (hit.point[1] - target[1] + 1)) < 1e-12);
+  const hand = body.grab(hit, 5, 0);
+  body.moveHand(hand, [hit.point[0], hit.point[1] + 0.02, hit.point[2]]);
+  body.step(50);
+  assert.ok(Math.hypot(...body.handForce(hand)) > 1e-4);
+  body.letGo(hand);
+  const before = body.energy().total;
+  assert.ok(before > 0);
+  body.step(2000);
+  assert.ok(Math.abs(body.energy().total - before) <= 1e-12 * before);
+  // Errors carry the library's words and change nothing.
+  const refused = (work, kind, words) => assert.throws(work, (error) =>
+    error instanceof TremoloError && error.kind === kind && error.message.includes(words));
+  refused(() => tremolo.loadModel(bytes.subarray(0, 1000)), 'content', 'memory');
+  refused(() => tremolo.loadModel(new Uint8Array(64)), 'content', 'basis');
+  refused(() => model.createBody({ integrator: 'magic' }), 'usage', 'magic');
+  refused(() => body.applyForce(1e9, [1, 0, 0]), 'usage', 'vertex');
+  refused(() => body.setDamping(-1, 0), 'usage', '');
+  // A free body falls on a floor and stays above it.
+  body.release();
+  model.release();
+  // Memory is given back: as much again fits into what there is.
+  const grown = () => tremolo.engine.HEAPU8.length;
+  const cycle = () => {
+    const again = tremolo.loadModel(bytes);
+    again.createBody().release();
+    again.release();
+  };
+  cycle();
+  const size = grown();
+  for (let k = 0; k < 10; ++k) cycle();
+  assert.equal(grown(), size);
+}
+console.log('1 passed, 0 failed');
