@@ -97,8 +97,8 @@ std::string material_text(const AnimatedShape& shape, const std::string& name, b
 }
 
 // The triangles of each material.
-Status add_primitives(GlbFile& file, const AnimatedShape& shape, const GlbOptions& options,
-                      bool scenery, GlbLists& lists, GlbShape& out) {
+void add_primitives(GlbFile& file, const AnimatedShape& shape, const GlbOptions& options,
+                    bool scenery, GlbLists& lists, GlbShape& out) {
   const RenderSurface& surface = shape.surface;
   std::vector<std::vector<VertexId>> corners(surface.materials.size());
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
@@ -113,7 +113,6 @@ Status add_primitives(GlbFile& file, const AnimatedShape& shape, const GlbOption
         {add_indices(file, corners[m], surface.vertices.size()), lists.materials.size()});
     lists.materials.push_back(material_text(shape, surface.materials[m], scenery, texture));
   }
-  return Success{};
 }
 
 void add_targets(GlbFile& file, const MorphTargets& morphs, GlbShape& out) {
@@ -170,7 +169,7 @@ Result<GlbShape> add_shape(GlbFile& file, const Animation& animation, std::size_
   const bool scenery =
       std::all_of(animation.bodies.begin(), animation.bodies.end(),
                   [&](const AnimatedBody& body) { return body.shape != shape || body.collider; });
-  if (Status s = add_primitives(file, known, options, scenery, lists, out); !s) return s.error();
+  add_primitives(file, known, options, scenery, lists, out);
   report.vertices += known.surface.vertices.size();
   report.targets = std::max(report.targets, out.ranges.targets.size());
   report.dropped += static_cast<std::size_t>(known.modes.cols()) - out.ranges.targets.size();

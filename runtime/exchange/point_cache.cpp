@@ -4,6 +4,7 @@
 #include <bit>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <span>
 #include <utility>
 
@@ -104,6 +105,15 @@ std::string file_name_of(std::string_view name) {
   return kept;
 }
 
+Status check_file_names(const Animation& animation) {
+  std::map<std::string, std::string> taken;
+  for (const AnimatedBody& body : animation.bodies)
+    if (const auto [other, is_new] = taken.try_emplace(file_name_of(body.name), body.name); !is_new)
+      return usage_error("bodies '" + other->second + "' and '" + body.name +
+                         "' would be written into the same files");
+  return Success{};
+}
+
 std::string without_ending(const std::string& path) {
   return std::filesystem::path(path).replace_extension().string();
 }
@@ -126,6 +136,7 @@ Result<std::vector<WrittenFile>> write_point_caches(const std::string& path,
   const bool mdd = path.ends_with(".mdd");
   if (!mdd && !path.ends_with(".pc2"))
     return usage_error(path + ": a point cache ends in .pc2 or .mdd");
+  if (Status s = check_file_names(animation); !s) return s.error();
   std::vector<WrittenFile> files;
   for (const std::size_t body : deforming_bodies(animation)) {
     const std::string cache = path_of_body(path, animation, body);

@@ -29,6 +29,9 @@ AnimatedShape animated_shape(const Model& model, std::string name) {
 Status Recording::add_body(AnimatedBody body) {
   if (animation_.frames() > 0)
     return usage_error("body '" + body.name + "' comes after the first frame");
+  for (const AnimatedBody& other : animation_.bodies)
+    if (other.name == body.name) return usage_error("two bodies are called '" + body.name + "'");
+  if (body.name.empty()) return usage_error("a body needs a name");
   animation_.bodies.push_back(std::move(body));
   recorded_.push_back(0);
   return Success{};
@@ -42,13 +45,16 @@ Result<std::size_t> Recording::add(const Model::Pointer& model, std::string name
       std::cmp_not_equal(body.weights.rows(), model->drawn().rest.size()))
     return usage_error("body '" + name + "': its skin is of another model");
   const auto [place, is_new] = shapes_.try_emplace(model.get(), animation_.shapes.size());
+  body.shape = place->second;
+  body.name = name;
+  if (Status s = add_body(std::move(body)); !s) {
+    if (is_new) shapes_.erase(place);
+    return s.error();
+  }
   if (is_new) {
     models_.push_back(model);
-    animation_.shapes.push_back(animated_shape(*model, name));
+    animation_.shapes.push_back(animated_shape(*model, std::move(name)));
   }
-  body.shape = place->second;
-  body.name = std::move(name);
-  if (Status s = add_body(std::move(body)); !s) return s.error();
   return recorded_.size() - 1;
 }
 

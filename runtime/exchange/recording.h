@@ -27,7 +27,8 @@ class Recording {
   explicit Recording(double rate = 60.0) { animation_.rate = rate; }
 
   // A body of this model; bodies of one model share its shape. skin: of a body on bones. Returns
-  // the track's number. kUsage once there is a frame, or for a skin of another surface.
+  // the track's number. kUsage once there is a frame, for a name that is empty or
+  // stands twice, or a skin of another surface.
   Result<std::size_t> add(const Model::Pointer& model, std::string name,
                           const std::shared_ptr<const Skin>& skin = nullptr);
   Result<std::size_t> add(const Body& body, std::string name);

@@ -85,6 +85,7 @@ Result<std::vector<WrittenFile>> write_surface_series(const std::string& path,
   if (ending != ".ply" && ending != ".obj")
     return usage_error(path + ": a series of surfaces ends in .ply or .obj");
   if (Status s = check_animation(animation); !s) return s.error();
+  if (Status s = check_file_names(animation); !s) return s.error();
   std::vector<WrittenFile> files(1);
   std::string list = "frame,t,body,file\n";
   for (std::size_t frame = 0; frame < animation.frames(); ++frame)
@@ -107,6 +108,7 @@ Result<std::vector<WrittenFile>> write_surface_series(const std::string& path,
 Result<std::vector<WrittenFile>> write_pvd(const std::string& path, const Animation& animation) {
   if (!path.ends_with(".pvd")) return usage_error(path + ": the name must end in .pvd");
   if (Status s = check_animation(animation); !s) return s.error();
+  if (Status s = check_file_names(animation); !s) return s.error();
   const fs::path folder = without_ending(path) + "-frames";
   std::error_code error;
   fs::create_directories(folder, error);
