@@ -155,8 +155,8 @@ Status add_textures(GlbFile& file, const GlbOptions& options, GlbLists& lists) {
   return Success{};
 }
 
-Result<GlbShape> add_shape(GlbFile& file, const Animation& animation, std::size_t shape,
-                           const GlbOptions& options, GlbLists& lists, GlbReport& report) {
+GlbShape add_shape(GlbFile& file, const Animation& animation, std::size_t shape,
+                   const GlbOptions& options, GlbLists& lists, GlbReport& report) {
   const AnimatedShape& known = animation.shapes[shape];
   GlbShape out;
   out.ranges = target_ranges(animation, shape, options.plain);

@@ -37,9 +37,9 @@ struct GlbShape {
 // Reads the options' textures and adds them. Errors as write_glb.
 Status add_textures(GlbFile& file, const GlbOptions& options, GlbLists& lists);
 
-// scenery: its material is darker. Errors as write_glb.
-Result<GlbShape> add_shape(GlbFile& file, const Animation& animation, std::size_t shape,
-                           const GlbOptions& options, GlbLists& lists, GlbReport& report);
+// Adds its numbers to the report.
+GlbShape add_shape(GlbFile& file, const Animation& animation, std::size_t shape,
+                   const GlbOptions& options, GlbLists& lists, GlbReport& report);
 
 // The members of a body on bones: the joints and weights of its vertices, four a set, as many sets
 // as the vertex with the most bones needs, which `most` receives.

@@ -219,11 +219,8 @@ Result<GlbReport> write_glb(const std::string& path, const Animation& animation,
   scene.moves = times.size() > 1;
   if (scene.moves) scene.times = file.add_floats(GlbPart::kMotion, 1, times, true);
   std::vector<GlbShape> shapes;
-  for (std::size_t k = 0; k < animation.shapes.size(); ++k) {
-    Result<GlbShape> shape = add_shape(file, animation, k, options, lists, report);
-    if (!shape) return shape.error();
-    shapes.push_back(std::move(*shape));
-  }
+  for (std::size_t k = 0; k < animation.shapes.size(); ++k)
+    shapes.push_back(add_shape(file, animation, k, options, lists, report));
   for (const AnimatedBody& body : animation.bodies)
     add_body(file, scene, animation, body, shapes[body.shape], report);
   const std::vector<std::size_t> roots = add_root(scene, options.z_up);

@@ -26,6 +26,13 @@ struct UsdText {
   }
 };
 
+// A frame's time code. Fifteen digits: 0.018 s times 60 is 1.08 and not its last bit's neighbour.
+std::string time_code(const Animation& animation, double time) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.15g", time * animation.rate);
+  return text;
+}
+
 std::string tuple3(const float* x) {
   char text[64];
   std::snprintf(text, sizeof(text), "(%.9g, %.9g, %.9g)", double{x[0]}, double{x[1]}, double{x[2]});
@@ -72,8 +79,8 @@ void add_samples(UsdText& out, const Animation& animation, const std::string& na
   if (!changes) return out.add("        " + name + " = " + text(0) + "\n");
   out.add("        " + name + ".timeSamples = {\n");
   for (std::size_t frame = 0; frame < animation.frames(); ++frame)
-    out.add("            " + json_number(animation.times[frame] * animation.rate) + ": " +
-            text(frame) + ",\n");
+    out.add("            " + time_code(animation, animation.times[frame]) + ": " + text(frame) +
+            ",\n");
   out.add("        }\n");
 }
 
@@ -192,10 +199,10 @@ Result<WrittenFile> write_usda(const std::string& path, const Animation& animati
   Result<AtomicFile> file = AtomicFile::create(path);
   if (!file) return file.error();
   UsdText out{std::move(*file)};
-  const auto code = [&animation](double time) { return json_number(time * animation.rate); };
   out.add("#usda 1.0\n(\n    defaultPrim = \"tremolo\"\n    metersPerUnit = 1\n    upAxis = \"" +
-          std::string(z_up ? "Z" : "Y") + "\"\n    startTimeCode = " +
-          code(animation.times.front()) + "\n    endTimeCode = " + code(animation.times.back()) +
+          std::string(z_up ? "Z" : "Y") +
+          "\"\n    startTimeCode = " + time_code(animation, animation.times.front()) +
+          "\n    endTimeCode = " + time_code(animation, animation.times.back()) +
           "\n    timeCodesPerSecond = " + json_number(animation.rate) +
           "\n    framesPerSecond = " + json_number(animation.rate) + "\n)\n\n");
   out.add("def Xform \"tremolo\"\n{\n");

@@ -80,14 +80,15 @@ double reach_of(const Animation& animation, const Eigen::Vector3d& centre) {
   return 1.25 * reach;
 }
 
-void widen_planes(const Scene& scene, Animation& animation) {
-  for (AnimatedBody& body : animation.bodies)
-    for (const SceneCollider& collider : scene.colliders)
-      if (body.collider && body.name == collider.name && collider.file.empty() &&
-          std::holds_alternative<PlaneShape>(collider.shape)) {
-        const double reach = reach_of(animation, body.poses[0].position);
-        for (Eigen::Vector3d& x : animation.shapes[body.shape].surface.vertices) x *= reach;
-      }
+// colliders: of the world, those that were recorded, behind its bodies.
+void widen_planes(const SceneWorld& world, const std::vector<std::size_t>& colliders,
+                  Animation& animation) {
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    if (!std::holds_alternative<PlaneShape>(world.colliders()[colliders[k]].shape)) continue;
+    const AnimatedBody& plane = animation.bodies[world.size() + k];
+    const double reach = reach_of(animation, plane.poses[0].position);
+    for (Eigen::Vector3d& x : animation.shapes[plane.shape].surface.vertices) x *= reach;
+  }
 }
 
 // The tracks of a world: its bodies, then of its colliders those that can be drawn.
@@ -102,12 +103,13 @@ Result<WorldTracks> add_tracks(const SceneWorld& world, bool colliders, Recordin
       return added.error();
   WorldTracks tracks;
   for (std::size_t k = 0; colliders && k < world.colliders().size(); ++k) {
-    const std::string& name = world.scene().colliders[k].name;
+    std::string name = world.scene().colliders[k].name;
     std::optional<AnimatedShape> shape = collider_shape(world.colliders()[k].shape, name, 1.0);
-    if (!shape || world.find(name)) {
+    if (!shape) {
       tracks.left_out.push_back(name);
       continue;
     }
+    while (world.find(name)) name += "-collider";
     if (const auto added = recording.add(std::move(*shape), name); !added) return added.error();
     tracks.colliders.push_back(k);
   }
@@ -179,7 +181,7 @@ Result<RecordedMotion> animate_world(const SceneFile& file, const FrameRange& ra
   motion.even_step = frames->even_step;
   motion.left_out = tracks->left_out;
   if (Status s = take(motion.animation, recording.animation()); !s) return s.error();
-  widen_planes(file.scene, motion.animation);
+  widen_planes(*world, tracks->colliders, motion.animation);
   return motion;
 }
 

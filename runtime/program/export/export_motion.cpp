@@ -160,30 +160,32 @@ Result<Json> write_all(const MotionOutputs& outputs, const Animation& animation)
   return files;
 }
 
+// Of a series the list alone, and of many caches the first.
 void print_files(const Json& files) {
-  std::size_t numbered = 0;
-  double numbered_bytes = 0.0;
-  const std::size_t shown = 24;
+  constexpr std::size_t kShown = 24;
+  std::size_t shown = 0, passed_over = 0;
+  double bytes = 0.0;
   for (const Json& file : files) {
     const std::string path = file["file"], format = file["format"];
-    const bool list = path.ends_with(".pvd") || path.ends_with(".csv");
-    if (((format == "pvd" || format == "series") && !list) || numbered > shown) {
-      ++numbered;
-      numbered_bytes += file["bytes"].get<double>();
+    const bool numbered = format == "pvd" || format == "series";
+    const bool list = numbered && (path.ends_with(".pvd") || path.ends_with(".csv"));
+    if (!list && (numbered || shown >= kShown)) {
+      ++passed_over;
+      bytes += file["bytes"].get<double>();
       continue;
     }
+    ++shown;
     fmt::print("{}: {} bytes", path, file["bytes"].get<std::uint64_t>());
     if (format == "glb")
       fmt::print(
           ", {} vertices, {} morph targets ({} coordinates never change); positions to {:.1e} of "
-          "the "
-          "size, normals to {:.2g} degrees in the mean",
+          "the size, normals to {:.2g} degrees in the mean",
           file["vertices"].get<std::size_t>(), file["targets"].get<std::size_t>(),
           file["dropped"].get<std::size_t>(), file["position_error"].get<double>(),
           file["normal_error_mean"].get<double>());
     fmt::print("\n");
   }
-  if (numbered > 0) fmt::print("and {} files of {:.3g} MB\n", numbered, 1e-6 * numbered_bytes);
+  if (passed_over > 0) fmt::print("and {} files of {:.3g} MB\n", passed_over, 1e-6 * bytes);
 }
 
 void tell_motion(const MotionOutputs& outputs, const RecordedMotion& motion, double left_out) {
