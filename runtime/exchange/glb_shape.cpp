@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 #include <utility>
 
@@ -178,6 +179,35 @@ GlbShape add_shape(GlbFile& file, const Animation& animation, std::size_t shape,
   report.normal_mean = std::max(report.normal_mean, error.normal_mean);
   report.normal_max = std::max(report.normal_max, error.normal_max);
   return out;
+}
+
+double four_bones_error(const Animation& animation, const AnimatedBody& body) {
+  constexpr Eigen::Index kRead = 4;
+  constexpr std::size_t kFrames = 64;
+  if (body.weights.cols() <= kRead) return 0.0;
+  AnimatedBody read = body;
+  for (Eigen::Index v = 0; v < read.weights.rows(); ++v) {
+    auto row = read.weights.row(v);
+    Eigen::VectorXd sorted = row.transpose();
+    std::sort(sorted.begin(), sorted.end(), std::greater<>());
+    for (double& share : row)
+      if (share < sorted[kRead - 1]) share = 0.0;
+    row /= row.sum();
+  }
+  const std::size_t looks = std::min(kFrames, animation.frames());
+  const AnimatedShape& shape = animation.shape_of(body);
+  std::vector<double> all(3 * shape.surface.vertices.size()), four(all.size());
+  double worst = 0.0;
+  for (std::size_t k = 0; k < looks; ++k) {
+    const std::size_t frame = looks < 2 ? 0 : k * (animation.frames() - 1) / (looks - 1);
+    world_positions(animation, body, frame, all);
+    world_positions(animation, read, frame, four);
+    const auto count = static_cast<Eigen::Index>(all.size() / 3);
+    const Eigen::Map<const Eigen::Matrix3Xd> a(all.data(), 3, count), b(four.data(), 3, count);
+    worst = std::max(worst, (a - b).colwise().norm().maxCoeff());
+  }
+  const double size = largest_extent(shape);
+  return size > 0.0 ? worst / size : 0.0;
 }
 
 std::vector<std::string> add_bone_weights(GlbFile& file, const BoneWeights& weights,

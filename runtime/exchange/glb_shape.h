@@ -46,6 +46,9 @@ GlbShape add_shape(GlbFile& file, const Animation& animation, std::size_t shape,
 std::vector<std::string> add_bone_weights(GlbFile& file, const BoneWeights& weights,
                                           std::size_t& most);
 
+// GlbReport::four_bones_error of a body on bones; frames as morph_error takes them.
+double four_bones_error(const Animation& animation, const AnimatedBody& body);
+
 // The mesh of a body: JSON. further: members beside the shape's own; weights: at first.
 std::string mesh_text(const std::string& name, const GlbShape& shape,
                       const std::vector<std::string>& further, const std::vector<float>& weights);

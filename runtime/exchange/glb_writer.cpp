@@ -93,7 +93,10 @@ void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, const 
   std::string members =
       "\"name\":" + json_string(body.name) + ",\"mesh\":" + json_number(scene.meshes.size());
   const bool on_bones = body.weights.cols() > 0;
-  if (on_bones) further = add_bone_weights(file, body.weights, report.bones_a_vertex);
+  if (on_bones) {
+    further = add_bone_weights(file, body.weights, report.bones_a_vertex);
+    report.four_bones_error = std::max(report.four_bones_error, four_bones_error(animation, body));
+  }
   const std::vector<float> first = target_weights(coordinates_at(animation, body, 0), shape.ranges);
   scene.meshes.push_back(mesh_text(body.name, shape, further, first));
   if (!on_bones) {
@@ -109,7 +112,7 @@ void add_body(GlbFile& file, GlbScene& scene, const Animation& animation, const 
         animation.frames()));
   scene.below_root.insert(scene.below_root.end(), joints.begin(), joints.end());
   members += ",\"skin\":" + json_number(scene.skins.size());
-  scene.skins.push_back("{\"name\":" + json_string(body.name) +
+  scene.skins.push_back("{\"name\":" + json_string(body.name + " skeleton") +
                         ",\"joints\":" + json_numbers(joints) + "}");
   scene.nodes.push_back("{" + members + "}");
   scene.beside_root.push_back(scene.nodes.size() - 1);

@@ -2,7 +2,8 @@
 """Reads what `tremolo export` writes and compares it with the surfaces of `tremolo run`.
 
     read_exports.py check FILE.glb                    its structure; prints what it holds
-    read_exports.py compare FILE BODY RUN TOLERANCE   .glb, .pc2, .mdd, .pvd, .usda
+    read_exports.py compare FILE BODY RUN TOLERANCE   .glb, .pc2, .mdd, .pvd, .usda, or
+                                                      the .csv of a series of .ply
 
 RUN is a folder of `tremolo run --surfaces N` (.ply): each surface is looked for in FILE by its time,
 and the largest distance of a vertex, over the surface's size, must be at most TOLERANCE. .pc2 knows
@@ -232,6 +233,12 @@ def read_mdd(path, _):
     return read_cache(data, '>', 8 + 4 * frames, vertices, times)
 
 
+def read_series(path, body):
+    rows = [line.split(',') for line in open(path).read().split('\n')[1:] if line]
+    return [(float(t), read_ply(os.path.join(os.path.dirname(path), name)))
+            for _, t, of, name in rows if of == body]
+
+
 def read_vtu(path):
     piece = xml.etree.ElementTree.parse(path).getroot().find('.//Piece')
 
@@ -306,7 +313,7 @@ def read_glb(path, body):
 
 def compare(path, body, run, tolerance):
     readers = {'.glb': read_glb, '.pc2': read_pc2, '.mdd': read_mdd, '.pvd': read_pvd,
-               '.usda': read_usda}
+               '.usda': read_usda, '.csv': read_series}
     frames = readers[os.path.splitext(path.split('@')[0])[1]](path, body)
     worst, seen, moved = 0.0, 0, 0.0
     start = None
