@@ -13,6 +13,10 @@ packages_show="gnuplot-nox povray"
 # libjs-chart.js draws the charts of `tremolo reproduce` and `tremolo bench`. The last three hold
 # surfaces for tests/corpus: 52 MB to load.
 packages_test="libgtest-dev clang libclang-rt-14-dev libjs-chart.js libcgal-demo assimp-testmodels glmark2-data"
+# Programs that read what `tremolo export` writes: ./check --full. Whoever has node or npm keeps his own.
+packages_readers="python3-vtk9 blender"
+command -v node >/dev/null || packages_readers="$packages_readers nodejs"
+command -v npm >/dev/null || packages_readers="$packages_readers npm"
 
 # need PACKAGE...: installs those that are missing.
 need() {

@@ -507,6 +507,57 @@ tremolo_status tremolo_world_update_surfaces(tremolo_world* world, size_t* updat
 tremolo_status tremolo_world_surface(const tremolo_world* world, uint32_t body,
                                      const float** positions, size_t* length, uint64_t* version);
 
+/* ---- recordings: what moved, in files that other programs open ----
+ *
+ * Add what moves, then frame by frame where it is; write as often as you like. Recording allocates:
+ * do it at the rate of pictures, not of steps.
+ *
+ *   tremolo_recorder_create(60.0, &recorder);
+ *   tremolo_recorder_add_body(recorder, body, "horse", &track);
+ *   for (...) {
+ *     tremolo_body_step(body, 5, NULL);
+ *     tremolo_recorder_begin_frame(recorder, tremolo_body_time(body));
+ *     tremolo_recorder_record_body(recorder, track, body);
+ *   }
+ *   tremolo_recorder_write(recorder, "horse.glb");
+ *   tremolo_recorder_destroy(recorder);
+ */
+typedef struct tremolo_recorder tremolo_recorder;
+
+/* rate: frames a second that are meant, for formats that know no times. Destroying accepts NULL. */
+tremolo_status tremolo_recorder_create(double rate, tremolo_recorder** recorder);
+void tremolo_recorder_destroy(tremolo_recorder* recorder);
+
+/* A track: one thing that moves. Of a body, on bones too, or of a model whose states the caller
+ * has, as those of a world. name: UTF-8, each track's own. track receives its number.
+ * TREMOLO_USAGE once there is a frame, or for a name that is empty or stands twice. */
+tremolo_status tremolo_recorder_add_body(tremolo_recorder* recorder, const tremolo_body* body,
+                                         const char* name, size_t* track);
+tremolo_status tremolo_recorder_add_model(tremolo_recorder* recorder, const tremolo_model* model,
+                                          const char* name, size_t* track);
+
+/* time: s, later than the last frame's. Then every track is recorded once. TREMOLO_USAGE if the
+ * time is not later, or a track is missing in the last frame. */
+tremolo_status tremolo_recorder_begin_frame(tremolo_recorder* recorder, double time);
+
+/* Where the body is now. TREMOLO_USAGE if the track is not there, has been recorded in this frame,
+ * or is of a model with another number of coordinates; nothing is recorded then. */
+tremolo_status tremolo_recorder_record_body(tremolo_recorder* recorder, size_t track,
+                                            const tremolo_body* body);
+
+/* The same by the reduced coordinates, of which there may be fewer than the model has: the others
+ * are zero. position, quaternion (w, x, y, z): NULL for a frame that stands where the mesh is. */
+tremolo_status tremolo_recorder_record_state(tremolo_recorder* recorder, size_t track,
+                                             const double* q, size_t length,
+                                             const double position[3], const double quaternion[4]);
+
+/* Writes all frames; the path's ending chooses: .glb (glTF: modes as morph targets), .usda, .pvd
+ * (for ParaView, its .vtu files in a folder beside it), .pc2 or .mdd (point caches, the rest shapes
+ * as .obj beside them), .ply or .obj (a numbered file a frame). TREMOLO_USAGE for another ending or
+ * while a track is missing in the last frame; TREMOLO_CONTENT for what the format cannot hold;
+ * TREMOLO_SYSTEM if it cannot be written. */
+tremolo_status tremolo_recorder_write(tremolo_recorder* recorder, const char* path);
+
 #ifdef __cplusplus
 }
 #endif

@@ -17,6 +17,11 @@ constexpr std::uint8_t kTriangle = 5;
 constexpr std::uint8_t kTetrahedron = 10;
 constexpr std::uint8_t kQuadraticTetrahedron = 24;
 
+constexpr const char* kVtuHead =
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+    "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n";
+constexpr const char* kVtuEnd = "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+
 struct Cells {
   std::span<const VertexId> nodes;
   std::size_t nodes_of_one;
@@ -89,9 +94,7 @@ Status write_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& po
   Result<AtomicFile> created = AtomicFile::create(path);
   if (!created) return created.error();
   AtomicFile& file = *created;
-  Status status = file.write(
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n");
+  Status status = file.write(kVtuHead);
   if (status) status = write_frequencies(file, lambda);
   if (status)
     status = file.write("<Piece NumberOfPoints=\"" + std::to_string(points.size()) +
@@ -104,7 +107,7 @@ Status write_vtu(const std::string& path, const std::vector<Eigen::Vector3d>& po
                                                  3 * points.size()));
   if (status) status = file.write("</Points>\n");
   if (status) status = write_cells(file, cells);
-  if (status) status = file.write("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+  if (status) status = file.write(kVtuEnd);
   return status ? file.commit() : status;
 }
 
@@ -145,6 +148,29 @@ Status write_modes_vtu(const std::string& path, const std::vector<Eigen::Vector3
                        std::span<const Triangle> cells, const BasisRows& rows,
                        const Eigen::VectorXd& lambda) {
   return write_vtu(path, points, {corners(cells), 3, kTriangle}, rows, lambda);
+}
+
+Status write_moved_vtu(const std::string& path, std::span<const float> points,
+                       std::span<const Triangle> triangles, std::span<const float> displacements) {
+  Result<AtomicFile> created = AtomicFile::create(path);
+  if (!created) return created.error();
+  AtomicFile& file = *created;
+  const Cells cells{corners(triangles), 3, kTriangle};
+  Status status = file.write(kVtuHead);
+  if (status)
+    status = file.write("<Piece NumberOfPoints=\"" + std::to_string(points.size() / 3) +
+                        "\" NumberOfCells=\"" + std::to_string(cells.count()) +
+                        "\">\n<PointData Vectors=\"displacement\">\n");
+  if (status)
+    status = write_array(file, "type=\"Float32\" Name=\"displacement\" NumberOfComponents=\"3\"",
+                         displacements);
+  if (status) status = file.write("</PointData>\n<Points>\n");
+  if (status)
+    status = write_array(file, "type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\"", points);
+  if (status) status = file.write("</Points>\n");
+  if (status) status = write_cells(file, cells);
+  if (status) status = file.write(kVtuEnd);
+  return status ? file.commit() : status;
 }
 
 }  // namespace tremolo

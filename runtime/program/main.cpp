@@ -11,7 +11,8 @@
 
 #include "formats/file/whole_file.h"
 #include "runtime/integrator.h"
-#include "runtime/program/export.h"
+#include "runtime/program/export/export.h"
+#include "runtime/program/export/export_motion.h"
 #include "runtime/program/inspect.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/output/tell.h"
@@ -22,13 +23,13 @@
 namespace tremolo {
 namespace {
 
-void add_run_flags(CLI::App& run, RunOptions& o) {
+// How a body begins and moves.
+void add_motion_flags(CLI::App& run, RunOptions& o) {
   run.add_option("--integrator", o.integrator,
                  fmt::format("{}", fmt::join(integrator_names(), ", ")))
       ->capture_default_str();
   run.add_option("--step", o.step, "h, s")->capture_default_str();
   run.add_option("--duration", o.duration, "simulated time, s")->capture_default_str();
-  run.add_option("--modes", o.modes, "keep the first R coordinates only (0: all)");
   run.add_flag("--linear", o.linear, "leave the cubic and quartic terms out: not read, not kept");
   CLI::Option* load = run.add_option("--load", o.load,
                                      "impulse (3 ms), square (0.3 s), sine (1 Hz), constant, none")
@@ -61,6 +62,12 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
       ->capture_default_str();
   run.add_option("--tolerance", o.tolerance, "of a step's solve, relative")->capture_default_str();
   run.add_option("--max-iterations", o.max_iterations, "of a step's solve")->capture_default_str();
+  run.add_flag("--hull", o.hull, "show the boundary of the tetrahedra, not the render surface");
+}
+
+void add_run_flags(CLI::App& run, RunOptions& o) {
+  add_motion_flags(run, o);
+  run.add_option("--modes", o.modes, "keep the first R coordinates only (0: all)");
   run.add_option(
       "--probe", o.probes,
       "record the displacement of this vertex, or of those of a selector; may be repeated");
@@ -74,11 +81,10 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
   run.add_option("--surface-format", o.surface_format, "ply, obj or inc (POV-Ray)")
       ->check(CLI::IsMember({"ply", "obj", "inc"}))
       ->capture_default_str();
-  run.add_flag("--hull", o.hull, "show the boundary of the tetrahedra, not the render surface");
 }
 
 void add_export_flags(CLI::App& app, ExportOptions& o) {
-  app.add_option("file", o.model, "basis file")->required();
+  app.add_option("file", o.model, "basis file, or scene.toml for what moves")->required();
   app.add_option("--cub", o.cub, "VegaFEM's reduced forces, .cub");
   app.add_option("--U", o.u,
                  "VegaFEM's basis, .U, over all vertices in the mesh's order. Tremolo's is "
@@ -88,8 +94,36 @@ void add_export_flags(CLI::App& app, ExportOptions& o) {
                  "writes them on the tetrahedra)");
 }
 
+void add_motion_outputs(CLI::App& app, MotionOutputs& o) {
+  app.add_option("--glb", o.glb, "glTF: modes as morph targets, their weights over time, poses");
+  app.add_option("--pc2", o.pc2,
+                 "point cache of Blender and 3ds Max, the rest shape .obj beside it");
+  app.add_option("--mdd", o.mdd, "the same as MDD");
+  app.add_option("--pvd", o.pvd, "ParaView's list of .vtu files, which lie in a folder beside it");
+  app.add_option("--usda", o.usda, "USD as text");
+  app.add_option("--series", o.series, "numbered surfaces, OUT.ply or OUT.obj");
+  app.add_option("--rate", o.range.rate, "frames a second; a frame is the nearest step")
+      ->capture_default_str();
+  app.add_option("--from", o.range.from, "the first frame's time, s")->capture_default_str();
+  app.add_option("--to", o.range.to, "s (default: the end of the run)");
+  app.add_option("--modes", o.modes,
+                 "keep the first R coordinates in the files only (0: all); all of them move");
+  app.add_flag(
+      "--plain-weights", o.plain_weights,
+      "of a .glb: weights are q itself, which programs that clamp them to [0, 1] get wrong");
+  app.add_flag("--no-normals", o.no_normals, "of a .glb: half as large; viewers make normals up");
+  app.add_flag("--no-colliders", o.no_colliders, "leave the scene's colliders out");
+  app.add_option("--texture", o.textures,
+                 "of a .glb: [MATERIAL=]IMAGE, a .png or .jpg; may be repeated");
+  app.add_option("--up", o.up, "the world's axis that points up")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
+  app.add_flag("--json", o.json, "print one JSON object on stdout");
+}
+
 struct Request {
   ExportOptions exported;
+  MotionOutputs motion;
   std::string file;
   std::string select;
   bool json = false;
@@ -127,8 +161,11 @@ struct Parser {
     plot = app.add_subcommand("plot", "energy over time of several runs in one picture");
     plot->add_option("runs", request.directories, "directories of tremolo run --out")->required();
     plot->add_option("-o,--output", request.picture, ".svg or .png")->required();
-    exporter = app.add_subcommand("export", "write a model in the formats of VegaFEM and ParaView");
+    exporter = app.add_subcommand(
+        "export", "write a model, or what it does, in files that other programs open");
     add_export_flags(*exporter, request.exported);
+    add_motion_outputs(*exporter, request.motion);
+    add_motion_flags(*exporter, options);
     bench = app.add_subcommand("bench", "run time against error and stability of all methods");
     reproduce =
         app.add_subcommand("reproduce", "the thesis's tables and figures, ours beside them");
@@ -168,32 +205,105 @@ Status check_not_saved(const Request& request) {
       "--velocities records the states, and --start begins with one of them");
 }
 
-// flags: as they were parsed; run: who knows which of them were given.
+// What a scene with [[bodies]] and the flags say. flags: as they were parsed; command: who knows
+// which of them were given.
+Result<SceneFile> world_of(const std::string& text, const std::string& path,
+                           const RunOptions& flags, const CLI::App& command) {
+  Result<SceneFile> file = parse_world(text, path);
+  if (!file) return file.error();
+  const auto told = [&command](const char* flag) {
+    // What `export` keeps of the coordinates is not what moves.
+    if (command.get_name() == "export" && std::string_view(flag) == "--modes") return false;
+    const CLI::Option* option = command.get_option_no_throw(flag);
+    return option != nullptr && option->count() > 0;
+  };
+  if (Status s = apply_flags(flags, told, *file); !s) return s.error();
+  return file;
+}
+
 int run_world_scene(const std::string& text, const Request& request, const RunOptions& flags,
                     const CLI::App& run) {
-  Result<SceneFile> file = parse_world(text, request.file);
+  Result<SceneFile> file = world_of(text, request.file, flags, run);
   if (!file) return report_error(file.error());
-  const auto told = [&run](const char* flag) { return run.count(flag) > 0; };
-  if (Status s = apply_flags(flags, told, *file); !s) return report_error(s.error());
   file->outputs.save = request.save;
   file->outputs.restore = request.restore;
   return run_world_command(*file, request.json);
 }
 
-int run_scene(const std::string& text, int count, char** words, Request& request) {
-  Result<std::vector<RunOptions>> bodies = parse_scene(text, request.file);
-  if (!bodies) return report_error(bodies.error());
+// What a scene with one table a body and the flags say.
+Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std::string& path,
+                                             int count, char** words, CLI::App* Parser::*command) {
+  Result<std::vector<RunOptions>> bodies = parse_scene(text, path);
+  if (!bodies) return bodies.error();
   for (RunOptions& body : *bodies) {
-    Parser parser(request, body);
+    Request ignored;
+    Parser parser(ignored, body);
     parser.app.parse(count, words);  // cannot fail: it has been parsed before
+    const CLI::App& flags = *(parser.*command);
     // Of two ways to say one thing the flag's wins.
-    if (parser.run->count("--load") > 0) body.signal.clear();
-    if (parser.run->count("--scale") > 0) body.deflect.clear();
-    if (parser.run->count("--deflect") > 0) body.scale = 1.0;
+    if (flags.count("--load") > 0) body.signal.clear();
+    if (flags.count("--scale") > 0) body.deflect.clear();
+    if (flags.count("--deflect") > 0) body.scale = 1.0;
+  }
+  return bodies;
+}
+
+int run_scene(const std::string& text, int count, char** words, const Request& request) {
+  Result<std::vector<RunOptions>> bodies =
+      scene_bodies(text, request.file, count, words, &Parser::run);
+  if (!bodies) return report_error(bodies.error());
+  for (RunOptions& body : *bodies)
     if (bodies->size() > 1 && !body.out.empty())
       body.out = (std::filesystem::path(body.out) / body.name).string();
-  }
   return run_command(*bodies, request.json);
+}
+
+bool is_scene(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".toml";
+}
+
+// What `tremolo export` shall move.
+Result<MotionSource> motion_source(int count, char** words, const Request& request,
+                                   const RunOptions& flags, const CLI::App& command) {
+  const std::string& path = request.exported.model;
+  if (!is_scene(path)) {
+    Request of_run = request;
+    of_run.file = path;
+    return MotionSource(bodies_of(of_run, flags));
+  }
+  const Result<std::string> text = read_whole_file(path);
+  if (!text) return text.error();
+  const Result<bool> world = is_world(*text, path);
+  if (!world) return world.error();
+  if (*world) {
+    Result<SceneFile> file = world_of(*text, path, flags, command);
+    if (!file) return file.error();
+    return MotionSource(std::move(*file));
+  }
+  Result<std::vector<RunOptions>> bodies =
+      scene_bodies(*text, path, count, words, &Parser::exporter);
+  if (!bodies) return bodies.error();
+  // Their files are those of `tremolo run`.
+  for (RunOptions& body : *bodies) {
+    body.out.clear();
+    body.surfaces = 0;
+    body.plot = false;
+  }
+  return MotionSource(std::move(*bodies));
+}
+
+int run_export(int count, char** words, const Request& request, const RunOptions& flags,
+               const CLI::App& command) {
+  const ExportOptions& still = request.exported;
+  const bool asks_still = !still.cub.empty() || !still.u.empty() || !still.vtu.empty();
+  if (asks_still && is_scene(still.model))
+    return report_error(usage_error("--cub, --U and --vtu are of a basis file, not of a scene"));
+  if (asks_still || !request.motion.any())
+    if (const int code = export_command(still); code != 0) return code;
+  if (!request.motion.any()) return 0;
+  const Result<MotionSource> source = motion_source(count, words, request, flags, command);
+  if (!source) return report_error(source.error());
+  return export_motion_command(request.motion, *source);
 }
 
 int run_program(int count, char** words) {
@@ -208,9 +318,9 @@ int run_program(int count, char** words) {
   }
   if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
-  if (*parser.exporter) return export_command(request.exported);
+  if (*parser.exporter) return run_export(count, words, request, options, *parser.exporter);
   if (*parser.bench || *parser.reproduce) return start_laboratory(words);
-  if (std::filesystem::path(request.file).extension() != ".toml") {
+  if (!is_scene(request.file)) {
     if (Status s = check_not_saved(request); !s) return report_error(s.error());
     return run_command(bodies_of(request, options), request.json);
   }

@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 #include "common/mesh/selector.h"
-#include "formats/file/output_guard.h"
 #include "runtime/program/start/start_state.h"
 
 namespace tremolo {
@@ -43,6 +42,8 @@ bool is_of_a_run(const std::string& name) {
          name == kMaterialsName;
 }
 
+}  // namespace
+
 std::vector<NamedFile> inputs_of(const RunOptions& options) {
   std::vector<NamedFile> inputs{{options.model, "the basis file"},
                                 {options.scene, "the scene"},
@@ -57,8 +58,6 @@ std::vector<NamedFile> inputs_of(const RunOptions& options) {
   for (const std::string& probe : options.probes) add(probe, "--probe");
   return inputs;
 }
-
-}  // namespace
 
 std::string frame_name(int frame, double time, const std::string& format) {
   return fmt::format("surface-{:04}-t{:.6f}s.{}", frame, time, format);

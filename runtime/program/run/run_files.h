@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "formats/file/output_guard.h"
 #include "runtime/program/run/run_options.h"
 
 namespace tremolo {
@@ -17,6 +18,9 @@ inline constexpr const char* kMaterialsName = "surface.mtl";  // of surfaces as 
 
 // "surface-0012-t1.500000s.ply": the frame's number from 0 and its time, s.
 std::string frame_name(int frame, double time, const std::string& format);
+
+// The files that a run reads: the model, the scene, --signal, --start and lists of ids.
+std::vector<NamedFile> inputs_of(const RunOptions& options);
 
 // Error (kUsage) if a file that the run writes, or one of an earlier run that it removes, is one
 // that it reads: the model, the scene, --start, --signal or a list of ids.

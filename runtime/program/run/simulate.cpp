@@ -42,12 +42,6 @@ RunReport start_report(const RunOptions& options, const Body& body) {
   return report;
 }
 
-// What a run shares with the trial runs that look for its load.
-struct RunInput {
-  Model::Pointer model;
-  SignalTable table;  // of --signal
-};
-
 // What may stop a run from outside, and what is told of its progress; null: nothing.
 struct RunLinks {
   const Interruption* interruption = nullptr;
@@ -164,23 +158,29 @@ void tell_nearest(const RunOptions& options, const Model& model) {
 
 }  // namespace
 
-Result<RunReport> simulate(const RunOptions& options) {
+Result<RunInput> prepare_run(const RunOptions& options) {
   if (Status status = check_run(options); !status) return status.error();
   if (Status status = keep_run_apart(options); !status) return status.error();
   const Result<Model::Pointer> model = load_model(options);
   if (!model) return model.error();
   tell_nearest(options, **model);
-  RunInput input{*model, {}};
+  RunInput input{*model, {}, options};
   if (!options.signal.empty())
     if (Status s = take(input.table, read_signal(options.signal)); !s) return s.error();
-  RunOptions scaled = options;
   if (!options.deflect.empty())
-    if (Status s = take(scaled.scale, scale_for_deflection(options, input)); !s) return s.error();
-  const Result<std::optional<RigidLoss>> rigid = rigid_loss(options, **model);
+    if (Status s = take(input.options.scale, scale_for_deflection(options, input)); !s)
+      return s.error();
+  return input;
+}
+
+Result<RunReport> simulate(const RunOptions& options) {
+  const Result<RunInput> input = prepare_run(options);
+  if (!input) return input.error();
+  const Result<std::optional<RigidLoss>> rigid = rigid_loss(options, *input->model);
   if (!rigid) return rigid.error();
   const Interruption interruption;
   ToldProgress progress(options.name, options.duration);
-  Result<RunReport> report = run_body(scaled, input, {&interruption, &progress});
+  Result<RunReport> report = run_body(input->options, *input, {&interruption, &progress});
   if (report) report->rigid = *rigid;
   return report;
 }

@@ -11,6 +11,19 @@
 
 namespace tremolo {
 
+// What a run begins with. table: of --signal. options: as told, but with the factor of the load
+// that
+// --deflect asked for. It must outlive the body that make_body() makes of it.
+struct RunInput {
+  Model::Pointer model;
+  SignalTable table;
+  RunOptions options;
+};
+
+// Checks the options, loads the model and looks for the load. Errors: kUsage, kContent and kSystem
+// as in simulate().
+Result<RunInput> prepare_run(const RunOptions& options);
+
 // A change of a splitting method's split, before the step that began at `time`.
 struct SplitMove {
   double time = 0;  // s

@@ -13,7 +13,6 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/file/atomic_file.h"
-#include "formats/file/output_guard.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/interruption.h"
 #include "runtime/program/run/run_body.h"
@@ -153,12 +152,7 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
 // Refuses a run that would write over its own input.
 Status keep_world_apart(const SceneFile& file) {
   if (file.outputs.out.empty() && file.outputs.save.empty()) return Success{};
-  std::vector<NamedFile> inputs{{file.path, "the scene"}};
-  if (!file.outputs.restore.empty()) inputs.push_back({file.outputs.restore, "--restore"});
-  for (const std::string& csv : file.files) inputs.push_back({csv, "a CSV file of the scene"});
-  for (const SceneBody& body : file.scene.bodies) inputs.push_back({body.model, "a basis file"});
-  for (const SceneCollider& collider : file.scene.colliders)
-    if (!collider.file.empty()) inputs.push_back({collider.file, "a collider file"});
+  const std::vector<NamedFile> inputs = inputs_of(file);
   std::vector<std::string> outputs{file.outputs.save};
   if (file.outputs.out.empty()) return keep_apart(outputs, inputs);
   outputs.push_back((fs::path(file.outputs.out) / kReportName).string());
@@ -297,6 +291,16 @@ Result<WorldRun> run_world(const SceneFile& file) {
 }
 
 }  // namespace
+
+std::vector<NamedFile> inputs_of(const SceneFile& file) {
+  std::vector<NamedFile> inputs{{file.path, "the scene"}};
+  if (!file.outputs.restore.empty()) inputs.push_back({file.outputs.restore, "--restore"});
+  for (const std::string& csv : file.files) inputs.push_back({csv, "a CSV file of the scene"});
+  for (const SceneBody& body : file.scene.bodies) inputs.push_back({body.model, "a basis file"});
+  for (const SceneCollider& collider : file.scene.colliders)
+    if (!collider.file.empty()) inputs.push_back({collider.file, "a collider file"});
+  return inputs;
+}
 
 int run_world_command(const SceneFile& file, bool json) {
   const Result<WorldRun> run = run_world(file);

@@ -3,8 +3,10 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/result.h"
+#include "formats/file/output_guard.h"
 #include "runtime/program/run/run_options.h"
 #include "runtime/scene_reader/scene_reader.h"
 
@@ -15,6 +17,9 @@ namespace tremolo {
 // take, or that names what is not there; kContent for a value out of range.
 Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
                    SceneFile& file);
+
+// The files that a run of the scene reads.
+std::vector<NamedFile> inputs_of(const SceneFile& file);
 
 // Runs the scene. json: one object on stdout, also when the run failed. The exit code; errors are
 // printed on stderr.

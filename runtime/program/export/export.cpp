@@ -1,4 +1,4 @@
-#include "runtime/program/export.h"
+#include "runtime/program/export/export.h"
 
 #include <utility>
 
@@ -17,7 +17,10 @@ namespace {
 
 Status check_outputs(const ExportOptions& options) {
   if (options.cub.empty() && options.u.empty() && options.vtu.empty())
-    return Error{ErrorKind::kUsage, "nothing to export: name an output with --cub, --U or --vtu"};
+    return Error{ErrorKind::kUsage,
+                 "nothing to export: name an output with --glb, --pc2, --mdd, --pvd, --usda, "
+                 "--series, --cub, "
+                 "--U or --vtu"};
   return keep_apart({options.cub, options.u, options.vtu}, {{options.model, "the basis file"}});
 }
 

@@ -1,0 +1,68 @@
+// A shape and its modes as glTF's morph targets: a base and deltas, in float.
+//
+//     x = B + sum_i w_i D_i
+//
+// Bounded: B = X + sum_i low_i U_i, D_i = (high_i - low_i) U_i, w_i = (q_i - low_i)/(high_i -
+// low_i) in [0, 1], low and high over all frames of all bodies of the shape: the same positions as
+//
+// Plain:   B = X, D_i = U_i, w_i = q_i.
+//
+// Normals are those of the rest shape, N/|N|, with the first order of N in q. They are right where
+// the shape is at rest and err by the second order elsewhere.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "runtime/exchange/animation.h"
+
+namespace tremolo {
+
+// Unit normals of the shape with its vertices at these places, s, each triangle counting with its
+// area and smooth groups sharing theirs; zero where there is none.
+std::vector<Eigen::Vector3d> smooth_normals(const AnimatedShape& shape,
+                                            const std::vector<Eigen::Vector3d>& places);
+
+// How a coordinate becomes a weight: w = (q - low)/width.
+struct TargetRange {
+  Eigen::Index coordinate = 0;
+  double low = 0.0;
+  double width = 1.0;
+};
+
+// low: r, what the base has of each coordinate. targets: coordinates that change, or in the plain
+// form those that are not always zero.
+struct TargetRanges {
+  Eigen::VectorXd low;
+  std::vector<TargetRange> targets;
+};
+
+TargetRanges target_ranges(const Animation& animation, std::size_t shape, bool plain);
+
+// Column 0 is the base, column i + 1 the delta of target i; 3s rows. normals: no columns unless
+// they were asked for; those of the base have length one.
+struct MorphTargets {
+  Eigen::MatrixXf positions;
+  Eigen::MatrixXf normals;
+};
+
+MorphTargets morph_targets(const AnimatedShape& shape, const TargetRanges& ranges, bool normals);
+
+// The weights of a frame, as many as targets.
+std::vector<float> target_weights(const Eigen::VectorXd& q, const TargetRanges& ranges);
+
+// What floats and the first order cost, over frames that lie evenly, at most 64. position: the
+// largest distance from X + U q, over the shape's size. normal_mean, normal_max: degrees between
+// the normals and those of the bent shape, each vertex counting alike; zero without normals.
+struct MorphError {
+  double position = 0.0;
+  double normal_mean = 0.0;
+  double normal_max = 0.0;
+};
+
+MorphError morph_error(const Animation& animation, std::size_t shape, const TargetRanges& ranges,
+                       const MorphTargets& targets);
+
+}  // namespace tremolo

@@ -1,0 +1,55 @@
+// Point caches: the positions of one body's vertices, frame by frame, in the world. PC2 is what
+// Blender's Mesh Cache modifier and 3ds Max read, MDD what LightWave and Maya do as well. Both say
+// nothing of triangles: the mesh that they move must have the same vertices in the same order,
+// which the rest shape beside them (rest_obj) has.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/exchange/animation.h"
+
+namespace tremolo {
+
+// A file that was written.
+struct WrittenFile {
+  std::string path;
+  std::uint64_t bytes = 0;
+};
+
+// PC2, little-endian: "POINTCACHE2\0", int32 1, int32 vertices, float first frame 0, float 1 (one
+// sample a frame), int32 frames; then float x, y, z of every vertex, frame behind frame. It knows
+// no times: sample k is frame k. Errors: check_animation's; kContent for more vertices or frames
+// than an int32 counts; kSystem.
+Result<WrittenFile> write_pc2(const std::string& path, const Animation& animation,
+                              std::size_t body);
+
+// MDD, big-endian: int32 frames, int32 vertices, float time of every frame (s), then as PC2.
+Result<WrittenFile> write_mdd(const std::string& path, const Animation& animation,
+                              std::size_t body);
+
+// The body's rest shape as .obj, with texture coordinates, objects and materials, in the mesh's
+// coordinates.
+Result<WrittenFile> write_rest_obj(const std::string& path, const Animation& animation,
+                                   std::size_t body);
+
+// "OUT.pc2" for one body that deforms, else "OUT-NAME.pc2": the file of this one. Letters, digits,
+// '.', '_' and '-' of a name stay, others become '_'.
+std::string path_of_body(const std::string& path, const Animation& animation, std::size_t body);
+// Bodies that have coordinates: scenery has none.
+std::vector<std::size_t> deforming_bodies(const Animation& animation);
+// What a name is in the name of a file, and kUsage where two bodies would get the same one.
+std::string file_name_of(std::string_view name);
+Status check_file_names(const Animation& animation);
+// "OUT" of "FOLDER/OUT.pc2" with its folder.
+std::string without_ending(const std::string& path);
+
+// All bodies that deform: their caches by the path's ending, .pc2 or .mdd, and their rest shapes.
+Result<std::vector<WrittenFile>> write_point_caches(const std::string& path,
+                                                    const Animation& animation);
+
+}  // namespace tremolo

@@ -1,0 +1,60 @@
+// Bodies that go become an Animation, frame by frame.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/body.h"
+#include "runtime/exchange/animation.h"
+#include "runtime/model.h"
+#include "runtime/skeleton/skin.h"
+
+namespace tremolo {
+
+// What is drawn of the model (Model::drawn) as a shape.
+AnimatedShape animated_shape(const Model& model, std::string name);
+
+// First tracks, then frames; in each frame every track is recorded once. Not for a step loop: it
+// allocates.
+class Recording {
+ public:
+  // rate: frames a second that are asked for, for formats that know no times.
+  explicit Recording(double rate = 60.0) { animation_.rate = rate; }
+
+  // A body of this model; bodies of one model share its shape. skin: of a body on bones. Returns
+  // the track's number. kUsage once there is a frame, for a name that is empty or
+  // stands twice, or a skin of another surface.
+  Result<std::size_t> add(const Model::Pointer& model, std::string name,
+                          const std::shared_ptr<const Skin>& skin = nullptr);
+  Result<std::size_t> add(const Body& body, std::string name);
+  // Scenery: a shape without coordinates.
+  Result<std::size_t> add(AnimatedShape shape, std::string name);
+
+  // time: s, later than the last frame's. kUsage if it is not, or the last frame lacks a track.
+  Status begin_frame(double time);
+  // q: as many as the model has, finite. poses: one, or one a bone. kUsage also for a track that is
+  // not there, or that this frame has already; nothing is recorded then.
+  Status record(std::size_t track, std::span<const double> q, std::span<const Pose> poses);
+  Status record(std::size_t track, const Body& body);
+
+  std::size_t frames() const { return animation_.frames(); }
+  // All frames. kUsage if the last one lacks a track, and as check_animation.
+  Result<Animation> animation() const;
+
+ private:
+  Status add_body(AnimatedBody body);
+  Status check_whole() const;
+
+  Animation animation_;
+  std::vector<Model::Pointer> models_;          // keeps the addresses below
+  std::map<const Model*, std::size_t> shapes_;  // of models
+  std::vector<std::size_t> recorded_;           // frames of each track
+  std::vector<Pose> poses_;                     // of one body
+};
+
+}  // namespace tremolo

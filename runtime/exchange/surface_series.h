@@ -1,0 +1,27 @@
+// Series of files, one a frame: surfaces in the world as .ply or .obj, and .vtu files with a .pvd
+// that lists them for ParaView.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/exchange/animation.h"
+#include "runtime/exchange/point_cache.h"
+
+namespace tremolo {
+
+// "OUT.ply" or "OUT.obj" -> OUT-0000.ply ...; of several bodies OUT-NAME-0000.ply ...; with normals
+// of the bent shape where the surface came with some. OUT.csv lists them: frame, t (s), body, file.
+// Scenery is left out. Errors: check_animation's; kUsage for another ending; kSystem. The list is
+// written last; it comes first in the result.
+Result<std::vector<WrittenFile>> write_surface_series(const std::string& path,
+                                                      const Animation& animation);
+
+// "OUT.pvd" and OUT-frames/NAME-0000.vtu ...: triangles at their places in the world, float, with
+// the point data `displacement`: what a vertex is displaced by beyond its body's pose, along the
+// world's axes, m. What does not move is written once. times: s, exact; part: the body. Errors as
+// above; the folder is made if need be.
+Result<std::vector<WrittenFile>> write_pvd(const std::string& path, const Animation& animation);
+
+}  // namespace tremolo

@@ -1,0 +1,254 @@
+#include "runtime/program/export/export_motion.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "common/mesh/selector.h"
+#include "formats/file/output_guard.h"
+#include "runtime/exchange/glb_writer.h"
+#include "runtime/exchange/point_cache.h"
+#include "runtime/exchange/surface_series.h"
+#include "runtime/exchange/usda_writer.h"
+#include "runtime/program/export/animate.h"
+#include "runtime/program/output/tell.h"
+#include "runtime/program/run/run_body.h"
+#include "runtime/program/run/run_files.h"
+#include "runtime/program/world/run_world.h"
+
+namespace tremolo {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+GlbTexture texture_of_flag(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  // A file may have the sign in its name.
+  if (equals == std::string::npos || std::filesystem::exists(text)) return {"", text};
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+std::vector<NamedFile> sources_of(const MotionOutputs& outputs, const MotionSource& source) {
+  std::vector<NamedFile> files;
+  if (const auto* bodies = std::get_if<std::vector<RunOptions>>(&source)) {
+    for (const RunOptions& body : *bodies)
+      for (NamedFile& file : inputs_of(body)) files.push_back(std::move(file));
+  } else {
+    const auto& scene = std::get<SceneFile>(source);
+    files = inputs_of(scene);
+    std::vector<std::string> selectors;
+    for (const SceneBody& body : scene.scene.bodies)
+      for (const SceneLoad& load : body.loads) selectors.push_back(load.at);
+    for (const SceneHand& hand : scene.scene.hands) selectors.push_back(hand.at);
+    for (const std::string& selector : selectors)
+      for (const std::string& ids : files_of_selector(selector))
+        files.push_back({ids, "the ids of a selector"});
+  }
+  for (const std::string& text : outputs.textures)
+    files.push_back({texture_of_flag(text).path, "--texture"});
+  return files;
+}
+
+std::vector<std::string> body_names(const MotionSource& source) {
+  std::vector<std::string> names;
+  if (const auto* bodies = std::get_if<std::vector<RunOptions>>(&source)) {
+    for (const RunOptions& body : *bodies) names.push_back(body.name);
+    return names;
+  }
+  for (const SceneBody& body : std::get<SceneFile>(source).scene.bodies) names.push_back(body.name);
+  return names;
+}
+
+// The files that are asked for by name, endings included, and those beside point caches. A series'
+// own files have numbers and are not looked at.
+Status check_paths(const MotionOutputs& outputs, const MotionSource& source) {
+  const auto& [glb, pc2, mdd, pvd, usda, series] =
+      std::tie(outputs.glb, outputs.pc2, outputs.mdd, outputs.pvd, outputs.usda, outputs.series);
+  for (const auto& [flag, path, ending] : {std::tuple{"--glb", &glb, ".glb"},
+                                           {"--pc2", &pc2, ".pc2"},
+                                           {"--mdd", &mdd, ".mdd"},
+                                           {"--pvd", &pvd, ".pvd"},
+                                           {"--usda", &usda, ".usda"}})
+    if (!path->empty() && !path->ends_with(ending))
+      return usage_error(fmt::format("{} {}: the name must end in {}", flag, *path, ending));
+  if (!series.empty() && !series.ends_with(".ply") && !series.ends_with(".obj"))
+    return usage_error("--series " + series + ": the name must end in .ply or .obj");
+  std::vector<std::string> paths = {glb, pvd, usda};
+  if (!series.empty()) paths.push_back(without_ending(series) + ".csv");
+  const std::vector<std::string> names = body_names(source);
+  std::vector<std::string> shapes;
+  for (const std::string& name : names)
+    for (const auto& [cache, ending] : {std::pair{&pc2, ".pc2"}, {&mdd, ".mdd"}}) {
+      if (cache->empty()) continue;
+      const std::string stem = without_ending(*cache) + (names.size() < 2 ? "" : "-" + name);
+      paths.push_back(stem + ending);
+      shapes.push_back(stem + ".obj");
+    }
+  // Two caches of one name share their rest shape.
+  std::sort(shapes.begin(), shapes.end());
+  shapes.erase(std::unique(shapes.begin(), shapes.end()), shapes.end());
+  paths.insert(paths.end(), shapes.begin(), shapes.end());
+  return keep_apart(paths, sources_of(outputs, source));
+}
+
+Result<RecordedMotion> record(const MotionOutputs& outputs, const MotionSource& source) {
+  if (const auto* bodies = std::get_if<std::vector<RunOptions>>(&source))
+    return animate_bodies(*bodies, outputs.range);
+  return animate_world(std::get<SceneFile>(source), outputs.range, !outputs.no_colliders);
+}
+
+Json file_json(const WrittenFile& file, const char* format) {
+  return {{"file", file.path}, {"format", format}, {"bytes", file.bytes}};
+}
+
+Result<Json> write_as_glb(const MotionOutputs& outputs, const Animation& animation) {
+  GlbOptions options;
+  options.plain = outputs.plain_weights;
+  options.normals = !outputs.no_normals;
+  options.z_up = outputs.up == "z";
+  for (const std::string& text : outputs.textures)
+    options.textures.push_back(texture_of_flag(text));
+  const Result<GlbReport> report = write_glb(outputs.glb, animation, options);
+  if (!report) return report.error();
+  Json json = file_json({outputs.glb, report->bytes}, "glb");
+  json["vertices"] = report->vertices;
+  json["targets"] = report->targets;
+  json["dropped"] = report->dropped;
+  json["position_error"] = report->position_error;
+  json["normal_error_mean"] = report->normal_mean;
+  json["normal_error_max"] = report->normal_max;
+  if (report->bones_a_vertex > 0) {
+    json["bones_a_vertex"] = report->bones_a_vertex;
+    json["four_bones_error"] = report->four_bones_error;
+  }
+  return json;
+}
+
+void append_files(Json& files, const std::vector<WrittenFile>& written, const char* format) {
+  for (const WrittenFile& file : written) {
+    const bool beside = file.path.ends_with(".obj") && std::string_view(format) != "series";
+    const Json entry = file_json(file, beside ? "obj" : format);
+    // The rest shape of two caches of one name is one file.
+    if (std::find(files.begin(), files.end(), entry) == files.end()) files.push_back(entry);
+  }
+}
+
+Result<Json> write_all(const MotionOutputs& outputs, const Animation& animation) {
+  Json files = Json::array();
+  if (!outputs.glb.empty()) {
+    Result<Json> glb = write_as_glb(outputs, animation);
+    if (!glb) return glb.error();
+    files.push_back(std::move(*glb));
+  }
+  if (!outputs.usda.empty()) {
+    const Result<WrittenFile> usda = write_usda(outputs.usda, animation, outputs.up == "z");
+    if (!usda) return usda.error();
+    files.push_back(file_json(*usda, "usda"));
+  }
+  using Writer = Result<std::vector<WrittenFile>> (*)(const std::string&, const Animation&);
+  for (const auto& [path, writer, format] :
+       {std::tuple<const std::string&, Writer, const char*>{outputs.pc2, write_point_caches, "pc2"},
+        {outputs.mdd, write_point_caches, "mdd"},
+        {outputs.pvd, write_pvd, "pvd"},
+        {outputs.series, write_surface_series, "series"}}) {
+    if (path.empty()) continue;
+    const Result<std::vector<WrittenFile>> written = writer(path, animation);
+    if (!written) return written.error();
+    append_files(files, *written, format);
+  }
+  return files;
+}
+
+// Of a series the list alone, and of many caches the first.
+void print_files(const Json& files) {
+  constexpr std::size_t kShown = 24;
+  std::size_t shown = 0, passed_over = 0;
+  double bytes = 0.0;
+  for (const Json& file : files) {
+    const std::string path = file["file"], format = file["format"];
+    const bool numbered = format == "pvd" || format == "series";
+    const bool list = numbered && (path.ends_with(".pvd") || path.ends_with(".csv"));
+    if (!list && (numbered || shown >= kShown)) {
+      ++passed_over;
+      bytes += file["bytes"].get<double>();
+      continue;
+    }
+    ++shown;
+    fmt::print("{}: {} bytes", path, file["bytes"].get<std::uint64_t>());
+    if (format == "glb")
+      fmt::print(
+          ", {} vertices, {} morph targets ({} coordinates never change); positions to {:.1e} of "
+          "the size, normals to {:.2g} degrees in the mean",
+          file["vertices"].get<std::size_t>(), file["targets"].get<std::size_t>(),
+          file["dropped"].get<std::size_t>(), file["position_error"].get<double>(),
+          file["normal_error_mean"].get<double>());
+    fmt::print("\n");
+    if (file.contains("four_bones_error") && file["four_bones_error"] > 0.0)
+      fmt::print(
+          "  up to {} bones carry a vertex: programs that read four of them show some by {:.2g} of "
+          "the size elsewhere\n",
+          file["bones_a_vertex"].get<std::size_t>(), file["four_bones_error"].get<double>());
+  }
+  if (passed_over > 0) fmt::print("and {} files of {:.3g} MB\n", passed_over, 1e-6 * bytes);
+}
+
+void tell_motion(const MotionOutputs& outputs, const RecordedMotion& motion, double left_out) {
+  const Animation& animation = motion.animation;
+  tell("  {} bodies, {} frames from {:.6g} to {:.6g} s\n", deforming_bodies(animation).size(),
+       animation.frames(), animation.times.front(), animation.times.back());
+  // Formats that count frames show them at even times.
+  if (motion.offset > 1e-9 && !(outputs.pc2.empty() && outputs.series.empty()))
+    tell(
+        "  frames are whole steps, up to {:.3g} ms beside k/{} s, where PC2 and numbered files "
+        "have "
+        "them; --step {:.9g} makes them even\n",
+        1e3 * motion.offset, outputs.range.rate, motion.even_step);
+  if (outputs.modes > 0)
+    tell(
+        "  the first {} coordinates: what is left out moves no vertex by more than {:.3g} of the "
+        "size\n",
+        outputs.modes, left_out);
+  if (!motion.left_out.empty())
+    tell("  without triangles of their own and left out: {}\n", fmt::join(motion.left_out, ", "));
+}
+
+Status export_motion(const MotionOutputs& outputs, const MotionSource& source) {
+  if (Status s = check_paths(outputs, source); !s) return s;
+  Result<RecordedMotion> motion = record(outputs, source);
+  if (!motion) return motion.error();
+  double left_out = 0.0;
+  if (outputs.modes > 0)
+    if (Status s = take(left_out, keep_coordinates(motion->animation, outputs.modes)); !s) return s;
+  const Result<Json> files = write_all(outputs, motion->animation);
+  if (!files) return files.error();
+  tell_motion(outputs, *motion, left_out);
+  if (!outputs.json) {
+    print_files(*files);
+    return Success{};
+  }
+  Json json;
+  json["frames"] = motion->animation.frames();
+  json["first"] = motion->animation.times.front();
+  json["last"] = motion->animation.times.back();
+  json["rate"] = motion->animation.rate;
+  json["offset"] = motion->offset;
+  json["bodies"] = deforming_bodies(motion->animation).size();
+  json["left_out_error"] = outputs.modes > 0 ? Json(left_out) : Json(nullptr);
+  json["colliders_left_out"] = motion->left_out;
+  json["files"] = *files;
+  print_json(json);
+  return Success{};
+}
+
+}  // namespace
+
+int export_motion_command(const MotionOutputs& outputs, const MotionSource& source) {
+  if (Status s = export_motion(outputs, source); !s) return report_error(s.error());
+  return flushed(0);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,42 @@
+// `tremolo export` of what moves: a run goes into files that other programs open.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "runtime/program/export/frame_steps.h"
+#include "runtime/program/run/run_options.h"
+#include "runtime/scene_reader/scene_reader.h"
+
+namespace tremolo {
+
+// Paths; empty: not asked for. modes: coordinates that are kept in the files, 0: all; the motion
+// has all of them. textures: "MATERIAL=IMAGE" or "IMAGE". up: "z" or "y", of the world. The others
+// as GlbOptions has them.
+struct MotionOutputs {
+  std::string glb, pc2, mdd, pvd, usda, series;
+  FrameRange range;
+  std::size_t modes = 0;
+  bool plain_weights = false;
+  bool no_normals = false;
+  bool no_colliders = false;
+  std::vector<std::string> textures;
+  std::string up = "z";
+  bool json = false;
+
+  bool any() const {
+    return !glb.empty() || !pc2.empty() || !mdd.empty() || !pvd.empty() || !usda.empty() ||
+           !series.empty();
+  }
+};
+
+// Bodies as `tremolo run` takes them, or a scene with [[bodies]].
+using MotionSource = std::variant<std::vector<RunOptions>, SceneFile>;
+
+// Runs and writes. What was written stands on stdout. Returns the exit code; errors are printed,
+// and no file is then there that was not there before, but for complete ones of a series.
+int export_motion_command(const MotionOutputs& outputs, const MotionSource& source);
+
+}  // namespace tremolo

@@ -1,0 +1,198 @@
+// The files byte by byte, as far as that is short, and what is refused. Whether others read them is
+// tests/exchange/readers.sh.
+#include <bit>
+#include <cstring>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "runtime/exchange/animation_writer.h"
+#include "runtime/exchange/glb_writer.h"
+#include "runtime/exchange/json_text.h"
+#include "runtime/exchange/surface_series.h"
+#include "runtime/exchange/usda_writer.h"
+#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/wavy_animation.h"
+
+namespace tremolo {
+namespace {
+
+using testing::slurp;
+using testing::TemporaryFolder;
+using testing::wavy_animation;
+using testing::wavy_sheet;
+
+std::size_t files_in(const std::string& folder) {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    count += entry.is_regular_file() ? 1 : 0;
+  return count;
+}
+
+TEST(GlbWriter, TenSecondsOfThirtyCoordinatesAreAsLargeAsTheyMustBe) {
+  const TemporaryFolder folder;
+  constexpr std::size_t kVertices = 40 * 40, kModes = 30, kKeys = 601;
+  const Animation animation = wavy_animation(40, kModes, kKeys);
+  const auto report = write_glb(folder.file("sheet.glb"), animation);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->bytes, std::filesystem::file_size(folder.file("sheet.glb")));
+  EXPECT_LE(static_cast<double>(report->bytes),
+            1.3 * (24.0 * kVertices * (kModes + 1) + 4.0 * kModes * kKeys));
+  EXPECT_LE(report->position_error, 1e-6);
+  EXPECT_EQ(report->targets, kModes);
+}
+
+TEST(GlbWriter, TenThousandTargetsAreRefusedWithAWord) {
+  const TemporaryFolder folder;
+  const Animation animation = wavy_animation(3, 10000, 2);
+  for (const bool plain : {false, true}) {
+    GlbOptions options;
+    options.plain = plain;
+    const auto report = write_glb(folder.file("sheet.glb"), animation, options);
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().kind, ErrorKind::kContent);
+    EXPECT_NE(report.error().message.find("10000 coordinates"), std::string::npos)
+        << report.error().message;
+  }
+  EXPECT_EQ(files_in(folder.path()), 0U);
+  // The same model at rest has none of them.
+  Animation still = animation;
+  std::fill(still.bodies[0].q.begin(), still.bodies[0].q.end(), 0.0);
+  const auto report = write_glb(folder.file("still.glb"), still);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->targets, 0U);
+  EXPECT_EQ(report->dropped, 10000U);
+}
+
+TEST(GlbWriter, ATextureThatLiesNowhereIsRefused) {
+  const TemporaryFolder folder;
+  const Animation animation = wavy_animation(3, 2, 3);
+  const std::string png = folder.write("paint.png", "\x89PNG\r\n\x1a\n and so on");
+  const std::string text = folder.write("paint.txt", "no picture");
+  const auto refused = [&](const GlbTexture& texture, const char* word) {
+    GlbOptions options;
+    options.textures = {texture};
+    const auto report = write_glb(folder.file("sheet.glb"), animation, options);
+    ASSERT_FALSE(report) << word;
+    EXPECT_NE(report.error().message.find(word), std::string::npos) << report.error().message;
+  };
+  refused({"middle", png}, "'left', 'right'");
+  refused({"left", text}, ".png or a .jpg");
+  refused({"", folder.file("none.png")}, "none.png");
+  EXPECT_EQ(files_in(folder.path()), 2U);
+  GlbOptions options;
+  options.textures = {{"left", png}};
+  EXPECT_TRUE(write_glb(folder.file("sheet.glb"), animation, options));
+  EXPECT_NE(slurp(folder.file("sheet.glb")).find("\x89PNG\r\n\x1a\n and so on"), std::string::npos);
+}
+
+TEST(PointCache, Pc2IsLittleAndMddBigEndian) {
+  const TemporaryFolder folder;
+  Animation animation = wavy_animation(2, 1, 3);
+  ASSERT_TRUE(write_pc2(folder.file("a.pc2"), animation, 0));
+  ASSERT_TRUE(write_mdd(folder.file("a.mdd"), animation, 0));
+  const std::string pc2 = slurp(folder.file("a.pc2")), mdd = slurp(folder.file("a.mdd"));
+  ASSERT_EQ(pc2.size(), 32U + 3 * 4 * 12);
+  ASSERT_EQ(mdd.size(), 8U + 3 * 4 + 3 * 4 * 12);
+  EXPECT_EQ(pc2.substr(0, 32),
+            std::string("POINTCACHE2\0\1\0\0\0\4\0\0\0\0\0\0\0\0\0\x80\x3f\3\0\0\0", 32));
+  EXPECT_EQ(mdd.substr(0, 8), std::string("\0\0\0\3\0\0\0\4", 8));
+  std::vector<double> places(12);
+  for (std::size_t f = 0; f < 3; ++f) {
+    world_positions(animation, animation.bodies[0], f, places);
+    for (std::size_t i = 0; i < 12; ++i) {
+      float little = 0.0f, big = 0.0f;
+      std::memcpy(&little, pc2.data() + 32 + 48 * f + 4 * i, 4);
+      std::string turned = mdd.substr(20 + 48 * f + 4 * i, 4);
+      std::reverse(turned.begin(), turned.end());
+      std::memcpy(&big, turned.data(), 4);
+      EXPECT_EQ(little, static_cast<float>(places[i]));
+      EXPECT_EQ(big, static_cast<float>(places[i]));
+    }
+  }
+}
+
+TEST(PointCache, SeveralBodiesAreAFileEachWithItsRestShape) {
+  const TemporaryFolder folder;
+  Animation animation = wavy_animation(3, 2, 2);
+  animation.bodies.push_back(animation.bodies[0]);
+  animation.bodies[1].name = "a/b";
+  AnimatedBody floor = animation.bodies[0];
+  floor.name = "floor";
+  floor.collider = true;
+  animation.bodies.push_back(floor);
+  const auto files = write_point_caches(folder.file("all.mdd"), animation);
+  ASSERT_TRUE(files) << files.error().message;
+  std::vector<std::string> names;
+  for (const WrittenFile& file : *files) {
+    names.push_back(std::filesystem::path(file.path).filename().string());
+    EXPECT_EQ(std::filesystem::file_size(file.path), file.bytes);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"all-sheet.mdd", "all-sheet.obj", "all-a_b.mdd",
+                                             "all-a_b.obj"}));
+  animation.bodies[0].name = "a?b";
+  EXPECT_FALSE(write_point_caches(folder.file("all.mdd"), animation)) << "one file for two";
+}
+
+TEST(Series, WhatStandsStillIsWrittenOnce) {
+  const TemporaryFolder folder;
+  Animation animation = wavy_animation(3, 2, 4);
+  AnimatedShape still = wavy_sheet(3, 0);
+  AnimatedBody floor;
+  floor.name = "floor";
+  floor.shape = 1;
+  floor.collider = true;
+  floor.poses.resize(4);
+  animation.shapes.push_back(still);
+  animation.bodies.push_back(floor);
+  const auto pvd = write_pvd(folder.file("s.pvd"), animation);
+  ASSERT_TRUE(pvd) << pvd.error().message;
+  EXPECT_EQ(pvd->size(), 1U + 4 + 1);
+  const auto series = write_surface_series(folder.file("s.obj"), animation);
+  ASSERT_TRUE(series) << series.error().message;
+  EXPECT_EQ(series->size(), 1U + 4);
+  EXPECT_NE(slurp(folder.file("s.csv")).find("3,0.05,sheet,s-0003.obj"), std::string::npos);
+  EXPECT_FALSE(write_surface_series(folder.file("s.stl"), animation));
+}
+
+TEST(Usda, NamesAreIdentifiersAndTimesExact) {
+  const TemporaryFolder folder;
+  Animation animation = wavy_animation(3, 1, 3);
+  animation.times = {0.0, 0.018, 0.033};
+  animation.bodies[0].name = "2nd horse";
+  ASSERT_TRUE(write_usda(folder.file("a.usda"), animation));
+  const std::string text = slurp(folder.file("a.usda"));
+  EXPECT_TRUE(text.starts_with("#usda 1.0\n"));
+  EXPECT_NE(text.find("def Mesh \"_2nd_horse\""), std::string::npos);
+  EXPECT_NE(text.find("upAxis = \"Z\""), std::string::npos);
+  EXPECT_NE(text.find("            1.08: ["), std::string::npos) << "0.018 s times 60";
+  EXPECT_NE(text.find("def GeomSubset \"right\""), std::string::npos);
+}
+
+TEST(AnimationWriter, TheEndingChooses) {
+  const TemporaryFolder folder;
+  const Animation animation = wavy_animation(3, 2, 2);
+  for (const char* name : {"a.glb", "a.usda", "a.pvd", "a.pc2", "a.mdd", "a.ply"})
+    EXPECT_TRUE(write_animation(folder.file(name), animation)) << name;
+  const auto other = write_animation(folder.file("a.fbx"), animation);
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().kind, ErrorKind::kUsage);
+  for (const char* name : {"no/a.glb", "no/a.usda", "no/a.pc2"}) {
+    const auto nowhere = write_animation(folder.file(name), animation);
+    ASSERT_FALSE(nowhere) << name;
+    EXPECT_EQ(nowhere.error().kind, ErrorKind::kSystem) << name;
+  }
+}
+
+TEST(JsonText, AStringIsJsonWhateverItHolds) {
+  EXPECT_EQ(json_string("a \"b\"\\\n"), "\"a \\\"b\\\"\\\\\\u000a\"");
+  EXPECT_EQ(json_string("H\xc3\xa4nsel"), "\"H\xc3\xa4nsel\"");
+  EXPECT_EQ(json_string("H\xe4nsel"), "\"H?nsel\"");
+  EXPECT_EQ(json_string("\xc0\x80\xed\xa0\x80"), "\"?????\"") << "no overlong forms, no halves";
+  EXPECT_EQ(json_number(0.1f), "0.1");
+  EXPECT_EQ(json_numbers(std::vector<double>{1.0, -0.25}), "[1,-0.25]");
+}
+
+}  // namespace
+}  // namespace tremolo
