@@ -89,8 +89,12 @@ Result<WrittenFile> write_mdd(const std::string& path, const Animation& animatio
 Result<WrittenFile> write_rest_obj(const std::string& path, const Animation& animation,
                                    std::size_t body) {
   if (Status s = check_cache(path, animation, body); !s) return s.error();
-  if (Status s = write_render_surface(path, animation.shape_of(animation.bodies[body]).surface); !s)
-    return s.error();
+  // As one object, whatever parts it had: readers make a mesh of each, and a cache moves only one.
+  RenderSurface surface = animation.shape_of(animation.bodies[body]).surface;
+  surface.objects = {animation.bodies[body].name};
+  surface.object_of.assign(surface.triangles.size(), 0);
+  surface.normals.clear();
+  if (Status s = write_render_surface(path, surface); !s) return s.error();
   std::error_code ignored;
   return WrittenFile{path, std::filesystem::file_size(path, ignored)};
 }

@@ -32,8 +32,8 @@ Result<WrittenFile> write_pc2(const std::string& path, const Animation& animatio
 Result<WrittenFile> write_mdd(const std::string& path, const Animation& animation,
                               std::size_t body);
 
-// The body's rest shape as .obj, with texture coordinates, objects and materials, in the mesh's
-// coordinates.
+// The body's rest shape as .obj in the mesh's coordinates: one object, with texture coordinates and
+// materials.
 Result<WrittenFile> write_rest_obj(const std::string& path, const Animation& animation,
                                    std::size_t body);
 

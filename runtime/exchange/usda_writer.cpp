@@ -13,16 +13,22 @@
 namespace tremolo {
 namespace {
 
-// A file that grows by pieces of text; after an error the rest is passed over.
+// A file that grows by pieces of text, which are gathered; after an error the rest is passed over.
 struct UsdText {
   AtomicFile file;
   Status status = Success{};
   std::uint64_t bytes = 0;
+  std::string gathered = {};
 
   void add(std::string_view text) {
-    if (!status) return;
-    status = file.write(text);
-    bytes += text.size();
+    constexpr std::size_t kPiece = 1 << 20;
+    gathered += text;
+    if (gathered.size() >= kPiece) flush();
+  }
+  void flush() {
+    if (status) status = file.write(gathered);
+    bytes += gathered.size();
+    gathered.clear();
   }
 };
 
@@ -210,6 +216,7 @@ Result<WrittenFile> write_usda(const std::string& path, const Animation& animati
   for (const AnimatedBody& body : animation.bodies)
     add_mesh(out, animation, body, prim_name(body.name, taken));
   out.add("}\n");
+  out.flush();
   if (!out.status) return out.status.error();
   if (Status s = out.file.commit(); !s) return s.error();
   return WrittenFile{path, out.bytes};

@@ -8,6 +8,7 @@
 
 #include "tests/support/bar_skin.h"
 #include "tests/support/programs.h"
+#include "tests/support/text_lines.h"
 
 namespace tremolo {
 namespace {
@@ -120,10 +121,12 @@ TEST_F(ExportProgram, EveryFormatHasTheSurfacesOfARun) {
                                "--usda bar.usda --series bar.ply");
   EXPECT_EQ(report["frames"], 21);
   EXPECT_LT(report["offset"].get<double>(), 1e-12);
-  for (const char* file :
-       {"bar.glb", "bar.pc2@40", "bar.mdd", "bar.pvd", "bar.usda", "bar.csv"})
+  for (const char* file : {"bar.glb", "bar.pc2@40", "bar.mdd", "bar.pvd", "bar.usda", "bar.csv"})
     expect_same(file, "bar", "run");
-  EXPECT_TRUE(there("bar.obj")) << "the rest shape of the caches";
+  // The rest shape of the caches: one object, though the skin has three.
+  const std::string rest = testing::slurp(folder_ + "/bar.obj");
+  EXPECT_EQ(testing::lines_with(rest, "o"), std::vector<std::string>{"o bar"});
+  EXPECT_EQ(testing::lines_with(rest, "v").size(), testing::lines_with(rest, "vt").size());
 }
 
 TEST_F(ExportProgram, AGlbHasMaterialsAndTextureCoordinatesAndBoundedWeights) {

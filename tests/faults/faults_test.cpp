@@ -146,6 +146,15 @@ TEST_F(Faults, RunLeavesOldFilesOrNewOnes) {
                        "surface-0001-t0.099000s.ply"});
 }
 
+TEST_F(Faults, ExportLeavesOldFilesOrNewOnes) {
+  survives_everything(
+      kTremolo +
+          "export SOURCE/bar.tremolo --duration 0.1 --rate 20 --glb OUT/a.glb "
+          "--usda OUT/a.usda --mdd OUT/b.mdd --pc2 OUT/c.pc2 "
+          "--series OUT/d.ply",
+      {"a.glb", "a.usda", "b.mdd", "b.obj", "c.pc2", "c.obj", "d.csv", "d-0000.ply", "d-0002.ply"});
+}
+
 TEST_F(Faults, PlotLeavesTheOldPictureOrTheNewOne) {
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no gnuplot";
   survives_everything(kTremolo + "plot SOURCE/was -o OUT/a.svg", {"a.svg"});
@@ -157,6 +166,7 @@ TEST_F(Faults, ALimitOnFileSizesIsAnErrorWithAPath) {
   for (const auto& [command, name] : std::map<std::string, std::string>{
            {kPrecompute + "SOURCE/bar.veg -o OUT/a" + kArguments, "a"},
            {kTremolo + "run SOURCE/bar.tremolo --duration 0.5 --out OUT", "run.csv"},
+           {kTremolo + "export SOURCE/bar.tremolo --duration 1 --glb OUT/a.glb", "a.glb"},
            {kTremolo + "run SOURCE/bar.tremolo --duration 0.1 --out OUT --surfaces 1",
             "surface-0000-t0.099000s.ply"}}) {
     command_ = command;
@@ -173,6 +183,7 @@ TEST_F(Faults, AFullStandardOutputIsAnError) {
   for (const std::string& command :
        {kTremolo + "inspect SOURCE/bar.tremolo --json", kTremolo + "inspect SOURCE/bar.tremolo",
         kTremolo + "run SOURCE/bar.tremolo --duration 0.1 --json",
+        kTremolo + "export SOURCE/bar.tremolo --duration 0.1 --glb OUT/a.glb",
         kPrecompute + "SOURCE/bar.veg --json -o OUT/a" + kArguments}) {
     command_ = "(" + command + " > /dev/full)";
     names_ = {};
