@@ -15,6 +15,9 @@ packages_show="gnuplot-nox povray"
 packages_test="libgtest-dev clang libclang-rt-14-dev libjs-chart.js libcgal-demo assimp-testmodels glmark2-data"
 # Programs that read what `tremolo export` writes: ./check --full. Whoever has node or npm keeps his own.
 packages_readers="python3-vtk9 blender"
+# The engine in a page: ./demo --live, ./check --full.
+packages_web="emscripten node-acorn"
+packages_browser="chromium"
 command -v node >/dev/null || packages_readers="$packages_readers nodejs"
 command -v npm >/dev/null || packages_readers="$packages_readers npm"
 

@@ -21,8 +21,8 @@ Result<BasisData> without_interior(BasisData data) {
       data.load.vertices.push_back(*vertex);
       data.load.forces.push_back(load.forces[i]);
     }
-  if (!load.vertices.empty() && data.load.vertices.empty())
-    return content_error("its load acts inside alone, and nothing inside is kept");
+  // A part of a load is another load.
+  if (data.load.vertices.size() != load.vertices.size()) data.load = {};
   const std::vector<VertexId> fixed = std::exchange(data.fixed_vertices, {});
   for (const VertexId id : fixed)
     if (const auto vertex = number(id)) data.fixed_vertices.push_back(*vertex);

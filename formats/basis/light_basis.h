@@ -7,8 +7,8 @@
 namespace tremolo {
 
 // The same body with the vertices of the boundary alone, numbered anew in their order: dynamics,
-// surface and what is drawn are the same, vertices inside, edges, tetrahedra and imported files are
-// gone. The load keeps its vertices on the boundary. kContent if none of a load's vertices is there.
+// surface and what is drawn are the same; vertices inside, edges, tetrahedra, imported files and a
+// load that acts inside are gone. kContent where the render surface follows a vertex inside.
 Result<BasisData> without_interior(BasisData data);
 
 }  // namespace tremolo

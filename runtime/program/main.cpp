@@ -92,6 +92,8 @@ void add_export_flags(CLI::App& app, ExportOptions& o) {
   app.add_option("--vtu", o.vtu,
                  "the modes as point data of the surface, .vtu (tremolo-precompute --modes-vtu "
                  "writes them on the tetrahedra)");
+  app.add_option("--light", o.light,
+                 "a basis file of the same body without the vertices inside, for pages and games");
 }
 
 void add_motion_outputs(CLI::App& app, MotionOutputs& o) {
@@ -295,9 +297,10 @@ Result<MotionSource> motion_source(int count, char** words, const Request& reque
 int run_export(int count, char** words, const Request& request, const RunOptions& flags,
                const CLI::App& command) {
   const ExportOptions& still = request.exported;
-  const bool asks_still = !still.cub.empty() || !still.u.empty() || !still.vtu.empty();
+  const bool asks_still = still.any();
   if (asks_still && is_scene(still.model))
-    return report_error(usage_error("--cub, --U and --vtu are of a basis file, not of a scene"));
+    return report_error(
+        usage_error("--cub, --U, --vtu and --light are of a basis file, not of a scene"));
   if (asks_still || !request.motion.any())
     if (const int code = export_command(still); code != 0) return code;
   if (!request.motion.any()) return 0;

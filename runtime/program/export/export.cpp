@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/basis/basis_reader.h"
+#include "formats/basis/basis_writer.h"
+#include "formats/basis/light_basis.h"
 #include "formats/file/atomic_file.h"
 #include "formats/file/output_guard.h"
 #include "formats/vega/reduced_files.h"
@@ -16,12 +18,12 @@ namespace tremolo {
 namespace {
 
 Status check_outputs(const ExportOptions& options) {
-  if (options.cub.empty() && options.u.empty() && options.vtu.empty())
+  if (!options.any())
     return Error{ErrorKind::kUsage,
                  "nothing to export: name an output with --glb, --pc2, --mdd, --pvd, --usda, "
-                 "--series, --cub, "
-                 "--U or --vtu"};
-  return keep_apart({options.cub, options.u, options.vtu}, {{options.model, "the basis file"}});
+                 "--series, --cub, --U, --vtu or --light"};
+  return keep_apart({options.cub, options.u, options.vtu, options.light},
+                    {{options.model, "the basis file"}});
 }
 
 // The rows of the mesh's vertices; edge points of quadratic elements are left out, VegaFEM's meshes
@@ -84,6 +86,18 @@ void note_basis(const BasisData& data, bool compact) {
   if (compact) tell("  note: a compact file; what is written are its rounded numbers\n");
 }
 
+Status write_light(const std::string& path, const BasisData& data, bool compact) {
+  const Result<BasisData> light = without_interior(data);
+  if (!light) return light.error();
+  const BasisEncoding encoding = compact ? BasisEncoding::kCompact : BasisEncoding::kFull;
+  if (Status status = write_basis(path, *light, encoding); !status) return status;
+  fmt::print("{}: the body with the {} vertices of its boundary alone\n", path,
+             light->vertex_count);
+  if (light->load.vertices.empty() && !data.load.vertices.empty())
+    tell("  note: its default load acts inside: it is left out\n");
+  return Success{};
+}
+
 Status write_outputs(const ExportOptions& options, BasisReader& reader) {
   const Result<BasisData> data = read_basis(reader);
   if (!data) return data.error();
@@ -110,6 +124,8 @@ Status write_outputs(const ExportOptions& options, BasisReader& reader) {
                         data->surface.rows, data->lambda);
     if (status) fmt::print("{}: {} modes on the surface\n", options.vtu, data->lambda.size());
   }
+  if (status && !options.light.empty())
+    status = write_light(options.light, *data, reader.compact());
   const bool made =
       (!options.cub.empty() && vega->cubic.empty()) || (!options.u.empty() && vega->basis.empty());
   if (status && made) note_basis(*data, reader.compact());

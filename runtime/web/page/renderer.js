@@ -134,7 +134,7 @@ export function normalFields(rest, shapes, corners, modes) {
 export class Renderer {
   constructor(canvas) {
     this.canvas = canvas;
-    const gl = canvas.getContext('webgl2', { antialias: true, stencil: true, preserveDrawingBuffer: true });
+    const gl = canvas.getContext('webgl2', { alpha: false, antialias: true, stencil: true, preserveDrawingBuffer: true });
     if (!gl) throw new Error('this browser has no WebGL 2: the bodies cannot be drawn');
     this.gl = gl;
     this.program = this.compile(kVertex, kFragment);
@@ -216,7 +216,7 @@ export class Renderer {
   }
 
   eye() {
-    const far = (2.6 * this.radius) / this.zoom / Math.min(1, this.canvas.width / this.canvas.height);
+    const far = (3.1 * this.radius) / this.zoom / Math.min(1, this.canvas.width / this.canvas.height);
     const [a, b] = this.turn;
     return [this.centre[0] + far * Math.cos(b) * Math.sin(a),
       this.centre[1] - far * Math.cos(b) * Math.cos(a), this.centre[2] + far * Math.sin(b)];
