@@ -85,7 +85,8 @@ await page.selectOption('#integrator', 'implicit-euler');
 await page.waitForTimeout(2000);
 assert.ok((await energy()) < 0.5 * pulled);
 
-// Every model.
+// Every model, in colours that the floor has not.
+await page.selectOption('#colour', 'displacement');
 for (const name of await page.$$eval('#model option', (all) => all.map((one) => one.value))) {
   await page.selectOption('#model', name);
   await page.waitForFunction((wanted) => window.tremoloPage.name === wanted, name, { timeout: 30000 });
@@ -94,6 +95,7 @@ for (const name of await page.$$eval('#model option', (all) => all.map((one) => 
   console.log(name, shown.share.toFixed(3), `${(await page.evaluate(() => 1e3 * window.tremoloPage.stepCost)).toFixed(0)} us a step`);
   await page.screenshot({ path: join(photos, `${name}.png`) });
   assert.equal(await page.textContent('#message'), '');
+  assert.ok(shown.share > 0.01 && shown.share < 0.6, `${name} covers ${shown.share} of the picture`);
 }
 
 // A file that is none.
