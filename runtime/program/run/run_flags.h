@@ -1,0 +1,15 @@
+// The flags of `tremolo run` that other programs take too.
+#pragma once
+
+#include "runtime/program/run/run_options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tremolo {
+
+// What a body is, how it is stepped, what pushes it and how it begins.
+void add_body_flags(CLI::App& app, RunOptions& options);
+
+}  // namespace tremolo
