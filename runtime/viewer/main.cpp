@@ -29,6 +29,7 @@ void add_picture_flags(CLI::App& app, ViewerOptions& o) {
   app.add_option("--colour", o.colour, "body, or moved: by how far a vertex is from its rest")
       ->capture_default_str();
   app.add_option("--moved-full", o.moved_full, "m that are red; 0: the largest seen so far");
+  app.add_option("--paint", o.paints, "[BODY=]#rrggbb: a body's colour; may be repeated");
   app.add_option("--texture", o.textures,
                  "[MATERIAL=]FILE.png for bodies with texture coordinates; may be repeated");
   app.add_flag("--wire", o.wire, "show the triangles");

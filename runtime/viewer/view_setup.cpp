@@ -1,6 +1,7 @@
 #include "runtime/viewer/view_setup.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -10,6 +11,9 @@
 namespace tremolo {
 namespace {
 
+// sRGB, one behind the other.
+constexpr std::array<std::uint32_t, 8> kBodyColours = {0xb06a34, 0x3a7f9a, 0xa83e36, 0x6f8f45,
+                                                       0x84609c, 0xc79a36, 0x45907f, 0x9c6474};
 constexpr double kDegree = std::numbers::pi / 180.0;
 // From where the sample models look well: from the right and above.
 constexpr CameraWish kUsualCamera{22.0 * kDegree, 17.0 * kDegree, 1.0};
@@ -22,16 +26,45 @@ Result<UpAxis> up_of(const std::string& text, const Scene& scene) {
   return std::abs(gravity[1]) > std::abs(gravity[2]) ? UpAxis::kY : UpAxis::kZ;
 }
 
-Result<std::optional<Eigen::Vector3f>> background_of(const std::string& text) {
-  if (text == "studio") return std::optional<Eigen::Vector3f>();
-  if (text == "white") return std::optional(linear_colour(0xffffff));
+// "#rrggbb"; none for any other text.
+std::optional<Eigen::Vector3f> parse_colour(const std::string& text) {
   std::uint32_t rgb = 0;
   const char* end = text.data() + text.size();
-  if (text.size() == 7 && text.front() == '#')
-    if (const auto [stop, error] = std::from_chars(text.data() + 1, end, rgb, 16);
-        error == std::errc{} && stop == end)
-      return std::optional(linear_colour(rgb));
-  return usage_error("--background " + text + ": must be studio, white or #rrggbb");
+  if (text.size() != 7 || text.front() != '#') return std::nullopt;
+  const auto [stop, error] = std::from_chars(text.data() + 1, end, rgb, 16);
+  if (error != std::errc{} || stop != end) return std::nullopt;
+  return linear_colour(rgb);
+}
+
+Result<std::optional<Eigen::Vector3f>> background_of(const std::string& text) {
+  if (text == "studio") return std::optional<Eigen::Vector3f>();
+  const std::optional<Eigen::Vector3f> colour = parse_colour(text == "white" ? "#ffffff" : text);
+  if (!colour) return usage_error("--background " + text + ": must be studio, white or #rrggbb");
+  return colour;
+}
+
+// Later texts win. A name is a body's, or one of copies without its number.
+Result<std::vector<Eigen::Vector3f>> paints_of(const std::vector<std::string>& texts,
+                                               const Scene& scene) {
+  std::vector<Eigen::Vector3f> paints;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    paints.push_back(linear_colour(kBodyColours[i % kBodyColours.size()]));
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    const std::string name = equals == std::string::npos ? "" : text.substr(0, equals);
+    const std::optional<Eigen::Vector3f> colour =
+        parse_colour(equals == std::string::npos ? text : text.substr(equals + 1));
+    if (!colour) return usage_error("--paint " + text + ": expected [BODY=]#rrggbb");
+    bool used = false;
+    for (std::size_t i = 0; i < paints.size(); ++i) {
+      const std::string& body = scene.bodies[i].name;
+      if (!name.empty() && body != name && !body.starts_with(name + "-")) continue;
+      paints[i] = *colour;
+      used = true;
+    }
+    if (!used) return content_error("--paint " + text + ": there is no body of that name");
+  }
+  return paints;
 }
 
 Result<std::vector<StageImage>> images_of(const std::vector<std::string>& texts) {
@@ -80,6 +113,7 @@ Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene) {
   const Result<std::optional<Eigen::Vector3f>> background = background_of(options.background);
   if (!background) return background.error();
   setup.background = *background;
+  if (Status s = take(setup.paints, paints_of(options.paints, scene)); !s) return s.error();
   if (Status s = take(setup.images, images_of(options.textures)); !s) return s.error();
   return setup;
 }

@@ -19,6 +19,7 @@ struct ViewSetup {
   UpAxis up = UpAxis::kZ;
   CameraWish camera;
   std::optional<Eigen::Vector3f> background;  // none: the studio
+  std::vector<Eigen::Vector3f> paints;        // of each body of the scene, linear light
   std::vector<StageImage> images;
 };
 

@@ -1,5 +1,6 @@
 #include "runtime/viewer/draw/lights.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -11,7 +12,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLampAngle = 0.13;  // rad: how large the lamp is seen to be, from its middle
-constexpr float kLampBrightness = 1.0f, kSkyBrightness = 0.62f;
+constexpr float kLampBrightness = 1.05f, kSkyBrightness = 0.5f;
 const double kGolden = std::numbers::pi * (3.0 - std::sqrt(5.0));
 
 }  // namespace
@@ -54,13 +55,14 @@ Eigen::Matrix4f clip_of_light(const Eigen::Vector3f& direction, const Vector3d& 
   return clip.cast<float>();
 }
 
-void ShadowMaps::make(const LightCounts& counts) {
-  counts_ = counts;
+void ShadowMaps::make(int count, int side) {
+  count_ = count;
+  side_ = side;
   texture_ = GlHandle::make(GlKind::kTexture);
   framebuffer_ = GlHandle::make(GlKind::kFramebuffer);
   glBindTexture(GL_TEXTURE_2D_ARRAY, texture_.name());
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT16, counts.side, counts.side, counts.all(),
-               0, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT, nullptr);
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_DEPTH_COMPONENT16, side, side, std::max(1, count), 0,
+               GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT, nullptr);
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
     glTexParameteri(GL_TEXTURE_2D_ARRAY, filter, GL_LINEAR);
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
@@ -75,10 +77,10 @@ void ShadowMaps::make(const LightCounts& counts) {
   glReadBuffer(GL_NONE);
 }
 
-void ShadowMaps::begin(int light) const {
+void ShadowMaps::begin(int map) const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-  glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, texture_.name(), 0, light);
-  glViewport(0, 0, counts_.side, counts_.side);
+  glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, texture_.name(), 0, map);
+  glViewport(0, 0, side_, side_);
   glClear(GL_DEPTH_BUFFER_BIT);
 }
 

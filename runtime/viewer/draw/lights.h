@@ -11,12 +11,13 @@ namespace tremolo {
 
 // lamps: directions near each other that are one soft lamp, at least one. sky: directions spread
 // over the sky. More of both give softer shadows and cost a pass over all triangles each. side: of
-// a map, in texels.
+// a lamp's map, in texels; those of the sky are a third of it, which blurs what each of them adds.
 struct LightCounts {
   int lamps = 12, sky = 36;
   int side = 1024;
 
   int all() const { return lamps + sky; }
+  int sky_side() const { return side / 3; }
   bool operator==(const LightCounts&) const = default;
 };
 
@@ -36,18 +37,18 @@ std::vector<StudioLight> studio_lights(const LightCounts& counts, const Eigen::V
 Eigen::Matrix4f clip_of_light(const Eigen::Vector3f& direction, const Eigen::Vector3d& centre,
                               double radius);
 
-// One depth map a light.
+// Depth maps of one size, one a light.
 class ShadowMaps {
  public:
-  // With a context current.
-  void make(const LightCounts& counts);
-  const LightCounts& counts() const { return counts_; }
-  // What is drawn now goes into this light's map, which is empty.
-  void begin(int light) const;
+  // With a context current. count: 0 makes one that nobody draws into.
+  void make(int count, int side);
+  int count() const { return count_; }
+  // What is drawn now goes into this map, which is empty.
+  void begin(int map) const;
   GLuint texture() const { return texture_.name(); }
 
  private:
-  LightCounts counts_{0, 0, 0};
+  int count_ = 0, side_ = 0;
   GlHandle texture_, framebuffer_;
 };
 

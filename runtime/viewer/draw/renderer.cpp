@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "runtime/viewer/draw/shaders.h"
 #include "runtime/viewer/shape/collider_shape.h"
@@ -15,7 +16,7 @@ using Eigen::Vector3f;
 
 // Linear light.
 const Vector3f kHorizon(0.80f, 0.82f, 0.85f), kZenith(0.55f, 0.58f, 0.63f);
-const Vector3f kGroundColour(0.62f, 0.63f, 0.65f);
+const Vector3f kGroundColour(0.60f, 0.61f, 0.63f);
 const Vector3f kLampColour(1.0f, 0.96f, 0.90f), kSkyColour(0.93f, 0.97f, 1.0f);
 const Eigen::Vector4f kWireColour(0.02f, 0.02f, 0.03f, 0.35f);
 constexpr float kWireShift = -1.0f;    // of OpenGL's polygon offset, towards the camera
@@ -23,7 +24,7 @@ constexpr double kGroundReach = 60.0;  // radii of the ball
 constexpr float kFadeFrom = 2.0f, kFadeTo = 16.0f;
 constexpr float kTexelsOff = 1.6f;  // along the normal, against shadows of a surface on itself
 constexpr GLuint kLightsBinding = 0;
-constexpr int kMapsUnit = 0, kImageUnit = 1;
+constexpr int kLampUnit = 0, kImageUnit = 1, kSkyUnit = 2;
 
 struct LightBlock {
   Eigen::Vector4f to_map[3 * kMostLights];
@@ -72,13 +73,15 @@ Result<std::unique_ptr<Renderer>> Renderer::create() {
 }
 
 void Renderer::choose_lights(const PictureLook& look, UpAxis up) {
-  if (!lights_.empty() && maps_.counts() == look.lights && lights_up_ == up &&
+  if (!lights_.empty() && light_counts_ == look.lights && lights_up_ == up &&
       lights_azimuth_ == look.light_azimuth)
     return;
   Camera front;
   front.up = up;
   front.azimuth = look.light_azimuth;
-  maps_.make(look.lights);
+  light_counts_ = look.lights;
+  lamp_maps_.make(look.lights.lamps, look.lights.side);
+  sky_maps_.make(look.lights.sky, look.lights.sky_side());
   lights_ = studio_lights(look.lights, up_direction(up), axes_of(front).right);
   lights_up_ = up;
   lights_azimuth_ = look.light_azimuth;
@@ -110,7 +113,11 @@ void Renderer::draw_maps(std::span<const DrawnThing> things, const ShownBall& ba
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1.5f, 2.0f);
   for (std::size_t i = 0; i < lights_.size(); ++i) {
-    maps_.begin(static_cast<int>(i));
+    const int light = static_cast<int>(i);
+    if (light < light_counts_.lamps)
+      lamp_maps_.begin(light);
+    else
+      sky_maps_.begin(light - light_counts_.lamps);
     depth_.set("clip", clip_of_light(lights_[i].direction, ball.centre, ball.radius));
     for (const DrawnThing& thing : things) {
       if (!thing.shadow) continue;
@@ -125,10 +132,11 @@ void Renderer::draw_maps(std::span<const DrawnThing> things, const ShownBall& ba
 void Renderer::begin_surfaces(const Camera& camera, const ShownBall& ball,
                               const PictureLook& look) const {
   surface_.use();
-  surface_.set("maps", kMapsUnit);
+  surface_.set("lamp_maps", kLampUnit);
+  surface_.set("sky_maps", kSkyUnit);
   surface_.set("image", kImageUnit);
-  surface_.set("lamps", maps_.counts().lamps);
-  surface_.set("lights", maps_.counts().all());
+  surface_.set("lamps", light_counts_.lamps);
+  surface_.set("lights", light_counts_.all());
   surface_.set("eye", Vector3f(eye_of(camera).cast<float>()));
   surface_.set("up", Vector3f(up_direction(camera.up).cast<float>()));
   surface_.set("centre", Vector3f(ball.centre.cast<float>()));
@@ -138,10 +146,15 @@ void Renderer::begin_surfaces(const Camera& camera, const ShownBall& ball,
   surface_.set("zenith", kZenith);
   surface_.set("height", static_cast<float>(target_.size().height));
   surface_.set("moved_scale", 1.0f / std::max(look.moved_full, 1e-30f));
-  surface_.set("shift", kTexelsOff * 2.0f * static_cast<float>(ball.radius) /
-                            static_cast<float>(maps_.counts().side));
-  glActiveTexture(GL_TEXTURE0 + kMapsUnit);
-  glBindTexture(GL_TEXTURE_2D_ARRAY, maps_.texture());
+  const auto texels = [&ball](int side) {
+    return kTexelsOff * 2.0f * static_cast<float>(ball.radius) / static_cast<float>(side);
+  };
+  surface_.set("lamp_shift", texels(light_counts_.side));
+  surface_.set("sky_shift", texels(light_counts_.sky_side()));
+  for (const auto& [unit, maps] : {std::pair{kLampUnit, &lamp_maps_}, {kSkyUnit, &sky_maps_}}) {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+    glBindTexture(GL_TEXTURE_2D_ARRAY, maps->texture());
+  }
   glActiveTexture(GL_TEXTURE0 + kImageUnit);
 }
 
@@ -153,8 +166,7 @@ void Renderer::draw_things(std::span<const DrawnThing> things, const Matrix4f& c
     thing.mesh->draw(thing.first, thing.count);
   };
   surface_.set("line", Eigen::Vector4f(Eigen::Vector4f::Zero()));
-  Eigen::Vector4f no_ground = Eigen::Vector4f::Constant(-1.0f);
-  glUniform2f(glGetUniformLocation(surface_.name(), "ground_fade"), no_ground[0], no_ground[1]);
+  glUniform2f(glGetUniformLocation(surface_.name(), "ground_fade"), -1.0f, -1.0f);
   for (const DrawnThing& thing : things) {
     surface_.set("paint_kind", static_cast<int>(thing.paint));
     surface_.set("colour", thing.colour);
@@ -197,7 +209,9 @@ void Renderer::draw_ground(const ShownBall& ball, const Camera& camera, const Pi
   surface_.set("gloss", 0.0f);
   glUniform2f(glGetUniformLocation(surface_.name(), "ground_fade"), kFadeFrom * radius,
               kFadeTo * radius);
+  glEnable(GL_CULL_FACE);
   ground_.draw();
+  glDisable(GL_CULL_FACE);
 }
 
 void Renderer::develop(const PictureLook& look, GLuint framebuffer) const {

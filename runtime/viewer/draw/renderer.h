@@ -81,7 +81,8 @@ class Renderer {
   void develop(const PictureLook& look, GLuint framebuffer) const;
 
   ShaderProgram surface_, depth_, background_, develop_;
-  ShadowMaps maps_;
+  LightCounts light_counts_{0, 0, 0};
+  ShadowMaps lamp_maps_, sky_maps_;
   std::vector<StudioLight> lights_;
   UpAxis lights_up_ = UpAxis::kZ;
   double lights_azimuth_ = 0.0;

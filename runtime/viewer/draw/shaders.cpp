@@ -32,14 +32,14 @@ layout(std140) uniform Lights {
   vec4 to_map[3 * kMost];  // rows of the map's coordinates of a place in the world
   vec4 light[kMost];       // direction to the light, and how bright it is
 };
-uniform sampler2DArrayShadow maps;
+uniform sampler2DArrayShadow lamp_maps, sky_maps;
 uniform sampler2D image;
 uniform int lamps, lights, paint_kind;
 uniform vec3 colour, eye, up, centre, lamp_colour, sky_colour;
 uniform vec4 line;           // of wires: alpha above zero takes the place of all light
 uniform vec2 ground_fade;    // m: where the ground begins to end, and where it has; x < 0: no ground
 uniform vec3 horizon, zenith;
-uniform float height, moved_scale, shift, gloss;
+uniform float height, moved_scale, lamp_shift, sky_shift, gloss;
 in vec3 world, world_normal, paint_of;
 in vec2 uv_of;
 in float moved;
@@ -58,7 +58,8 @@ vec3 moved_colour(float share) {
 float seen(int i, vec3 place) {
   vec4 at = vec4(place, 1.0);
   vec3 map = vec3(dot(to_map[3 * i], at), dot(to_map[3 * i + 1], at), dot(to_map[3 * i + 2], at));
-  return texture(maps, vec4(map.xy, float(i), map.z));
+  return i < lamps ? texture(lamp_maps, vec4(map.xy, float(i), map.z))
+                   : texture(sky_maps, vec4(map.xy, float(i - lamps), map.z));
 }
 
 // Light of the lamp that mirrors, for a rough surface.
@@ -82,12 +83,12 @@ void main() {
   if (paint_kind == 1) base = paint_of;
   if (paint_kind == 2) base = texture(image, uv_of).rgb;
   if (paint_kind == 3) base = moved_colour(moved * moved_scale);
-  vec3 place = world + shift * n;
+  vec3 lamp_place = world + lamp_shift * n, sky_place = world + sky_shift * n;
   float lamp = 0.0, sky = 0.0, shine = 0.0;
   for (int i = 0; i < lights; ++i) {
     float facing = dot(n, light[i].xyz);
     if (facing <= 0.0) continue;
-    float reaches = light[i].w * facing * seen(i, place);
+    float reaches = light[i].w * facing * seen(i, i < lamps ? lamp_place : sky_place);
     if (i < lamps) {
       lamp += reaches;
       shine += reaches * mirrored(n, to_eye, light[i].xyz);
@@ -96,7 +97,7 @@ void main() {
   }
   // What the ground throws back.
   float below = 0.5 - 0.5 * dot(n, up);
-  vec3 all = lamp_colour * lamp + sky_colour * (sky + 0.05) + vec3(0.20, 0.195, 0.19) * below;
+  vec3 all = lamp_colour * lamp + sky_colour * (sky + 0.05) + vec3(0.17, 0.165, 0.16) * below;
   vec3 seen_colour = base * all + gloss * shine * lamp_colour;
   if (ground_fade.x >= 0.0) {
     vec3 out_there = world - centre;

@@ -43,7 +43,7 @@ Result<Studio> open_studio(const ViewSetup& setup, const SceneWorld& world) {
   Studio studio;
   if (Status s = take(studio.context, EglContext::create()); !s) return s.error();
   if (Status s = take(studio.renderer, Renderer::create()); !s) return s.error();
-  if (Status s = take(studio.stage, Stage::create(world, setup.up, setup.images)); !s)
+  if (Status s = take(studio.stage, Stage::create(world, setup.up, setup.paints, setup.images)); !s)
     return s.error();
   Result<PictureTarget> target = PictureTarget::create(setup.size);
   if (!target) return target.error();

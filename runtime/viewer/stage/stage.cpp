@@ -18,9 +18,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 // sRGB.
-constexpr std::array<std::uint32_t, 8> kBodyColours = {0xc8803f, 0x2f7f9e, 0xb5473a, 0x6b8f3d,
-                                                       0x8a5fa8, 0xd0a02c, 0x3f9a86, 0xa86a7a};
 constexpr std::uint32_t kColliderColour = 0x9aa4b0, kHandColour = 0xe8c020;
+constexpr std::array<float, 4> kMaterialShades = {1.0f, 0.55f, 1.35f, 0.3f};
 constexpr double kHandRadius = 0.012;  // of the world's size
 constexpr double kPlaneReach = 3.0;    // likewise: of a plane that is not the ground
 constexpr double kLevel = 0.9998;      // cosine of how far a ground may be out of level
@@ -102,10 +101,11 @@ Vector3f linear_colour(std::uint32_t rgb) {
 }
 
 Result<std::unique_ptr<Stage>> Stage::create(const SceneWorld& world, UpAxis up,
+                                             const std::vector<Eigen::Vector3f>& paints,
                                              const std::vector<StageImage>& images) {
   std::unique_ptr<Stage> stage(new Stage());
   stage->up_ = up;
-  for (std::size_t i = 0; i < world.size(); ++i) stage->add_body(world.body(i));
+  for (std::size_t i = 0; i < world.size(); ++i) stage->add_body(world.body(i), paints[i]);
   if (Status s = stage->add_images(images); !s) return s.error();
   WorldMoment start;
   if (Status s = look_at_world(world, start); !s) return s.error();
@@ -120,11 +120,12 @@ Result<std::unique_ptr<Stage>> Stage::create(const SceneWorld& world, UpAxis up,
   return stage;
 }
 
-void Stage::add_body(const Body& body) {
+void Stage::add_body(const Body& body, const Vector3f& colour) {
   const DrawnSurface drawn = body.model().drawn();
   const RenderBlock* render = body.model().render();
   StagedBody staged;
   staged.model = body.model_pointer();
+  staged.colour = colour;
   staged.own_frame = body.bones() == 0;
   // Triangles of a material one behind the other.
   std::vector<std::size_t> order(drawn.triangles.size());
@@ -153,8 +154,7 @@ void Stage::add_body(const Body& body) {
   staged.normals.resize(rest.size());
   if (render != nullptr && !render->surface.colours.empty()) {
     staged.paint = Paint::kVertices;
-    const std::uint32_t bare = kBodyColours[bodies_.size() % kBodyColours.size()];
-    staged.mesh.paint(vertex_paint(render->surface.colours, linear_colour(bare)));
+    staged.mesh.paint(vertex_paint(render->surface.colours, colour));
   }
   if (render != nullptr && !render->surface.uvs.empty())
     staged.mesh.unfold({render->surface.uvs.front().data(), 2 * render->surface.uvs.size()});
@@ -300,7 +300,10 @@ const std::vector<DrawnThing>& Stage::things(const StageLook& look) {
       thing.pose = matrix_of(body.pose);
       thing.first = range.first;
       thing.count = range.count;
-      thing.colour = linear_colour(kBodyColours[(i + range.material) % kBodyColours.size()]);
+      thing.colour = body.colour;
+      // Materials without an image or colours of their own are told apart by their brightness.
+      if (body.ranges.size() > 1)
+        thing.colour *= kMaterialShades[range.material % kMaterialShades.size()];
       thing.paint = body.paint;
       thing.image = body.images[k];
       if (thing.image != 0) thing.paint = Paint::kImage;

@@ -32,9 +32,10 @@ struct StageLook {
 class Stage {
  public:
   // With a context current, as long as it lives. world: as it is before its first step; its models
-  // must outlive the stage. Errors: kContent for an image whose material no body has, or for images
-  // where no body has texture coordinates.
+  // must outlive the stage. paints: a body's colour, linear light. Errors: kContent for an image
+  // whose material no body has, or for images where no body has texture coordinates.
   static Result<std::unique_ptr<Stage>> create(const SceneWorld& world, UpAxis up,
+                                               const std::vector<Eigen::Vector3f>& paints,
                                                const std::vector<StageImage>& images);
 
   // Where everything is at the moment: positions and normals, as the engine computes them. No
@@ -66,6 +67,7 @@ class Stage {
     GpuMesh mesh;
     std::vector<MaterialRange> ranges;
     Paint paint = Paint::kOne;
+    Eigen::Vector3f colour;
     Pose pose;
     std::vector<float> positions, normals;
     std::vector<GLuint> images;  // one a range; 0: none
@@ -79,7 +81,7 @@ class Stage {
   };
 
   Stage() = default;
-  void add_body(const Body& body);
+  void add_body(const Body& body, const Eigen::Vector3f& colour);
   Status add_images(const std::vector<StageImage>& images);
   void add_colliders(const SceneWorld& world);
   void find_ground(const SceneWorld& world);
