@@ -65,10 +65,10 @@ float seen(int i, vec3 place) {
 // Light of the lamp that mirrors, for a rough surface.
 float mirrored(vec3 n, vec3 to_eye, vec3 to_light) {
   vec3 half_way = normalize(to_eye + to_light);
-  float rough = 0.14, facing = max(dot(n, half_way), 0.0);
+  float rough = 0.10, facing = max(dot(n, half_way), 0.0);
   float spread = facing * facing * (rough - 1.0) + 1.0;
   float fresnel = 0.04 + 0.96 * pow(1.0 - max(dot(to_eye, half_way), 0.0), 5.0);
-  return 0.25 * fresnel * rough / (3.14159 * spread * spread);
+  return 0.6 * fresnel * rough / (3.14159 * spread * spread);
 }
 
 void main() {
