@@ -3,30 +3,33 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <vector>
 
 namespace tremolo {
 
-// Medians over pictures, ms by the clock: of posing (the engine's positions and normals, the boxes
-// around them) and of drawing until the pixels are there, the upload included. The first picture,
-// which makes what is made once, does not count where there are more.
+// Medians over the last pictures, ms: of posing (the engine's positions and normals, the boxes
+// around them, the panel) in processor time of this thread, and of drawing until the pixels are
+// there, the upload included, by the clock. The first picture, which makes what is made once, does
+// not count where there are more.
 class FrameTimes {
  public:
   using Clock = std::chrono::steady_clock;
 
-  void begin() { begun_ = Clock::now(); }
+  void begin() { begun_ = processor_ms(); }
+  // Since begin(), processor time.
+  double so_far() const { return processor_ms() - begun_; }
   void prepared() {
+    keep(prepare_, so_far());
     prepared_ = Clock::now();
-    prepare_.push_back(ms(prepared_ - begun_));
   }
-  void drawn() { draw_.push_back(ms(Clock::now() - prepared_)); }
+  void drawn() {
+    keep(draw_, std::chrono::duration<double, std::milli>(Clock::now() - prepared_).count());
+  }
 
   double prepare_ms() const { return median(prepare_); }
   double draw_ms() const { return median(draw_); }
 
-  static double ms(Clock::duration time) {
-    return std::chrono::duration<double, std::milli>(time).count();
-  }
   // Without the first; 0 of none.
   static double median(std::vector<double> values) {
     if (values.empty()) return 0.0;
@@ -36,7 +39,20 @@ class FrameTimes {
   }
 
  private:
-  Clock::time_point begun_, prepared_;
+  static constexpr std::size_t kKept = 300;
+
+  static double processor_ms() {
+    timespec time{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+  }
+  static void keep(std::vector<double>& values, double value) {
+    if (values.size() >= kKept) values.erase(values.begin());
+    values.push_back(value);
+  }
+
+  double begun_ = 0.0;
+  Clock::time_point prepared_;
   std::vector<double> prepare_, draw_;
 };
 

@@ -93,6 +93,7 @@ Matrix4d clip_from_world(const Camera& camera, double aspect, const Vector3d& ce
   const double scale = 1.0 / std::tan(0.5 * camera.view_angle);
   Matrix4d projection = Matrix4d::Zero();
   projection(0, 0) = scale / aspect;
+  projection(0, 2) = -camera.shift;
   projection(1, 1) = scale;
   projection(2, 2) = -(far + near) / (far - near);
   projection(2, 3) = -2.0 * far * near / (far - near);
@@ -103,7 +104,7 @@ Matrix4d clip_from_world(const Camera& camera, double aspect, const Vector3d& ce
 CameraRay ray_through(const Camera& camera, double aspect, double x, double y) {
   const CameraAxes axes = axes_of(camera);
   const double height = std::tan(0.5 * camera.view_angle);
-  const Vector3d direction = (2.0 * x - 1.0) * height * aspect * axes.right +
+  const Vector3d direction = (2.0 * x - 1.0 - camera.shift) * height * aspect * axes.right +
                              (1.0 - 2.0 * y) * height * axes.up - axes.back;
   return {eye_of(camera), direction.normalized()};
 }
@@ -119,7 +120,9 @@ void frame_points(std::span<const double> points, double aspect, Camera& camera)
   }
   camera.target = 0.5 * (low + high);
   const double size = std::max((high - low).norm(), 1e-9);
-  const double tall = std::tan(0.5 * camera.view_angle) / kMargin, wide = tall * aspect;
+  const double tall = std::tan(0.5 * camera.view_angle) / kMargin;
+  // On the side to which the target is shifted there is less room.
+  const double wide = tall * aspect * (1.0 - std::abs(camera.shift));
   camera.distance = size / std::tan(0.5 * camera.view_angle);
   // Centre what is seen, then come so near that it fills the picture; each changes the other a
   // little.

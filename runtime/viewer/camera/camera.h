@@ -25,6 +25,7 @@ struct Camera {
   double distance = 1.0;                             // m
   double view_angle = 0.42;                          // rad, from the lower to the upper edge
   UpAxis up = UpAxis::kZ;
+  double shift = 0.0;  // by which the target is right of the picture's middle, in half widths
 };
 
 struct PictureSize {

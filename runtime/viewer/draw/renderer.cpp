@@ -214,13 +214,15 @@ void Renderer::draw_ground(const ShownBall& ball, const Camera& camera, const Pi
   glDisable(GL_CULL_FACE);
 }
 
-void Renderer::develop(const PictureLook& look, GLuint framebuffer) const {
+void Renderer::develop(const PictureSize& size, const PictureLook& look, GLuint framebuffer) const {
   target_.resolve();
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glViewport(0, 0, target_.size().width, target_.size().height);
+  glViewport(0, 0, size.width, size.height);
   glDisable(GL_DEPTH_TEST);
   develop_.use();
   develop_.set("picture", kImageUnit);
+  glUniform2f(glGetUniformLocation(develop_.name(), "size"), static_cast<float>(size.width),
+              static_cast<float>(size.height));
   develop_.set("flat_background", look.background ? 1 : 0);
   glActiveTexture(GL_TEXTURE0 + kImageUnit);
   glBindTexture(GL_TEXTURE_2D, target_.light());
@@ -231,7 +233,11 @@ void Renderer::develop(const PictureLook& look, GLuint framebuffer) const {
 Status Renderer::draw(std::span<const DrawnThing> things, const ShownBall& ball,
                       const Camera& camera, const PictureSize& size, const PictureLook& look,
                       GLuint framebuffer) {
-  if (Status s = target_.resize(size); !s) return s;
+  const int coarser = std::max(1, look.coarser);
+  if (Status s = target_.resize(
+          {(size.width + coarser - 1) / coarser, (size.height + coarser - 1) / coarser});
+      !s)
+    return s;
   choose_lights(look, camera.up);
   place_lights(ball);
   draw_maps(things, ball);
@@ -241,7 +247,7 @@ Status Renderer::draw(std::span<const DrawnThing> things, const ShownBall& ball,
   background_.use();
   background_.set("horizon", look.background.value_or(kHorizon));
   background_.set("zenith", look.background.value_or(kZenith));
-  background_.set("height", static_cast<float>(size.height));
+  background_.set("height", static_cast<float>(target_.size().height));
   glBindVertexArray(whole_.name());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glEnable(GL_DEPTH_TEST);
@@ -257,7 +263,7 @@ Status Renderer::draw(std::span<const DrawnThing> things, const ShownBall& ball,
     glClear(GL_DEPTH_BUFFER_BIT);
   }
   draw_things(things, clip_within(1.5), look);
-  develop(look, framebuffer);
+  develop(size, look, framebuffer);
   return Success{};
 }
 

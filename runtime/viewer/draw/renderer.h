@@ -43,6 +43,7 @@ struct PictureLook {
   LightCounts lights;
   double light_azimuth = 0.0;
   bool wire = false;
+  int coarser = 1;          // pixels of the picture, along each side, that are drawn as one
   float moved_full = 1.0f;  // m: what kMoved paints red
   std::optional<Eigen::Vector3f> background;
   double ground = 0.0;
@@ -78,7 +79,7 @@ class Renderer {
   void begin_surfaces(const Camera& camera, const ShownBall& ball, const PictureLook& look) const;
   void choose_lights(const PictureLook& look, UpAxis up);
   void place_lights(const ShownBall& ball);
-  void develop(const PictureLook& look, GLuint framebuffer) const;
+  void develop(const PictureSize& size, const PictureLook& look, GLuint framebuffer) const;
 
   ShaderProgram surface_, depth_, background_, develop_;
   LightCounts light_counts_{0, 0, 0};

@@ -138,13 +138,14 @@ void main() { result = vec4(mix(horizon, zenith, gl_FragCoord.y / height), 1.0);
 const char* const kDevelopFragmentShader = R"(#version 330 core
 uniform sampler2D picture;
 uniform int flat_background;
+uniform vec2 size;
 out vec4 result;
 float bend(float x) { return x < 0.8 ? x : 1.0 - 0.2 * exp(-(x - 0.8) / 0.2); }
 float encode(float x) {
   return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
 }
 void main() {
-  vec3 light = texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb;
+  vec3 light = texture(picture, gl_FragCoord.xy / size).rgb;
   vec3 shown = vec3(encode(bend(light.r)), encode(bend(light.g)), encode(bend(light.b)));
   float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
   if (flat_background == 0) shown += (noise - 0.5) / 255.0;

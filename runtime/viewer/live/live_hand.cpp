@@ -39,8 +39,9 @@ void LiveHand::make_holdable(SceneWorld& world) {
   for (std::size_t i = 0; i < world.size(); ++i) {
     Body& body = world.body(i);
     if (body.contact() == nullptr) {
-      ContactOptions contact;
-      contact.colliders = false;
+      // As the scene would if it had the hand.
+      ContactOptions contact = world.scene().bodies[i].contact;
+      contact.colliders = world.scene().bodies[i].feels_contact;
       // Whoever cannot be held says so when somebody tries.
       (void)body.set_contact(contact);
     }
@@ -59,9 +60,8 @@ Status LiveHand::take(SceneWorld& world, const SceneWorld::Hit& hit, double firm
   if (body.frame() != FrameKind::kFree && place->rows.isZero(0.0))
     return refused("vertex " + std::to_string(hit.hit.vertex) + " does not move, it is fixed");
   if (body.contact() == nullptr) {
-    // It says why.
-    const Status s = body.set_contact();
-    if (!s) return refused("no hand holds it: " + s.error().message);
+    const Status why = body.set_contact();
+    return refused("no hand holds it: " + (why ? "it was made without" : why.error().message));
   }
   body_ = hit.body;
   vertex_ = hit.hit.vertex;

@@ -22,7 +22,4 @@ class PictureTarget {
   GlHandle pixels_, framebuffer_;
 };
 
-// The pixels of a framebuffer, likewise.
-void read_pixels(GLuint framebuffer, const PictureSize& size, Picture& picture);
-
 }  // namespace tremolo
