@@ -171,8 +171,16 @@ void Renderer::draw_things(std::span<const DrawnThing> things, const Matrix4f& c
     surface_.set("paint_kind", static_cast<int>(thing.paint));
     surface_.set("colour", thing.colour);
     surface_.set("gloss", thing.gloss);
+    surface_.set("glass", thing.glass);
     if (thing.paint == Paint::kImage) glBindTexture(GL_TEXTURE_2D, thing.image);
+    if (thing.glass < 1.0f) {
+      glEnable(GL_BLEND);
+      glDepthMask(GL_FALSE);
+      glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    }
     draw(thing);
+    glDisable(GL_BLEND);
+    glDepthMask(GL_TRUE);
   }
   if (!look.wire) return;
   surface_.set("line", kWireColour);
@@ -207,6 +215,7 @@ void Renderer::draw_ground(const ShownBall& ball, const Camera& camera, const Pi
   surface_.set("paint_kind", static_cast<int>(Paint::kOne));
   surface_.set("colour", kGroundColour);
   surface_.set("gloss", 0.0f);
+  surface_.set("glass", 1.0f);
   glUniform2f(glGetUniformLocation(surface_.name(), "ground_fade"), kFadeFrom * radius,
               kFadeTo * radius);
   glEnable(GL_CULL_FACE);

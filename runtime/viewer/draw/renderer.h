@@ -32,6 +32,7 @@ struct DrawnThing {
   Eigen::Vector3f colour = Eigen::Vector3f::Constant(0.6f);
   GLuint image = 0;
   float gloss = 1.0f;
+  float glass = 1.0f;  // how much of it is seen; below 1 it hides nothing that comes behind it
   bool shadow = true;
   bool wire = true;  // if wires are asked for
 };

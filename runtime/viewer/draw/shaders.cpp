@@ -39,7 +39,7 @@ uniform vec3 colour, eye, up, centre, lamp_colour, sky_colour;
 uniform vec4 line;           // of wires: alpha above zero takes the place of all light
 uniform vec2 ground_fade;    // m: where the ground begins to end, and where it has; x < 0: no ground
 uniform vec3 horizon, zenith;
-uniform float height, moved_scale, lamp_shift, sky_shift, gloss;
+uniform float height, moved_scale, lamp_shift, sky_shift, gloss, glass;
 in vec3 world, world_normal, paint_of;
 in vec2 uv_of;
 in float moved;
@@ -105,7 +105,7 @@ void main() {
     vec3 behind = mix(horizon, zenith, gl_FragCoord.y / height);
     seen_colour = mix(seen_colour, behind, smoothstep(ground_fade.x, ground_fade.y, far));
   }
-  result = vec4(seen_colour, 1.0);
+  result = vec4(seen_colour, glass);
 }
 )";
 

@@ -103,8 +103,9 @@ class Photographer {
     look_.ground = stage.ground();
     shots.times.prepared();
     stage.upload();
-    if (Status s = studio_.renderer->draw(stage.things(stage_look_), stage.ball(), shots.camera,
-                                          setup_.size, look_, studio_.target->framebuffer());
+    if (Status s =
+            studio_.renderer->draw(stage.things(stage_look_, eye_of(shots.camera)), stage.ball(),
+                                   shots.camera, setup_.size, look_, studio_.target->framebuffer());
         !s)
       return s;
     studio_.target->read(picture);

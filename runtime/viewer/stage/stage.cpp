@@ -20,9 +20,11 @@ using Eigen::Vector3f;
 // sRGB.
 constexpr std::uint32_t kColliderColour = 0x9aa4b0, kHandColour = 0xe8c020;
 constexpr std::array<float, 4> kMaterialShades = {1.0f, 0.55f, 1.35f, 0.3f};
-constexpr double kHandRadius = 0.012;  // of the world's size
-constexpr double kPlaneReach = 3.0;    // likewise: of a plane that is not the ground
-constexpr double kLevel = 0.9998;      // cosine of how far a ground may be out of level
+constexpr float kGlass = 0.22f;          // how much of it is seen
+constexpr std::size_t kMostHidden = 64;  // bodies that are looked for
+constexpr double kHandRadius = 0.012;    // of the world's size
+constexpr double kPlaneReach = 3.0;      // likewise: of a plane that is not the ground
+constexpr double kLevel = 0.9998;        // cosine of how far a ground may be out of level
 
 float linear_share(std::uint32_t value) {
   const double x = value / 255.0;
@@ -105,7 +107,12 @@ Result<std::unique_ptr<Stage>> Stage::create(const SceneWorld& world, UpAxis up,
                                              const std::vector<StageImage>& images) {
   std::unique_ptr<Stage> stage(new Stage());
   stage->up_ = up;
-  for (std::size_t i = 0; i < world.size(); ++i) stage->add_body(world.body(i), paints[i]);
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    if (world.body(i).model().drawn().triangles.empty())
+      return content_error("body '" + world.name(i) +
+                           "': its model has no surface, there is nothing to show");
+    stage->add_body(world.body(i), paints[i]);
+  }
   if (Status s = stage->add_images(images); !s) return s.error();
   WorldMoment start;
   if (Status s = look_at_world(world, start); !s) return s.error();
@@ -189,6 +196,7 @@ void Stage::add_colliders(const SceneWorld& world) {
   for (const PlacedCollider& collider : world.colliders()) {
     StagedCollider staged;
     staged.pose = collider.end;
+    staged.solid = collider.shape;
     staged.is_plane = std::holds_alternative<PlaneShape>(collider.shape);
     staged.is_ground = is_level_plane(collider.shape, collider.end, up_);
     staged.shape = collider_shape(collider.shape, kPlaneReach * size_);
@@ -255,7 +263,13 @@ void Stage::pose(const WorldMoment& moment) {
 
 void Stage::enclose() {
   GrownBox box;
-  for (const StagedBody& body : bodies_) add_vertices(body.positions, body.pose, box);
+  for (StagedBody& body : bodies_) {
+    GrownBox own;
+    add_vertices(body.positions, body.pose, own);
+    body.middle = 0.5 * (own.low + own.high);
+    box.add(own.low);
+    box.add(own.high);
+  }
   for (const StagedCollider& collider : colliders_) {
     if (collider.is_plane) continue;
     for (const Vector3f& x : collider.shape.positions) box.add(collider.pose * x.cast<double>());
@@ -289,7 +303,17 @@ void Stage::add_hands(std::vector<DrawnThing>& things) const {
   }
 }
 
-const std::vector<DrawnThing>& Stage::things(const StageLook& look) {
+bool Stage::hides_a_body(const StagedCollider& collider, const Vector3d& eye) const {
+  const auto into = [&collider](const Vector3d& x) {
+    return Vector3d(collider.pose.rotation.conjugate() * (x - collider.pose.position));
+  };
+  const std::size_t looks = std::min(bodies_.size(), kMostHidden);
+  for (std::size_t i = 0; i < looks; ++i)
+    if (first_hit(collider.solid, into(eye), into(bodies_[i].middle))) return true;
+  return false;
+}
+
+const std::vector<DrawnThing>& Stage::things(const StageLook& look, const Vector3d& eye) {
   things_.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const StagedBody& body = bodies_[i];
@@ -321,9 +345,16 @@ const std::vector<DrawnThing>& Stage::things(const StageLook& look) {
     thing.shadow = !collider.is_plane;
     thing.wire = !collider.is_plane;
     thing.gloss = 0.3f;
+    if (hides_a_body(collider, eye)) {
+      thing.glass = kGlass;
+      thing.shadow = false;
+    }
     things_.push_back(thing);
   }
   add_hands(things_);
+  // Glass shows what was drawn before it.
+  std::stable_partition(things_.begin(), things_.end(),
+                        [](const DrawnThing& thing) { return thing.glass == 1.0f; });
   return things_;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "runtime/contact/collider.h"
 #include "runtime/display/surface.h"
 #include "runtime/viewer/camera/camera.h"
 #include "runtime/viewer/draw/renderer.h"
@@ -43,8 +44,9 @@ class Stage {
   void pose(const WorldMoment& moment);
   // Hands them to the card.
   void upload();
-  // What is drawn, valid until the next call; after upload().
-  const std::vector<DrawnThing>& things(const StageLook& look);
+  // What is drawn, valid until the next call; after upload(). A collider between the eye (m, world)
+  // and the middle of a body is drawn as glass.
+  const std::vector<DrawnThing>& things(const StageLook& look, const Eigen::Vector3d& eye);
   // Around all that throws shadows, of the last pose(); it does not shrink.
   const ShownBall& ball() const { return ball_; }
 
@@ -70,12 +72,14 @@ class Stage {
     Eigen::Vector3f colour;
     Pose pose;
     std::vector<float> positions, normals;
-    std::vector<GLuint> images;  // one a range; 0: none
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of its box, m, world
+    std::vector<GLuint> images;                        // one a range; 0: none
     bool own_frame = true;
   };
   struct StagedCollider {
     GpuMesh mesh;
     TriangleShape shape;
+    Collider solid;
     Pose pose;
     bool is_ground = false, is_plane = false;
   };
@@ -88,6 +92,7 @@ class Stage {
   void pose_bodies(const WorldMoment& moment);
   void enclose();
   void add_hands(std::vector<DrawnThing>& things) const;
+  bool hides_a_body(const StagedCollider& collider, const Eigen::Vector3d& eye) const;
 
   UpAxis up_ = UpAxis::kZ;
   std::vector<StagedBody> bodies_;

@@ -153,8 +153,8 @@ class Viewer {
 
   // The panel hides the left of the window.
   void leave_room() {
-    const int width = std::max(1, window_->pixels().width);
-    camera_.shift = panel_.panel && width > 2 * kPanelWidth ? kPanelWidth / width : 0.0;
+    const double width = std::max(1, window_->pixels().width), hidden = kPanelWidth;
+    camera_.shift = panel_.panel && width > 2.0 * hidden ? hidden / width : 0.0;
   }
 
   void listen() {
@@ -250,8 +250,9 @@ class Viewer {
     times_.prepared();
     stage_->upload();
     const PictureLook look = look_now();
-    if (Status s = renderer_->draw(stage_->things({panel_.by_moved, panel_.colliders}),
-                                   stage_->ball(), camera_, size, look, 0);
+    if (Status s =
+            renderer_->draw(stage_->things({panel_.by_moved, panel_.colliders}, eye_of(camera_)),
+                            stage_->ball(), camera_, size, look, 0);
         !s)
       return s;
     if (recording_.goes())
