@@ -1,9 +1,12 @@
 // What the hand did is written as a scene, and the scene does it again, bit for bit.
 #include "runtime/viewer/live/hand_record.h"
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <thread>
 
 #include "runtime/scene_reader/scene_reader.h"
 #include "runtime/viewer/live/runner.h"

@@ -13,6 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 using testing::fresh_folder;
+using testing::shoot;
 using testing::Shots;
 
 struct Mask {
@@ -31,7 +32,7 @@ struct Mask {
 };
 
 Vector3d vector_of(const nlohmann::json& json) {
-  return {json[0], json[1], json[2]};
+  return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
 }
 
 // A pinhole camera, from what the program says of it.

@@ -29,6 +29,14 @@ TEST(ViewerTrouble, WithoutADisplayItNamesTheWayWithoutOne) {
   EXPECT_NE(result.err.find("--offscreen"), std::string::npos);
 }
 
+TEST(ViewerTrouble, WhereItIsNotBuiltTheCommandIsNamed) {
+  const std::string folder = fresh_folder();
+  std::filesystem::copy_file(TREMOLO_BIN_DIR "/tremolo", folder + "/tremolo");
+  const ProgramResult result = run_program(folder, "./tremolo view " + sample_model("beam"));
+  expect_word(result, 1, "--target tremolo-view");
+  EXPECT_NE(result.err.find("TREMOLO_BUILD_VIEWER=ON"), std::string::npos) << result.err;
+}
+
 TEST(ViewerTrouble, WithoutOpenGLItNamesPackages) {
   const std::string folder = fresh_folder();
   const ProgramResult result = run_program(
@@ -116,7 +124,11 @@ TEST(ViewerTrouble, FilmsAreReadByFfprobe) {
                             "stream=width,height,nb_read_frames,r_frame_rate -of csv=p=0 ") +
                     film);
     EXPECT_EQ(probe.out.substr(0, probe.out.find('\n')), "64,48,24/1,12") << film;
-    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 3) << film;
+    // And the two texts of the programs.
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder),
+                            std::filesystem::directory_iterator()),
+              3)
+        << film;
   }
   expect_word(run_program(fresh_folder(), view + "--video film.mp4 --size 65x48"), 3, "even");
 }

@@ -1,4 +1,5 @@
 // The window, under Xvfb and with a mouse that xdotool moves.
+#include "runtime/scene/scene_world.h"
 #include "runtime/scene_reader/scene_reader.h"
 #include "tests/viewer/viewer_files.h"
 

@@ -178,7 +178,9 @@ void Renderer::draw_things(std::span<const DrawnThing> things, const Matrix4f& c
       glDepthMask(GL_FALSE);
       glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     }
+    if (thing.on_top) glDepthRange(0.0, 0.001);
     draw(thing);
+    glDepthRange(0.0, 1.0);
     glDisable(GL_BLEND);
     glDepthMask(GL_TRUE);
   }

@@ -34,7 +34,8 @@ struct DrawnThing {
   float gloss = 1.0f;
   float glass = 1.0f;  // how much of it is seen; below 1 it hides nothing that comes behind it
   bool shadow = true;
-  bool wire = true;  // if wires are asked for
+  bool wire = true;     // if wires are asked for
+  bool on_top = false;  // nothing hides it; such things come last
 };
 
 // light_azimuth: rad, as of a camera: the lamp stands to the upper right of one there. background:

@@ -298,6 +298,7 @@ void Stage::add_hands(std::vector<DrawnThing>& things) const {
       thing.pose.topRightCorner<3, 1>() = place.cast<float>();
       thing.colour = linear_colour(kHandColour);
       thing.shadow = thing.wire = false;
+      thing.on_top = true;  // what is held may lie inside
       things.push_back(thing);
     }
   }
@@ -351,10 +352,10 @@ const std::vector<DrawnThing>& Stage::things(const StageLook& look, const Vector
     }
     things_.push_back(thing);
   }
-  add_hands(things_);
   // Glass shows what was drawn before it.
   std::stable_partition(things_.begin(), things_.end(),
                         [](const DrawnThing& thing) { return thing.glass == 1.0f; });
+  add_hands(things_);
   return things_;
 }
 
