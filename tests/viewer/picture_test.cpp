@@ -1,6 +1,7 @@
 // Off-screen pictures show what the states say: silhouettes against a rasteriser of the test's own.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <vector>
 
@@ -16,17 +17,17 @@ using testing::fresh_folder;
 using testing::shoot;
 using testing::Shots;
 
+// How much of each pixel a body covers, 0 to 1.
 struct Mask {
   int width = 0, height = 0;
-  std::vector<char> inside;
+  std::vector<double> cover;
 
-  double area() const { return static_cast<double>(std::count(inside.begin(), inside.end(), 1)); }
+  double area() const { return std::accumulate(cover.begin(), cover.end(), 0.0); }
   Eigen::Vector2d centroid() const {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
-        if (inside[static_cast<std::size_t>(y * width + x)] != 0)
-          sum += Eigen::Vector2d(x + 0.5, y + 0.5);
+        sum += cover[static_cast<std::size_t>(y * width + x)] * Eigen::Vector2d(x + 0.5, y + 0.5);
     return sum / area();
   }
 };
@@ -62,51 +63,64 @@ double side_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::
   return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
 }
 
-void fill(Mask& mask, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-          const Eigen::Vector2d& c) {
+// Of each pixel kFine x kFine places, one behind the other.
+constexpr int kFine = 4;
+
+void fill(std::vector<char>& inside, int width, int height, const Eigen::Vector2d& a,
+          const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   const Eigen::Vector2d low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
-  for (int y = std::max(0, static_cast<int>(low[1])); y < std::min<double>(mask.height, high[1]);
-       ++y)
-    for (int x = std::max(0, static_cast<int>(low[0])); x < std::min<double>(mask.width, high[0]);
-         ++x) {
+  for (int y = std::max(0, static_cast<int>(low[1])); y < std::min<double>(height, high[1]); ++y)
+    for (int x = std::max(0, static_cast<int>(low[0])); x < std::min<double>(width, high[0]); ++x) {
       const Eigen::Vector2d p(x + 0.5, y + 0.5);
       const double u = side_of(a, b, p), v = side_of(b, c, p), w = side_of(c, a, p);
       if ((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0))
-        mask.inside[static_cast<std::size_t>(y * mask.width + x)] = 1;
+        inside[static_cast<std::size_t>(y * width + x)] = 1;
     }
 }
 
 Mask expected_mask(const Body& body, const nlohmann::json& json) {
   Mask mask{json["width"], json["height"], {}};
-  mask.inside.resize(static_cast<std::size_t>(mask.width * mask.height));
+  const int width = kFine * mask.width, height = kFine * mask.height;
+  std::vector<char> inside(static_cast<std::size_t>(width * height));
   const Pinhole camera(json["camera"], mask.width, mask.height);
   std::vector<double> positions(3 * body.model().drawn().rest.size());
   EXPECT_TRUE(body.surface_positions(positions));
   const auto at = [&](VertexId v) {
-    return camera.pixel(Eigen::Map<const Vector3d>(positions.data() + 3 * v));
+    return Eigen::Vector2d(kFine *
+                           camera.pixel(Eigen::Map<const Vector3d>(positions.data() + 3 * v)));
   };
-  for (const Triangle& t : body.model().drawn().triangles) fill(mask, at(t[0]), at(t[1]), at(t[2]));
+  for (const Triangle& t : body.model().drawn().triangles)
+    fill(inside, width, height, at(t[0]), at(t[1]), at(t[2]));
+  mask.cover.resize(static_cast<std::size_t>(mask.width * mask.height));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      mask.cover[static_cast<std::size_t>(y / kFine * mask.width + x / kFine)] +=
+          inside[static_cast<std::size_t>(y * width + x)] / double{kFine * kFine};
   return mask;
 }
 
-// What is not the white background, at the half of a pixel that is partly covered.
+// Of a body without blue before white: the quarters of a pixel, four samples, that are not white.
 Mask seen_mask(const Picture& picture) {
   Mask mask{picture.width, picture.height, {}};
-  for (std::size_t i = 0; i < picture.pixels.size(); i += 3)
-    mask.inside.push_back(picture.pixels[i + 2] < 0xc0 ? 1 : 0);
+  for (std::size_t i = 0; i < picture.pixels.size(); i += 3) {
+    const double shown = picture.pixels[i + 2] / 255.0;
+    const double light = shown <= 0.04045 ? shown / 12.92 : std::pow((shown + 0.055) / 1.055, 2.4);
+    mask.cover.push_back(std::round(4.0 * (1.0 - light)) / 4.0);
+  }
   return mask;
 }
 
-// 2 % of an outline of a pixel's width is what covers differ by.
+// Four samples tell a pixel that is partly covered to a quarter: outlines are a thousand such
+// pixels, whose errors are of either sign.
 void expect_alike(const Mask& seen, const Mask& expected) {
-  ASSERT_EQ(seen.inside.size(), expected.inside.size());
+  ASSERT_EQ(seen.cover.size(), expected.cover.size());
   double different = 0.0;
-  for (std::size_t i = 0; i < seen.inside.size(); ++i)
-    different += seen.inside[i] != expected.inside[i] ? 1.0 : 0.0;
+  for (std::size_t i = 0; i < seen.cover.size(); ++i)
+    different += std::abs(seen.cover[i] - expected.cover[i]);
   EXPECT_GT(expected.area(), 1000.0);
-  EXPECT_NEAR(seen.area(), expected.area(), 0.01 * expected.area());
-  EXPECT_LT(different, 0.015 * expected.area());
-  EXPECT_LT((seen.centroid() - expected.centroid()).norm(), 0.3);
+  EXPECT_NEAR(seen.area(), expected.area(), 0.001 * expected.area());
+  EXPECT_LT(different, 0.008 * expected.area());
+  EXPECT_LT((seen.centroid() - expected.centroid()).norm(), 0.05);
 }
 
 Picture picture_of(const Shots& shots, std::size_t frame) {

@@ -115,10 +115,10 @@ TEST(ViewerTrouble, FilmsAreReadByFfprobe) {
   if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
   if (std::system("command -v ffprobe >/dev/null") != 0) GTEST_SKIP() << "there is no ffprobe";
   const std::string view =
-      kView + sample_model("beam") + " --size 64x48 --lights 2 --frames 12 --rate 24 --offscreen ";
+      kView + sample_model("beam") + " --lights 2 --frames 12 --rate 24 --offscreen ";
   for (const char* film : {"film.mp4", "film.webm"}) {
     const std::string folder = fresh_folder();
-    ASSERT_EQ(run_program(folder, view + "--video " + film).code, 0);
+    ASSERT_EQ(run_program(folder, view + "--size 64x48 --video " + film).code, 0);
     const ProgramResult probe = run_program(
         folder, std::string("ffprobe -v error -count_frames -show_entries "
                             "stream=width,height,nb_read_frames,r_frame_rate -of csv=p=0 ") +

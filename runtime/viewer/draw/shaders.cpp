@@ -55,6 +55,9 @@ vec3 moved_colour(float share) {
   return mix(stops[low], stops[low + 1], at - float(low));
 }
 
+// What is brighter than 0.8 is bent so that it stays below 1.
+float bend(float x) { return x < 0.8 ? x : 1.0 - 0.2 * exp(-(x - 0.8) / 0.2); }
+
 float seen(int i, vec3 place) {
   vec4 at = vec4(place, 1.0);
   vec3 map = vec3(dot(to_map[3 * i], at), dot(to_map[3 * i + 1], at), dot(to_map[3 * i + 2], at));
@@ -99,6 +102,7 @@ void main() {
   float below = 0.5 - 0.5 * dot(n, up);
   vec3 all = lamp_colour * lamp + sky_colour * (sky + 0.05) + vec3(0.17, 0.165, 0.16) * below;
   vec3 seen_colour = base * all + gloss * shine * lamp_colour;
+  seen_colour = vec3(bend(seen_colour.r), bend(seen_colour.g), bend(seen_colour.b));
   if (ground_fade.x >= 0.0) {
     vec3 out_there = world - centre;
     float far = length(out_there - up * dot(out_there, up));
@@ -133,20 +137,19 @@ out vec4 result;
 void main() { result = vec4(mix(horizon, zenith, gl_FragCoord.y / height), 1.0); }
 )";
 
-// What is brighter than 0.8 is bent so that it stays below 1; noise of half a step of 8 bits hides
+// Noise of half a step of 8 bits hides
 // where one begins.
 const char* const kDevelopFragmentShader = R"(#version 330 core
 uniform sampler2D picture;
 uniform int flat_background;
 uniform vec2 size;
 out vec4 result;
-float bend(float x) { return x < 0.8 ? x : 1.0 - 0.2 * exp(-(x - 0.8) / 0.2); }
 float encode(float x) {
   return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
 }
 void main() {
   vec3 light = texture(picture, gl_FragCoord.xy / size).rgb;
-  vec3 shown = vec3(encode(bend(light.r)), encode(bend(light.g)), encode(bend(light.b)));
+  vec3 shown = vec3(encode(light.r), encode(light.g), encode(light.b));
   float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
   if (flat_background == 0) shown += (noise - 0.5) / 255.0;
   result = vec4(shown, 1.0);

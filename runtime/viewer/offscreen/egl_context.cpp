@@ -1,5 +1,7 @@
 #include "runtime/viewer/offscreen/egl_context.h"
 
+// X11 would make macros of Status and Success.
+#define EGL_NO_X11
 #include <epoxy/egl.h>
 #include <string>
 
