@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr double kMargin = 1.12;                  // of the picture around what is framed
 constexpr double kNearest = 1e-3;                 // of the distance: what is nearer is not drawn
 constexpr int kLeastSide = 16, kMostSide = 8192;  // pixels
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kDegreeOfCamera = std::numbers::pi / 180.0;
 
 // The numbers of a list A,B,C; empty if it is none.
 std::vector<double> numbers_of(const std::string& text) {
@@ -145,7 +145,7 @@ Result<CameraWish> parse_camera(const std::string& text) {
     return content_error("--camera " + text + ": the elevation must be within -90 and 90 degrees");
   if (!(zoom >= 1e-3 && zoom <= 1e3))
     return content_error("--camera " + text + ": the zoom must be from 0.001 to 1000");
-  return CameraWish{kDegree * numbers[0], kDegree * numbers[1], zoom};
+  return CameraWish{kDegreeOfCamera * numbers[0], kDegreeOfCamera * numbers[1], zoom};
 }
 
 Result<PictureSize> parse_size(const std::string& text) {

@@ -20,7 +20,7 @@ bool names_file(std::string_view key, const toml::node& node) {
   return false;
 }
 
-std::string seen_from(const fs::path& folder, const fs::path& file) {
+std::string named_from(const fs::path& folder, const fs::path& file) {
   std::error_code ignored;
   const fs::path there = fs::weakly_canonical(file, ignored);
   const fs::path from = fs::weakly_canonical(folder.empty() ? "." : folder, ignored);
@@ -41,7 +41,7 @@ void move_paths(toml::table& table, const Folders& folders) {
       continue;
     }
     toml::value<std::string>& text = *value.as_string();
-    text = seen_from(folders.new_one, folders.old_one / *text);
+    text = named_from(folders.new_one, folders.old_one / *text);
   }
 }
 
@@ -94,7 +94,7 @@ Result<toml::table> table_of(const SceneBody& body, const std::string& start,
   if (!start.empty() && start != "static")
     return content_error("a scene with [[bodies]] cannot say --start " + start +
                          ": record a hand without it");
-  toml::table table{{"name", body.name}, {"model", seen_from(folder, body.model)}};
+  toml::table table{{"name", body.name}, {"model", named_from(folder, body.model)}};
   if (!start.empty()) table.insert("start", start);
   if (body.model_options.modes > 0) table.insert("modes", body.model_options.modes);
   if (body.model_options.linear) table.insert("linear", true);
