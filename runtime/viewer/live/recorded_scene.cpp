@@ -123,8 +123,10 @@ Result<toml::table> table_of(const SceneBody& body, const std::string& start,
 void say_method(const LiveWorld& live, std::size_t i, toml::table& table) {
   const Body& body = live.world().body(i);
   table.insert_or_assign("integrator", std::string(body.integrator().name()));
-  table.insert_or_assign("alpha", body.alpha());
-  table.insert_or_assign("beta", body.beta());
+  // What the scene changes in time stays as the scene says it.
+  const SceneBody& wanted = live.viewed().scene.bodies[i];
+  if (wanted.alphas.empty()) table.insert_or_assign("alpha", body.alpha());
+  if (wanted.betas.empty()) table.insert_or_assign("beta", body.beta());
 }
 
 Result<toml::table> begun_table(const LiveWorld& live, const fs::path& folder) {

@@ -50,6 +50,19 @@ void tell_if_refused(Runner& runner, const Status& status) {
   if (!status) runner.complain(status.error().message);
 }
 
+void build_damping(PanelState& state, Runner& runner) {
+  const std::size_t body = state.body;
+  bool damps = ImGui::SliderFloat("alpha, 1/s", &state.alpha, 0.0f, 20.0f);
+  damps = ImGui::SliderFloat("beta, 10^x s", &state.log_beta, -7.0f, -1.0f, "%.2f") || damps;
+  if (damps) {
+    const double alpha = state.alpha;
+    const double beta = state.log_beta <= -7.0f ? 0.0 : std::pow(10.0, state.log_beta);
+    runner.post([&runner, body, alpha, beta](LiveWorld& live) {
+      tell_if_refused(runner, live.world().body(body).set_damping(alpha, beta));
+    });
+  }
+}
+
 void build_method(PanelState& state, Runner& runner, const std::vector<ModeFacts>& modes) {
   if (!ImGui::CollapsingHeader("Method", ImGuiTreeNodeFlags_DefaultOpen)) return;
   if (state.records_hand) {
@@ -77,15 +90,7 @@ void build_method(PanelState& state, Runner& runner, const std::vector<ModeFacts
     runner.post(
         [&runner, step](LiveWorld& live) { tell_if_refused(runner, live.world().set_step(step)); });
   }
-  bool damps = ImGui::SliderFloat("alpha, 1/s", &state.alpha, 0.0f, 20.0f);
-  damps = ImGui::SliderFloat("beta, 10^x s", &state.log_beta, -7.0f, -1.0f, "%.2f") || damps;
-  if (damps) {
-    const double alpha = state.alpha;
-    const double beta = state.log_beta <= -7.0f ? 0.0 : std::pow(10.0, state.log_beta);
-    runner.post([&runner, body, alpha, beta](LiveWorld& live) {
-      tell_if_refused(runner, live.world().body(body).set_damping(alpha, beta));
-    });
-  }
+  if (state.damping_is_ours) build_damping(state, runner);
   if (!state.gravity_is_ours) return;
   if (ImGui::SliderFloat3("gravity, m/s2", state.gravity.data(), -20.0f, 20.0f, "%.2f")) {
     const Eigen::Vector3d g(state.gravity[0], state.gravity[1], state.gravity[2]);
@@ -224,6 +229,8 @@ PanelState first_panel(const LiveWorld& live, double rate) {
       body.beta() > 0.0 ? static_cast<float>(std::max(-7.0, std::log10(body.beta()))) : -7.0f;
   const SceneGravity& gravity = live.viewed().scene.gravity;
   state.gravity_is_ours = gravity.values.size() < 2;
+  for (const SceneBody& wanted : live.viewed().scene.bodies)
+    state.damping_is_ours = state.damping_is_ours && wanted.alphas.empty() && wanted.betas.empty();
   const Eigen::Vector3d g = gravity.at(0.0);
   for (std::size_t k = 0; k < 3; ++k)
     state.gravity[k] = static_cast<float>(g[static_cast<Eigen::Index>(k)]);

@@ -35,7 +35,8 @@ struct PanelState {
   float rate = 1.0f;
   float alpha = 0.0f, log_beta = -7.0f;
   std::array<float, 3> gravity{};
-  bool gravity_is_ours = true;  // false: the scene's own changes with time
+  // False: the scene's own changes with time.
+  bool gravity_is_ours = true, damping_is_ours = true;
   float step_ms = 3.0f;
   float firmness = 1.0f;
   bool wire = false, by_moved = false, colliders = true, panel = true;
