@@ -313,6 +313,7 @@ class Viewer {
     double hand = 0.0;
     for (std::size_t i = 0; i < live.world().size(); ++i) hand += live.world().body(i).hand_work();
     json["hand_work"] = hand;
+    json["integrators"] = report.methods;
     json["trouble"] = report.trouble;
     return json;
   }
