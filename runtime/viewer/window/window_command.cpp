@@ -126,6 +126,7 @@ class Viewer {
       if (Status s = show_picture(size); !s) return s;
     }
     seconds_ = seconds_since(begun);
+    signal_ = interruption.signal();
     return recording_.end();
   }
 
@@ -143,7 +144,8 @@ class Viewer {
     trouble_code_ = live.trouble_code();
     return Success{};
   }
-  int trouble_code() const { return trouble_code_; }
+  // That of a signal that closed the window, else of a step that failed.
+  int code() const { return signal_ != 0 ? 128 + signal_ : trouble_code_; }
 
  private:
   double aspect() const {
@@ -339,7 +341,7 @@ class Viewer {
   std::int64_t pictures_ = 0;
   Clock::time_point counted_from_ = Clock::now();
   double seconds_ = 0.0;
-  int trouble_code_ = 0;
+  int trouble_code_ = 0, signal_ = 0;
 };
 
 Result<int> show(const ViewerOptions& options, const ViewedScene& viewed) {
@@ -352,7 +354,7 @@ Result<int> show(const ViewerOptions& options, const ViewedScene& viewed) {
   if (Status s = viewer.open(std::move(*live)); !s) return s.error();
   if (Status s = viewer.run(); !s) return s.error();
   if (Status s = viewer.finish(); !s) return s.error();
-  return viewer.trouble_code();
+  return viewer.code();
 }
 
 }  // namespace
