@@ -6,8 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "runtime/contact/solve/contact_step.h"
-
 namespace tremolo {
 namespace {
 
@@ -112,31 +110,6 @@ Body::Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
       workspace_(model_->potential().make_workspace(kUsePoint)),
       evaluation_(model_->potential().make_evaluation()),
       momentum_(state_.p) {}
-
-Status Body::set_method(std::string_view integrator, double step) {
-  IntegratorOptions options = options_;
-  options.step = step;
-  Result<std::unique_ptr<Integrator>> made = make_integrator(integrator, model_, options);
-  if (!made) return made.error();
-  const std::string_view name = (*made)->name();
-  if (Status s = check_frame(*model_, name, frame_); !s) return s;
-  if (contact_ && frame_ != FrameKind::kFixed && !is_of_energy_family(name))
-    return usage_error("contact goes with avf, ep2 and ep4");
-  const Result<Split> band = choose_split(model_->lambda(), step, options.split);
-  if (!band) return band.error();
-  // A method with a staggered momentum hands over that of the state's own moment.
-  integrator_->synchronized_momentum(state_, momentum_);
-  state_.p = momentum_;
-  steps_ = std::llround(time() / step);
-  options_ = options;
-  low_ = band->low;
-  energy_method_ = is_of_energy_family(name);
-  integrator_ = std::move(*made);
-  if (driven_) driven_->set_step(step);
-  if (contact_) contact_->set_step(step);
-  keep_sound_state();
-  return Success{};
-}
 
 Status Body::set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p) {
   if (Status s = check_state(model_->modes(), q, p); !s) return s;

@@ -11,7 +11,7 @@
 #include "runtime/program/run/run_flags.h"
 #include "runtime/viewer/live/viewed_scene.h"
 #include "runtime/viewer/offscreen/offscreen.h"
-#include "runtime/viewer/viewer_options.h"
+#include "runtime/viewer/setup/viewer_options.h"
 #include "runtime/viewer/window/window_command.h"
 
 namespace tremolo {

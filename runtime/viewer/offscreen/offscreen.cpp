@@ -10,12 +10,12 @@
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/interruption.h"
 #include "runtime/viewer/draw/renderer.h"
-#include "runtime/viewer/frame_times.h"
 #include "runtime/viewer/live/live_world.h"
 #include "runtime/viewer/offscreen/egl_context.h"
 #include "runtime/viewer/offscreen/picture_target.h"
 #include "runtime/viewer/picture/picture_series.h"
-#include "runtime/viewer/view_setup.h"
+#include "runtime/viewer/setup/frame_times.h"
+#include "runtime/viewer/setup/view_setup.h"
 
 namespace tremolo {
 namespace {

@@ -12,11 +12,11 @@
 
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/interruption.h"
-#include "runtime/viewer/frame_times.h"
 #include "runtime/viewer/live/runner.h"
 #include "runtime/viewer/picture/frame_pixels.h"
 #include "runtime/viewer/picture/picture_series.h"
-#include "runtime/viewer/view_setup.h"
+#include "runtime/viewer/setup/frame_times.h"
+#include "runtime/viewer/setup/view_setup.h"
 #include "runtime/viewer/window/glfw_window.h"
 #include "runtime/viewer/window/mouse.h"
 #include "runtime/viewer/window/panel.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "runtime/viewer/live/viewed_scene.h"
-#include "runtime/viewer/viewer_options.h"
+#include "runtime/viewer/setup/viewer_options.h"
 
 namespace tremolo {
 

@@ -1,4 +1,4 @@
-#include "runtime/viewer/view_setup.h"
+#include "runtime/viewer/setup/view_setup.h"
 
 #include <algorithm>
 #include <array>

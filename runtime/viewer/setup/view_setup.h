@@ -8,8 +8,8 @@
 #include "runtime/viewer/camera/camera.h"
 #include "runtime/viewer/draw/renderer.h"
 #include "runtime/viewer/live/live_world.h"
+#include "runtime/viewer/setup/viewer_options.h"
 #include "runtime/viewer/stage/stage.h"
-#include "runtime/viewer/viewer_options.h"
 
 namespace tremolo {
 
