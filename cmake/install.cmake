@@ -11,7 +11,8 @@ install(EXPORT tremolo-targets NAMESPACE tremolo:: DESTINATION ${tremolo_cmake_d
 foreach(room common formats runtime)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room}/
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tremolo/${room} COMPONENT development
-          FILES_MATCHING PATTERN "*.h" PATTERN "program" EXCLUDE PATTERN "scene_reader" EXCLUDE)
+          FILES_MATCHING PATTERN "*.h" PATTERN "program" EXCLUDE PATTERN "scene_reader" EXCLUDE
+          PATTERN "viewer" EXCLUDE)
 endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/runtime/tremolo.h
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tremolo COMPONENT development)
@@ -27,7 +28,7 @@ function(tremolo_install_if_built target component)
     endif()" COMPONENT ${component})
 endfunction()
 
-foreach(program tremolo tremolo-lab tremolo-precompute tremolo-mesh)
+foreach(program tremolo tremolo-lab tremolo-view tremolo-precompute tremolo-mesh)
   if(TARGET ${program})
     tremolo_install_if_built(${program} programs)
   endif()

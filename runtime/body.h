@@ -91,6 +91,11 @@ class Body {
   // accounts go on and stay closed. kUsage if one is negative or not finite. What a method carries
   // from earlier steps to go faster is forgotten; allocates.
   Status set_damping(double alpha, double beta);
+  // Another method and step (s) from the next step on: state, frame, loads, hands and sums stay,
+  // and what the method carried is forgotten. Time is steps() steps, so it goes to the multiple of
+  // the new step that is nearest. Errors as of make_integrator; kUsage, with everything as it was,
+  // for a method that the frame or contact does not go with. Allocates.
+  Status set_method(std::string_view integrator, double step);
   double alpha() const { return options_.alpha; }
   double beta() const { return options_.beta; }
 

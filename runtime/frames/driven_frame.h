@@ -48,6 +48,9 @@ class DrivenFrame final : public StepCoupling {
   // One a bone, at least one: of the share of the mass that it carries.
   DrivenFrame(const std::vector<std::shared_ptr<const FrameInertia>>& shares, double step);
 
+  // s, from the next step on.
+  void set_step(double step) { step_ = step; }
+
   std::size_t bones() const { return bones_.size(); }
   const Pose& pose(std::size_t bone = 0) const { return bones_[bone].pose; }
   // At the end of the step to come.

@@ -17,6 +17,7 @@
 #include "runtime/program/output/plot.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run.h"
+#include "runtime/program/run/run_flags.h"
 #include "runtime/program/world/run_world.h"
 #include "runtime/scene_reader/scene_reader.h"
 
@@ -25,49 +26,13 @@ namespace {
 
 // How a body begins and moves.
 void add_motion_flags(CLI::App& run, RunOptions& o) {
-  run.add_option("--integrator", o.integrator,
-                 fmt::format("{}", fmt::join(integrator_names(), ", ")))
-      ->capture_default_str();
-  run.add_option("--step", o.step, "h, s")->capture_default_str();
+  add_body_flags(run, o);
   run.add_option("--duration", o.duration, "simulated time, s")->capture_default_str();
-  run.add_flag("--linear", o.linear, "leave the cubic and quartic terms out: not read, not kept");
-  CLI::Option* load = run.add_option("--load", o.load,
-                                     "impulse (3 ms), square (0.3 s), sine (1 Hz), constant, none")
-                          ->capture_default_str();
-  run.add_option("--signal", o.signal,
-                 "CSV of times (s) and values: the load's course in time instead, straight lines "
-                 "between")
-      ->excludes(load);
-  run.add_option("--at", o.at,
-                 "what the load acts on, a vertex's id or a selector (default: the model's)");
-  run.add_option("--force", o.force, "with --at: X,Y,Z in N, shared by the vertices");
-  CLI::Option* scale =
-      run.add_option("--scale", o.scale, "multiplies the load")->capture_default_str();
-  run.add_option("--deflect", o.deflect,
-                 "5%: scale the load until the largest displacement of the run is this share of "
-                 "the size")
-      ->excludes(scale);
-  run.add_option(
-      "--start", o.start,
-      "static (standing still under the load at t = 0), VERTEX|SELECTOR=X,Y,Z (displaced "
-      "by so many m and let go), or FILE.csv[@T] (a row of a run with --coordinate all "
-      "--velocities)");
-  run.add_option("--alpha", o.alpha, "Rayleigh damping of the mass, 1/s");
-  run.add_option("--beta", o.beta, "Rayleigh damping of the rest stiffness, s");
-  run.add_option("--newmark-beta", o.newmark_beta, "Newmark's beta")->capture_default_str();
-  run.add_option("--newmark-gamma", o.newmark_gamma, "Newmark's gamma")->capture_default_str();
-  run.add_option("--split", o.split, "which coordinates are explicit: default, thesis or a count")
-      ->capture_default_str();
-  run.add_option("--safety", o.safety, "of the default split: explicit iff h w < 2 safety")
-      ->capture_default_str();
-  run.add_option("--tolerance", o.tolerance, "of a step's solve, relative")->capture_default_str();
-  run.add_option("--max-iterations", o.max_iterations, "of a step's solve")->capture_default_str();
-  run.add_flag("--hull", o.hull, "show the boundary of the tetrahedra, not the render surface");
 }
 
 void add_run_flags(CLI::App& run, RunOptions& o) {
   add_motion_flags(run, o);
-  run.add_option("--modes", o.modes, "keep the first R coordinates only (0: all)");
+  add_modes_flag(run, o);
   run.add_option(
       "--probe", o.probes,
       "record the displacement of this vertex, or of those of a selector; may be repeated");
@@ -144,6 +109,7 @@ struct Parser {
   CLI::App* exporter = nullptr;
   CLI::App* bench = nullptr;
   CLI::App* reproduce = nullptr;
+  CLI::App* view = nullptr;
 
   Parser(Request& request, RunOptions& options) {
     app.name("tremolo");
@@ -171,25 +137,36 @@ struct Parser {
     bench = app.add_subcommand("bench", "run time against error and stability of all methods");
     reproduce =
         app.add_subcommand("reproduce", "the thesis's tables and figures, ours beside them");
-    for (CLI::App* of_laboratory : {bench, reproduce}) {
-      of_laboratory->prefix_command();
-      of_laboratory->set_help_flag();
+    view = app.add_subcommand("view", "see and touch the bodies of a model or a scene; pictures");
+    for (CLI::App* of_another : {bench, reproduce, view}) {
+      of_another->prefix_command();
+      of_another->set_help_flag();
     }
   }
 };
 
-// Replaces this process by tremolo-lab, which is installed beside this program, with the same
-// arguments. Returns only if that cannot be started.
-int start_laboratory(char** words) {
+// Replaces this process by another program, which is installed beside this one, with the same
+// arguments. how: to build it. Returns only if that cannot be started.
+int start_beside(const char* program, const char* how, char** words) {
   std::error_code error;
   const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::string laboratory = (here.parent_path() / "tremolo-lab").string();
-  ::execv(laboratory.c_str(), words);
+  const std::string path = (here.parent_path() / program).string();
+  ::execv(path.c_str(), words);
   const std::string why =
-      errno == ENOENT ? "it has not been built: cmake --build --preset release --target tremolo-lab"
-                      : std::strerror(errno);
+      errno == ENOENT ? std::string("it has not been built: ") + how : std::strerror(errno);
   return report_error(
-      system_error("`" + std::string(words[1]) + "` is what " + laboratory + " does; " + why));
+      system_error("`" + std::string(words[1]) + "` is what " + path + " does; " + why));
+}
+
+int start_laboratory(char** words) {
+  return start_beside("tremolo-lab", "cmake --build --preset release --target tremolo-lab", words);
+}
+
+int start_viewer(char** words) {
+  return start_beside("tremolo-view",
+                      "cmake --preset release -DTREMOLO_BUILD_VIEWER=ON && "
+                      "cmake --build --preset release --target tremolo-view",
+                      words);
 }
 
 std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flags) {
@@ -323,6 +300,7 @@ int run_program(int count, char** words) {
   if (*parser.plot) return plot_command(request.directories, request.picture);
   if (*parser.exporter) return run_export(count, words, request, options, *parser.exporter);
   if (*parser.bench || *parser.reproduce) return start_laboratory(words);
+  if (*parser.view) return start_viewer(words);
   if (!is_scene(request.file)) {
     if (Status s = check_not_saved(request); !s) return report_error(s.error());
     return run_command(bodies_of(request, options), request.json);

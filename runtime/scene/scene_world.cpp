@@ -364,6 +364,31 @@ void SceneWorld::note_pairs() {
   std::erase_if(pairs_, [](const Pair& pair) { return !pair.seen; });
 }
 
+Status SceneWorld::set_method(std::size_t i, std::string_view integrator) {
+  Body& body = actors_[i].body;
+  if (Status s = body.set_method(integrator, scene_.step); !s)
+    return error_of_body(scene_.bodies[i], s.error());
+  scene_.bodies[i].integrator = body.integrator().name();
+  return Success{};
+}
+
+Status SceneWorld::set_step(double step) {
+  if (!(step > 0.0) || !std::isfinite(step))
+    return usage_error("a step must be positive and finite, got " + number_text(step) + " s");
+  for (std::size_t i = 0; i < size(); ++i) {
+    Body& body = actors_[i].body;
+    if (const Status s = body.set_method(body.integrator().name(), step); !s) {
+      // The step that was there was good for all of them.
+      for (std::size_t k = 0; k < i; ++k)
+        (void)actors_[k].body.set_method(actors_[k].body.integrator().name(), scene_.step);
+      return error_of_body(scene_.bodies[i], s.error());
+    }
+  }
+  steps_ = std::llround(time() / step);
+  scene_.step = step;
+  return Success{};
+}
+
 std::span<const SceneWorld::Failure> SceneWorld::step() {
   failures_.clear();
   events_.clear();

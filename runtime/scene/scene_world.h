@@ -92,6 +92,11 @@ class SceneWorld {
   const std::string& name(std::size_t i) const { return scene_.bodies[i].name; }
   std::optional<std::size_t> find(std::string_view name) const;
 
+  // As Body::set_method: of one body another method, of all another step, s. The world's time goes
+  // to the nearest multiple of it.
+  Status set_method(std::size_t i, std::string_view integrator);
+  Status set_step(double step);
+
   // One step of all bodies that have not failed. The bodies that failed in this step are returned,
   // valid until the next one. Nothing is allocated but for bodies that touch each other.
   struct Failure {

@@ -80,7 +80,8 @@ TEST(Rooms, IncludesGoOneWay) {
 
 // What stands on the engine's public face, in targets of its own.
 bool is_beside_the_engine(const fs::path& path) {
-  return is_below(path, "runtime/program") || is_below(path, "runtime/scene_reader");
+  return is_below(path, "runtime/program") || is_below(path, "runtime/scene_reader") ||
+         is_below(path, "runtime/viewer");
 }
 
 TEST(Rooms, TheLibraryKnowsNothingOfItsPrograms) {
@@ -95,7 +96,17 @@ TEST(Rooms, TheReaderOfScenesKnowsNothingOfThePrograms) {
   for (const Source& source : sources()) {
     if (!is_below(source.path, "runtime/scene_reader")) continue;
     for (const std::string& include : source.ours)
-      EXPECT_FALSE(is_below(include, "runtime/program")) << source.path << " includes " << include;
+      EXPECT_FALSE(is_below(include, "runtime/program") || is_below(include, "runtime/viewer"))
+          << source.path << " includes " << include;
+  }
+}
+
+// The viewer shows what `tremolo run` runs; that one needs no display.
+TEST(Rooms, TheProgramKnowsNothingOfTheViewer) {
+  for (const Source& source : sources()) {
+    if (!is_below(source.path, "runtime/program") && !is_below(source.path, "tests/lab")) continue;
+    for (const std::string& include : source.ours)
+      EXPECT_FALSE(is_below(include, "runtime/viewer")) << source.path << " includes " << include;
   }
 }
 
@@ -105,8 +116,9 @@ TEST(Rooms, TheEngineKnowsNoLibraryOfThePrograms) {
     const bool of_engine = is_below(source.path, "common") || is_below(source.path, "runtime");
     if (!of_engine || is_beside_the_engine(source.path)) continue;
     for (const std::string& include : source.foreign)
-      for (const char* library : {"petsc", "slepc", "mpi", "metis", "assimp", "CGAL", "boost",
-                                  "CLI", "nlohmann", "toml", "fmt", "pugixml"})
+      for (const char* library :
+           {"petsc", "slepc", "mpi", "metis", "assimp", "CGAL", "boost", "CLI", "nlohmann", "toml",
+            "fmt", "pugixml", "epoxy", "GLFW", "imgui", "png"})
         EXPECT_FALSE(include.starts_with(library))
             << source.path << " includes <" << include << ">";
   }

@@ -1,5 +1,6 @@
-// Body: what it carries from step to step, saved and put back; other damping.
+// Body: what it carries from step to step, saved and put back; other damping, another method.
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -164,6 +165,28 @@ Status Body::set_damping(double alpha, double beta) {
   integrator_ = std::move(*made);
   options_ = options;
   if (contact_) contact_->set_damping(alpha, beta);
+  return Success{};
+}
+
+Status Body::set_method(std::string_view integrator, double step) {
+  IntegratorOptions options = options_;
+  options.step = step;
+  // Whoever makes such a body checks all that may be wrong.
+  Result<Body> made = create(model_, integrator, options, frame_);
+  if (!made) return made.error();
+  if (contact_ && frame_ != FrameKind::kFixed && !made->energy_method_)
+    return usage_error("contact goes with avf, ep2 and ep4");
+  // A method with a staggered momentum hands over that of the state's own moment.
+  integrator_->synchronized_momentum(state_, momentum_);
+  state_.p = momentum_;
+  steps_ = std::llround(time() / step);
+  integrator_ = std::move(made->integrator_);
+  options_ = made->options_;
+  low_ = made->low_;
+  energy_method_ = made->energy_method_;
+  if (driven_) driven_->set_step(step);
+  if (contact_) contact_->set_step(step);
+  keep_sound_state();
   return Success{};
 }
 

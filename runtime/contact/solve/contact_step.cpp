@@ -55,9 +55,7 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
   for (VectorXd* v : {&q0_, &v0_, &q1_, &G_, &dp_, &force_, &middle_, &contact_push_})
     v->setZero(r);
   for (VectorXd* v : {&z_, &z_before_, &residual_, &move_}) v->setZero(n);
-  row_scale_.setConstant(n, 2.0 / h);
-  row_scale_.segment<3>(r).setConstant(1.0 / (std::sqrt(mass) * points_->radius));
-  row_scale_.tail<3>().setConstant(h / std::sqrt(mass));
+  scale_rows();
   if (shape_) u0_ = u1_ = VectorXd::Zero(points_->axis_rows.rows());
   K_.setZero(r, r);
   jacobian_.setIdentity(n, n);
@@ -522,6 +520,24 @@ void ContactStep::set_damping(double alpha, double beta) {
   options_.beta = beta;
   damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
   S_ = (0.5 + options_.step * damping_.theta.array() * damping_.D.array()).inverse();
+}
+
+void ContactStep::scale_rows() {
+  const Index r = model_->modes();
+  row_scale_.setConstant(r + 6, 2.0 / options_.step);
+  row_scale_.segment<3>(r).setConstant(1.0 / (std::sqrt(mass_) * points_->radius));
+  row_scale_.tail<3>().setConstant(options_.step / std::sqrt(mass_));
+}
+
+void ContactStep::set_step(double step) {
+  const double longer = step / options_.step;
+  options_.step = step;
+  damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
+  S_ = (0.5 + step * damping_.theta.array() * damping_.D.array()).inverse();
+  law_.stiffness /= longer * longer;
+  law_.rebound_speed /= longer;
+  law_.slip_speed /= longer;
+  scale_rows();
 }
 
 void ContactStep::carry(StateStream& stream) {

@@ -146,6 +146,9 @@ class ContactStep {
 
   // alpha, beta: Rayleigh's, from the next step on.
   void set_damping(double alpha, double beta);
+  // s, likewise. Contact is as stiff as the new step allows: what it stores changes with that,
+  // which the account tells as surplus.
+  void set_step(double step);
 
   // What is carried between steps: the account, and where the body was when others looked last.
   void carry(StateStream& stream);
@@ -174,6 +177,7 @@ class ContactStep {
   bool solve(double heavier, StepReport& report);
   void settle_grips();
   void settle_account();
+  void scale_rows();
 
   Model::Pointer model_;
   IntegratorOptions options_;

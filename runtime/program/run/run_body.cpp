@@ -54,6 +54,18 @@ Result<Load> reduced_load(const RunOptions& options, const Model& model, const S
   return load;
 }
 
+bool read_index(std::string_view text, int& value) {
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && stop == text.data() + text.size() && value >= 0;
+}
+
+}  // namespace
+
+Error value_error(Error error) {
+  if (error.kind == ErrorKind::kUsage) error.kind = ErrorKind::kContent;
+  return error;
+}
+
 Result<IntegratorOptions> integrator_options(const RunOptions& options) {
   IntegratorOptions settings;
   settings.step = options.step;
@@ -66,18 +78,6 @@ Result<IntegratorOptions> integrator_options(const RunOptions& options) {
   if (Status s = take(settings.split, parse_split(options.split)); !s) return s.error();
   settings.split.safety = options.safety;
   return settings;
-}
-
-bool read_index(std::string_view text, int& value) {
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && stop == text.data() + text.size() && value >= 0;
-}
-
-}  // namespace
-
-Error value_error(Error error) {
-  if (error.kind == ErrorKind::kUsage) error.kind = ErrorKind::kContent;
-  return error;
 }
 
 Status check_run(const RunOptions& options) {

@@ -10,6 +10,9 @@ namespace tremolo {
 // Checks the options that can be judged without the model. Errors: kUsage, kContent.
 Status check_run(const RunOptions& options);
 
+// What the options say of the method. Errors: kUsage.
+Result<IntegratorOptions> integrator_options(const RunOptions& options);
+
 // The model that the options name.
 Result<Model::Pointer> load_model(const RunOptions& options);
 

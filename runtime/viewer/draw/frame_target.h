@@ -1,0 +1,26 @@
+// What a picture is drawn into: light at four samples a pixel, then their means.
+#pragma once
+
+#include "common/result.h"
+#include "runtime/viewer/camera/camera.h"
+#include "runtime/viewer/draw/gl_handle.h"
+
+namespace tremolo {
+
+class FrameTarget {
+ public:
+  // Makes room for pictures of this size, if it is another one. Errors: kSystem where the card does
+  // not take it.
+  Status resize(const PictureSize& size);
+  const PictureSize& size() const { return size_; }
+
+  void begin() const;    // what is drawn from now on goes into it
+  void resolve() const;  // light() then has it
+  GLuint light() const { return light_.name(); }
+
+ private:
+  PictureSize size_{0, 0};
+  GlHandle samples_, depth_, drawn_, light_, resolved_;
+};
+
+}  // namespace tremolo

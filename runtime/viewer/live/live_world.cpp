@@ -1,0 +1,122 @@
+#include "runtime/viewer/live/live_world.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "runtime/program/run/run_body.h"
+#include "runtime/program/start/start_state.h"
+#include "runtime/scene/scene_start.h"
+
+namespace tremolo {
+namespace {
+
+// What the body's loads are at t = 0, r.
+Result<Eigen::VectorXd> push_at_start(const SceneBody& wanted, const Body& body) {
+  Eigen::VectorXd push = Eigen::VectorXd::Zero(body.model().modes());
+  for (const SceneLoad& load : wanted.loads) {
+    Signal signal = load.signal;
+    signal.table = load.table.get();
+    const Result<DefaultLoad> forces = forces_of(load, body.model());
+    if (!forces) return forces.error();
+    const Result<Eigen::VectorXd> reduced =
+        reduce_load(body.model(), *forces, sample_signal(signal, 0.0, body.step_size()).start);
+    if (!reduced) return reduced.error();
+    push += *reduced;
+  }
+  return push;
+}
+
+Status start_body(const SceneBody& wanted, const std::string& start, Body& body) {
+  if (start.empty()) return Success{};
+  const Result<Eigen::VectorXd> push = push_at_start(wanted, body);
+  if (!push) return push.error();
+  const Result<State> state = start_state(start, body.model(), *push);
+  if (!state) return state.error();
+  return body.set_state(state->q, state->p);
+}
+
+}  // namespace
+
+Result<LiveWorld> LiveWorld::create(const ViewedScene& viewed, ModelCache& models) {
+  LiveWorld course;
+  course.viewed_ = viewed;
+  if (Status s = course.begin(models); !s)
+    return error_of_file(viewed.file, value_error(s.error()));
+  return course;
+}
+
+Status LiveWorld::begin_again(ModelCache& models) {
+  viewed_.scene.step = world_->step_size();
+  for (std::size_t i = 0; i < world_->size(); ++i) {
+    SceneBody& body = viewed_.scene.bodies[i];
+    body.integrator = world_->body(i).integrator().name();
+    body.options.alpha = world_->body(i).alpha();
+    body.options.beta = world_->body(i).beta();
+  }
+  return begin(models);
+}
+
+Status LiveWorld::begin(ModelCache& models) {
+  Result<SceneWorld> world = SceneWorld::create(viewed_.scene, models.source());
+  if (!world) return world.error();
+  world_ = std::make_unique<SceneWorld>(std::move(*world));
+  hand_ = LiveHand();
+  trouble_.clear();
+  trouble_code_ = 0;
+  LiveHand::make_holdable(*world_);
+  for (std::size_t i = 0; i < world_->size(); ++i)
+    if (Status s = start_body(viewed_.scene.bodies[i], viewed_.starts[i], world_->body(i)); !s)
+      return s;
+  held_.clear();
+  for (std::size_t i = 0; i < viewed_.scene.hands.size(); ++i) {
+    const Body& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
+    Result<VertexRows> place = body.model().vertex(world_->hand(i).vertex());
+    if (!place) return place.error();
+    held_.push_back(std::move(*place));
+  }
+  return refresh();
+}
+
+Status LiveWorld::look(WorldMoment& moment) const {
+  if (Status s = look_at_world(*world_, moment); !s) return s;
+  moment.hands.resize(held_.size() + 1);
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    const Body& body = world_->body(*world_->find(viewed_.scene.hands[i].body));
+    HandMoment& hand = moment.hands[i];
+    hand.holds = world_->hand(i).holds();
+    hand.held = body.pose() * Eigen::Vector3d(held_[i].rest + held_[i].rows * body.state().q);
+    hand.point = hand.held;  // a scene's hand does not say where it is
+  }
+  HandMoment& mine = moment.hands.back();
+  mine.holds = hand_.holds();
+  if (!mine.holds) return Success{};
+  mine.held = hand_.held(*world_);
+  mine.point = hand_.point();
+  return Success{};
+}
+
+Status LiveWorld::refresh() {
+  if (Status s = look(moments_[newest_]); !s) return s;
+  moments_[1 - newest_] = moments_[newest_];
+  return Success{};
+}
+
+Status LiveWorld::step() {
+  hand_.before_step(*world_);
+  for (const auto& [body, report] : world_->step()) {
+    if (!trouble_.empty()) continue;
+    trouble_ =
+        "body '" + world_->name(body) + "': " + why_not_made(report, world_->body(body).time());
+    trouble_code_ = exit_code(error_kind(report.failure));
+  }
+  newest_ = 1 - newest_;
+  return look(moments_[newest_]);
+}
+
+void LiveWorld::at(double t, WorldMoment& out) const {
+  const double step = now().time - before().time;
+  const double share = step > 0.0 ? std::clamp((t - before().time) / step, 0.0, 1.0) : 1.0;
+  between(before(), now(), share, out);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,60 @@
+// A world that goes, its last two moments, and the user's hand in it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/viewer/live/live_hand.h"
+#include "runtime/viewer/live/viewed_scene.h"
+#include "runtime/viewer/live/world_moment.h"
+
+namespace tremolo {
+
+class LiveWorld {
+ public:
+  // Errors of SceneWorld::create, and of the bodies' starts.
+  static Result<LiveWorld> create(const ViewedScene& viewed, ModelCache& models);
+
+  // Begins anew, with the methods and the step of now.
+  Status begin_again(ModelCache& models);
+
+  SceneWorld& world() { return *world_; }
+  const SceneWorld& world() const { return *world_; }
+  const ViewedScene& viewed() const { return viewed_; }
+  LiveHand& hand() { return hand_; }
+  const LiveHand& hand() const { return hand_; }
+
+  // One step of everything. A body whose step fails stands still from then on, and trouble() says
+  // why. Errors of look_at_world.
+  Status step();
+  // What the first body that failed said; empty if none has. code: its exit code.
+  const std::string& trouble() const { return trouble_; }
+  int trouble_code() const { return trouble_code_; }
+
+  // Moments before and after the last step; the same before the first.
+  const WorldMoment& before() const { return moments_[static_cast<std::size_t>(1 - newest_)]; }
+  const WorldMoment& now() const { return moments_[static_cast<std::size_t>(newest_)]; }
+  // The moment at t, s, between these two, or the nearer of them.
+  void at(double t, WorldMoment& out) const;
+  // Looks again, where something has been changed from outside.
+  Status refresh();
+
+ private:
+  LiveWorld() = default;
+  Status begin(ModelCache& models);
+  Status look(WorldMoment& moment) const;
+
+  ViewedScene viewed_;
+  std::unique_ptr<SceneWorld> world_;
+  LiveHand hand_;
+  std::vector<VertexRows> held_;  // by the scene's hands
+  WorldMoment moments_[2];
+  int newest_ = 0;
+  std::string trouble_;
+  int trouble_code_ = 0;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,177 @@
+#include <filesystem>
+#include <sstream>
+#include <string>
+
+#include <toml++/toml.h>
+
+#include "formats/file/atomic_file.h"
+#include "runtime/viewer/live/hand_record.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Keys whose value is a file's name, seen from the folder of the scene.
+bool names_file(std::string_view key, const toml::node& node) {
+  if (!node.is_string()) return false;
+  for (const char* known : {"model", "file", "signal", "bone-weights", "gravity"})
+    if (key == known) return true;
+  return false;
+}
+
+std::string named_from(const fs::path& folder, const fs::path& file) {
+  std::error_code ignored;
+  const fs::path there = fs::weakly_canonical(file, ignored);
+  const fs::path from = fs::weakly_canonical(folder.empty() ? "." : folder, ignored);
+  const fs::path relative = there.lexically_relative(from);
+  return (relative.empty() ? there : relative).generic_string();
+}
+
+struct Folders {
+  fs::path old_one, new_one;
+};
+
+void move_paths(toml::node& node, const Folders& folders);
+
+void move_paths(toml::table& table, const Folders& folders) {
+  for (auto&& [key, value] : table) {
+    if (!names_file(key.str(), value)) {
+      move_paths(value, folders);
+      continue;
+    }
+    toml::value<std::string>& text = *value.as_string();
+    text = named_from(folders.new_one, folders.old_one / *text);
+  }
+}
+
+void move_paths(toml::node& node, const Folders& folders) {
+  if (toml::table* table = node.as_table()) move_paths(*table, folders);
+  if (toml::array* array = node.as_array())
+    for (toml::node& entry : *array) move_paths(entry, folders);
+}
+
+toml::array numbers(const Eigen::Vector3d& v) {
+  return toml::array{v[0], v[1], v[2]};
+}
+
+toml::table table_of(const SceneHand& hand) {
+  toml::array keys;
+  for (const Keyframe& key : std::get<KeyframeMotion>(hand.motion.parts.front()).keys) {
+    toml::array row{key.time};
+    for (const double x : key.pose.position) row.push_back(x);
+    keys.push_back(std::move(row));
+  }
+  toml::table motion{{"kind", "keyframes"}, {"interpolation", "linear"}, {"keys", std::move(keys)}};
+  toml::table table{{"body", hand.body},
+                    {"at", std::stoll(hand.at)},
+                    {"stiffness", hand.stiffness},
+                    {"damping", hand.damping},
+                    {"from", hand.from}};
+  if (hand.until < kForEver) table.insert("until", hand.until);
+  table.insert("motion", toml::array{std::move(motion)});
+  return table;
+}
+
+const char* signal_name(SignalKind kind) {
+  switch (kind) {
+    case SignalKind::kImpulse:
+      return "impulse";
+    case SignalKind::kSquare:
+      return "square";
+    case SignalKind::kSine:
+      return "sine";
+    case SignalKind::kConstant:
+      return "constant";
+    default:
+      return "none";
+  }
+}
+
+// Of a body that came without a scene, or from one without [[bodies]].
+Result<toml::table> table_of(const SceneBody& body, const std::string& start,
+                             const fs::path& folder) {
+  if (!start.empty() && start != "static")
+    return content_error("a scene with [[bodies]] cannot say --start " + start +
+                         ": record a hand without it");
+  toml::table table{{"name", body.name}, {"model", named_from(folder, body.model)}};
+  if (!start.empty()) table.insert("start", start);
+  if (body.model_options.modes > 0) table.insert("modes", body.model_options.modes);
+  if (body.model_options.linear) table.insert("linear", true);
+  if (body.model_options.hull) table.insert("hull", true);
+  const IntegratorOptions& o = body.options;
+  table.insert("newmark-beta", o.newmark_beta);
+  table.insert("newmark-gamma", o.newmark_gamma);
+  table.insert("tolerance", o.tolerance);
+  table.insert("max-iterations", o.max_iterations);
+  table.insert("safety", o.split.safety);
+  if (o.split.rule == SplitRule::kThesis) table.insert("split", "thesis");
+  if (o.split.rule == SplitRule::kCount) table.insert("split", o.split.count);
+  for (const SceneLoad& load : body.loads) {
+    if (load.signal.kind == SignalKind::kTable)
+      return content_error("a recorded hand does not go with --signal: take a scene that says it");
+    table.insert("load", signal_name(load.signal.kind));
+    table.insert("scale", load.scale);
+    if (load.at.empty()) continue;
+    table.insert("at", load.at);
+    table.insert("force", numbers(load.force));
+  }
+  return table;
+}
+
+// What may have changed since the scene was read.
+void say_method(const LiveWorld& live, std::size_t i, toml::table& table) {
+  const Body& body = live.world().body(i);
+  table.insert_or_assign("integrator", std::string(body.integrator().name()));
+  // What the scene changes in time stays as the scene says it.
+  const SceneBody& wanted = live.viewed().scene.bodies[i];
+  if (wanted.alphas.empty()) table.insert_or_assign("alpha", body.alpha());
+  if (wanted.betas.empty()) table.insert_or_assign("beta", body.beta());
+}
+
+Result<toml::table> begun_table(const LiveWorld& live, const fs::path& folder) {
+  const ViewedScene& viewed = live.viewed();
+  if (!viewed.text.empty()) {
+    // It has been read before.
+    toml::table table = toml::parse(viewed.text);
+    move_paths(table, {fs::path(viewed.file).parent_path(), folder});
+    return table;
+  }
+  toml::array bodies;
+  for (std::size_t i = 0; i < viewed.scene.bodies.size(); ++i) {
+    Result<toml::table> body = table_of(viewed.scene.bodies[i], viewed.starts[i], folder);
+    if (!body) return body.error();
+    bodies.push_back(std::move(*body));
+  }
+  toml::table table{{"duration", viewed.scene.duration}};
+  table.insert("bodies", std::move(bodies));
+  return table;
+}
+
+}  // namespace
+
+Status write_recorded_scene(const std::string& path, const LiveWorld& live,
+                            const std::vector<SceneHand>& hands) {
+  Result<toml::table> begun = begun_table(live, fs::path(path).parent_path());
+  if (!begun) return begun.error();
+  toml::table& table = *begun;
+  table.insert_or_assign("step", live.world().step_size());
+  // Copies have one entry in the file, and one method.
+  std::size_t at = 0;
+  for (toml::node& node : *table["bodies"].as_array()) {
+    toml::table& body = *node.as_table();
+    const std::string name = body["name"].value_or<std::string>("");
+    while (at < live.world().size() && live.world().name(at) != name &&
+           !live.world().name(at).starts_with(name + "-"))
+      ++at;
+    if (at < live.world().size()) say_method(live, at, body);
+  }
+  if (!table.contains("hands")) table.insert("hands", toml::array{});
+  for (const SceneHand& hand : hands) table["hands"].as_array()->push_back(table_of(hand));
+  if (table["hands"].as_array()->empty()) table.erase("hands");
+  std::ostringstream text;
+  text << "# Recorded by tremolo view: a hand does what the mouse did.\n" << table << "\n";
+  return write_file(path, text.str());
+}
+
+}  // namespace tremolo

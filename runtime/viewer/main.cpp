@@ -1,0 +1,117 @@
+// tremolo-view: see and touch the bodies of a model or a scene; pictures of them without a display.
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <set>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "runtime/program/output/tell.h"
+#include "runtime/program/run/run_flags.h"
+#include "runtime/viewer/live/viewed_scene.h"
+#include "runtime/viewer/offscreen/offscreen.h"
+#include "runtime/viewer/setup/viewer_options.h"
+#include "runtime/viewer/window/window_command.h"
+
+namespace tremolo {
+namespace {
+
+void add_picture_flags(CLI::App& app, ViewerOptions& o) {
+  app.add_option("--size", o.size, "of pictures or the window, in pixels")->capture_default_str();
+  app.add_option("--camera", o.camera,
+                 "AZIMUTH,ELEVATION[,ZOOM] in degrees; 0,0 looks along +y, 1 frames the bodies");
+  app.add_option("--up", o.up, "y, z or auto: against the scene's gravity, else z")
+      ->capture_default_str();
+  app.add_flag("--follow", o.follow, "the camera goes where the bodies' middle goes");
+  app.add_option("--background", o.background, "studio, white or #rrggbb (without a ground)")
+      ->capture_default_str();
+  app.add_option("--colour", o.colour, "body, or moved: by how far a vertex is from its rest")
+      ->capture_default_str();
+  app.add_option("--moved-full", o.moved_full, "m that are red; 0: the largest seen so far");
+  app.add_option("--paint", o.paints, "[BODY=]#rrggbb: a body's colour; may be repeated");
+  app.add_option("--texture", o.textures,
+                 "[MATERIAL=]FILE.png for bodies with texture coordinates; may be repeated");
+  app.add_flag("--wire", o.wire, "show the triangles");
+  app.add_flag("--no-colliders", o.no_colliders, "do not show colliders, but for the ground");
+  app.add_option("--lights", o.lights,
+                 "directions that light comes from, 2 to 96: softer shadows, slower");
+}
+
+void add_offscreen_flags(CLI::App& app, ViewerOptions& o) {
+  app.add_flag("--offscreen", o.offscreen, "pictures without a display");
+  app.add_option("--frames", o.frames, "how many")->capture_default_str();
+  app.add_option("--from", o.from, "simulated time of the first, s")->capture_default_str();
+  app.add_option("--rate", o.rate, "pictures a simulated second; of a film, a second")
+      ->capture_default_str();
+  app.add_option("--out", o.out, "a folder: frame-000000.png ...");
+  app.add_option("--video", o.video, "a film, .mp4 or .webm (needs ffmpeg)");
+  app.add_flag("--json", o.json, "print one JSON object on stdout");
+}
+
+void add_window_flags(CLI::App& app, ViewerOptions& o) {
+  app.add_option("--slow", o.slow, "simulated time a real time: 0.1 is ten times slower")
+      ->capture_default_str();
+  app.add_flag("--paused", o.paused, "begin paused");
+  app.add_option("--record-hand", o.record_hand,
+                 "a scene file, written at the end, in which a hand does what the mouse did");
+  app.add_option("--seconds", o.duration, "close the window after so long");
+  app.add_flag("--measure", o.measure, "tell at the end what pictures and the mouse cost");
+}
+
+struct ViewParser {
+  CLI::App app{"See and touch the bodies of a model or a scene. SI units."};
+
+  explicit ViewParser(ViewerOptions& options) {
+    app.name("tremolo view");
+    app.set_version_flag("--version", std::string("tremolo ") + TREMOLO_VERSION);
+    app.add_option("file", options.file, "basis file, or scene.toml")->required();
+    add_picture_flags(app, options);
+    add_offscreen_flags(app, options);
+    add_window_flags(app, options);
+    add_body_flags(app, options.body);
+    add_modes_flag(app, options.body);
+  }
+};
+
+// What `tremolo run` and the viewer call alike but mean otherwise is not told to scenes.
+bool is_told(const CLI::App& app, const std::string& flag) {
+  static const std::set<std::string> kOwn = {"--out", "--surfaces", "--every", "--plot"};
+  const CLI::Option* option = app.get_option_no_throw(flag);
+  return !kOwn.contains(flag) && option != nullptr && option->count() > 0;
+}
+
+int view(int count, char** words) {
+  // Also started as `tremolo view ...`, which hands over all of its words.
+  if (count > 1 && std::strcmp(words[1], "view") == 0) {
+    --count;
+    ++words;
+  }
+  ViewerOptions options;
+  ViewParser parser(options);
+  try {
+    parser.app.parse(count, words);
+  } catch (const CLI::ParseError& error) {
+    const int code = parser.app.exit(error, std::cout, std::cerr);
+    return code == 0 ? 0 : exit_code(ErrorKind::kUsage);
+  }
+  const ViewFlags flags{options.body,
+                        [&parser](const char* flag) { return is_told(parser.app, flag); },
+                        [count, words](RunOptions& body) {
+                          ViewerOptions again;
+                          again.body = body;
+                          ViewParser onto(again);
+                          onto.app.parse(count, words);  // cannot fail: it has been parsed before
+                          body = again.body;
+                        }};
+  const Result<ViewedScene> viewed = read_viewed_scene(options.file, flags);
+  if (!viewed) return report_error(viewed.error());
+  return options.offscreen ? offscreen_command(options, *viewed) : window_command(options, *viewed);
+}
+
+}  // namespace
+}  // namespace tremolo
+
+int main(int count, char** words) {
+  return tremolo::run_guarded([&] { return tremolo::view(count, words); });
+}

@@ -1,0 +1,35 @@
+// Where pictures go: a folder of PNGs, a film, or both.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/viewer/picture/png_file.h"
+#include "runtime/viewer/picture/video_file.h"
+
+namespace tremolo {
+
+class PictureSeries {
+ public:
+  // folder: made if it is not there; empty: none. video: as of VideoFile; empty: none. Errors:
+  // kSystem where a folder cannot be made or written into; those of VideoFile.
+  static Result<PictureSeries> create(const std::string& folder, const std::string& video,
+                                      double rate, int width, int height);
+
+  // frame-000000.png, frame-000001.png ... Errors: those of write_png and VideoFile::add.
+  Status add(const Picture& picture);
+  Status finish();
+  // Of pictures, in order; of a film at the end.
+  const std::vector<std::string>& files() const { return files_; }
+
+ private:
+  PictureSeries() = default;
+  std::string folder_, video_path_;
+  std::optional<VideoFile> video_;
+  std::vector<std::string> files_;
+  int count_ = 0;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,25 @@
+// A picture as a PNG file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+// pixels: r g b of each, 8 bits sRGB, row by row from the upper left corner, width * height * 3.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> pixels;
+};
+
+// Written whole or not at all. Errors: kSystem if it cannot be written.
+Status write_png(const std::string& path, const Picture& picture);
+
+// Any PNG as r g b. Errors: kSystem for a file that cannot be read, kContent for one that is no PNG
+// or is larger than 16384 a side.
+Result<Picture> read_png(const std::string& path);
+
+}  // namespace tremolo

@@ -1,0 +1,148 @@
+#include "runtime/viewer/setup/view_setup.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "runtime/viewer/draw/shaders.h"
+
+namespace tremolo {
+namespace {
+
+// sRGB, one behind the other.
+constexpr std::array<std::uint32_t, 8> kBodyColours = {0xb06a34, 0x3a7f9a, 0xa83e36, 0x6f8f45,
+                                                       0x84609c, 0xc79a36, 0x45907f, 0x9c6474};
+constexpr double kDegree = std::numbers::pi / 180.0;
+// From where the sample models look well: from the right and above.
+constexpr CameraWish kUsualCamera{22.0 * kDegree, 17.0 * kDegree, 1.0};
+
+Result<UpAxis> up_of(const std::string& text, const Scene& scene) {
+  if (text == "y") return UpAxis::kY;
+  if (text == "z") return UpAxis::kZ;
+  if (text != "auto") return usage_error("--up " + text + ": must be y, z or auto");
+  const Eigen::Vector3d gravity = scene.gravity.at(0.0);
+  return std::abs(gravity[1]) > std::abs(gravity[2]) ? UpAxis::kY : UpAxis::kZ;
+}
+
+// "#rrggbb"; none for any other text.
+std::optional<Eigen::Vector3f> parse_colour(const std::string& text) {
+  std::uint32_t rgb = 0;
+  const char* end = text.data() + text.size();
+  if (text.size() != 7 || text.front() != '#') return std::nullopt;
+  const auto [stop, error] = std::from_chars(text.data() + 1, end, rgb, 16);
+  if (error != std::errc{} || stop != end) return std::nullopt;
+  return linear_colour(rgb);
+}
+
+Result<std::optional<Eigen::Vector3f>> background_of(const std::string& text) {
+  if (text == "studio") return std::optional<Eigen::Vector3f>();
+  const std::optional<Eigen::Vector3f> colour = parse_colour(text == "white" ? "#ffffff" : text);
+  if (!colour) return usage_error("--background " + text + ": must be studio, white or #rrggbb");
+  return colour;
+}
+
+// Later texts win. A name is a body's, or one of copies without its number.
+Result<std::vector<Eigen::Vector3f>> paints_of(const std::vector<std::string>& texts,
+                                               const Scene& scene) {
+  std::vector<Eigen::Vector3f> paints;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    paints.push_back(linear_colour(kBodyColours[i % kBodyColours.size()]));
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    const std::string name = equals == std::string::npos ? "" : text.substr(0, equals);
+    const std::optional<Eigen::Vector3f> colour =
+        parse_colour(equals == std::string::npos ? text : text.substr(equals + 1));
+    if (!colour) return usage_error("--paint " + text + ": expected [BODY=]#rrggbb");
+    bool used = false;
+    for (std::size_t i = 0; i < paints.size(); ++i) {
+      const std::string& body = scene.bodies[i].name;
+      if (!name.empty() && body != name && !body.starts_with(name + "-")) continue;
+      paints[i] = *colour;
+      used = true;
+    }
+    if (!used) return content_error("--paint " + text + ": there is no body of that name");
+  }
+  return paints;
+}
+
+Result<std::vector<StageImage>> images_of(const std::vector<std::string>& texts) {
+  std::vector<StageImage> images;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    StageImage image;
+    if (equals != std::string::npos) image.material = text.substr(0, equals);
+    const std::string file = equals == std::string::npos ? text : text.substr(equals + 1);
+    if (Status s = take(image.picture, read_png(file)); !s) return s.error();
+    images.push_back(std::move(image));
+  }
+  return images;
+}
+
+Status check_numbers(const ViewerOptions& options) {
+  if (options.frames < 1 || options.frames > 999999)
+    return content_error("--frames must be from 1 to 999999");
+  if (!(options.from >= 0.0) || !std::isfinite(options.from))
+    return content_error("--from must be finite and not negative (s)");
+  if (!(options.rate > 0.0) || !std::isfinite(options.rate))
+    return content_error("--rate must be positive and finite (Hz)");
+  if (options.lights != 0 && (options.lights < 2 || options.lights > kMostLights))
+    return content_error("--lights must be from 2 to " + std::to_string(kMostLights));
+  if (!(options.moved_full >= 0.0) || !std::isfinite(options.moved_full))
+    return content_error("--moved-full must be positive and finite (m)");
+  if (!(options.slow >= 1e-4 && options.slow <= 1e4))
+    return content_error("--slow must be from 0.0001 to 10000");
+  if (!(options.duration >= 0.0) || !std::isfinite(options.duration))
+    return content_error("--seconds must be finite and not negative");
+  if (options.colour != "body" && options.colour != "moved")
+    return usage_error("--colour " + options.colour + ": must be body or moved");
+  return Success{};
+}
+
+}  // namespace
+
+Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene) {
+  ViewSetup setup;
+  if (Status s = check_numbers(options); !s) return s.error();
+  if (Status s = take(setup.size, parse_size(options.size)); !s) return s.error();
+  if (Status s = take(setup.up, up_of(options.up, scene)); !s) return s.error();
+  setup.camera = kUsualCamera;
+  if (!options.camera.empty())
+    if (Status s = take(setup.camera, parse_camera(options.camera)); !s) return s.error();
+  const Result<std::optional<Eigen::Vector3f>> background = background_of(options.background);
+  if (!background) return background.error();
+  setup.background = *background;
+  if (Status s = take(setup.paints, paints_of(options.paints, scene)); !s) return s.error();
+  if (Status s = take(setup.images, images_of(options.textures)); !s) return s.error();
+  return setup;
+}
+
+Camera first_camera(const ViewSetup& setup, const Stage& stage) {
+  Camera camera;
+  camera.up = setup.up;
+  camera.azimuth = setup.camera.azimuth;
+  camera.elevation = setup.camera.elevation;
+  frame_points(stage.points(), setup.size.aspect(), camera);
+  camera.distance /= setup.camera.zoom;
+  return camera;
+}
+
+LightCounts light_counts(int lights, int side) {
+  const int lamps = std::max(1, lights / 4);
+  return {lamps, lights - lamps, side};
+}
+
+PictureLook look_of(const ViewerOptions& options, const ViewSetup& setup, const Stage& stage,
+                    const LightCounts& lights) {
+  PictureLook look;
+  look.lights = options.lights > 0 ? light_counts(options.lights, lights.side) : lights;
+  look.light_azimuth = setup.camera.azimuth;
+  look.wire = options.wire;
+  look.background = setup.background;
+  look.ground = stage.ground();
+  look.has_ground = stage.has_ground();
+  return look;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,40 @@
+// What window and off-screen pictures begin with alike.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/viewer/camera/camera.h"
+#include "runtime/viewer/draw/renderer.h"
+#include "runtime/viewer/live/live_world.h"
+#include "runtime/viewer/setup/viewer_options.h"
+#include "runtime/viewer/stage/stage.h"
+
+namespace tremolo {
+
+// What the options say, checked, without a world or OpenGL.
+struct ViewSetup {
+  PictureSize size;
+  UpAxis up = UpAxis::kZ;
+  CameraWish camera;
+  std::optional<Eigen::Vector3f> background;  // none: the studio
+  std::vector<Eigen::Vector3f> paints;        // of each body of the scene, linear light
+  std::vector<StageImage> images;
+};
+
+// scene: its gravity says what is up unless the options do. Errors: kUsage, kContent; kSystem for
+// an image that cannot be read.
+Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene);
+
+// Framed on what the stage was posed to last.
+Camera first_camera(const ViewSetup& setup, const Stage& stage);
+
+// lights: of this kind of card, unless the options say how many.
+PictureLook look_of(const ViewerOptions& options, const ViewSetup& setup, const Stage& stage,
+                    const LightCounts& lights);
+
+// --lights N: a quarter of them in the lamp. At most kMostLights.
+LightCounts light_counts(int lights, int side);
+
+}  // namespace tremolo

@@ -1,0 +1,43 @@
+// What `tremolo view` is told.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/program/run/run_options.h"
+
+namespace tremolo {
+
+// The names are those of the flags. body: what a body is and how it is stepped, as `tremolo run`
+// takes it.
+struct ViewerOptions {
+  std::string file;
+  RunOptions body;
+  bool offscreen = false;
+  int frames = 1;
+  double from = 0.0;   // s
+  double rate = 60.0;  // pictures a simulated second
+  std::string size = "1280x720";
+  std::string out;     // a folder of PNGs
+  std::string video;   // a file
+  std::string camera;  // AZIMUTH,ELEVATION[,ZOOM]; empty: the usual one
+  std::string up = "auto";
+  std::string background = "studio";
+  std::string colour = "body";      // or moved
+  double moved_full = 0.0;          // m; 0: the largest that was seen
+  std::vector<std::string> paints;  // "#rrggbb", or BODY=#rrggbb
+  std::vector<std::string> textures;
+  bool wire = false;
+  bool follow = false;
+  bool no_colliders = false;
+  int lights = 0;  // 0: as many as suit
+  double slow = 1.0;
+  std::string record_hand;
+  double duration = 0.0;  // of a window, s by the clock; 0: until it is closed
+  bool measure = false;
+  bool paused = false;
+  bool json = false;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,115 @@
+// A world's bodies, colliders and hands as things that are drawn.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/contact/collider.h"
+#include "runtime/display/surface.h"
+#include "runtime/viewer/camera/camera.h"
+#include "runtime/viewer/draw/renderer.h"
+#include "runtime/viewer/live/world_moment.h"
+#include "runtime/viewer/picture/png_file.h"
+
+namespace tremolo {
+
+// An image for a material of the drawn surface; an empty name: for all that have texture
+// coordinates.
+struct StageImage {
+  std::string material;
+  Picture picture;
+};
+
+// by_moved: bodies are coloured by how far each vertex has moved from its place at rest in the
+// body's frame (of a body on bones: they keep their colours).
+struct StageLook {
+  bool by_moved = false;
+  bool colliders = true;
+};
+
+class Stage {
+ public:
+  // With a context current, as long as it lives. world: as it is before its first step; its models
+  // must outlive the stage. paints: a body's colour, linear light. Errors: kContent for an image
+  // whose material no body has, or for images where no body has texture coordinates.
+  static Result<std::unique_ptr<Stage>> create(const SceneWorld& world, UpAxis up,
+                                               const std::vector<Eigen::Vector3f>& paints,
+                                               const std::vector<StageImage>& images);
+
+  // Where everything is at the moment: positions and normals, as the engine computes them. No
+  // OpenGL.
+  void pose(const WorldMoment& moment);
+  // Hands them to the card.
+  void upload();
+  // What is drawn, valid until the next call; after upload(). A collider between the eye (m, world)
+  // and the middle of a body is drawn as glass.
+  const std::vector<DrawnThing>& things(const StageLook& look, const Eigen::Vector3d& eye);
+  // Around all that throws shadows, of the last pose(); it does not shrink.
+  const ShownBall& ball() const { return ball_; }
+
+  // All drawn vertices of the last pose(), x y z ..., m, world: of bodies; of a world without any
+  // they are none.
+  std::vector<double> points() const;
+  // Along the up axis, m, and whether there is any: of a collider that is a level plane, else the
+  // lowest place of the first pose; none where a body is free and nothing catches it.
+  double ground() const { return ground_; }
+  bool has_ground() const { return has_ground_; }
+  // The largest displacement of a vertex in its body's frame, m, of the last pose().
+  float most_moved() const { return most_moved_; }
+
+ private:
+  struct MaterialRange {
+    std::size_t first, count, material;
+  };
+  struct StagedBody {
+    Model::Pointer model;
+    GpuMesh mesh;
+    std::vector<MaterialRange> ranges;
+    Paint paint = Paint::kOne;
+    Eigen::Vector3f colour;
+    Pose pose;
+    std::vector<float> positions, normals;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of its box, m, world
+    std::vector<GLuint> images;                        // one a range; 0: none
+    bool own_frame = true;
+  };
+  struct StagedCollider {
+    GpuMesh mesh;
+    TriangleShape shape;
+    Collider solid;
+    Pose pose;
+    bool is_ground = false, is_plane = false;
+  };
+
+  Stage() = default;
+  void add_body(const Body& body, const Eigen::Vector3f& colour);
+  Status add_images(const std::vector<StageImage>& images);
+  void add_colliders(const SceneWorld& world);
+  void find_ground(const SceneWorld& world);
+  void pose_bodies(const WorldMoment& moment);
+  void enclose();
+  void add_hands(std::vector<DrawnThing>& things) const;
+  bool hides_a_body(const StagedCollider& collider, const Eigen::Vector3d& eye) const;
+
+  UpAxis up_ = UpAxis::kZ;
+  std::vector<StagedBody> bodies_;
+  std::vector<StagedCollider> colliders_;
+  std::vector<HandMoment> hands_;
+  std::vector<GlHandle> images_;
+  GpuMesh hand_mesh_;
+  SurfaceWorkspace workspace_;
+  std::vector<DrawnThing> things_;
+  ShownBall ball_;
+  bool posed_ = false;
+  double ground_ = 0.0, size_ = 1.0;
+  bool has_ground_ = true;
+  float most_moved_ = 0.0f;
+};
+
+// "#rrggbb" as linear light, 0 to 1 each.
+Eigen::Vector3f linear_colour(std::uint32_t rgb);
+
+}  // namespace tremolo

@@ -1,0 +1,40 @@
+// What tests of the viewer share: the program, its pictures, where it cannot draw.
+#pragma once
+
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "runtime/viewer/offscreen/egl_context.h"
+#include "tests/support/run_program.h"
+
+namespace tremolo::testing {
+
+inline const std::string kView = TREMOLO_BIN_DIR "/tremolo view ";
+
+inline std::string sample_model(const std::string& name) {
+  return TREMOLO_MODEL_DIR "/" + name + ".tremolo";
+}
+
+// Why pictures cannot be made here; empty where they can.
+inline std::string no_pictures() {
+  const auto context = EglContext::create();
+  return context ? "" : context.error().message;
+}
+
+struct Shots {
+  ProgramResult result;
+  nlohmann::json json;
+};
+
+// Off-screen pictures in FOLDER/out; flags behind the model's or scene's name.
+inline Shots shoot(const std::string& folder, const std::string& what, const std::string& flags) {
+  Shots shots;
+  shots.result =
+      run_program(folder, kView + what + " --offscreen --json --out '" + folder + "/out' " + flags);
+  shots.json = nlohmann::json::parse(shots.result.out, nullptr, false);
+  return shots;
+}
+
+}  // namespace tremolo::testing
