@@ -29,7 +29,7 @@ bool all_or_none(std::size_t count, std::size_t n) {
   return count == 0 || count == n;
 }
 
-Status check_shape(const AnimatedShape& shape) {
+Status check_animated_shape(const AnimatedShape& shape) {
   const RenderSurface& surface = shape.surface;
   const std::size_t vertices = surface.vertices.size(), triangles = surface.triangles.size();
   if (vertices == 0 || triangles == 0) return bad_shape(shape, "it has no triangles");
@@ -60,7 +60,7 @@ Status check_shape(const AnimatedShape& shape) {
   return Success{};
 }
 
-Status check_body(const Animation& animation, const AnimatedBody& body) {
+Status check_animated_body(const Animation& animation, const AnimatedBody& body) {
   if (body.shape >= animation.shapes.size()) return bad_body(body, "it has no shape");
   const AnimatedShape& shape = animation.shape_of(body);
   const std::size_t frames = animation.frames();
@@ -108,12 +108,12 @@ Status check_animation(const Animation& animation) {
         (f > 0 && animation.times[f] <= animation.times[f - 1]))
       return usage_error("the frames' times do not ascend");
   for (const AnimatedShape& shape : animation.shapes)
-    if (Status s = check_shape(shape); !s) return s;
+    if (Status s = check_animated_shape(shape); !s) return s;
   std::set<std::string> names;
   for (const AnimatedBody& body : animation.bodies) {
     if (body.name.empty() || !names.insert(body.name).second)
       return bad_body(body, "every body needs a name of its own");
-    if (Status s = check_body(animation, body); !s) return s;
+    if (Status s = check_animated_body(animation, body); !s) return s;
   }
   return Success{};
 }

@@ -20,7 +20,7 @@ constexpr std::size_t kAlignment = 4;
 constexpr int kArrayBuffer = 34962;
 constexpr int kElementArrayBuffer = 34963;
 
-std::size_t padded(std::size_t size) {
+std::size_t padded_to_words(std::size_t size) {
   return (size + kAlignment - 1) / kAlignment * kAlignment;
 }
 
@@ -58,7 +58,7 @@ std::size_t GlbFile::add(GlbPart part, const GlbFormat& format, const void* byte
                          std::size_t count) {
   constexpr const char* kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
   std::string& place = parts_[static_cast<std::size_t>(part)];
-  place.resize(padded(place.size()), '\0');
+  place.resize(padded_to_words(place.size()), '\0');
   std::string text = "{\"bufferView\":" + json_number(view_of(part)) +
                      ",\"byteOffset\":" + json_number(place.size()) +
                      ",\"componentType\":" + json_number(static_cast<int>(format.component)) +
@@ -101,14 +101,14 @@ Status GlbFile::write(const std::string& path, std::vector<std::string> members,
       text += ",\"target\":" +
               json_number(part == GlbPart::kIndices ? kElementArrayBuffer : kArrayBuffer);
     views.push_back(text + "}");
-    parts_[k].resize(padded(parts_[k].size()), '\0');
+    parts_[k].resize(padded_to_words(parts_[k].size()), '\0');
     offset += parts_[k].size();
   }
   for (Image& image : images_) {
     images.push_back("{\"name\":" + json_string(image.name) + ",\"mimeType\":\"" + image.type +
                      "\",\"bufferView\":" + json_number(views.size()) + "}");
     views.push_back(view_text(offset, image.bytes.size()) + "}");
-    image.bytes.resize(padded(image.bytes.size()), '\0');
+    image.bytes.resize(padded_to_words(image.bytes.size()), '\0');
     offset += image.bytes.size();
   }
   members.push_back("\"accessors\":" + json_list(accessors_));
@@ -118,7 +118,7 @@ Status GlbFile::write(const std::string& path, std::vector<std::string> members,
   std::string json = json_list(members);
   json.front() = '{';
   json.back() = '}';
-  json.resize(padded(json.size()), ' ');
+  json.resize(padded_to_words(json.size()), ' ');
 
   constexpr std::size_t kHeaders = 12 + 8 + 8;
   bytes = kHeaders + json.size() + offset;

@@ -137,7 +137,7 @@ void append_files(Json& files, const std::vector<WrittenFile>& written, const ch
   }
 }
 
-Result<Json> write_all(const MotionOutputs& outputs, const Animation& animation) {
+Result<Json> write_motion_files(const MotionOutputs& outputs, const Animation& animation) {
   Json files = Json::array();
   if (!outputs.glb.empty()) {
     Result<Json> glb = write_as_glb(outputs, animation);
@@ -223,7 +223,7 @@ Status export_motion(const MotionOutputs& outputs, const MotionSource& source) {
   double left_out = 0.0;
   if (outputs.modes > 0)
     if (Status s = take(left_out, keep_coordinates(motion->animation, outputs.modes)); !s) return s;
-  const Result<Json> files = write_all(outputs, motion->animation);
+  const Result<Json> files = write_motion_files(outputs, motion->animation);
   if (!files) return files.error();
   tell_motion(outputs, *motion, left_out);
   if (!outputs.json) {
