@@ -18,6 +18,7 @@
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run.h"
 #include "runtime/program/run/run_flags.h"
+#include "runtime/program/run/sound.h"
 #include "runtime/program/world/run_world.h"
 #include "runtime/scene_reader/scene_reader.h"
 
@@ -43,6 +44,10 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
   run.add_option("--every", o.every, "a CSV row every so many steps")->capture_default_str();
   run.add_flag("--plot", o.plot, "draw energy.svg (needs gnuplot)");
   run.add_option("--surfaces", o.surfaces, "write so many surfaces, evenly spaced in time");
+  run.add_option("--wav", o.wav,
+                 "sound of what the body does, 48 000 steps a second unless --step says otherwise");
+  run.add_option("--listen", o.listen,
+                 "with --wav: vertex or selector whose acceleration along the normal is heard");
   run.add_option("--surface-format", o.surface_format, "ply, obj or inc (POV-Ray)")
       ->check(CLI::IsMember({"ply", "obj", "inc"}))
       ->capture_default_str();
@@ -223,6 +228,9 @@ Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std:
     if (flags.count("--load") > 0) body.signal.clear();
     if (flags.count("--scale") > 0) body.deflect.clear();
     if (flags.count("--deflect") > 0) body.scale = 1.0;
+    if (!body.wav.empty() && flags.count("--step") == 0) body.step = kSoundStep;
+    if (!body.wav.empty() && bodies->size() > 1)
+      return usage_error("--wav is of one body, and " + path + " has several");
   }
   return bodies;
 }
@@ -303,6 +311,7 @@ int run_program(int count, char** words) {
   if (*parser.view) return start_viewer(words);
   if (!is_scene(request.file)) {
     if (Status s = check_not_saved(request); !s) return report_error(s.error());
+    if (!options.wav.empty() && parser.run->count("--step") == 0) options.step = kSoundStep;
     return run_command(bodies_of(request, options), request.json);
   }
   const Result<std::string> text = read_whole_file(request.file);

@@ -116,5 +116,67 @@ TEST_P(SampleModel, MovesVisiblyUnderItsDefaultLoad) {
   EXPECT_LE(largest, 0.3 * box.diagonal());
 }
 
+// The strength of a frequency in the sound, by a Hann window.
+double strength(const std::vector<double>& sound, double rate, double frequency) {
+  const double turn = 2.0 * std::numbers::pi * frequency / rate;
+  const double window = 2.0 * std::numbers::pi / static_cast<double>(sound.size());
+  double re = 0.0, im = 0.0;
+  for (std::size_t k = 0; k < sound.size(); ++k) {
+    const double t = static_cast<double>(k);
+    const double value = sound[k] * (1.0 - std::cos(window * t));
+    re += value * std::cos(turn * t);
+    im += value * std::sin(turn * t);
+  }
+  return std::hypot(re, im);
+}
+
+// A bell and a bar that are struck ring with their frequencies, within 1 Hz.
+TEST(Sound, RingsWithTheModes) {
+  struct Ring {
+    const char* name;
+    const char* flags;
+    std::vector<double> heard;  // modes that the blow excites, Hz, near the model's
+  };
+  const Ring rings[] = {{"bell",
+                         "--at near:100%,50%,20% --force 0,0,2 --listen near:0%,50%,20%",
+                         {55.5, 94.2, 242.7, 364.8, 993.5}},
+                        {"beam", "--scale 0.05 --listen near:100%,50%,100%", {9.66, 47.25}}};
+  const testing::TemporaryFolder folder;
+  for (const Ring& ring : rings) {
+    const std::string path = std::string(TREMOLO_MODEL_DIR "/") + ring.name + ".tremolo";
+    const auto model = Model::load(path);
+    ASSERT_TRUE(model) << model.error().message;
+    const testing::ProgramResult ran = testing::run_program(
+        folder.path(), std::string(TREMOLO_BIN_DIR "/tremolo run ") + path + " " + ring.flags +
+                           " --signal " TREMOLO_SOURCE_DIR
+                           "/assets/scenes/hammer.csv "
+                           "--duration 1.5 --wav sound.wav");
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const std::string bytes = testing::slurp(folder.file("sound.wav"));
+    std::vector<double> sound;
+    for (std::size_t at = 44 + 2 * 480; at + 1 < bytes.size(); at += 2)
+      sound.push_back(static_cast<std::int16_t>(
+          static_cast<unsigned char>(bytes[at]) |
+          static_cast<unsigned>(static_cast<unsigned char>(bytes[at + 1])) << 8));
+    ASSERT_GT(sound.size(), 70'000U);
+    const Eigen::VectorXd modes = (*model)->frequencies_hz();
+    for (const double near : ring.heard) {
+      double mode = 0.0, best = 0.0, loudest = 0.0;
+      for (const double f : modes)
+        if (std::abs(f - near) < std::abs(mode - near)) mode = f;
+      ASSERT_NEAR(mode, near, 0.5) << ring.name;
+      for (double f = mode - 4.0; f <= mode + 4.0; f += 0.125) {
+        const double here = strength(sound, 48'000.0, f);
+        if (here > loudest) {
+          loudest = here;
+          best = f;
+        }
+      }
+      EXPECT_NEAR(best, mode, 1.0) << ring.name;
+      EXPECT_GT(loudest, 5.0 * strength(sound, 48'000.0, mode + 8.0)) << ring.name << mode;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tremolo

@@ -64,9 +64,10 @@ std::string frame_name(int frame, double time, const std::string& format) {
 }
 
 Status keep_run_apart(const RunOptions& options) {
-  if (options.out.empty()) return Success{};
   const std::vector<NamedFile> inputs = inputs_of(options);
   std::vector<std::string> outputs;
+  if (!options.wav.empty()) outputs.push_back(options.wav);
+  if (options.out.empty()) return outputs.empty() ? Status(Success{}) : keep_apart(outputs, inputs);
   for (const char* name : {kTableName, kReportName, kPictureName, kFramesName, kMaterialsName})
     outputs.push_back((fs::path(options.out) / name).string());
   // Surfaces that are there will be written anew or removed.

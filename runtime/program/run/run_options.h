@@ -43,6 +43,8 @@ struct RunOptions {
   bool plot = false;
   int surfaces = 0;                    // surface files, evenly spaced in time
   std::string surface_format = "ply";  // ply, obj or inc
+  std::string wav;                     // sound; empty: none
+  std::string listen;                  // vertex or selector; empty: that of the default load
   bool hull = false;                   // of the solid's boundary, not of a render surface
 };
 

@@ -123,6 +123,7 @@ Result<LoadAttempt> attempt(const RunOptions& options, const RunInput& input, do
   trial.out.clear();
   trial.surfaces = 0;
   trial.plot = false;
+  trial.wav.clear();
   trial.probes.clear();
   trial.coordinates.clear();
   ToldProgress progress(fmt::format("{}, load times {:.4g}", options.name, scale),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/energy_drift.h"
@@ -9,6 +10,7 @@
 #include "runtime/program/run/frames.h"
 #include "runtime/program/run/recorder.h"
 #include "runtime/program/run/simulate.h"
+#include "runtime/program/run/sound.h"
 
 namespace tremolo {
 
@@ -44,6 +46,7 @@ class Watch {
   Frames frames_;
   std::unique_ptr<SurfaceStretch> stretch_;
   Eigen::Matrix<double, 3, Eigen::Dynamic> probe_;
+  std::optional<SoundTrack> sound_;
   DriftMeter drift_;
   bool was_loaded_ = false;
   std::int64_t shape_every_;      // steps

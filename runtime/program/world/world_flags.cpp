@@ -48,8 +48,8 @@ Status apply_to_body(const RunOptions& flags, const std::function<bool(const cha
 
 Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
                    SceneFile& file) {
-  for (const char* flag :
-       {"--load", "--signal", "--at", "--force", "--scale", "--deflect", "--start"})
+  for (const char* flag : {"--load", "--signal", "--at", "--force", "--scale", "--deflect",
+                           "--start", "--wav", "--listen"})
     if (told(flag))
       return usage_error(
           fmt::format("{} is of one body: say it in the scene, where {} has a table of its own",

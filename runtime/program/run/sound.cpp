@@ -1,0 +1,80 @@
+#include "runtime/program/run/sound.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "common/mesh/vertex_lookup.h"
+#include "formats/sound/wav_writer.h"
+#include "formats/surface/surface_writer.h"
+#include "runtime/program/output/tell.h"
+#include "runtime/scene/selection.h"
+
+namespace tremolo {
+namespace {
+
+constexpr double kLoudest = 0.9;
+
+Result<std::vector<VertexId>> listened_to(const RunOptions& options, const Model& model) {
+  if (!options.listen.empty()) return vertices_of(options.listen, model);
+  if (model.default_load().vertices.empty())
+    return content_error("--wav: the model has no default load: say where to --listen");
+  return model.default_load().vertices;
+}
+
+}  // namespace
+
+Status check_sound(const RunOptions& options) {
+  if (options.wav.empty()) return Success{};
+  if (std::filesystem::path(options.wav).extension() != ".wav")
+    return usage_error("--wav " + options.wav + ": the file's name must end with .wav");
+  const double rate = 1.0 / options.step;
+  if (!(rate > 7999.5 && rate < 192000.5) || std::abs(rate - std::round(rate)) > 1e-6 * rate)
+    return content_error(
+        fmt::format("--wav: a step of {:.6g} s is {:.6g} samples a second; it must be a whole "
+                    "number from 8000 to 192000",
+                    options.step, rate));
+  return Success{};
+}
+
+Result<SoundTrack> SoundTrack::create(const RunOptions& options, const Model& model) {
+  const Result<std::vector<VertexId>> vertices = listened_to(options, model);
+  if (!vertices) return vertices.error();
+  const std::vector<Eigen::Vector3d> normals =
+      vertex_normals({model.surface().rest, model.triangles()});
+  Eigen::VectorXd along = Eigen::VectorXd::Zero(model.modes());
+  for (const VertexId vertex : *vertices) {
+    const auto at = find_vertex(model.surface().vertex_ids, vertex);
+    if (!at)
+      return content_error(fmt::format(
+          "--wav: vertex {} is inside, and sound comes from the surface: say where to --listen",
+          vertex));
+    const auto row = static_cast<Eigen::Index>(3 * *at);
+    along += model.surface().rows.middleRows(row, 3).transpose() * normals[*at];
+  }
+  if (along.isZero(0.0))
+    return content_error("--wav: what is listened to does not move along its normal");
+  return SoundTrack(along / static_cast<double>(vertices->size()));
+}
+
+Status SoundTrack::write(const RunOptions& options) const {
+  if (places_.size() < 3) return content_error("--wav: the run has less than three steps");
+  const double h = options.step;
+  std::vector<double> samples(places_.size() - 2);
+  double most = 0.0;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    samples[k] = (places_[k + 2] - 2.0 * places_[k + 1] + places_[k]) / (h * h);
+    most = std::max(most, std::abs(samples[k]));
+  }
+  if (!(most > 0.0)) return content_error("--wav: nothing moved: there is no sound to write");
+  for (double& sample : samples) sample *= kLoudest / most;
+  const auto rate = static_cast<std::uint32_t>(std::llround(1.0 / h));
+  if (Status status = write_wav(options.wav, rate, samples); !status) return status;
+  tell("{}: {:.6g} s of sound, {} samples a second, full scale {:.4g} m/s^2\n", options.wav,
+       static_cast<double>(samples.size()) * h, rate, most / kLoudest);
+  return Success{};
+}
+
+}  // namespace tremolo
