@@ -46,9 +46,9 @@ struct Joint {
   void carry(StateStream& stream) { stream(force, energy, damped); }
 };
 
-// Of a step, for separations s0 and s1 at its ends, m, world. force: on the first place, N, its
-// opposite on the second. torque: on each of the two bodies besides, N m. slope: by how much the
-// force falls with s1, nearly, N/m. energy: V at the end; damped: taken, J.
+// What a joint does in a step, for separations s0 and s1 at its ends, m, world. force: on the first
+// place, N, its opposite on the second. torque: on each of the two bodies besides, N m. slope: by
+// how much the force falls with s1, nearly, N/m. energy: V at the end; damped: taken, J.
 struct JointForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();

@@ -245,6 +245,24 @@ TEST(Joints, SwingAsARigidPendulum) {
   EXPECT_NEAR(errors[0] / errors[1], 4.0, 0.6);
 }
 
+// A body whose step has been changed solves for contact as one that was made with it.
+TEST(Joints, AndHandsFollowAnotherStep) {
+  const Model::Pointer model = testing::frame_model(5, true, 60.0, 300.0, 0.3, 3);
+  Body changed = touching(model, FrameKind::kFree, 1e-3);
+  ASSERT_TRUE(changed.set_method("ep4", 4e-3));
+  Body made = touching(model, FrameKind::kFree, 4e-3);
+  for (Body* body : {&changed, &made}) {
+    ASSERT_TRUE(body->set_motion({0.4, -0.2, 0.1}, {1.0, 3.0, -2.0}));
+    ASSERT_TRUE(body->grab(4, 1e5, 10.0));
+  }
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_TRUE(changed.step().converged) << k;
+    ASSERT_TRUE(made.step().converged) << k;
+    ASSERT_EQ(changed.state().q, made.state().q) << k;
+  }
+  EXPECT_EQ(changed.iterations(), made.iterations());
+}
+
 Result<Model::Pointer> joined_model(const SceneBody& body) {
   const bool free = body.kind == FrameKind::kFree;
   return testing::frame_model(5, free, 60.0, 300.0, 0.2, free ? 3 : 4);

@@ -44,7 +44,7 @@ class BodyGroup {
   std::size_t join(std::size_t a, std::size_t b, Joint joint);
   // False: there is no such joint. Numbers of others stay.
   bool separate(std::size_t number);
-  // As after the last step; null: there is no such joint.
+  // The joint as the last step left it; null: there is no such joint.
   const Joint* joint(std::size_t number) const;
 
   // Two bodies that pushed each other in the last step, a < b, and the impulse, N s. Sorted.

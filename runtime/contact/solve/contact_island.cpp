@@ -522,7 +522,7 @@ bool ContactIsland::solve(int relaxed, int alone, int& iterations) {
   return false;
 }
 
-// Of joints: what each did to its bodies, to a driven one relative to its frame.
+// Books what each joint did to its bodies, to a driven one relative to its frame.
 void ContactIsland::settle_joints() {
   for (IslandJoint& link : joints_) {
     link.joint->force = link.now.force;

@@ -531,7 +531,7 @@ void ContactStep::scale_rows() {
 
 void ContactStep::set_step(double step) {
   const double longer = step / options_.step;
-  options_.step = step;
+  options_.step = motion_.h = step;
   damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
   S_ = (0.5 + step * damping_.theta.array() * damping_.D.array()).inverse();
   law_.stiffness /= longer * longer;
