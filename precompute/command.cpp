@@ -198,6 +198,17 @@ void serve_first_rank(const PrecomputeResult& result, bool rows_are_here, StageL
   gather_stages(log);
 }
 
+// Gathers the response at the places on rank 0. Collective.
+void collect_response(PrecomputeResult& result) {
+  if (result.response_places.empty()) return;
+  GatheredRows rows = gather_rows(result.spread_response(), result.data);
+  LocalResponse& response = result.data.response;
+  for (const ResponsePlace& place : result.response_places) response.at.push_back(place.at);
+  response.surface = std::move(rows.surface);
+  response.render = std::move(rows.render);
+  response.interior = std::move(rows.interior);
+}
+
 void compute(const CommandLine& line, StageLog& log) {
   const PrecomputeOptions& options = line.options;
   PrecomputeResult result =
@@ -205,6 +216,7 @@ void compute(const CommandLine& line, StageLog& log) {
   // These need all rows at once.
   const bool collect = options.encoding == BasisEncoding::kCompact || !options.modes_vtu.empty();
   if (collect) collect_rows(result.basis(), result.data);
+  collect_response(result);
   if (mpi_rank() != 0) return serve_first_rank(result, collect, log);
   try {
     write_result(line, result, collect, log);

@@ -33,6 +33,7 @@ PrecomputeResult load_mesh(const ModelRequest& request) {
   const Problem& problem = result.problem;
   result.map = make_dof_map(problem.mesh, problem.fixed, mpi_ranks());
   result.local = local_dofs(problem.mesh, result.map, mpi_rank());
+  result.response_places = response_places(problem, request.response_at);
   if (mpi_rank() != 0) return result;
   result.findings.locking = find_locking(problem);
   write_preview(request, problem);
@@ -124,6 +125,14 @@ void store_basis(FinishedBasis finished, Run& run, PrecomputeResult& result) {
   run.log.note(result.problem.notes.back());
 }
 
+void store_response(RestResponse response, PrecomputeResult& result) {
+  if (result.response_places.empty()) return;
+  result.findings.response_residual = response.residual;
+  result.response = expand_to_vertices(result.map, result.local, response.columns);
+  remove_basis_share(result.response_places, result.local, result.rows, result.data.lambda,
+                     result.response);
+}
+
 void store_coefficients(FinishedCoefficients coefficients, PrecomputeResult& result) {
   result.data.cubic = std::move(coefficients.cubic);
   result.data.quartic = std::move(coefficients.quartic);
@@ -160,6 +169,8 @@ bool run_stages(Run& run, const MachineLimits& machine, StageLog& log, TargetSea
   BasisSource source = find_source(run, modes, psi.rows());
   if (!source.finished && !request.linear)
     source.derivatives = stage(derivatives_stage(run, on, modes, psi));
+  RestResponse response;
+  if (!result.response_places.empty()) response = stage(response_stage(run, on, modes));
   if (request.certify && !solver->solves_unshifted())
     store_certificate(stage(certificate_stage(run, on, modes)), result.findings);
   else if (request.certify)
@@ -173,6 +184,7 @@ bool run_stages(Run& run, const MachineLimits& machine, StageLog& log, TargetSea
     source.directions = std::move(choice.directions);
   }
   store_basis(stage(basis_stage(run, system, modes, psi, source)), run, result);
+  store_response(std::move(response), result);
   result.data.inertia = stage(inertia_stage(run, system));
   if (!request.linear) store_coefficients(stage(coefficients_stage(run, system)), result);
 

@@ -11,6 +11,7 @@
 #include "precompute/problem/wall_layers.h"
 #include "precompute/ranks/row_gather.h"
 #include "precompute/reduction/encoding_error.h"
+#include "precompute/reduction/local_response.h"
 #include "precompute/target_findings.h"
 
 namespace tremolo {
@@ -23,6 +24,7 @@ struct PrecomputeFindings {
   double derivative_residual = 0;      // largest |K Phi + H| / |H|
   double orthonormality_error = 0;     // max |U^T M U - I|
   double diagonality_error = 0;        // max |U^T K U - Lambda| / max Lambda
+  double response_residual = 0;        // largest |K X - G| / |G|
   double polynomial_error = 0;         // |U^T f(Uq) - grad V(q)| / |grad V(q)|
   bool resumed = false;                // some stage was read from a checkpoint
   bool certified = false;
@@ -40,8 +42,13 @@ struct PrecomputeResult {
   DofMap map;
   LocalDofs local;
   BasisRows rows;  // of U at the vertices of this rank's part of the mesh
+  std::vector<ResponsePlace> response_places;
+  BasisRows response;  // likewise, 3 columns a place
 
   SpreadBasis basis() const { return {problem.mesh, problem.embedding, map, local, rows}; }
+  SpreadBasis spread_response() const {
+    return {problem.mesh, problem.embedding, map, local, response};
+  }
 };
 
 // Runs all stages; needs a PetscSession. Throws Failure. target: if given, chooses r

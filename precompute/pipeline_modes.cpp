@@ -8,6 +8,7 @@
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/ranks/halo.h"
 #include "precompute/reduction/derivatives.h"
+#include "precompute/reduction/local_response.h"
 #include "precompute/reduction/third_derivatives.h"
 #include "precompute/soundness.h"
 #include "precompute/system/failure.h"
@@ -201,6 +202,26 @@ Stage<ModalDerivatives> derivatives_stage(const Run& run, const Solved& on, cons
               },
           .find = [&run, &modes] { return find_derivatives(run.checkpoint, modes.vectors); },
           .keep = [&run](const ModalDerivatives& made) { keep_derivatives(run.checkpoint, made); }};
+}
+
+Stage<RestResponse> response_stage(const Run& run, const Solved& on, const Modes& modes) {
+  const PrecomputeResult& result = run.result;
+  return {.name = "response",
+          .make =
+              [&result, &modes, on] {
+                on.solver.prepare(modes.shift);
+                return rest_response(result.response_places, result.local, on.pencil, on.solver);
+              },
+          .outcome =
+              [&result](const RestResponse& response) {
+                return text("forces at %zu places, residual %.1e", result.response_places.size(),
+                            response.residual);
+              },
+          .work =
+              [on](const RestResponse& response) {
+                const auto columns = static_cast<int>(response.columns.cols());
+                return solves_on(on.solver, columns, 2 * static_cast<int>(kLanes));
+              }};
 }
 
 Stage<InertiaCertificate> certificate_stage(const Run& run, const Solved& on, const Modes& modes) {

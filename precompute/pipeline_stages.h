@@ -47,6 +47,9 @@ Stage<WholeModes> modes_stage(const Run& run, const Solved& on);
 Stage<ModalDerivatives> derivatives_stage(const Run& run, const Solved& on, const Modes& modes,
                                           const BasisRows& psi);
 
+// The places of the result.
+Stage<RestResponse> response_stage(const Run& run, const Solved& on, const Modes& modes);
+
 // Releases the solver's factor. Throws Failure (kSolver) if modes were missed.
 Stage<InertiaCertificate> certificate_stage(const Run& run, const Solved& on, const Modes& modes);
 

@@ -28,6 +28,13 @@ void write_positions(const std::vector<Eigen::Vector3d>& rest, const BasisRows& 
                rows.row(static_cast<Eigen::Index>(row)).dot(q);
 }
 
+// Adds W f.
+void add_response(const BasisRows& response, const Eigen::VectorXd& forces, std::span<double> out) {
+  if (response.cols() == 0) return;
+  for (std::size_t row = 0; row < out.size(); ++row)
+    out[row] += response.row(static_cast<Eigen::Index>(row)).dot(forces);
+}
+
 bool is_of_energy_family(std::string_view method) {
   return method == "avf" || method == "ep2" || method == "ep4";
 }
@@ -94,6 +101,12 @@ Result<Body> Body::create(Model::Pointer model, std::string_view integrator,
   body->driven_ = std::make_unique<DrivenFrame>(skin->shares, options.step);
   body->bone_maps_.resize(skin->bones());
   body->skin_ = std::move(skin);
+  for (VertexId place : body->model().response_places()) {
+    if (place == kAtDefaultLoad) place = body->model().default_load().vertices.front();
+    Result<Eigen::VectorXd> weights = body->weights_of(place);
+    if (!weights) return weights.error();
+    body->place_weights_.push_back(std::move(*weights));
+  }
   return body;
 }
 
@@ -104,6 +117,7 @@ Body::Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
       options_(options),
       low_(low),
       state_{Eigen::VectorXd::Zero(model_->modes()), Eigen::VectorXd::Zero(model_->modes())},
+      place_forces_(model_->response_places().size()),
       step_load_(make_step_load(model_->modes())),
       q_before_(state_.q),
       sound_(state_),
@@ -132,45 +146,54 @@ Status Body::add_load(const Load& load) {
 }
 
 Status Body::add_load(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force) {
-  if (frame_ != FrameKind::kFixed) return add_point_force(signal, vertex, force, 0);
-  Result<Eigen::VectorXd> reduced = reduce_force(*model_, vertex, force);
-  if (!reduced) return reduced.error();
-  return add_load({signal, std::move(*reduced)});
+  return add_load(signal, DefaultLoad{{vertex}, {force}});
+}
+
+Status Body::add_load(const Signal& signal, const DefaultLoad& forces) {
+  if (frame_ == FrameKind::kFixed) {
+    Result<Eigen::VectorXd> reduced = reduce_load(*model_, forces);
+    if (!reduced) return reduced.error();
+    if (Status s = add_load({signal, std::move(*reduced)}); !s) return s;
+  } else {
+    for (std::size_t i = 0; i < forces.vertices.size(); ++i)
+      if (Status s = add_point_force(signal, forces.vertices[i], forces.forces[i], 0); !s) return s;
+  }
+  place_forces_.add(signal, *model_, forces, 0);
+  return Success{};
 }
 
 Status Body::add_default_load(const Signal& signal, double scale) {
   if (model_->default_load().vertices.empty())
     return usage_error("the model carries no default load; name a vertex and a force");
-  if (frame_ != FrameKind::kFixed) {
-    const DefaultLoad& load = model_->default_load();
-    for (std::size_t i = 0; i < load.vertices.size(); ++i)
-      if (Status s = add_point_force(signal, load.vertices[i], scale * load.forces[i], 0); !s)
-        return s;
-    return Success{};
-  }
-  Result<Eigen::VectorXd> reduced = reduce_load(*model_, model_->default_load(), scale);
-  if (!reduced) return reduced.error();
-  return add_load({signal, std::move(*reduced)});
+  DefaultLoad load = model_->default_load();
+  for (Eigen::Vector3d& force : load.forces) force *= scale;
+  return add_load(signal, load);
 }
 
 void Body::clear_loads() {
   loads_.clear();
   applied_.clear();
   points_.clear();
+  place_forces_.clear();
 }
 
 void Body::clear_forces() {
   applied_.clear();
+  place_forces_.clear_applied();
   std::erase_if(points_, [](const PointForce& force) { return force.steps > 0; });
 }
 
 Status Body::apply_force(VertexId vertex, const Eigen::Vector3d& force, int steps) {
   if (steps < 1)
     return usage_error("a force acts for at least one step, got " + std::to_string(steps));
-  if (frame_ != FrameKind::kFixed) return add_point_force({}, vertex, force, steps);
-  Result<Eigen::VectorXd> reduced = reduce_force(*model_, vertex, force);
-  if (!reduced) return reduced.error();
-  applied_.push_back({std::move(*reduced), steps});
+  if (frame_ != FrameKind::kFixed) {
+    if (Status s = add_point_force({}, vertex, force, steps); !s) return s;
+  } else {
+    Result<Eigen::VectorXd> reduced = reduce_force(*model_, vertex, force);
+    if (!reduced) return reduced.error();
+    applied_.push_back({std::move(*reduced), steps});
+  }
+  place_forces_.add({}, *model_, DefaultLoad{{vertex}, {force}}, steps);
   return Success{};
 }
 
@@ -215,13 +238,25 @@ Energy Body::energy(Eigen::Index low) const {
 Result<Eigen::Vector3d> Body::displacement(VertexId vertex) const {
   const Result<VertexRows> rows = model_->vertex(vertex);
   if (!rows) return rows.error();
-  return Eigen::Vector3d(rows->rows * state_.q);
+  const Eigen::Vector3d u = rows->rows * state_.q;
+  if (place_forces_.none()) return u;
+  const Result<VertexRows> response = model_->response(vertex);
+  if (!response) return response.error();
+  return Eigen::Vector3d(u + response->rows * place_forces_.now());
+}
+
+const Eigen::VectorXd& Body::shown() const {
+  if (place_forces_.none()) return state_.q;
+  shown_.resize(state_.q.size() + place_forces_.now().size());
+  shown_ << state_.q, place_forces_.now();
+  return shown_;
 }
 
 Status Body::surface_positions(std::span<double> out) const {
   if (Status s = check_buffer(drawn_numbers(*model_), out.size(), "positions"); !s) return s;
   const DrawnSurface drawn = model_->drawn();
   write_positions(drawn.rest, drawn.rows, state_.q, out);
+  add_response(drawn.response, place_forces_.now(), out);
   to_world(out, true, &Skin::drawn);
   return Success{};
 }
@@ -230,13 +265,14 @@ Status Body::boundary_positions(std::span<double> out) const {
   const VertexBlock& surface = model_->surface();
   if (Status s = check_buffer(3 * surface.rest.size(), out.size(), "positions"); !s) return s;
   write_positions(surface.rest, surface.rows, state_.q, out);
+  add_response(model_->boundary_response(), place_forces_.now(), out);
   to_world(out, true, &Skin::surface);
   return Success{};
 }
 
 Status Body::surface_positions(std::span<float> out) const {
   if (Status s = check_buffer(drawn_numbers(*model_), out.size(), "positions"); !s) return s;
-  tremolo::surface_positions(model_->surface_basis(), state_.q, surface_, out);
+  tremolo::surface_positions(model_->surface_basis(), shown(), surface_, out);
   to_world(out, true, &Skin::drawn);
   return Success{};
 }
@@ -245,7 +281,7 @@ Status Body::surface(std::span<float> positions, std::span<float> normals) const
   const std::size_t needed = drawn_numbers(*model_);
   if (Status s = check_buffer(needed, positions.size(), "positions"); !s) return s;
   if (Status s = check_buffer(needed, normals.size(), "normals"); !s) return s;
-  surface_with_normals(model_->surface_basis(), model_->drawn().triangles, state_.q, surface_,
+  surface_with_normals(model_->surface_basis(), model_->drawn().triangles, shown(), surface_,
                        positions, normals);
   to_world(positions, true, &Skin::drawn);
   to_world(normals, false, &Skin::drawn);

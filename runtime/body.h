@@ -25,6 +25,7 @@
 #include "runtime/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
+#include "runtime/place_forces.h"
 #include "runtime/skeleton/skin.h"
 
 namespace tremolo {
@@ -189,6 +190,8 @@ class Body {
   // axes, whatever the frame does; reduced ones along the frame's, and not for a free body.
   Status add_load(const Load& load);  // kUsage if its force is not r long and finite
   Status add_load(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force);  // N
+  // Forces on several vertices at once. Errors as above.
+  Status add_load(const Signal& signal, const DefaultLoad& forces);
   // The model's default load, times scale. kUsage if the model has none.
   Status add_default_load(const Signal& signal, double scale = 1.0);
   void clear_loads();
@@ -248,15 +251,21 @@ class Body {
                                          const Eigen::Vector3d& direction,
                                          SurfaceKind surface = SurfaceKind::kDrawn) const;
 
-  // U_vertex q, m. Errors as Model::vertex.
+  // What surfaces are shown by: q, and behind it the forces at the end of the last step at the
+  // places where the model keeps its response: those of loads, of apply_force() and of hands that
+  // hold these vertices, along the body's axes, N; r + 3p. Energy, contact and rays know nothing of
+  // the shape W f. Valid until the next call.
+  const Eigen::VectorXd& shown() const;
+
+  // U_vertex q + W_vertex f, m. Errors as Model::vertex.
   Result<Eigen::Vector3d> displacement(VertexId vertex) const;
 
-  // pose() (X + U_vertex q), or on bones their blend, m. Errors as Model::vertex.
+  // pose() (X + displacement), or on bones their blend, m. Errors as Model::vertex.
   Result<Eigen::Vector3d> position(VertexId vertex) const;
 
-  // pose() (X + U q), or on bones their blend, of the drawn surface's vertices, x y z x y z ..., m.
-  // out: 3 * model().drawn().rest.size() long, else kUsage. The double variant allocates nothing.
-  // The float variant reads rows that the model makes for it when they are first asked for
+  // pose() (X + U q + W f), or on bones their blend, of the drawn surface's vertices, x y z x y z
+  // ..., m. out: 3 * model().drawn().rest.size() long, else kUsage. The double variant allocates
+  // nothing. The float variant reads rows that the model makes for it when they are first asked for
   // (runtime/display/surface.h, where its error is told), and allocates nothing after that.
   Status surface_positions(std::span<double> out) const;
   Status surface_positions(std::span<float> out) const;
@@ -300,6 +309,7 @@ class Body {
   std::span<const BoneMap> bone_maps() const;
   Status add_point_force(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force,
                          int steps);
+  void take_place_forces();
   void gather_loads();
   void gather_frame();
   void gather_on_free();
@@ -351,6 +361,8 @@ class Body {
   bool energy_method_ = false;  // the integrator reads StepLoad::coupling
   std::vector<Load> loads_;
   std::vector<AppliedForce> applied_;
+  PlaceForces place_forces_;
+  std::vector<Eigen::VectorXd> place_weights_;  // of a body on bones: of the places
   StepLoad step_load_;
   Eigen::VectorXd q_before_;
   double kick_ = 0.0;  // of the step's loads, J
@@ -369,6 +381,7 @@ class Body {
   mutable Evaluation evaluation_;
   mutable Eigen::VectorXd momentum_;
   mutable SurfaceWorkspace surface_;
+  mutable Eigen::VectorXd shown_;  // r + 3p, or none
 };
 
 // kBound for kEnergy, else kSolver.

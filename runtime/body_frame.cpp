@@ -305,7 +305,9 @@ template void Body::to_world(std::span<float>, bool, BoneWeights Skin::*) const;
 Result<Eigen::Vector3d> Body::position(VertexId vertex) const {
   const Result<VertexRows> rows = model_->vertex(vertex);
   if (!rows) return rows.error();
-  const Eigen::Vector3d y = rows->rest + rows->rows * state_.q;
+  const Result<Eigen::Vector3d> moved = displacement(vertex);
+  if (!moved) return moved.error();
+  const Eigen::Vector3d y = rows->rest + *moved;
   if (!skin_) return pose() * y;
   const Result<Eigen::VectorXd> weights = weights_of(vertex);
   if (!weights) return weights.error();

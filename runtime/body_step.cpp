@@ -37,10 +37,27 @@ StepReport Body::end_step(StepReport report) {
     report.failure = StepFailure::kEnergy;
     return report;
   }
+  take_place_forces();
   ++steps_;
   if (report.parts > 1) ++halved_steps_;
   age_applied_forces();
   return report;
+}
+
+// Of the step from time() on, which was made.
+void Body::take_place_forces() {
+  if (place_forces_.none()) return;
+  const auto turn = [this](Eigen::Index place) -> Eigen::Matrix3d {
+    if (!skin_) return pose().rotation.toRotationMatrix();
+    return blended(place_weights_[static_cast<std::size_t>(place)], bone_maps()).leftCols<3>();
+  };
+  place_forces_.end_step(time(), options_.step, turn);
+  for (std::size_t i = 0; i < grips_.size(); ++i) {
+    const auto place = model_->response_place(grips_[i].vertex);
+    // A hand may hold on somewhere in a triangle at the vertex.
+    if (!place || !grips_[i].at_vertex) continue;
+    place_forces_.push(*place, turn(*place).transpose() * hand_force(hands_[i]));
+  }
 }
 
 // 1/2 (h |f|)^2 of the step's largest f, J.

@@ -111,6 +111,21 @@ InertiaIntegrals leading_inertia(const InertiaIntegrals& inertia, Eigen::Index m
   return leading;
 }
 
+// Of the vertices on the surface and of what is drawn.
+Status check_response(const BasisData& data) {
+  const LocalResponse& response = data.response;
+  const Eigen::Index columns = 3 * std::ssize(response.at);
+  const auto wrong = [columns](const BasisRows& rows, std::size_t vertices) {
+    return rows.rows() != 3 * static_cast<Eigen::Index>(vertices) || rows.cols() != columns ||
+           !rows.allFinite();
+  };
+  if (columns == 0) return Success{};
+  if (wrong(response.surface, data.surface.vertex_ids.size()) ||
+      (data.render && wrong(response.render, data.render->surface.vertices.size())))
+    return content_error("the response at places does not fit the surface or is not finite");
+  return Success{};
+}
+
 // All but the interior and the provenance.
 Result<BasisData> read_visible(BasisReader& reader, const ModelOptions& options) {
   BasisData data;
@@ -135,6 +150,7 @@ Result<BasisData> read_visible(BasisReader& reader, const ModelOptions& options)
   if (Status s = take(data.elements, read_elements(reader)); !s) return s.error();
   if (!data.elements.corners.empty())
     if (Status s = take(data.edges, read_edges(reader)); !s) return s.error();
+  if (Status s = take(data.response, read_response(reader)); !s) return s.error();
   Result<DefaultLoad> load = read_default_load(reader);
   if (!load) return load.error();
   data.load = std::move(*load);
@@ -170,6 +186,10 @@ Result<std::shared_ptr<Model>> Model::assemble(const BasisData& data, Eigen::Ind
     if (Status s = check_inertia(*data.inertia, data.lambda.size()); !s) return s.error();
     model->inertia_ = leading_inertia(*data.inertia, modes);
   }
+  if (Status s = check_response(data); !s) return s.error();
+  model->response_ = data.response;
+  model->response_.interior.resize(0, 0);
+  if (!model->render_) model->response_.render.resize(0, 0);
   if (data.elements.corners.size() != data.elements.masses.size())
     return content_error("the tetrahedra and their masses differ in number");
   model->elements_ = data.elements;
@@ -189,7 +209,10 @@ Result<Model::Pointer> Model::from_data(const BasisData& data, ModelOptions opti
   if (!model) return model.error();
   Result<VertexBlock> interior = leading_columns(data.interior, *modes, "interior");
   if (!interior) return interior.error();
-  (*model)->interior_ = std::make_unique<InteriorRows>(std::move(*interior));
+  const BasisRows& inside = data.response.interior;
+  if (!data.response.at.empty() && inside.rows() != interior->rows.rows())
+    return content_error("the response at places does not fit the vertices inside");
+  (*model)->interior_ = std::make_unique<InteriorRows>(std::move(*interior), inside);
   return Pointer(std::move(*model));
 }
 
@@ -226,14 +249,15 @@ double Model::explicit_step_limit() const {
 const SurfaceBasis& Model::surface_basis() const {
   std::call_once(surface_basis_once_, [this] {
     surface_basis_ = std::make_unique<SurfaceBasis>(
-        render_ ? make_surface_basis(*render_) : make_surface_basis(surface_, triangles_));
+        render_ ? make_surface_basis(*render_, response_.render)
+                : make_surface_basis(surface_, triangles_, response_.surface));
   });
   return *surface_basis_;
 }
 
 DrawnSurface Model::surface_of(SurfaceKind surface) const {
   if (surface == SurfaceKind::kDrawn) return drawn();
-  return {surface_.rest, surface_.rows, triangles_, surface_.vertex_ids};
+  return {surface_.rest, surface_.rows, response_.surface, triangles_, surface_.vertex_ids};
 }
 
 Result<VertexRows> Model::place(const SurfacePlace& place) const {
@@ -335,6 +359,28 @@ Result<VertexRows> Model::vertex(VertexId id) const {
                        std::to_string(vertex_count_) + ", counted from 0");
   return VertexRows{block->rest[*at],
                     block->rows.middleRows(static_cast<Eigen::Index>(3 * *at), 3)};
+}
+
+std::optional<Eigen::Index> Model::response_place(VertexId id) const {
+  const auto found = std::lower_bound(response_.at.begin(), response_.at.end(), id);
+  if (found == response_.at.end() || *found != id) return std::nullopt;
+  return found - response_.at.begin();
+}
+
+Result<VertexRows> Model::response(VertexId id) const {
+  const auto rows_at = [](const std::vector<Eigen::Vector3d>& rest, const BasisRows& rows,
+                          std::size_t at) {
+    return VertexRows{rest[at], rows.middleRows(3 * static_cast<Eigen::Index>(at), 3)};
+  };
+  if (const auto at = find_vertex(surface_.vertex_ids, id))
+    return rows_at(surface_.rest, response_.surface, *at);
+  const Result<const VertexBlock*> inside = interior_->block();
+  if (!inside) return inside.error();
+  const Result<const BasisRows*> rows = interior_->response();
+  if (!rows) return rows.error();
+  const auto at = find_vertex((*inside)->vertex_ids, id);
+  if (!at) return vertex(id).error();
+  return rows_at((*inside)->rest, **rows, *at);
 }
 
 }  // namespace tremolo

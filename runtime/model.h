@@ -36,9 +36,11 @@ struct ModelOptions {
 // What is drawn: the render surface if the model has one, else the solid's boundary. All refer to
 // the model. rest: s, m. rows: 3s x r. triangles: into rest. mesh_vertices: s, the mesh's vertex at
 // the place (boundary) or the one that weighs most in it: where to push what is pointed at.
+// response: 3s x 3p, what forces at the p places with a response do to it; may have no columns.
 struct DrawnSurface {
   const std::vector<Eigen::Vector3d>& rest;
   const BasisRows& rows;
+  const BasisRows& response;
   const std::vector<Triangle>& triangles;
   const std::vector<VertexId>& mesh_vertices;
 };
@@ -75,8 +77,10 @@ class Model {
   // rows has r columns. nullptr: the file has none, or options.hull.
   const RenderBlock* render() const { return render_ ? &*render_ : nullptr; }
   DrawnSurface drawn() const {
-    if (!render_) return {surface_.rest, surface_.rows, triangles_, surface_.vertex_ids};
-    return {render_->surface.vertices, render_->rows, render_->surface.triangles, render_->anchors};
+    if (!render_)
+      return {surface_.rest, surface_.rows, response_.surface, triangles_, surface_.vertex_ids};
+    return {render_->surface.vertices, render_->rows, response_.render, render_->surface.triangles,
+            render_->anchors};
   }
   // Of the r coordinates. nullptr: the file has none (an imported model, or one made before these).
   const InertiaIntegrals* inertia() const { return inertia_ ? &*inertia_ : nullptr; }
@@ -105,6 +109,15 @@ class Model {
   // A vertex by its id in the source mesh, on the surface or inside. Errors: kUsage if there is no
   // such vertex; what reading the file gives if the interior is read here. Thread-safe.
   Result<VertexRows> vertex(VertexId id) const;
+
+  // The places at which the file keeps what the basis lacks of the body's answer to forces:
+  // vertices, kAtDefaultLoad first if it is one of them; p of them.
+  std::span<const VertexId> response_places() const { return response_.at; }
+  const BasisRows& boundary_response() const { return response_.surface; }  // 3s x 3p
+  // Its number among them.
+  std::optional<Eigen::Index> response_place(VertexId id) const;
+  // What forces (N) there do to a vertex beyond U q: 3 x 3p, m/N. Errors as vertex().
+  Result<VertexRows> response(VertexId id) const;
 
   // A place on a surface: where it is at rest and its rows of U, those of the corners by weights.
   // kUsage if there is no such triangle, or the weights are not finite, below -1e-9 or do not sum
@@ -137,6 +150,7 @@ class Model {
   std::optional<RenderBlock> render_;
   std::optional<InertiaIntegrals> inertia_;
   MassElements elements_;
+  LocalResponse response_;  // without the vertices inside
   std::vector<MeshEdge> edges_;
   mutable std::once_flag origin_once_, centre_once_, hash_once_;
   mutable std::uint64_t content_hash_ = 0;

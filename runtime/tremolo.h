@@ -324,15 +324,22 @@ tremolo_status tremolo_body_work(const tremolo_body* body, double* load, double*
 
 /* ---- colliders and hands ----
  *
- * Bodies touch colliders, not each other. A collider is a shape in a frame of its own; where the
- * frame is, is said anew in each step. */
+ * A collider is a shape in a frame of its own; where the frame is, is said anew in each step.
+ * Bodies that touch each other are below. */
+
+/* A shape, owned until tremolo_collider_destroy; made below. */
+typedef struct tremolo_collider tremolo_collider;
 
 /* Fill with tremolo_contact_options_init. `size` as in tremolo_body_options. */
 typedef struct tremolo_contact_options {
-  uint32_t size;    /* bytes of this struct as the caller knows it */
-  int32_t points;   /* at most so many vertices of the boundary feel contact; 200 */
-  double margin;    /* where contact begins, a share of the body's size; 0.005 */
-  double stiffness; /* (h omega)^2 of the whole body on one point a margin deep; 16 */
+  uint32_t size;                 /* bytes of this struct as the caller knows it */
+  int32_t points;                /* at most so many vertices of the boundary feel contact; 200 */
+  double margin;                 /* where contact begins, a share of the body's size; 0.005 */
+  double stiffness;              /* (h omega)^2 of the whole body on one point a margin deep; 16 */
+  const tremolo_collider* shape; /* what other bodies bump into, in the mesh's frame; copied; NULL:
+                                  * they pass through */
+  double friction;               /* of this shape towards other bodies; 0.3 */
+  double restitution;            /* 0 to 1; 0.5 */
 } tremolo_contact_options;
 
 void tremolo_contact_options_init(tremolo_contact_options* options);
@@ -342,10 +349,9 @@ void tremolo_contact_options_init(tremolo_contact_options* options);
  * and for a model without inertia integrals. */
 tremolo_status tremolo_body_set_contact(tremolo_body* body, const tremolo_contact_options* options);
 
-/* A shape, owned until tremolo_collider_destroy, which accepts NULL. Plane: all of z <= 0. Capsule
+/* Make a shape; destroying accepts NULL. Plane: all of z <= 0. Capsule
  * and cylinder are along z. Sizes are m; TREMOLO_CONTENT for one that is not positive (half_length:
  * negative) or not finite. Load: a file of `tremolo-precompute collider`. */
-typedef struct tremolo_collider tremolo_collider;
 tremolo_status tremolo_collider_plane(tremolo_collider** collider);
 tremolo_status tremolo_collider_sphere(double radius, tremolo_collider** collider);
 tremolo_status tremolo_collider_capsule(double radius, double half_length,
@@ -427,6 +433,69 @@ tremolo_status tremolo_body_pin_at(tremolo_body* body, uint32_t triangle, const 
 /* On the body in the last step, N; the hand feels the opposite. Zero for a hand that is not there.
  */
 tremolo_status tremolo_body_hand_force(const tremolo_body* body, uint64_t hand, double force[3]);
+
+/* ---- bodies that touch and hold each other ----
+ *
+ * Bodies with tremolo_body_set_contact that are stepped together: those whose points may touch
+ * another's shape, and those that a joint holds, are solved for at once, the others step by
+ * themselves. A free body that has been nearly at rest for half a second sleeps with all that it
+ * touches: it costs nothing, and wakes when something comes near or begins to act.
+ */
+typedef struct tremolo_contacts tremolo_contacts;
+
+/* sleep: nonzero for bodies that fall asleep. Destroying accepts NULL; the bodies stay. */
+tremolo_status tremolo_contacts_create(int32_t sleep, tremolo_contacts** contacts);
+void tremolo_contacts_destroy(tremolo_contacts* contacts);
+
+/* The body is stepped by tremolo_contacts_step from now on; it must outlive the contacts. number
+ * (may be NULL): its own here, from 0; the order decides that of sums. TREMOLO_USAGE without
+ * tremolo_body_set_contact, for a step other than the others', or a body that is there. */
+tremolo_status tremolo_contacts_add(tremolo_contacts* contacts, tremolo_body* body,
+                                    uint32_t* number);
+
+/* One step of all bodies among `count` colliders. TREMOLO_SOLVER or TREMOLO_BOUND if bodies failed:
+ * they are where they were, the others have made their step, and the message is of the first.
+ * failed (may be NULL) receives the first `length` of their numbers; failed_count (may be NULL) how
+ * many there are. */
+tremolo_status tremolo_contacts_step(tremolo_contacts* contacts,
+                                     const tremolo_placed_collider* colliders, size_t count,
+                                     uint32_t* failed, size_t length, size_t* failed_count);
+
+/* Who pushed whom in the last step: pairs of numbers and, of each, the impulse, N s. bodies (2
+ * `length` numbers) and impulses (`length`) receive the first `length`; any may be NULL. count: how
+ * many there are. */
+tremolo_status tremolo_contacts_touches(const tremolo_contacts* contacts, uint32_t* bodies,
+                                        double* impulses, size_t length, size_t* count);
+
+tremolo_status tremolo_contacts_asleep(const tremolo_contacts* contacts, uint32_t body,
+                                       int32_t* asleep);
+tremolo_status tremolo_contacts_wake(tremolo_contacts* contacts, uint32_t body);
+
+/* A joint: a spring and a damper between vertices of two bodies. Fill with
+ * tremolo_joint_options_init. `size` as in tremolo_body_options. */
+typedef struct tremolo_joint_options {
+  uint32_t size;
+  uint32_t vertex;    /* of the first body */
+  uint32_t to_vertex; /* of the second */
+  int32_t to_place; /* nonzero: not to_vertex but where the first vertex is now, on the second; 0 */
+  int32_t touch;    /* nonzero: the two touch each other all the same; 0 */
+  int32_t reserved; /* 0 */
+  double stiffness; /* N/m; 0: stiff, as follows with a damper from masses and step */
+  double damping;   /* N s/m; not read of a stiff one */
+  double length;    /* m, without force; 0 */
+} tremolo_joint_options;
+
+void tremolo_joint_options_init(tremolo_joint_options* options);
+
+/* joint receives its number. TREMOLO_USAGE for values that are not finite or negative, and where
+ * neither place moves. */
+tremolo_status tremolo_contacts_join(tremolo_contacts* contacts, uint32_t a, uint32_t b,
+                                     const tremolo_joint_options* options, uint64_t* joint);
+tremolo_status tremolo_contacts_separate(tremolo_contacts* contacts, uint64_t joint);
+/* Any may be NULL. force: on the first place in the last step, N. energy: stored now, J. damped: J,
+ * taken since the start. */
+tremolo_status tremolo_contacts_joint(const tremolo_contacts* contacts, uint64_t joint,
+                                      double force[3], double* energy, double* damped);
 
 /* ---- world: many bodies ----
  *

@@ -133,6 +133,9 @@ Result<BasisData> read_basis(BasisReader& reader) {
   if (Status s = take(data.render, read_render(reader)); !s) return s.error();
   if (Status s = take(data.inertia, read_inertia(reader)); !s) return s.error();
   if (Status s = take(data.elements, read_elements(reader)); !s) return s.error();
+  if (Status s = take(data.response, read_response(reader)); !s) return s.error();
+  if (!data.response.at.empty())
+    if (Status s = take(data.response.interior, read_response_inside(reader)); !s) return s.error();
   if (Status s = read_optional(reader, data); !s) return s.error();
   return data;
 }

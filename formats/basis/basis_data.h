@@ -66,6 +66,22 @@ struct MassElements {
   std::vector<double> masses;
 };
 
+// Entry of LocalResponse::at that means all vertices of the default load together.
+inline constexpr VertexId kAtDefaultLoad = -1;
+
+// How the body gives way at rest, to first order, beyond what the basis has of it: the columns of
+// W = (K^-1 - U Lambda^-1 U^T) G at the vertices. G: for each place three columns, the unit force
+// (1 N) along x, y and z; at the default load's place it is shared as the load's forces are. Under
+// forces f at the places, 3 a place, the displacement is U q + W f (docs/theory.md).
+// at: p places, ids of vertices, ascending, each once; kAtDefaultLoad comes first.
+// surface, interior, render: as the rows of these blocks, 3 a vertex x 3p, row-major, m/N.
+struct LocalResponse {
+  std::vector<VertexId> at;
+  BasisRows surface;
+  BasisRows interior;
+  BasisRows render;
+};
+
 // One precomputed model (docs/theory.md, section "Reduced energy"):
 //   V(q) = 1/2 q^T diag(lambda) q + C[q,q,q] + Q[q,q,q,q]     J, mass matrix = identity
 struct BasisData {
@@ -92,6 +108,8 @@ struct BasisData {
   std::optional<RenderBlock> render;
   std::optional<InertiaIntegrals> inertia;  // none: an imported model, or a file made before these
   MassElements elements;                    // none unless asked for (--keep-elements)
+
+  LocalResponse response;  // no places unless asked for (--response-at)
 
   std::string provenance;  // a JSON object, UTF-8
   VegaFiles vega;          // read_basis() leaves them in the file: read_vega_files()

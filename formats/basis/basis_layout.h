@@ -73,6 +73,15 @@ inline constexpr std::string_view kInertiaPairs = "inertia_pairs";
 inline constexpr std::string_view kTetrahedra = "tetrahedra";
 inline constexpr std::string_view kTetrahedronMasses = "tetra_masses";
 
+// Likewise: what the basis lacks of the body's answer to forces at some places.
+inline constexpr std::string_view kResponseAt = "response_at";
+inline constexpr std::string_view kResponseSurface = "response_surface";
+inline constexpr std::string_view kResponseInterior = "response_inside";
+inline constexpr std::string_view kResponseRender = "response_render";
+
+// Entry of the section `response_at` that stands for the default load.
+inline constexpr std::uint32_t kDefaultLoadPlace = 0xffffffff;
+
 // Entries of the section `coef_scales`, in this order.
 namespace coefficient_scale {
 enum : std::size_t { kCubic, kQuartic, kCount };
@@ -99,5 +108,6 @@ inline constexpr std::uint64_t kRestMoments = 13;
 // Above these no file of ours goes; they keep every product of two sizes inside 64 bits.
 inline constexpr std::uint64_t kMaxModes = 4096;
 inline constexpr std::uint64_t kMaxVertices = 0x7fffffff;
+inline constexpr std::uint64_t kMaxResponsePlaces = 256;
 
 }  // namespace tremolo::basis_layout

@@ -58,6 +58,7 @@ SectionSizes BasisReader::sizes() const {
           .render_triangles = rows_of(kRenderTriangles),
           .edges = rows_of(kEdgePoints),
           .tetrahedra = d.tetrahedra,
+          .response_places = rows_of(kResponseAt),
           .compact = compact(),
           .linear = has(kQuartic) && linear()};
 }
@@ -70,7 +71,12 @@ Status BasisReader::check_shapes() const {
   if (expected.edges > dimensions_.vertices) return refuse("there are more edges than vertices");
   if (expected.render_vertices > kMaxVertices || expected.render_triangles > 4 * kMaxVertices)
     return refuse("the render surface is too large");
+  if (expected.response_places > kMaxResponsePlaces)
+    return refuse("there are more than " + std::to_string(kMaxResponsePlaces) +
+                  " places whose response is kept");
   if (Status status = file_.check_shapes(section_shapes(expected)); !status) return status;
+  if (const BasisSection* at = file_.find(kResponseAt); at != nullptr && at->rows == 0)
+    return file_.error_at(kResponseAt, at->offset, "a response at no place");
   if (const BasisSection* edges = file_.find(kEdgePoints); edges != nullptr && edges->rows == 0)
     return file_.error_at(kEdgePoints, edges->offset, "quadratic elements without edges");
   if (const BasisSection* render = file_.find(kRenderRest); render != nullptr && render->rows == 0)

@@ -112,6 +112,12 @@ Result<std::optional<InertiaIntegrals>> read_inertia(BasisReader& reader);
 // positive.
 Result<MassElements> read_elements(BasisReader& reader);
 
+// Without the rows of the vertices inside; no places if the file has none. kContent for a place
+// that is no vertex or stands twice, for one at the default load where there is none.
+Result<LocalResponse> read_response(BasisReader& reader);
+// Those of the vertices inside; the file must have a response.
+Result<BasisRows> read_response_inside(BasisReader& reader);
+
 // The files of an imported model; empty when it is none.
 Result<VegaFiles> read_vega_files(BasisReader& reader);
 

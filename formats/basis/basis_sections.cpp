@@ -9,7 +9,7 @@ std::vector<SectionShape> section_shapes(const SectionSizes& sizes) {
                         f32 = ElementType::kF32, f64 = ElementType::kF64;
   const ElementType coefficient = sizes.compact ? f32 : f64;
   const ElementType basis = sizes.compact ? ElementType::kI16 : f64;
-  const auto& [r, s, inner, t, fixed, l, v, w, edges, m, compact, linear] = sizes;
+  const auto& [r, s, inner, t, fixed, l, v, w, edges, m, p, compact, linear] = sizes;
   const std::uint64_t cubic = linear ? 0 : triple_count(r);
   const std::uint64_t quartic = linear ? 0 : quad_count(r);
   constexpr bool yes = true, no = false;
@@ -48,6 +48,10 @@ std::vector<SectionShape> section_shapes(const SectionSizes& sizes) {
       {kInteriorIds, u32, inner, 1},
       {kInteriorRest, f64, inner, 3},
       {kInteriorBasis, basis, 3 * inner, r},
+      {kResponseAt, u32, p, 1, no, kResponseSurface},
+      {kResponseSurface, f64, 3 * s, 3 * p, no, kResponseAt},
+      {kResponseRender, f64, 3 * v, 3 * p, no, kResponseAt},
+      {kResponseInterior, f64, 3 * inner, 3 * p, no, kResponseAt},
       {kFixedIds, u32, fixed, 1},
       {kSingularValues, f64, kAnyRows, 1},
       {kProvenance, u8, kAnyRows, 1},

@@ -22,6 +22,7 @@ struct SectionSizes {
   std::uint64_t render_triangles = 0;  // w
   std::uint64_t edges = 0;             // of a quadratic mesh
   std::uint64_t tetrahedra = 0;        // m
+  std::uint64_t response_places = 0;   // p
   bool compact = false;                // coefficients are f32, basis rows i16
   bool linear = false;                 // there are no cubic and no quartic terms
 };

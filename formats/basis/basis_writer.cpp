@@ -57,6 +57,7 @@ Status check_data(const BasisData& data, bool streamed) {
   if (data.surface.vertex_ids.size() + data.interior.vertex_ids.size() != data.vertex_count ||
       data.vertex_count > kMaxVertices)
     return does_not_fit("vertex_count");
+  if (data.response.at.size() > kMaxResponsePlaces) return does_not_fit("response");
   if (streamed) return Success{};
   for (const auto& [block, name] :
        {std::pair{&data.surface, "surface"}, {&data.interior, "interior"}})
@@ -144,6 +145,12 @@ Contents contents_of(const BasisData& data, const Additions& more) {
     contents[kTetrahedra] = bytes_of(data.elements.corners);
     contents[kTetrahedronMasses] = bytes_of(data.elements.masses);
   }
+  if (!data.response.at.empty()) {
+    contents[kResponseAt] = bytes_of(data.response.at);
+    contents[kResponseSurface] = bytes_of(data.response.surface);
+    contents[kResponseInterior] = bytes_of(data.response.interior);
+    if (data.render) contents[kResponseRender] = bytes_of(data.response.render);
+  }
   if (!data.vega.basis.empty()) contents[kVegaBasis] = bytes_of(data.vega.basis);
   if (!data.vega.cubic.empty()) contents[kVegaCubic] = bytes_of(data.vega.cubic);
   return contents;
@@ -184,6 +191,7 @@ Result<std::vector<SectionContent>> list_sections(const BasisData& data, const A
                               .render_triangles = render ? render->triangles.size() : 0,
                               .edges = data.edges.size(),
                               .tetrahedra = data.tetrahedron_count,
+                              .response_places = data.response.at.size(),
                               .compact = more.compact.has_value(),
                               .linear = is_linear(data)};
   const Contents contents = contents_of(data, more);

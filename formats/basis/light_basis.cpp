@@ -3,8 +3,38 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace tremolo {
+
+namespace {
+
+// Without the places that `number` gives no number, and without the vertices inside. has_load: the
+// default load is still there.
+template <class Number>
+LocalResponse renumbered(const LocalResponse& response, const Number& number, bool has_load) {
+  LocalResponse kept;
+  std::vector<Eigen::Index> columns;
+  for (std::size_t place = 0; place < response.at.size(); ++place) {
+    std::optional<VertexId> at = kAtDefaultLoad;
+    if (response.at[place] != kAtDefaultLoad)
+      at = number(response.at[place]);
+    else if (!has_load)
+      at.reset();
+    if (!at) continue;
+    kept.at.push_back(*at);
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      columns.push_back(3 * static_cast<Eigen::Index>(place) + axis);
+  }
+  if (kept.at.empty()) return kept;
+  kept.surface = response.surface(Eigen::all, columns);
+  kept.render =
+      response.render.size() > 0 ? BasisRows(response.render(Eigen::all, columns)) : BasisRows();
+  kept.interior.resize(0, std::ssize(columns));
+  return kept;
+}
+
+}  // namespace
 
 Result<BasisData> without_interior(BasisData data) {
   const std::vector<VertexId> ids = std::exchange(data.surface.vertex_ids, {});
@@ -23,6 +53,7 @@ Result<BasisData> without_interior(BasisData data) {
     }
   // A part of a load is another load.
   if (data.load.vertices.size() != load.vertices.size()) data.load = {};
+  data.response = renumbered(data.response, number, !data.load.vertices.empty());
   const std::vector<VertexId> fixed = std::exchange(data.fixed_vertices, {});
   for (const VertexId id : fixed)
     if (const auto vertex = number(id)) data.fixed_vertices.push_back(*vertex);

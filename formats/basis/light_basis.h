@@ -7,8 +7,9 @@
 namespace tremolo {
 
 // The same body with the vertices of the boundary alone, numbered anew in their order: dynamics,
-// surface and what is drawn are the same; vertices inside, edges, tetrahedra, imported files and a
-// load that acts inside are gone. kContent where the render surface follows a vertex inside.
+// surface and what is drawn are the same; vertices inside, edges, tetrahedra, imported files, a
+// load that acts inside and the responses at places inside are gone. kContent where the render
+// surface follows a vertex inside.
 Result<BasisData> without_interior(BasisData data);
 
 }  // namespace tremolo

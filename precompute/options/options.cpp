@@ -60,6 +60,10 @@ void add_outputs(CLI::App& app, PrecomputeOptions& options, ModelTexts& texts) {
   app.add_flag("--keep-elements", options.keep_elements,
                "keep the tetrahedra and their masses in the file: a body on several bones shares "
                "its mass among them");
+  app.add_option("--response-at", options.response_at,
+                 "keep how vertices give way to forces on them beyond what the basis has of it, so "
+                 "that a poked spot dents: a selector, or `load` for the default load; again for "
+                 "more");
   app.add_option("--modes-vtu", options.modes_vtu,
                  "also write the modes on the tetrahedra, .vtu, for ParaView and meshio");
   app.add_option("--encoding", texts.encoding,
@@ -101,7 +105,7 @@ void add_import(CLI::App& app, PrecomputeOptions& options) {
   // --up: the rows of an imported basis refer to the axes of the mesh's file.
   for (const char* other :
        {"--linear-modes", "--modes", "--linear", "--target-error", "--error-budget", "--point-mass",
-        "--up", "--refine", "--keep-elements"})
+        "--up", "--refine", "--keep-elements", "--response-at"})
     basis->excludes(app.get_option(other));
   CLI::Option* cubic =
       app.add_option("--import-cubic", options.import_cubic,

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "precompute/problem/problem_request.h"
 #include "precompute/solver/solver_choice.h"
@@ -23,6 +24,7 @@ struct ModelRequest : ProblemRequest {
       target_error;     // choose the smallest r that reaches it (target_error.h), dimensionless
   bool linear = false;  // the basis is the linear modes; no derivatives, no C, no Q
   int derivatives = 3;  // up to which order: 3 adds those of third order (third_derivatives.h)
+  std::vector<std::string> response_at;  // selectors, or "load" (local_response.h)
   bool certify = true;
   std::optional<LinearSolver> solver;  // none: chosen automatically (solver_choice.h)
   std::optional<double> memory;        // bytes a rank may use; none: the free memory

@@ -116,10 +116,9 @@ void serve_rows(const SpreadBasis& basis, const BasisData& data) {
       gather(rows, basis.rows.cols(), first, std::min(kRowsAtOnce, rows.items - first), nullptr);
 }
 
-void collect_rows(const SpreadBasis& basis, BasisData& data) {
-  BasisRows none;
-  BasisRows* targets[] = {&data.surface.rows, data.render ? &data.render->rows : &none,
-                          &data.interior.rows};
+GatheredRows gather_rows(const SpreadBasis& basis, const BasisData& data) {
+  GatheredRows rows;
+  BasisRows* targets[] = {&rows.surface, &rows.render, &rows.interior};
   const std::vector<SpreadRows> blocks = blocks_of(basis, data);
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     const std::size_t items = blocks[b].items;
@@ -130,6 +129,14 @@ void collect_rows(const SpreadBasis& basis, BasisData& data) {
              mpi_rank() == 0 ? targets[b]->data() + 3 * first * static_cast<std::size_t>(columns)
                              : nullptr);
   }
+  return rows;
+}
+
+void collect_rows(const SpreadBasis& basis, BasisData& data) {
+  GatheredRows rows = gather_rows(basis, data);
+  data.surface.rows = std::move(rows.surface);
+  if (data.render) data.render->rows = std::move(rows.render);
+  data.interior.rows = std::move(rows.interior);
 }
 
 }  // namespace tremolo

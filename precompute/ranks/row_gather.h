@@ -24,8 +24,12 @@ struct SpreadBasis {
 RowSources gathered_rows(const SpreadBasis& basis, const BasisData& data);
 void serve_rows(const SpreadBasis& basis, const BasisData& data);
 
-// Gathers all rows into the blocks of rank 0's data, for callers that need all of them at once.
-// Collective.
+// Gathers all rows on rank 0, for callers that need all of them at once: into the data's blocks, or
+// into three arrays for the blocks of the data's vertices. Collective.
+struct GatheredRows {
+  BasisRows surface, render, interior;
+};
+GatheredRows gather_rows(const SpreadBasis& basis, const BasisData& data);
 void collect_rows(const SpreadBasis& basis, BasisData& data);
 
 }  // namespace tremolo

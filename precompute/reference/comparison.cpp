@@ -141,6 +141,14 @@ Moment compare(const FullOrder& body, const ReducedBody& reduced, const Vector& 
   return moment;
 }
 
+void compare_shown(const FullOrder& body, const ReducedBody& reduced, const Vector& u,
+                   const Vector& q, const Vector& response, const std::vector<VertexId>& watched,
+                   Moment& moment) {
+  const Vector off = u - reduced.basis * q - response;
+  moment.shown_difference = std::sqrt(mass_product(body, off, off));
+  moment.shown_tip_difference = largest_displacement(body, watched, off);
+}
+
 ComparisonSummary summarise(const std::vector<Moment>& moments) {
   double largest = 0, tip = 0;
   for (const Moment& moment : moments) {
@@ -148,12 +156,15 @@ ComparisonSummary summarise(const std::vector<Moment>& moments) {
     tip = std::max(tip, moment.tip);
   }
   if (largest == 0) return {};
-  ComparisonSummary summary{0, 0, 0, 0, tip > 0 ? 0 : ComparisonSummary::kNone, 1, 0};
+  const double watched = tip > 0 ? 0 : ComparisonSummary::kNone;
+  ComparisonSummary summary{0, 0, 0, 0, watched, 1, 0, 0, watched};
   for (const Moment& moment : moments) {
     const auto keep = [](double& worst, double value) { worst = std::max(worst, value); };
     keep(summary.error_of_largest, moment.difference / largest);
     keep(summary.projection_of_largest, moment.projection / largest);
     if (tip > 0) keep(summary.tip_error_of_largest, moment.tip_difference / tip);
+    keep(summary.shown_of_largest, moment.shown_difference / largest);
+    if (tip > 0) keep(summary.shown_tip_of_largest, moment.shown_tip_difference / tip);
     if (std::abs(moment.energy_difference) > std::abs(summary.energy_difference))
       summary.energy_difference = moment.energy_difference;
     if (moment.norm < 0.1 * largest) continue;
@@ -162,6 +173,11 @@ ComparisonSummary summarise(const std::vector<Moment>& moments) {
     summary.mac_least = std::min(summary.mac_least, moment.mac);
   }
   return summary;
+}
+
+Vector response_beyond(const ReducedBody& reduced, const Vector& load, const Vector& response) {
+  const Vector reduced_load = reduced.basis.transpose() * load;
+  return response - reduced.basis * (reduced_load.array() / reduced.model.lambda.array()).matrix();
 }
 
 double unseen_load(const ReducedBody& reduced, const Vector& load, const Vector& response) {

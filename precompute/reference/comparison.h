@@ -29,17 +29,24 @@ ReducedBody make_reduced_body(const FullOrder& body, const BasisData& data,
 
 // Comparison at one instant. u: displacement of the body; |.|: the M norm, kg^1/2 m.
 struct Moment {
-  double norm = 0;               // |u|
-  double difference = 0;         // |u - U q|
-  double projection = 0;         // |u - U U^T M u|: lower bound over all q
-  double mac = 0;                // (u . Uq)^2 / (|u|^2 |Uq|^2), . by M; 1: same shape
-  double tip = 0;                // largest displacement of the watched vertices, m
-  double tip_difference = 0;     // largest distance between both there, m
-  double energy_difference = 0;  // reduced minus full total energy, J
+  double norm = 0;                  // |u|
+  double difference = 0;            // |u - U q|
+  double projection = 0;            // |u - U U^T M u|: lower bound over all q
+  double mac = 0;                   // (u . Uq)^2 / (|u|^2 |Uq|^2), . by M; 1: same shape
+  double tip = 0;                   // largest displacement of the watched vertices, m
+  double tip_difference = 0;        // largest distance between both there, m
+  double energy_difference = 0;     // reduced minus full total energy, J
+  double shown_difference = 0;      // |u - U q - W f|: with the response to the load's force f
+  double shown_tip_difference = 0;  // m, likewise
 };
 // mass_u: M u.
 Moment compare(const FullOrder& body, const ReducedBody& reduced, const Vector& u,
                const Vector& mass_u, const Vector& q, const std::vector<VertexId>& watched);
+
+// Adds to `moment` how far u is from U q + W f. response: W f.
+void compare_shown(const FullOrder& body, const ReducedBody& reduced, const Vector& u,
+                   const Vector& q, const Vector& response, const std::vector<VertexId>& watched,
+                   Moment& moment);
 
 // The largest value of each measure over time, dimensionless except for energy. *_of_largest:
 // differences relative to the largest |u| (or tip) of all instants. *_at_once: relative to |u| at
@@ -54,8 +61,14 @@ struct ComparisonSummary {
   double tip_error_of_largest = kNone;
   double mac_least = kNone;  // over the same instants
   double energy_difference = kNone;
+  double shown_of_largest = kNone;
+  double shown_tip_of_largest = kNone;
 };
 ComparisonSummary summarise(const std::vector<Moment>& moments);
+
+// Returns what the basis lacks of the body's linear answer to the load (docs/theory.md), K^-1 f -
+// U Lambda^-1 U^T f. response: K^-1 f.
+Vector response_beyond(const ReducedBody& reduced, const Vector& load, const Vector& response);
 
 // Returns 1 - f^T U Lambda^-1 U^T f / f^T K^-1 f: the part of the load's linear compliance (twice
 // the elastic energy it stores in the linear body) that the basis cannot represent. 0: the linear

@@ -8,6 +8,10 @@ Vector BodyLoads::mean(double time, double step) const {
   return sample_signal(signal, time, step).average * point + gravity;
 }
 
+double BodyLoads::share_at(double time, double step) const {
+  return time > 0.0 ? sample_signal(signal, time - step, step).end : 0.0;
+}
+
 bool BodyLoads::to_come(double time, double step) const {
   return !gravity.isZero(0.0) || time < signal_end(signal) - 1e-9 * step;
 }

@@ -13,9 +13,10 @@ struct BodyLoads {
   Vector point, gravity;
   Signal signal;
 
-  Vector all() const { return point + gravity; }  // for statics
-  Vector mean(double time, double step) const;    // over a step
-  bool to_come(double time, double step) const;   // whether a load acts after `time`
+  Vector all() const { return point + gravity; }    // for statics
+  Vector mean(double time, double step) const;      // over a step
+  double share_at(double time, double step) const;  // of `point`, at the end of a step; 0 at t = 0
+  bool to_come(double time, double step) const;     // whether a load acts after `time`
 };
 
 // Throws Failure: kUsage if nothing loads the body or --load has no default load, kContent if the

@@ -81,6 +81,8 @@ Json comparison_json(const std::string& file, const ReducedBody& reduced,
           {"tip_error_of_largest", summary.tip_error_of_largest},
           {"mac_least", summary.mac_least},
           {"energy_difference", summary.energy_difference},
+          {"shown_of_largest", summary.shown_of_largest},
+          {"shown_tip_of_largest", summary.shown_tip_of_largest},
           {"seconds", seconds}};
 }
 
@@ -92,12 +94,15 @@ void print_comparison(const std::string& file, const ReducedBody& reduced,
   std::fprintf(stderr,
                "  %s, %d coordinates: displacement off by %s of the largest (no coordinates could "
                "do better than %s), the watched vertices by %s, MAC at least %s\n"
-               "  of the load's linear compliance f^T K^-1 f the basis leaves out %s\n",
+               "  of the load's linear compliance f^T K^-1 f the basis leaves out %s\n"
+               "  with the response to the load (--response-at load) %s, the watched vertices %s\n",
                file.c_str(), static_cast<int>(reduced.model.size()),
                number("%.2e", summary.error_of_largest).c_str(),
                number("%.2e", summary.projection_of_largest).c_str(),
                number("%.2e", summary.tip_error_of_largest).c_str(),
-               number("%.6f", summary.mac_least).c_str(), number("%.2e", unseen).c_str());
+               number("%.6f", summary.mac_least).c_str(), number("%.2e", unseen).c_str(),
+               number("%.2e", summary.shown_of_largest).c_str(),
+               number("%.2e", summary.shown_tip_of_largest).c_str());
 }
 
 }  // namespace tremolo

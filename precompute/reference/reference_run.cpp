@@ -27,6 +27,7 @@ using Clock = std::chrono::steady_clock;
 struct Companion {
   std::string file;
   ReducedBody body;
+  Vector response = {};  // W f to the load without gravity, of the unknowns
   std::vector<Moment> moments = {};
   double seconds = 0;
   std::optional<Failure> broken = {};
@@ -40,6 +41,7 @@ struct Work {
   std::vector<VertexId> probes;
   std::vector<VertexId> watched;  // the probes, else the loaded vertices
   std::vector<Companion> companions;
+  Vector response = {};  // K^-1 f to the whole load
   Json json = {};
   std::optional<Failure> broken = {};  // why the run ended early
 
@@ -64,10 +66,10 @@ void write_table(Work& work, const ReferenceTable& table) {
   if (!written && !work.broken) work.broken = Failure(written.error());
 }
 
-// This number is informative only, so a failure must not discard the results.
-Vector response_to_load(Work& work) {
+// What follows from it is informative only, so a failure must not discard the results.
+Vector response_to(Work& work, const Vector& load) {
   try {
-    return linear_response(work.solver, work.loads.all());
+    return linear_response(work.solver, load);
   } catch (const Failure& failure) {
     std::fprintf(stderr, "  the share of the load that the basis leaves out is unknown: %s\n",
                  failure.error().message.c_str());
@@ -77,11 +79,11 @@ Vector response_to_load(Work& work) {
 
 void report_comparisons(Work& work) {
   if (work.companions.empty()) return;
-  const Vector load = work.loads.all(), response = response_to_load(work);
+  const Vector load = work.loads.all();
   Json list = Json::array();
   for (const Companion& companion : work.companions) {
     const ComparisonSummary summary = summarise(companion.moments);
-    const double unseen = unseen_load(companion.body, load, response);
+    const double unseen = unseen_load(companion.body, load, work.response);
     Json json = comparison_json(companion.file, companion.body, summary, unseen, companion.seconds);
     json["reason"] = companion.broken ? Json(companion.broken->error().message) : Json(nullptr);
     list.push_back(std::move(json));
@@ -96,9 +98,19 @@ void report_comparisons(Work& work) {
     work.json["comparisons"] = list;
 }
 
-// reduced: one motion per companion; ignored if the companion is broken.
+void find_responses(Work& work) {
+  if (work.companions.empty()) return;
+  work.response = response_to(work, work.loads.all());
+  const Vector& point = work.loads.point;
+  const Vector to_point = work.loads.gravity.isZero(0.0) ? work.response : response_to(work, point);
+  for (Companion& companion : work.companions)
+    companion.response = response_beyond(companion.body, point, to_point);
+}
+
+// reduced: one motion per companion; ignored if the companion is broken. share: of the load that
+// acts.
 void record(Work& work, const Motion& motion, const std::vector<const Motion*>& reduced,
-            ReferenceTable& table) {
+            double share, ReferenceTable& table) {
   const bool writing = !work.options.out.empty();
   Vector mass_u;
   if (!work.companions.empty()) mass_u = multiply(work.body, work.body.mass, motion.u);
@@ -110,6 +122,8 @@ void record(Work& work, const Motion& motion, const std::vector<const Motion*>& 
     Moment moment =
         compare(work.body, companion.body, motion.u, mass_u, reduced[i]->u, work.watched);
     moment.energy_difference = reduced[i]->total() - motion.total();
+    compare_shown(work.body, companion.body, motion.u, reduced[i]->u, share * companion.response,
+                  work.watched, moment);
     companion.moments.push_back(moment);
     if (writing)
       rows.back() = {moment, reduced[i]->total(),
@@ -166,7 +180,7 @@ void run_statics(Work& work) {
         companion.broken);
     motions.push_back(&reduced[i]);
   }
-  record(work, at_rest(solution), motions, table);
+  record(work, at_rest(solution), motions, 1.0, table);
   report_comparisons(work);
   write_table(work, table);
 }
@@ -222,7 +236,8 @@ void move(Work& work, const SecondOrderSystem& system, std::int64_t steps, Cours
     course.drift.observe(motion.total(), motion.work, motion.dissipated,
                          work.loads.to_come(motion.time, options.time.step));
     if (motion.steps % options.every == 0 || motion.steps == steps)
-      record(work, motion, reduced, course.table);
+      record(work, motion, reduced, work.loads.share_at(motion.time, options.time.step),
+             course.table);
     if (motion.steps == steps) break;
     const Clock::time_point begin = Clock::now();
     advance(system, options.time, load, motion);
@@ -314,6 +329,7 @@ void run_reference(const ReferenceOptions& options) {
   work.json["order"] = problem.order;
   work.json["dofs"] = body.size();
   work.json["locking"] = to_json(locking);
+  find_responses(work);
   if (options.statics)
     run_statics(work);
   else

@@ -140,6 +140,10 @@ Result<Options> complete(const Options* given, void (*init)(Options*), const cha
   return options;
 }
 
+// The colliders of a step, checked.
+Status place_colliders(const tremolo_placed_collider* given, std::size_t count,
+                       std::vector<PlacedCollider>& placed);
+
 Result<tremolo_body_options> complete_body_options(const tremolo_body_options* given);
 Result<IntegratorOptions> to_integrator_options(const tremolo_body_options& options);
 // kUsage for what is no tremolo_frame.

@@ -69,13 +69,24 @@ Status place(const tremolo_placed_collider& given, PlacedCollider& placed) {
 
 }  // namespace
 
+Status tremolo::c_api::place_colliders(const tremolo_placed_collider* given, std::size_t count,
+                                       std::vector<PlacedCollider>& placed) {
+  placed.resize(count);
+  for (size_t i = 0; i < count; ++i)
+    if (Status s = place(given[i], placed[i]); !s) return s;
+  return Success{};
+}
+
 void tremolo_contact_options_init(tremolo_contact_options* options) {
   if (options == nullptr) return;
   const ContactOptions defaults;
   *options = {.size = sizeof(tremolo_contact_options),
               .points = defaults.points,
               .margin = defaults.margin,
-              .stiffness = defaults.stiffness};
+              .stiffness = defaults.stiffness,
+              .shape = nullptr,
+              .friction = defaults.friction,
+              .restitution = defaults.restitution};
 }
 
 tremolo_status tremolo_body_set_contact(tremolo_body* body,
@@ -85,8 +96,13 @@ tremolo_status tremolo_body_set_contact(tremolo_body* body,
                                                "tremolo_contact_options_init");
     if (!full) return full.error();
     if (known.bones() > 1) return tremolo::usage_error("a body on several bones touches nothing");
-    return known.set_contact(
-        {.points = full->points, .margin = full->margin, .stiffness = full->stiffness});
+    ContactOptions wanted{.points = full->points,
+                          .margin = full->margin,
+                          .stiffness = full->stiffness,
+                          .friction = full->friction,
+                          .restitution = full->restitution};
+    if (full->shape != nullptr) wanted.shape = full->shape->shape;
+    return known.set_contact(wanted);
   });
 }
 
@@ -156,9 +172,7 @@ tremolo_status tremolo_body_step_among(tremolo_body* body, const tremolo_placed_
   return with(body, [&](Body& known) -> Status {
     if (count > 0)
       if (Status s = need({{colliders, "the colliders"}}); !s) return s;
-    body->around.resize(count);
-    for (size_t i = 0; i < count; ++i)
-      if (Status s = place(colliders[i], body->around[i]); !s) return s;
+    if (Status s = tremolo::c_api::place_colliders(colliders, count, body->around); !s) return s;
     const tremolo::StepReport report = known.step(body->around);
     if (report.converged) return Success{};
     return tremolo::Error{tremolo::error_kind(report.failure),

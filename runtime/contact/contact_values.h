@@ -55,11 +55,11 @@ inline void carry(StateStream& stream, ContactAccount& account) {
   stream(account.impulse, account.active);
 }
 
-// A hand on a vertex: a spring of `stiffness` (N/m) and a damper (N s/m) from it to a point that
-// moves from `start` to `end` in the step, m, world. place: of the vertex. Both are implicit, so
-// that no stiffness is too large. force: on the body in the last step, N, world; the hand feels its
-// opposite. work: on the body in that step, J; of that the damper took `damped`, J, where the
-// spring stores energy(), J.
+// A hand on a vertex, or in a triangle near it (not at_vertex): a spring of `stiffness` (N/m) and a
+// damper (N s/m) from it to a point that moves from `start` to `end` in the step, m, world. place:
+// of the vertex. Both are implicit, so that no stiffness is too large. force: on the body in the
+// last step, N, world; the hand feels its opposite. work: on the body in that step, J; of that the
+// damper took `damped`, J, where the spring stores energy(), J.
 struct Grip {
   VertexId vertex = 0;
   VertexRows place;
@@ -68,6 +68,7 @@ struct Grip {
   Eigen::Vector3d start = Eigen::Vector3d::Zero(), end = Eigen::Vector3d::Zero();
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   double work = 0.0, damped = 0.0;
+  bool at_vertex = true;
 };
 
 // modes: r, which what is read must have.

@@ -38,11 +38,18 @@ Result<const VertexBlock*> InteriorRows::block() {
       if (!all) return all.error();
       Result<VertexBlock> leading = leading_columns(*all, modes_, "interior");
       if (!leading) return leading.error();
+      if (reader_->has(basis_layout::kResponseAt))
+        if (Status s = take(response_, read_response_inside(*reader_)); !s) return s.error();
       block_ = std::move(*leading);
     }
     reader_.reset();
   }
   return &*block_;
+}
+
+Result<const BasisRows*> InteriorRows::response() {
+  if (const auto there = block(); !there) return there.error();
+  return &response_;
 }
 
 }  // namespace tremolo

@@ -16,18 +16,23 @@ Result<VertexBlock> leading_columns(const VertexBlock& block, Eigen::Index modes
 
 class InteriorRows {
  public:
-  explicit InteriorRows(VertexBlock block) : block_(std::move(block)) {}
+  // response: as in LocalResponse; no columns if there is none.
+  InteriorRows(VertexBlock block, BasisRows response)
+      : block_(std::move(block)), response_(std::move(response)) {}
   InteriorRows(BasisReader reader, Eigen::Index modes)
       : reader_(std::move(reader)), modes_(modes) {}
 
   // The block, read on first use. Thread-safe; the reference stays valid as long as the object.
   Result<const VertexBlock*> block();
+  // The rows of W, likewise.
+  Result<const BasisRows*> response();
 
  private:
   std::mutex mutex_;
   std::optional<BasisReader> reader_;  // gone once the block is there
   Eigen::Index modes_ = 0;
   std::optional<VertexBlock> block_;
+  BasisRows response_;
 };
 
 }  // namespace tremolo

@@ -68,8 +68,8 @@ void write_unit_normals(const SurfaceBasis& basis, const Sum* triangle_normals, 
 
 const float* coordinates_of(const SurfaceBasis& rows, const Eigen::VectorXd& q,
                             SurfaceWorkspace& workspace) {
-  workspace.coordinates.resize(rows.modes);
-  scale_coordinates(rows, {q.data(), rows.modes}, workspace.coordinates);
+  workspace.coordinates.assign(rows.modes, 0.0f);
+  scale_coordinates(rows, {q.data(), static_cast<std::size_t>(q.size())}, workspace.coordinates);
   return workspace.coordinates.data();
 }
 
@@ -104,6 +104,31 @@ std::vector<std::int32_t> integers_of(const BasisRows& rows, const Eigen::Vector
       integers.push_back(static_cast<std::int32_t>(std::lround(exact)));
     }
   return integers;
+}
+
+// Columns of U and, behind them, of the response, with the scales of both: the response's integers
+// fill 16 bits. Nothing is scaled if U is not.
+struct ShownColumns {
+  BasisRows rows;
+  Eigen::VectorXd scales;
+};
+
+ShownColumns with_response(const BasisRows& basis, const Eigen::VectorXd& scales,
+                           const BasisRows& response) {
+  if (response.cols() == 0) return {basis, scales};
+  const Eigen::Index r = basis.cols();
+  ShownColumns shown{BasisRows(basis.rows(), r + response.cols()), {}};
+  shown.rows << basis, response;
+  if (scales.size() != r) return shown;
+  shown.scales.resize(shown.rows.cols());
+  shown.scales.head(r) = scales;
+  for (Eigen::Index i = r; i < shown.rows.cols(); ++i) {
+    auto column = shown.rows.col(i);
+    const double largest = column.cwiseAbs().maxCoeff();
+    shown.scales[i] = largest > 0.0 ? largest / 32767.0 : 1.0;
+    column = (column / shown.scales[i]).array().round() * shown.scales[i];
+  }
+  return shown;
 }
 
 // All but the triangles.
@@ -143,15 +168,17 @@ SurfaceBasis arrange(const std::vector<Eigen::Vector3d>& rest, const BasisRows& 
 
 }  // namespace
 
-SurfaceBasis make_surface_basis(const VertexBlock& surface,
-                                const std::vector<Triangle>& triangles) {
-  SurfaceBasis rows = arrange(surface.rest, surface.rows, surface.column_scales);
+SurfaceBasis make_surface_basis(const VertexBlock& surface, const std::vector<Triangle>& triangles,
+                                const BasisRows& response) {
+  const ShownColumns shown = with_response(surface.rows, surface.column_scales, response);
+  SurfaceBasis rows = arrange(surface.rest, shown.rows, shown.scales);
   list_incident(triangles, rows.vertices, rows);
   return rows;
 }
 
-SurfaceBasis make_surface_basis(const RenderBlock& render) {
-  SurfaceBasis rows = arrange(render.surface.vertices, render.rows, render.column_scales);
+SurfaceBasis make_surface_basis(const RenderBlock& render, const BasisRows& response) {
+  const ShownColumns shown = with_response(render.rows, render.column_scales, response);
+  SurfaceBasis rows = arrange(render.surface.vertices, shown.rows, shown.scales);
   SmoothPatches patches = find_smooth_patches(render.surface);
   if (patches.count < rows.vertices) rows.group_of = std::move(patches.group_of);
   list_incident(render.surface.triangles, patches.count, rows);

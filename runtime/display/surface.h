@@ -2,6 +2,10 @@
 //
 //     x = X + sum_i q_i U_i        the rows of U are read once: 4 * 3s * r bytes are the cost, or
 //                                  half of them where the file's rows are 16-bit integers
+//
+// Where a model keeps its response to forces at p places, the 3p columns of W stand behind those of
+// U, and the forces behind q.
+//
 //     n_v = sum over the triangles at v of (b - a) x (c - a), made a unit vector
 //
 // so each triangle counts with its area; the normal points outwards.
@@ -35,11 +39,11 @@ struct SurfaceBasis {
   };
 
   std::size_t vertices = 0;
-  std::size_t modes = 0;
+  std::size_t modes = 0;        // columns: r + 3p
   std::vector<FloatLine> rest;  // 4 lines a block, m
   std::vector<FloatLine> rows;  // 4 lines a block and column, kg^-1/2; empty if `pairs` is not
   std::vector<PairLine> pairs;  // 2 lines a block and column: 16-bit integers
-  std::vector<double> scales;   // r: what a coordinate is multiplied by before the product
+  std::vector<double> scales;   // r + 3p: what a coordinate is multiplied by before the product
 
   // Vertices that share a normal, g groups: s indices, or none if each has its own and g is s.
   std::vector<std::uint32_t> group_of;
@@ -56,12 +60,14 @@ struct SurfaceBasis {
 
 // 16-bit integers if the block has column scales and all its rows are such multiples of them, which
 // loses nothing; else floats.
-// triangles: indices below s.
-SurfaceBasis make_surface_basis(const VertexBlock& surface, const std::vector<Triangle>& triangles);
+// triangles: indices below s. response: 3s x 3p, or without columns; where U's rows are integers
+// its columns become 16-bit integers too, off by 2^-16 of their largest entry.
+SurfaceBasis make_surface_basis(const VertexBlock& surface, const std::vector<Triangle>& triangles,
+                                const BasisRows& response = {});
 // The same for a render surface. Vertices that lie at one place and belong to one smooth patch
 // share a normal (runtime/display/smooth_patches.h): no crack shows where texture coordinates split
 // them.
-SurfaceBasis make_surface_basis(const RenderBlock& render);
+SurfaceBasis make_surface_basis(const RenderBlock& render, const BasisRows& response = {});
 
 // Scratch of one caller; grows at the first call that needs it.
 struct SurfaceWorkspace {
@@ -84,8 +90,9 @@ void scale_coordinates(const SurfaceBasis& rows, std::span<const double> q,
 void write_surfaces(const SurfaceBasis& rows, std::size_t modes, std::size_t count,
                     const float* const* coordinates, float* const* out);
 
-// positions: 3s, x y z x y z ..., m; q: r. The error is that of float sums: below
-// (r + 2) 2^-24 (|X| + sum_i |q_i U_i|) in a component, about 1e-6 of the size in practice.
+// positions: 3s, x y z x y z ..., m; q: r or r + 3p, others are zero. The error is that of float
+// sums: below (r + 2) 2^-24 (|X| + sum_i |q_i U_i|) in a component, about 1e-6 of the size in
+// practice.
 void surface_positions(const SurfaceBasis& rows, const Eigen::VectorXd& q,
                        SurfaceWorkspace& workspace, std::span<float> positions);
 

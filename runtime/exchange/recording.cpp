@@ -11,7 +11,9 @@ AnimatedShape animated_shape(const Model& model, std::string name) {
   AnimatedShape shape;
   shape.name = std::move(name);
   const DrawnSurface drawn = model.drawn();
-  shape.modes = drawn.rows;
+  shape.modes.resize(drawn.rows.rows(), drawn.rows.cols() + drawn.response.cols());
+  shape.modes << drawn.rows, drawn.response;
+  shape.response_columns = drawn.response.cols();
   if (const RenderBlock* render = model.render()) {
     shape.surface = render->surface;
     shape.smooth_groups = find_smooth_patches(render->surface).group_of;
@@ -99,9 +101,10 @@ Status Recording::record(std::size_t track, std::span<const double> q,
   AnimatedBody& body = animation_.bodies[track];
   if (recorded_[track] >= animation_.frames())
     return usage_error("body '" + body.name + "': begin a frame first, which it is not in yet");
-  if (std::cmp_not_equal(q.size(), animation_.shape_of(body).modes.cols()))
-    return usage_error("body '" + body.name + "': it has " +
-                       std::to_string(animation_.shape_of(body).modes.cols()) +
+  const AnimatedShape& shape = animation_.shape_of(body);
+  const Eigen::Index modes = shape.modes.cols() - shape.response_columns;
+  if (std::cmp_not_equal(q.size(), modes) && std::cmp_not_equal(q.size(), shape.modes.cols()))
+    return usage_error("body '" + body.name + "': it has " + std::to_string(modes) +
                        " coordinates, not " + std::to_string(q.size()));
   if (poses.size() != body.bones())
     return usage_error("body '" + body.name + "': it has " + std::to_string(body.bones()) +
@@ -110,6 +113,7 @@ Status Recording::record(std::size_t track, std::span<const double> q,
     if (!std::isfinite(value))
       return usage_error("body '" + body.name + "': a coordinate is not finite");
   body.q.insert(body.q.end(), q.begin(), q.end());
+  body.q.resize(body.q.size() + static_cast<std::size_t>(shape.modes.cols()) - q.size(), 0.0);
   body.poses.insert(body.poses.end(), poses.begin(), poses.end());
   ++recorded_[track];
   return Success{};
@@ -119,7 +123,7 @@ Status Recording::record(std::size_t track, const Body& body) {
   poses_.clear();
   for (std::size_t b = 0; b < body.bones(); ++b) poses_.push_back(body.bone_pose(b));
   if (body.bones() < 2) poses_.assign(1, body.pose());
-  const Eigen::VectorXd& q = body.state().q;
+  const Eigen::VectorXd& q = body.shown();
   return record(track, {q.data(), static_cast<std::size_t>(q.size())}, poses_);
 }
 

@@ -72,14 +72,7 @@ Status add_loads(const std::vector<SceneLoad>& loads, Body& body) {
     if (!forces) return forces.error();
     Signal signal = load.signal;
     signal.table = load.table.get();
-    if (body.frame() == FrameKind::kFixed) {
-      Result<Eigen::VectorXd> reduced = reduce_load(body.model(), *forces);
-      if (!reduced) return reduced.error();
-      if (Status s = body.add_load({signal, std::move(*reduced)}); !s) return s;
-      continue;
-    }
-    for (std::size_t i = 0; i < forces->vertices.size(); ++i)
-      if (Status s = body.add_load(signal, forces->vertices[i], forces->forces[i]); !s) return s;
+    if (Status s = body.add_load(signal, *forces); !s) return s;
   }
   return Success{};
 }

@@ -124,7 +124,10 @@ Result<std::size_t> Body::grab(VertexId vertex, VertexRows place, double stiffne
 Result<std::size_t> Body::grab(const SurfacePlace& place, double stiffness, double damping) {
   Result<VertexRows> rows = model_->place(place);
   if (!rows) return rows.error();
-  return grab(model_->vertex_near(place), std::move(*rows), stiffness, damping);
+  const Result<std::size_t> hand =
+      grab(model_->vertex_near(place), std::move(*rows), stiffness, damping);
+  if (hand) find_hand(*hand)->at_vertex = false;
+  return hand;
 }
 
 double Body::mass_at(const VertexRows& place) const {
@@ -159,7 +162,9 @@ Result<std::size_t> Body::pin(VertexId vertex) {
 Result<std::size_t> Body::pin(const SurfacePlace& place) {
   Result<VertexRows> rows = model_->place(place);
   if (!rows) return rows.error();
-  return pin(model_->vertex_near(place), std::move(*rows));
+  const Result<std::size_t> hand = pin(model_->vertex_near(place), std::move(*rows));
+  if (hand) find_hand(*hand)->at_vertex = false;
+  return hand;
 }
 
 Grip* Body::find_hand(std::size_t hand) {

@@ -75,6 +75,7 @@ void Body::carry(StateStream& stream) {
   carry_frame(stream);
   carry_forces(stream);
   carry_hands(stream);
+  place_forces_.carry(stream);
   if (contact_) contact_->carry(stream);
   if (stream.good()) integrator_->carry(stream);
 }
@@ -150,6 +151,8 @@ void Body::carry_hands(StateStream& stream) {
   for (std::size_t i = 0; i < count && stream.good(); ++i) {
     tremolo::carry(stream, grips_[i], model_->modes());
     stream(hands_[i]);
+    const Result<VertexRows> vertex = model_->vertex(grips_[i].vertex);
+    grips_[i].at_vertex = vertex && vertex->rest == grips_[i].place.rest;
     stream.require(hands_[i] < next_hand_);
   }
 }

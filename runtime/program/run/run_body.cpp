@@ -136,8 +136,13 @@ Result<Body> make_body(const RunOptions& options, Model::Pointer model, const Si
   if (!body) return value_error(body.error());
   const Result<Load> load = reduced_load(options, body->model(), table);
   if (!load) return load.error();
-  if (load->signal.kind != SignalKind::kNone)
-    if (Status status = body->add_load(*load); !status) return value_error(status.error());
+  if (load->signal.kind != SignalKind::kNone) {
+    Result<DefaultLoad> forces = load_of_run(options, body->model());
+    if (!forces) return forces.error();
+    for (Eigen::Vector3d& force : forces->forces) force *= options.scale;
+    if (Status status = body->add_load(load->signal, *forces); !status)
+      return value_error(status.error());
+  }
   if (options.start.empty()) return body;
   const double at_start = sample_signal(load->signal, 0.0, options.step).start;
   const Result<State> start = start_state(options.start, body->model(), at_start * load->force);

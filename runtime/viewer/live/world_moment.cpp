@@ -24,7 +24,7 @@ Status look_at_world(const SceneWorld& world, WorldMoment& moment) {
   for (std::size_t i = 0; i < world.size(); ++i) {
     const Body& body = world.body(i);
     BodyMoment& seen = moment.bodies[i];
-    seen.q = body.state().q;
+    seen.q = body.shown();
     if (body.bones() == 0) {
       seen.pose = body.pose();
       continue;

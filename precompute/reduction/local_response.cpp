@@ -1,0 +1,120 @@
+#include "precompute/reduction/local_response.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "common/format_text.h"
+#include "common/mesh/edge_points.h"
+#include "formats/basis/basis_layout.h"
+#include "formats/basis/selector_reader.h"
+#include "precompute/system/failure.h"
+#include "precompute/system/petsc.h"
+
+namespace tremolo {
+namespace {
+
+constexpr const char* kLoadWord = "load";
+
+// Adds `share` of a unit force at a vertex: the displacement in an edge's middle is
+// (c_a + 2 c_ab + c_b) / 4, so these are the weights of a force there.
+void add_share(const TetMesh& mesh, VertexId vertex, double share,
+               std::map<VertexId, double>& shares) {
+  const MeshEdge* edge = edge_of_point(mesh, vertex);
+  if (edge == nullptr) {
+    shares[vertex] += share;
+    return;
+  }
+  shares[edge->a] += 0.25 * share;
+  shares[edge->b] += 0.25 * share;
+  shares[vertex] += 0.5 * share;
+}
+
+ResponsePlace place_of(const TetMesh& mesh, VertexId at, const std::vector<VertexId>& vertices) {
+  std::map<VertexId, double> shares;
+  for (const VertexId vertex : vertices)
+    add_share(mesh, vertex, 1.0 / static_cast<double>(vertices.size()), shares);
+  return {at, {shares.begin(), shares.end()}};
+}
+
+std::set<VertexId> chosen_vertices(const Problem& problem, const std::string& selector) {
+  std::set<VertexId> chosen;
+  for (const VertexId vertex : unwrap(resolve_selector(selector, problem.mesh))) {
+    if (std::binary_search(problem.fixed.begin(), problem.fixed.end(), vertex))
+      throw Failure(content_error("--response-at " + selector + ": vertex " +
+                                  std::to_string(vertex) + " is held, nothing gives way there"));
+    chosen.insert(vertex);
+  }
+  if (chosen.empty())
+    throw Failure(content_error("--response-at " + selector + " chooses no vertex"));
+  return chosen;
+}
+
+// Calls use(row, weight) for each of the force's control points whose first row this rank owns.
+// part: the point's number in the part.
+template <class Use>
+void for_own_rows(const ResponsePlace& place, const LocalDofs& local, const Use& use) {
+  for (const auto& [vertex, weight] : place.shares) {
+    const auto found = std::lower_bound(local.vertices.begin(), local.vertices.end(), vertex);
+    if (found == local.vertices.end() || *found != vertex) continue;
+    const auto part = found - local.vertices.begin();
+    const int row = local.row_of_vertex[static_cast<std::size_t>(part)];
+    if (row >= 0) use(part, row, weight);
+  }
+}
+
+}  // namespace
+
+std::vector<ResponsePlace> response_places(const Problem& problem,
+                                           const std::vector<std::string>& selectors) {
+  bool at_load = false;
+  std::set<VertexId> vertices;
+  for (const std::string& selector : selectors) {
+    if (selector == kLoadWord)
+      at_load = true;
+    else
+      vertices.merge(chosen_vertices(problem, selector));
+  }
+  const std::size_t count = vertices.size() + (at_load ? 1 : 0);
+  if (count > basis_layout::kMaxResponsePlaces)
+    throw Failure(content_error(
+        text("--response-at chooses %zu places; a file keeps the response at %d at most", count,
+             static_cast<int>(basis_layout::kMaxResponsePlaces))));
+  std::vector<ResponsePlace> places;
+  if (at_load && problem.load.vertices.empty())
+    throw Failure(content_error(
+        "--response-at load: there is no default load; give --load-at and --load-force"));
+  if (at_load) places.push_back(place_of(problem.mesh, kAtDefaultLoad, problem.load.vertices));
+  for (const VertexId vertex : vertices) places.push_back(place_of(problem.mesh, vertex, {vertex}));
+  return places;
+}
+
+RestResponse rest_response(const std::vector<ResponsePlace>& places, const LocalDofs& local,
+                           const Pencil& pencil, const ShiftedSolver& solver) {
+  constexpr Eigen::Index kBlock = 8;  // columns that are solved for together
+  RestResponse response;
+  response.columns.resize(local.dofs(), 3 * std::ssize(places));
+  const auto fill = [&](Eigen::Index first, Columns& loads) {
+    for (Eigen::Index column = first; column < first + loads.cols(); ++column)
+      for_own_rows(places[static_cast<std::size_t>(column / 3)], local,
+                   [&](Eigen::Index, Eigen::Index row, double weight) {
+                     loads(row + column % 3, column - first) += weight;
+                   });
+  };
+  response.residual = solve_at_rest(pencil, solver, kBlock, fill, response.columns);
+  return response;
+}
+
+void remove_basis_share(const std::vector<ResponsePlace>& places, const LocalDofs& local,
+                        const BasisRows& rows, const Eigen::VectorXd& lambda, BasisRows& response) {
+  Eigen::MatrixXd reduced = Eigen::MatrixXd::Zero(lambda.size(), 3 * std::ssize(places));  // U^T G
+  for (std::size_t p = 0; p < places.size(); ++p)
+    for_own_rows(places[p], local, [&](Eigen::Index part, Eigen::Index, double weight) {
+      reduced.middleCols(3 * static_cast<Eigen::Index>(p), 3) +=
+          weight * rows.middleRows(3 * part, 3).transpose();
+    });
+  sum_over_ranks(reduced);
+  response.noalias() -= rows * (lambda.cwiseInverse().asDiagonal() * reduced);
+}
+
+}  // namespace tremolo

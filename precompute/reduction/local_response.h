@@ -1,0 +1,44 @@
+// How the body gives way at rest under forces at chosen places, beyond what the basis has of it
+// (docs/theory.md, "What the basis lacks under a load"):
+//
+//     W = (K^-1 - U Lambda^-1 U^T) G        G: unit forces along x, y, z at each place
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "precompute/problem/problem.h"
+#include "precompute/reduction/rest_solve.h"
+
+namespace tremolo {
+
+// A place: the vertex, or kAtDefaultLoad, and the control points that share a unit force there with
+// their weights.
+struct ResponsePlace {
+  VertexId at = kAtDefaultLoad;
+  std::vector<std::pair<VertexId, double>> shares;
+};
+
+// Those of the selectors, each of whose vertices is a place of its own; the word "load" is the
+// default load, whose place comes first. Ascending, each once. Throws Failure (kContent): no
+// default load, a vertex that is held, more than kMaxResponsePlaces of them.
+std::vector<ResponsePlace> response_places(const Problem& problem,
+                                           const std::vector<std::string>& selectors);
+
+// K^-1 G: this rank's rows x 3 a place, m/N; of a free body, G self-balanced, on the complement of
+// its rigid motions. residual: the largest |K X - G| / |G|. solver: prepared. Throws Failure as
+// solve_at_rest. Collective.
+struct RestResponse {
+  Columns columns;
+  double residual = 0;
+};
+RestResponse rest_response(const std::vector<ResponsePlace>& places, const LocalDofs& local,
+                           const Pencil& pencil, const ShiftedSolver& solver);
+
+// Subtracts U Lambda^-1 U^T G from the response at the part's vertices. rows: those of U there.
+// Collective.
+void remove_basis_share(const std::vector<ResponsePlace>& places, const LocalDofs& local,
+                        const BasisRows& rows, const Eigen::VectorXd& lambda, BasisRows& response);
+
+}  // namespace tremolo
