@@ -86,6 +86,16 @@ inline World& behind(tremolo_world& handle) {
 inline const World& behind(const tremolo_world& handle) {
   return handle.world;
 }
+// Of c_api_contacts.cpp.
+inline tremolo_contacts& behind(tremolo_contacts& handle) {
+  return handle;
+}
+inline const tremolo_contacts& behind(const tremolo_contacts& handle) {
+  return handle;
+}
+inline const char* name_of(const tremolo_contacts*) {
+  return "the contacts";
+}
 inline const char* name_of(const tremolo_model*) {
   return "the model";
 }

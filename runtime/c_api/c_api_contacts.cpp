@@ -20,20 +20,6 @@ struct tremolo_contacts {
 };
 // NOLINTEND(readability-identifier-naming)
 
-namespace tremolo::c_api {
-
-inline tremolo_contacts& behind(tremolo_contacts& handle) {
-  return handle;
-}
-inline const tremolo_contacts& behind(const tremolo_contacts& handle) {
-  return handle;
-}
-inline const char* name_of(const tremolo_contacts*) {
-  return "the contacts";
-}
-
-}  // namespace tremolo::c_api
-
 namespace {
 
 using tremolo::Result;
