@@ -81,27 +81,45 @@ class Film {
     });
   }
 
-  // What the camera looks at: the boxes of the bodies wherever they are.
+  // Where a body's vertices are in the world, each `every`-th of them: (x, y, z) for each.
+  places(body, { q, poses }, every) {
+    const { rest, shapes, modes } = body.of, places = [];
+    for (let v = 0; v < rest.length / 3; v += every) {
+      const x = [0, 1, 2].map((k) => {
+        let sum = rest[3 * v + k];
+        for (let i = 0; i < modes; ++i) sum += q[i] * shapes[i * rest.length + 3 * v + k];
+        return sum;
+      });
+      const at = (m, k) => m[k] * x[0] + m[4 + k] * x[1] + m[8 + k] * x[2] + m[12 + k];
+      places.push([0, 1, 2].map((k) => (body.bones === 1 ? at(poses[0], k)
+        : poses.reduce((sum, matrix, b) => sum + body.weights[v * body.bones + b] * at(matrix, k), 0))));
+    }
+    return places;
+  }
+
+  // What the camera looks at: the box of all bodies at twenty moments.
   bounds() {
     const low = [Infinity, Infinity, Infinity], high = low.map((x) => -x);
-    for (const body of this.bodies) {
-      if (body.scenery) continue;
-      const box = [0, 1, 2].map((k) => {
-        const column = body.of.rest.filter((x, i) => i % 3 === k);
-        return [column.reduce((a, b) => Math.min(a, b)), column.reduce((a, b) => Math.max(a, b))];
+    const bodies = this.bodies.filter((body) => !body.scenery);
+    const every = 1 + Math.floor(bodies.reduce((sum, body) => sum + body.of.rest.length / 3, 0) / 20000);
+    for (let look = 0; look < 20; ++look) {
+      const states = this.states((look / 19) * this.end);
+      this.bodies.forEach((body, number) => {
+        if (body.scenery) return;
+        for (const x of this.places(body, states[number], every))
+          for (let k = 0; k < 3; ++k) [low[k], high[k]] = [Math.min(low[k], x[k]), Math.max(high[k], x[k])];
       });
-      for (let look = 0; look <= 60; ++look)
-        for (const matrix of this.matrices(body, this.moment((look / 60) * this.end)))
-          for (let corner = 0; corner < 8; ++corner) {
-            const x = box.map((side, k) => side[(corner >> k) & 1]);
-            for (let k = 0; k < 3; ++k) {
-              const at = matrix[k] * x[0] + matrix[4 + k] * x[1] + matrix[8 + k] * x[2] + matrix[12 + k];
-              low[k] = Math.min(low[k], at);
-              high[k] = Math.max(high[k], at);
-            }
-          }
     }
     return [low, high];
+  }
+
+  // The height of level scenery that stands still, which is drawn as the floor; null: none.
+  floorOf(number) {
+    const body = this.bodies[number];
+    if (!body.scenery || body.poses.length !== 7) return null;
+    const places = this.places(body, this.states(this.times[0])[number], 1).map((x) => x[2]);
+    const [low, high] = [Math.min(...places), Math.max(...places)];
+    return places.length === 4 && high - low <= 1e-6 * Math.hypot(...body.of.rest) ? low : null;
   }
 }
 
@@ -162,7 +180,8 @@ function playFilm(film, canvas, renderer, player) {
       const pixels = Math.max(1, Math.round(size * devicePixelRatio));
       if (canvas[side] !== pixels) canvas[side] = pixels;
     }
-    renderer.draw(film.states(player.time), { heat: player.heat() });
+    const states = film.states(player.time);
+    renderer.draw(player.shown.map((number) => states[number]), { heat: player.heat() });
   };
   let last = performance.now();
   const frame = (time) => {
@@ -198,8 +217,11 @@ function showFilm(data) {
   window.tremoloFilm = { film, player }; // for tests, and for the curious
   try {
     const renderer = new Renderer(canvas);
-    renderer.show(film.bodies.map((body) => ({ ...body.of, colour: body.scenery ? [0.6, 0.63, 0.67] : bodyColour(body.name),
-      scenery: body.scenery, bones: body.bones, weights: body.weights })), film.bounds());
+    const floors = film.bodies.map((body, number) => film.floorOf(number));
+    player.shown = film.bodies.map((body, number) => number).filter((number) => floors[number] === null);
+    renderer.show(player.shown.map((number) => film.bodies[number]).map((body) => ({ ...body.of,
+      colour: body.scenery ? [0.6, 0.63, 0.67] : bodyColour(body.name), scenery: body.scenery, bones: body.bones,
+      weights: body.weights })), film.bounds(), floors.find((height) => height !== null));
     orbit(canvas, renderer);
     window.tremoloFilm.renderer = renderer;
     playFilm(film, canvas, renderer, player);

@@ -260,8 +260,9 @@ export class Renderer {
 
   // What is drawn from now on. Of each: rest: 3 s; shapes: modes x 3 s; corners: 3 t; colour; of
   // some groups (normalFields), of bodies on bones their number and weights, s x bones. scenery: it
-  // is not looked at and throws no shadow. bounds: what is looked at, [low, high]; else the bodies.
-  show(list, bounds) {
+  // is not looked at. bounds: what is looked at, [low, high]; else the bodies. floor: its height; else
+  // the floor is below the lowest place, unless scenery takes its place.
+  show(list, bounds, floor) {
     const { gl } = this;
     for (const old of this.bodies) {
       gl.deleteTexture(old.fields);
@@ -277,7 +278,8 @@ export class Renderer {
         high[k % 3] = Math.max(high[k % 3], rest[k]);
       }
     this.look(bounds ?? [low, high]);
-    this.hasFloor = !list.some((one) => one.scenery);
+    this.hasFloor = floor !== undefined || !list.some((one) => one.scenery);
+    this.ground = floor ?? this.ground;
   }
 
   look([low, high]) {
