@@ -190,6 +190,7 @@ function rangeOf(values, logarithmic, { zero = false, room = 0 }) {
     return [low / 10 ** grown, high * 10 ** grown];
   }
   if (zero) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
+  if (zero && low === high) return [0, 1];
   const width = high - low || Math.abs(high) || 1;
   return [zero && low === 0 ? 0 : low - room * width, zero && high === 0 ? 0 : high + room * width];
 }

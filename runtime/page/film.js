@@ -188,12 +188,13 @@ function playFilm(film, canvas, renderer, player) {
     requestAnimationFrame(frame);
     const passed = Math.min(1, 1e-3 * Math.max(0, time - last));
     last = time;
+    document.dispatchEvent(new CustomEvent('tremolo-time', { detail: player.hidden ? null : player.time }));
+    if (player.hidden) return;
     if (player.playing) player.time += passed * player.speed();
     if (player.time > film.end) player.time = film.times[0];
     show();
     player.frames = (player.frames ?? 0) + 1;
     player.tell();
-    document.dispatchEvent(new CustomEvent('tremolo-time', { detail: player.time }));
   };
   requestAnimationFrame(frame);
 }
@@ -206,8 +207,9 @@ function showFilm(data) {
   const film = new Film(data), player = { time: film.times[0], playing: !matchMedia('(prefers-reduced-motion: reduce)').matches };
   player.seek = (time) => { player.time = Math.min(film.end, Math.max(film.times[0], time)); };
   const controls = filmControls(film, player);
-  const part = element('div', { class: 'film' }, stage, controls,
-    element('p', { class: 'hint' }, 'drag to turn, wheel to come nearer (after a click), space to pause; a click in a chart goes to that time'));
+  const hint = element('p', { class: 'hint' },
+    'drag to turn, wheel to come nearer (after a click), space to pause; a click in a chart goes to that time');
+  const part = element('div', { class: 'film' }, stage, controls, hint);
   document.addEventListener('tremolo-seek', (event) => player.seek(event.detail));
   canvas.addEventListener('keydown', (event) => {
     if (event.key !== ' ') return;
@@ -228,15 +230,17 @@ function showFilm(data) {
   } catch (error) {
     stage.replaceChildren(element('p', { class: 'notice' }, `The motion cannot be shown: ${error.message}.`));
   }
-  return data.live ? withLive(data.live, stage, controls, part) : part;
+  return data.live ? withLive(data.live, player, [canvas, controls, hint], part) : part;
 }
 
-function withLive(path, stage, controls, part) {
+// recorded: what belongs to the record alone.
+function withLive(path, player, recorded, part) {
   const live = element('iframe', { src: path, title: 'the live engine' });
   const choice = element('div', { class: 'choice', role: 'group', 'aria-label': 'what is shown' });
   const choose = (isLive) => {
     live.hidden = !isLive;
-    stage.firstElementChild.hidden = controls.hidden = isLive;
+    for (const one of recorded) one.hidden = isLive;
+    player.hidden = isLive;
     [...choice.children].forEach((button, k) => button.setAttribute('aria-pressed', isLive === (k === 0)));
   };
   for (const [text, isLive] of [['live: pull it', true], ['recorded', false]]) {
@@ -244,7 +248,7 @@ function withLive(path, stage, controls, part) {
     button.onclick = () => choose(isLive);
     choice.append(button);
   }
-  stage.append(live);
+  part.querySelector('.stage').append(live);
   part.prepend(choice);
   choose(true);
   return part;
