@@ -224,6 +224,7 @@ function showFilm(data) {
     renderer.show(player.shown.map((number) => film.bodies[number]).map((body) => ({ ...body.of,
       colour: body.scenery ? [0.6, 0.63, 0.67] : bodyColour(body.name), scenery: body.scenery, bones: body.bones,
       weights: body.weights })), film.bounds(), floors.find((height) => height !== null));
+    renderer.zoom = 1.3; // nothing stands before the body here
     orbit(canvas, renderer);
     window.tremoloFilm.renderer = renderer;
     playFilm(film, canvas, renderer, player);

@@ -183,6 +183,7 @@ await bare.addInitScript(() => { HTMLCanvasElement.prototype.getContext = () => 
 await bare.goto(pathToFileURL(index).href);
 await bare.waitForSelector('.stage .notice');
 assert.match(await bare.textContent('.stage .notice'), /has no WebGL 2/);
+await bare.waitForSelector('.panel path.curve', { state: 'attached' });
 assert.equal(await bare.locator('.panel').first().locator('svg > g path.curve').count(), runs);
 assert.deepEqual(errors, []);
 await browser.close();

@@ -25,3 +25,9 @@ command -v emcmake >/dev/null || { echo "emcmake is missing"; exit 77; }
 cmake --build "$build" --target web
 node "$work/engine_test.mjs" "$build/web/package" "$build/bin/tremolo" "$build/models/horse.tremolo" "$work"
 node "$work/page_test.mjs" "$build/web/index.html" "$chromium" "$work/photos"
+# The page of ./demo --live.
+mkdir -p "$work/live/models"
+cp "$build/web/index.html" "$work/live/live.html"
+cp "$build"/web/models/*.js "$work/live/models"
+"$build/bin/tremolo" export $horse --integrator imexv --page "$work/live/index.html" --live live.html
+node "$work/live_test.mjs" "$work/live/index.html" "$chromium" "$work/photos"

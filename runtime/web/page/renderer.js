@@ -173,7 +173,7 @@ export class Renderer {
     const gl = canvas.getContext('webgl2', { alpha: false, antialias: true, stencil: true, preserveDrawingBuffer: true });
     if (!gl) throw new Error('this browser has no WebGL 2: the bodies cannot be drawn');
     this.gl = gl;
-    this.turn = [-0.75, 0.32]; // of the camera: about z, above the floor
+    this.turn = [0.75, 0.3]; // of the camera: about z, above the floor
     this.zoom = 1;
     this.bodies = [];
     this.prepare();
