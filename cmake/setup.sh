@@ -11,11 +11,10 @@ packages_build="g++ cmake make ninja-build pkg-config libeigen3-dev libxxhash-de
 packages_mesher="libcgal-dev"  # of tremolo-mesh alone
 # Of tremolo-view alone; the last two draw without a graphics card.
 packages_view="libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libpng-dev libegl-mesa0 libgl1-mesa-dri"
-packages_show="gnuplot-nox povray"
-# libjs-chart.js draws the charts of `tremolo reproduce` and `tremolo bench`. The three behind it hold
-# surfaces for tests/corpus: 52 MB to load.
+# gnuplot-nox draws pictures of `tremolo plot`. The three behind it hold surfaces for tests/corpus:
+# 52 MB to load.
 # Xvfb and xdotool are a display and a mouse for the window of tremolo-view, ffmpeg makes its films.
-packages_test="libgtest-dev clang libclang-rt-14-dev libjs-chart.js libcgal-demo assimp-testmodels glmark2-data
+packages_test="libgtest-dev clang libclang-rt-14-dev gnuplot-nox libcgal-demo assimp-testmodels glmark2-data
   xvfb xdotool ffmpeg"
 # Programs that read what `tremolo export` writes: ./check --full. Whoever has node or npm keeps his own.
 packages_readers="python3-vtk9 blender"

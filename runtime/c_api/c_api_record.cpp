@@ -1,12 +1,14 @@
 // tremolo_recorder_*: what moved goes into files, from C.
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "runtime/c_api/c_api.h"
 #include "runtime/exchange/animation_writer.h"
 #include "runtime/exchange/recording.h"
+#include "runtime/page/motion.h"
 
 // NOLINTBEGIN(readability-identifier-naming): the names of the C header
 struct tremolo_recorder {
@@ -107,6 +109,10 @@ tremolo_status tremolo_recorder_write(tremolo_recorder* recorder, const char* pa
   return recording(recorder, {{path, "the path"}}, [&](tremolo_recorder& known) -> Status {
     const Result<Animation> animation = known.recording.animation();
     if (!animation) return animation.error();
+    if (std::string_view(path).ends_with(".html")) {
+      const auto page = tremolo::write_motion_page(path, *animation);
+      return page ? Status(Success{}) : Status(page.error());
+    }
     const auto written = tremolo::write_animation(path, *animation);
     return written ? Status(Success{}) : Status(written.error());
   });

@@ -42,7 +42,7 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
   run.add_flag("--velocities", o.velocities, "record velocities of these too");
   run.add_option("--out", o.out, "directory for run.csv, report.json, plots and surfaces");
   run.add_option("--every", o.every, "a CSV row every so many steps")->capture_default_str();
-  run.add_flag("--plot", o.plot, "draw energy.svg (needs gnuplot)");
+  run.add_flag("--plot", o.plot, "draw energy.html, and energy.svg where gnuplot is installed");
   run.add_option("--surfaces", o.surfaces, "write so many surfaces, evenly spaced in time");
   run.add_option("--wav", o.wav,
                  "sound of what the body does, 48 000 steps a second unless --step says otherwise");
@@ -74,6 +74,12 @@ void add_motion_outputs(CLI::App& app, MotionOutputs& o) {
   app.add_option("--pvd", o.pvd, "ParaView's list of .vtu files, which lie in a folder beside it");
   app.add_option("--usda", o.usda, "USD as text");
   app.add_option("--series", o.series, "numbered surfaces, OUT.ply or OUT.obj");
+  app.add_option("--page", o.page, "a page, .html, on which it plays; it needs no other file");
+  app.add_option("--runs", o.extras.runs,
+                 "of a page: folders of tremolo run --out, whose energies and figures it shows");
+  app.add_option("--note", o.extras.note, "of a page: a paragraph below the motion");
+  app.add_option("--live", o.extras.live,
+                 "of a page: the page of the live engine, which it shows first");
   app.add_option("--rate", o.range.rate, "frames a second; a frame is the nearest step")
       ->capture_default_str();
   app.add_option("--from", o.range.from, "the first frame's time, s")->capture_default_str();
@@ -131,9 +137,10 @@ struct Parser {
     run->add_option("--save", request.save, "of a scene with [[bodies]]: its state at the end");
     run->add_option("--restore", request.restore, "likewise: begin with what --save has written");
     add_run_flags(*run, options);
-    plot = app.add_subcommand("plot", "energy over time of several runs in one picture");
+    plot = app.add_subcommand("plot",
+                              "energy over time of several runs on one page or in one picture");
     plot->add_option("runs", request.directories, "directories of tremolo run --out")->required();
-    plot->add_option("-o,--output", request.picture, ".svg or .png")->required();
+    plot->add_option("-o,--output", request.picture, ".html, .svg or .png")->required();
     exporter = app.add_subcommand(
         "export", "write a model, or what it does, in files that other programs open");
     add_export_flags(*exporter, request.exported);

@@ -66,7 +66,7 @@ class ExportProgram : public ::testing::Test {
     const ProgramResult result = run(kTremolo + "export " + flags);
     EXPECT_EQ(result.code, code) << flags << ": " << result.err;
     EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
-    EXPECT_FALSE(there("no.glb")) << flags;
+    EXPECT_FALSE(there("no.glb") || there("no.html")) << flags;
   }
 
   static constexpr const char* kWorld = R"(duration = 0.5
@@ -193,6 +193,9 @@ TEST_F(ExportProgram, WrongUseIsSaidAndNothingIsWritten) {
   expect_refused("bar.tremolo", 2, "--glb");
   expect_refused(bar + "--glb no.gltf", 2, ".glb");
   expect_refused(bar + "--series no.stl", 2, ".ply or .obj");
+  expect_refused(bar + "--page no.htm", 2, ".html");
+  expect_refused(bar + "--glb no.glb --note text", 2, "of --page");
+  expect_refused(bar + "--page no.html --runs nowhere", 1, "nowhere");
   expect_refused(bar + "--glb no.glb --rate 500", 3, "--step 0.002");
   expect_refused(bar + "--glb no.glb --from 2", 3, "range");
   expect_refused(bar + "--glb no.glb --to 2", 3, "--duration");
@@ -222,6 +225,18 @@ TEST_F(ExportProgram, WhatItWroteBeforeItStillWrites) {
       << "[bar]\nmodel = \"bar.tremolo\"\nduration = 0.2\nstep = 0.0025\n";
   const json report = exported("one.toml --glb one.glb --load sine");
   EXPECT_EQ(report["last"], 0.2);
+}
+
+TEST_F(ExportProgram, APageTellsHowFarItIsFromTheRun) {
+  ASSERT_EQ(run(kTremolo + "run bar.tremolo --load sine --duration 0.2 --out ran").code, 0);
+  for (const char* source :
+       {"bar.tremolo --load sine --duration 0.2", "world.toml --duration 0.2"}) {
+    const json report = exported(std::string(source) + " --page a.html --runs ran --note 'a `b`'");
+    ASSERT_EQ(report["files"].size(), 1U) << source;
+    EXPECT_EQ(report["files"][0]["format"], "page") << source;
+    EXPECT_LE(report["files"][0]["position_error"], 1e-5) << source;
+    EXPECT_EQ(report["files"][0]["bytes"], std::filesystem::file_size(folder_ + "/a.html"));
+  }
 }
 
 }  // namespace

@@ -154,6 +154,7 @@ TEST_F(RunProgram, AnotherRunIntoTheSameFolderLeavesNothingOfTheFirst) {
   };
   ASSERT_EQ(run("run " + model() + " --duration 0.1 --out result --surfaces 3").code, 0);
   std::ofstream(folder_ + "/result/energy.svg") << "of the first run";
+  std::ofstream(folder_ + "/result/energy.html") << "of the first run";
   std::ofstream(folder_ + "/result/surface-mine.ply") << "kept";
   std::ofstream(folder_ + "/result/notes.txt") << "kept";
   const std::string second = "run " + model() + " --duration 0.1 --out result --surfaces 1";
@@ -173,8 +174,13 @@ TEST_F(RunProgram, DrawsTheEnergyOfSeveralRuns) {
   const ProgramResult result = run("plot a b -o both.svg");
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_NE(slurp(folder_ + "/both.svg").find("total energy"), std::string::npos);
+  EXPECT_NE(slurp(folder_ + "/a/energy.html").find("\"label\":\"ep4\""), std::string::npos);
+  ASSERT_EQ(run("plot a b -o both.html").code, 0);
+  const std::string page = slurp(folder_ + "/both.html");
+  EXPECT_NE(page.find("\"label\":\"a\""), std::string::npos);
+  EXPECT_NE(page.find("\"label\":\"b\""), std::string::npos);
   expect_failure(run("plot a nowhere -o both.svg"), 1, "nowhere");
-  expect_failure(run("plot a -o both.bmp"), 2, ".svg or .png");
+  expect_failure(run("plot a -o both.bmp"), 2, ".html, .svg or .png");
   std::ofstream(folder_ + "/other.csv") << "time,total\n0,0\n";
   expect_failure(run("plot a other.csv -o other.svg"), 3, "column `t`");
   EXPECT_FALSE(std::filesystem::exists(folder_ + "/other.svg"));

@@ -31,6 +31,13 @@ TEST(CRecording, ABodyAndStatesGoIntoFiles) {
   EXPECT_EQ(mdd.substr(0, 4), std::string("\0\0\0\5", 4));
   EXPECT_TRUE(std::filesystem::exists(folder.file("a-body.obj")));
   EXPECT_FALSE(std::filesystem::exists(folder.file("a.bvh")));
+  EXPECT_EQ(tremolo_c_recording(model.c_str(), folder.file("b.html").c_str(),
+                                folder.file("b.mdd").c_str(), folder.file("b.bvh").c_str()),
+            0)
+      << tremolo_last_error();
+  const std::string page = testing::slurp(folder.file("b.html"));
+  EXPECT_NE(page.find("\"kind\":\"film\""), page.npos);
+  EXPECT_NE(page.find("\"name\":\"state\""), page.npos);
 }
 
 }  // namespace

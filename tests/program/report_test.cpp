@@ -64,7 +64,7 @@ TEST(Table, WhatIsNotFiniteIsAnEmptyCell) {
 
 // A report with every kind of part whose texts try to be HTML, a script and a mark of the template.
 Report wild_report(const std::string& directory) {
-  const std::string wild = "</script><!--<script> & \"it's\" `a<b` %REPORT% %LIBRARY% \n";
+  const std::string wild = "</script><!--<script> & \"it's\" `a<b` %REPORT% %SCRIPTS% \n";
   Report report(directory, "a < b " + wild, wild);
   report.section("<script>" + wild);
   report.heading(wild);
@@ -97,28 +97,15 @@ std::size_t count(const std::string& text, std::string_view what) {
 TEST(Page, HoldsTheReportWhateverItsTextsSay) {
   testing::TemporaryFolder folder;
   const Report report = wild_report(folder.path());
-  const std::string page = report.write("/no/such/library.js");
+  const std::string page = report.write();
   EXPECT_EQ(page, folder.file("index.html"));
   const std::string html = read(page);
   EXPECT_EQ(report_of(html), Json(report.json()));
   EXPECT_EQ(Json::parse(read(folder.file("report.json"))), Json(report.json()));
-  EXPECT_EQ(count(html, "<script"), 3u) << "a text became an element";
-  EXPECT_EQ(count(html, "</script"), 3u);
+  EXPECT_EQ(count(html, "<script"), 2u) << "a text became an element";
+  EXPECT_EQ(count(html, "</script"), 2u);
   EXPECT_EQ(html.find("http"), html.npos) << "a page must not fetch anything";
   EXPECT_EQ(count(report.json().dump(), "MISSED"), 1u);
-}
-
-TEST(Page, CarriesTheLibraryOrSaysThatItIsMissing) {
-  testing::TemporaryFolder folder;
-  const Report report = wild_report(folder.path());
-  std::ofstream(folder.file("library.js")) << "var Chart = 'a library';";
-  std::ofstream(folder.file("broken.js")) << "'</script>'";
-  EXPECT_EQ(count(read(report.write(folder.file("library.js"))), "a library"), 1u);
-  for (const char* library : {"broken.js", "none.js"}) {
-    const std::string html = read(report.write(folder.file(library)));
-    EXPECT_EQ(count(html, "<script></script>"), 1u) << library;
-    EXPECT_EQ(count(html, "Chart.js was not installed"), 1u) << library;
-  }
 }
 
 TEST(Report, ATableIsWholeInItsFileAndWithoutRepeatsOnThePage) {

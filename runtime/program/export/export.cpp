@@ -20,8 +20,8 @@ namespace {
 Status check_outputs(const ExportOptions& options) {
   if (!options.any())
     return Error{ErrorKind::kUsage,
-                 "nothing to export: name an output with --glb, --pc2, --mdd, --pvd, --usda, "
-                 "--series, --cub, --U, --vtu or --light"};
+                 "nothing to export: name an output with --glb, --page, --pc2, --mdd, --pvd, "
+                 "--usda, --series, --cub, --U, --vtu or --light"};
   return keep_apart({options.cub, options.u, options.vtu, options.light},
                     {{options.model, "the basis file"}});
 }

@@ -15,6 +15,7 @@
 #include "runtime/exchange/surface_series.h"
 #include "runtime/exchange/usda_writer.h"
 #include "runtime/program/export/animate.h"
+#include "runtime/program/output/energy_page.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
@@ -50,6 +51,8 @@ std::vector<NamedFile> sources_of(const MotionOutputs& outputs, const MotionSour
   }
   for (const std::string& text : outputs.textures)
     files.push_back({texture_of_flag(text).path, "--texture"});
+  for (const PlotSource& run : plot_sources(outputs.extras.runs))
+    files.push_back({run.csv, "--runs"});
   return files;
 }
 
@@ -72,12 +75,15 @@ Status check_paths(const MotionOutputs& outputs, const MotionSource& source) {
                                            {"--pc2", &pc2, ".pc2"},
                                            {"--mdd", &mdd, ".mdd"},
                                            {"--pvd", &pvd, ".pvd"},
-                                           {"--usda", &usda, ".usda"}})
+                                           {"--usda", &usda, ".usda"},
+                                           {"--page", &outputs.page, ".html"}})
     if (!path->empty() && !path->ends_with(ending))
       return usage_error(fmt::format("{} {}: the name must end in {}", flag, *path, ending));
   if (!series.empty() && !series.ends_with(".ply") && !series.ends_with(".obj"))
     return usage_error("--series " + series + ": the name must end in .ply or .obj");
-  std::vector<std::string> paths = {glb, pvd, usda};
+  if (outputs.page.empty() && outputs.extras.any())
+    return usage_error("--runs, --note and --live are of --page");
+  std::vector<std::string> paths = {glb, pvd, usda, outputs.page};
   if (!series.empty()) paths.push_back(without_ending(series) + ".csv");
   const std::vector<std::string> names = body_names(source);
   std::vector<std::string> shapes;
@@ -99,6 +105,21 @@ Result<RecordedMotion> record(const MotionOutputs& outputs, const MotionSource& 
   if (const auto* bodies = std::get_if<std::vector<RunOptions>>(&source))
     return animate_bodies(*bodies, outputs.range);
   return animate_world(std::get<SceneFile>(source), outputs.range, !outputs.no_colliders);
+}
+
+// "imexv in steps of 3 ms, 30 s" of what moves.
+std::string told_motion(const MotionSource& source) {
+  const auto* bodies = std::get_if<std::vector<RunOptions>>(&source);
+  if (bodies == nullptr) {
+    const Scene& scene = std::get<SceneFile>(source).scene;
+    return fmt::format("{:.4g} s in steps of {:.4g} ms", scene.duration, 1e3 * scene.step);
+  }
+  std::vector<std::string> methods;
+  for (const RunOptions& body : *bodies)
+    if (std::find(methods.begin(), methods.end(), body.integrator) == methods.end())
+      methods.push_back(body.integrator);
+  return fmt::format("{:.4g} s by `{}` in steps of {:.4g} ms", bodies->front().duration,
+                     fmt::join(methods, "`, `"), 1e3 * bodies->front().step);
 }
 
 Json file_json(const WrittenFile& file, const char* format) {
@@ -137,8 +158,24 @@ void append_files(Json& files, const std::vector<WrittenFile>& written, const ch
   }
 }
 
-Result<Json> write_motion_files(const MotionOutputs& outputs, const Animation& animation) {
+Result<Json> write_as_page(const MotionOutputs& outputs, const Animation& animation,
+                           const std::string& subtitle) {
+  const Result<PageReport> report =
+      write_page_report(outputs.page, animation, outputs.extras, subtitle, outputs.up == "z");
+  if (!report) return report.error();
+  Json json = file_json({outputs.page, report->bytes}, "page");
+  json["position_error"] = report->position_error;
+  return json;
+}
+
+Result<Json> write_motion_files(const MotionOutputs& outputs, const Animation& animation,
+                                const std::string& subtitle) {
   Json files = Json::array();
+  if (!outputs.page.empty()) {
+    Result<Json> page = write_as_page(outputs, animation, subtitle);
+    if (!page) return page.error();
+    files.push_back(std::move(*page));
+  }
   if (!outputs.glb.empty()) {
     Result<Json> glb = write_as_glb(outputs, animation);
     if (!glb) return glb.error();
@@ -186,6 +223,8 @@ void print_files(const Json& files) {
           file["vertices"].get<std::size_t>(), file["targets"].get<std::size_t>(),
           file["dropped"].get<std::size_t>(), file["position_error"].get<double>(),
           file["normal_error_mean"].get<double>());
+    if (format == "page")
+      fmt::print(", positions to {:.1e} of the size", file["position_error"].get<double>());
     fmt::print("\n");
     if (file.contains("four_bones_error") && file["four_bones_error"] > 0.0)
       fmt::print(
@@ -223,7 +262,7 @@ Status export_motion(const MotionOutputs& outputs, const MotionSource& source) {
   double left_out = 0.0;
   if (outputs.modes > 0)
     if (Status s = take(left_out, keep_coordinates(motion->animation, outputs.modes)); !s) return s;
-  const Result<Json> files = write_motion_files(outputs, motion->animation);
+  const Result<Json> files = write_motion_files(outputs, motion->animation, told_motion(source));
   if (!files) return files.error();
   tell_motion(outputs, *motion, left_out);
   if (!outputs.json) {

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "runtime/program/export/export_page.h"
 #include "runtime/program/export/frame_steps.h"
 #include "runtime/program/run/run_options.h"
 #include "runtime/scene_reader/scene_reader.h"
@@ -16,7 +17,8 @@ namespace tremolo {
 // has all of them. textures: "MATERIAL=IMAGE" or "IMAGE". up: "z" or "y", of the world. The others
 // as GlbOptions has them.
 struct MotionOutputs {
-  std::string glb, pc2, mdd, pvd, usda, series;
+  std::string glb, pc2, mdd, pvd, usda, series, page;
+  PageExtras extras;  // of the page
   FrameRange range;
   std::size_t modes = 0;
   bool plain_weights = false;
@@ -28,7 +30,7 @@ struct MotionOutputs {
 
   bool any() const {
     return !glb.empty() || !pc2.empty() || !mdd.empty() || !pvd.empty() || !usda.empty() ||
-           !series.empty();
+           !series.empty() || !page.empty();
   }
 };
 

@@ -1,6 +1,8 @@
 #include "runtime/program/output/gnuplot.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <spawn.h>
@@ -84,6 +86,16 @@ std::string gnuplot_quoted(const std::string& text) {
     result += c == '\n' || c == '\r' ? ' ' : c;
   }
   return result + "'";
+}
+
+bool has_gnuplot() {
+  const char* folders = std::getenv("PATH");
+  for (std::string_view rest = folders == nullptr ? "" : folders; !rest.empty();) {
+    const std::string_view folder = rest.substr(0, rest.find(':'));
+    rest.remove_prefix(std::min(rest.size(), folder.size() + 1));
+    if (::access((std::string(folder) + "/gnuplot").c_str(), X_OK) == 0) return true;
+  }
+  return false;
 }
 
 Result<std::string> run_gnuplot(const std::string& script) {

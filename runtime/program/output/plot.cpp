@@ -85,8 +85,9 @@ std::string script(const std::vector<PlotSource>& sources, const std::vector<boo
 
 Status plot_energies(const std::vector<PlotSource>& sources, const std::string& output) {
   const std::string ending = fs::path(output).extension().string();
+  if (ending == ".html") return write_energy_page(sources, output);
   if (ending != ".svg" && ending != ".png")
-    return Error{ErrorKind::kUsage, output + ": a plot ends in .svg or .png"};
+    return Error{ErrorKind::kUsage, output + ": a plot ends in .html, .svg or .png"};
   std::vector<bool> banded;
   for (const PlotSource& source : sources) {
     const Result<std::string> header = read_header(source.csv);
@@ -98,14 +99,19 @@ Status plot_energies(const std::vector<PlotSource>& sources, const std::string& 
   return write_file(output, *picture);
 }
 
-int plot_command(const std::vector<std::string>& directories, const std::string& output) {
-  std::vector<PlotSource> sources;
-  for (const std::string& directory : directories) {
-    const fs::path path(directory);
-    const fs::path csv = fs::is_directory(path) ? path / "run.csv" : path;
-    const fs::path folder = (fs::is_directory(path) ? path : path.parent_path()) / "";
-    sources.push_back({folder.parent_path().filename().string(), csv.string()});
+Status plot_run(const PlotSource& source, const std::string& folder,
+                std::vector<std::string>& files) {
+  for (const char* name : {kEnergyPageName, kPictureName}) {
+    if (name == std::string_view(kPictureName) && !has_gnuplot()) break;
+    const std::string path = (fs::path(folder) / name).string();
+    if (Status s = plot_energies({source}, path); !s) return s;
+    files.push_back(path);
   }
+  return Success{};
+}
+
+int plot_command(const std::vector<std::string>& directories, const std::string& output) {
+  const std::vector<PlotSource> sources = plot_sources(directories);
   std::vector<NamedFile> inputs;
   for (const PlotSource& source : sources) inputs.push_back({source.csv, "a run"});
   if (Status status = keep_apart({output}, inputs); !status) return report_error(status.error());

@@ -1,24 +1,29 @@
-// Pictures by gnuplot.
+// Energies of runs as a page, or as a picture by gnuplot.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "common/result.h"
+#include "runtime/program/output/energy_page.h"
 
 namespace tremolo {
 
-// One run: a label and its run.csv.
-struct PlotSource {
-  std::string label;
-  std::string csv;
-};
+// What a run's folder gets.
+inline constexpr const char* kEnergyPageName = "energy.html";
+inline constexpr const char* kPictureName = "energy.svg";
 
 // Total energy of the runs over time, one curve a run, and below it that of the high band for those
-// that have one (`tremolo-precompute reference` has none). The ending of `output` chooses .svg or
-// .png. Errors: kUsage for another ending, kContent for a CSV without the columns t and total,
-// kSystem if gnuplot is missing (the message tells how to get it) or fails.
+// that have one (`tremolo-precompute reference` has none). The ending of `output` chooses: .html, a
+// page with zoom and values under the pointer; .svg or .png, by gnuplot. Errors: kUsage for another
+// ending, kContent for a CSV without the columns t and total, kSystem if gnuplot is missing (the
+// message tells how to get it) or fails.
 Status plot_energies(const std::vector<PlotSource>& sources, const std::string& output);
+
+// The same as energy.html in a folder and, where gnuplot is installed, energy.svg; the paths of
+// what was written join `files`. Errors: as above, but that gnuplot may be missing.
+Status plot_run(const PlotSource& source, const std::string& folder,
+                std::vector<std::string>& files);
 
 // `tremolo plot`: the energies of these folders of `tremolo run --out`. The exit code; errors are
 // printed on stderr.

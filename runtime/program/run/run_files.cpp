@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "common/mesh/selector.h"
+#include "runtime/program/output/plot.h"
 #include "runtime/program/start/start_state.h"
 
 namespace tremolo {
@@ -38,8 +39,8 @@ bool is_frame_name(std::string_view name) {
 }
 
 bool is_of_a_run(const std::string& name) {
-  return is_frame_name(name) || name == kPictureName || name == kFramesName ||
-         name == kMaterialsName;
+  return is_frame_name(name) || name == kPictureName || name == kEnergyPageName ||
+         name == kFramesName || name == kMaterialsName;
 }
 
 }  // namespace
@@ -68,7 +69,8 @@ Status keep_run_apart(const RunOptions& options) {
   std::vector<std::string> outputs;
   if (!options.wav.empty()) outputs.push_back(options.wav);
   if (options.out.empty()) return outputs.empty() ? Status(Success{}) : keep_apart(outputs, inputs);
-  for (const char* name : {kTableName, kReportName, kPictureName, kFramesName, kMaterialsName})
+  for (const char* name :
+       {kTableName, kReportName, kEnergyPageName, kPictureName, kFramesName, kMaterialsName})
     outputs.push_back((fs::path(options.out) / name).string());
   // Surfaces that are there will be written anew or removed.
   std::error_code error;

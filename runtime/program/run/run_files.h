@@ -12,7 +12,6 @@ namespace tremolo {
 
 inline constexpr const char* kTableName = "run.csv";
 inline constexpr const char* kReportName = "report.json";
-inline constexpr const char* kPictureName = "energy.svg";
 inline constexpr const char* kFramesName = "frames.csv";      // which surface is of what time
 inline constexpr const char* kMaterialsName = "surface.mtl";  // of surfaces as .obj
 

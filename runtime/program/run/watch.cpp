@@ -148,12 +148,9 @@ Status Watch::finish() {
   const std::string csv = (fs::path(options_->out) / kTableName).string();
   if (Status status = recorder_.finish(); !status) return status;
   report_->files.push_back(csv);
-  if (options_->plot && report_->signal == 0) {
-    const std::string picture = (fs::path(options_->out) / kPictureName).string();
-    if (Status status = plot_energies({{options_->integrator, csv}}, picture); !status)
-      return status;
-    report_->files.push_back(picture);
-  }
+  if (options_->plot && report_->signal == 0)
+    if (Status s = plot_run({options_->integrator, csv}, options_->out, report_->files); !s)
+      return s;
   return remove_leftovers(options_->out, report_->files);
 }
 

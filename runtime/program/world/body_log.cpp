@@ -232,11 +232,8 @@ Status BodyLog::finish(const SceneWorld& world) {
   const std::string csv = (fs::path(options_->out) / kTableName).string();
   if (Status s = recorder_.finish(); !s) return s;
   report_.files.push_back(csv);
-  if (options_->plot) {
-    const std::string picture = (fs::path(options_->out) / kPictureName).string();
-    if (Status s = plot_energies({{options_->name, csv}}, picture); !s) return s;
-    report_.files.push_back(picture);
-  }
+  if (options_->plot)
+    if (Status s = plot_run({options_->name, csv}, options_->out, report_.files); !s) return s;
   return remove_leftovers(options_->out, report_.files);
 }
 

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/file/atomic_file.h"
+#include "runtime/program/output/plot.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/interruption.h"
 #include "runtime/program/run/run_body.h"
@@ -157,7 +158,8 @@ Status keep_world_apart(const SceneFile& file) {
   if (file.outputs.out.empty()) return keep_apart(outputs, inputs);
   outputs.push_back((fs::path(file.outputs.out) / kReportName).string());
   for (const SceneBody& body : file.scene.bodies)
-    for (const char* name : {kTableName, kPictureName, kFramesName, kMaterialsName})
+    for (const char* name :
+         {kTableName, kEnergyPageName, kPictureName, kFramesName, kMaterialsName})
       outputs.push_back((fs::path(file.outputs.out) / body.name / name).string());
   return keep_apart(outputs, inputs);
 }

@@ -1,8 +1,6 @@
 // The page: a body under the reader's hand. Steps are made in real time between two pictures, as
 // many as the time since the last one asks for; the picture lies between the last two states.
 const kFirst = 'horse';
-const kColours = { horse: [0.62, 0.40, 0.24], heart: [0.74, 0.16, 0.18], tower: [0.52, 0.56, 0.62],
-  bridge: [0.40, 0.48, 0.58], basket: [0.72, 0.53, 0.30], beam: [0.36, 0.52, 0.70] };
 const kShown = 10; // seconds of energy in the plot
 const kBudget = 12; // ms of a frame that steps may take; what is over is told as lag
 
@@ -11,8 +9,14 @@ const canvas = get('scene');
 const say = (text) => { get('message').textContent = text; };
 
 const started = performance.now();
-const tremolo = await loadTremolo({ wasmBinary: tremoloWasm() });
-const renderer = new Renderer(canvas);
+let tremolo, renderer;
+try {
+  renderer = new Renderer(canvas);
+  tremolo = await loadTremolo({ wasmBinary: tremoloWasm() });
+} catch (error) {
+  say(error.message);
+  throw error;
+}
 const page = { model: null, body: null, hand: null, before: null, now: null, energies: [], owed: 0,
   lag: 0, paused: false, name: '', stepCost: 0, firstFrame: 0 };
 window.tremoloPage = page; // for tests, and for the curious
@@ -61,7 +65,7 @@ function open(bytes, name) {
   try {
     const { rest, shapes } = model.shapes();
     const corners = model.corners();
-    renderer.show({ rest, shapes, corners, modes: model.modes, colour: kColours[name] ?? [0.5, 0.5, 0.55] });
+    renderer.show([{ rest, shapes, corners, modes: model.modes, colour: bodyColour(name) }]);
     page.shapes = shapes;
     page.lambda = model.frequencies().map((f) => (2 * Math.PI * f) ** 2);
   } catch (error) {
@@ -155,7 +159,7 @@ function frame(time) {
   }
   const share = Math.min(1, Math.max(0, page.owed / h));
   const q = page.now.map((x, i) => page.before[i] + share * (x - page.before[i]));
-  renderer.draw(q, { heat: get('colour').value === 'displacement' });
+  renderer.draw([{ q }], { heat: get('colour').value === 'displacement' });
   if (!page.firstFrame) page.firstFrame = performance.now() - started;
   page.frames = (page.frames ?? 0) + 1;
   if (page.frames % 4 === 0) tell();

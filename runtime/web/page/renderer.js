@@ -1,15 +1,20 @@
-// Draws one body with WebGL 2: modes lie in a texture, a frame sends q. Vertices are rest + sum of
-// q_i shape_i, normals the same to first order in q.
+// Draws bodies with WebGL 2: modes lie in a texture, a frame sends q and poses. A vertex is at
+//
+//     x = sum_b w_b T_b (X + sum_i q_i U_i)
+//
+// X, U: rest and shapes; T_b: the pose of bone b, of most bodies the only one, w_b: its weight.
+// Normals are the same to first order in q. The live page and recorded motions share this file.
 const kWidth = 2048; // of the textures, texels
+const kMostModes = 192, kMostBones = 24; // what 256 vectors of uniforms, which WebGL 2 promises, hold
 
 const kVertex = `#version 300 es
 precision highp float;
 precision highp sampler2D;
 uniform sampler2D uFields; // (mode, 0: shape, 1: change of the normal; vertex): texels one after the other
-uniform sampler2D uRest;   // (0: place, 1: normal; vertex)
-uniform float uQ[64];
-uniform int uModes, uVertices;
-uniform mat4 uView, uPoses;
+uniform sampler2D uRest;   // (0: place, 1: normal, 2 + b: weight of bone b; vertex)
+uniform vec4 uQ[${kMostModes / 4}];
+uniform int uModes, uVertices, uBones;
+uniform mat4 uView, uPoses[${kMostBones}];
 uniform vec4 uGround;      // of a shadow: the light's direction, the height; w < -1e8: none
 uniform float uSize;
 uniform int uColour;
@@ -22,11 +27,17 @@ void main() {
   int v = gl_VertexID;
   vec3 u = vec3(0.0), n = texel(uRest, uVertices + v);
   for (int i = 0; i < uModes; ++i) {
-    u += uQ[i] * texel(uFields, 2 * i * uVertices + v);
-    n += uQ[i] * texel(uFields, (2 * i + 1) * uVertices + v);
+    float q = uQ[i >> 2][i & 3];
+    u += q * texel(uFields, 2 * i * uVertices + v);
+    n += q * texel(uFields, (2 * i + 1) * uVertices + v);
   }
-  vec3 x = (uPoses * vec4(texel(uRest, v) + u, 1.0)).xyz;
-  vNormal = mat3(uPoses) * n;
+  mat4 pose = uPoses[0];
+  if (uBones > 1) {
+    pose = mat4(0.0);
+    for (int b = 0; b < uBones; ++b) pose += texel(uRest, (2 + b) * uVertices + v).x * uPoses[b];
+  }
+  vec3 x = (pose * vec4(texel(uRest, v) + u, 1.0)).xyz;
+  vNormal = mat3(pose) * n;
   vPlace = x;
   vMoved = length(u) / uSize;
   if (uGround.w > -1e8) x -= uGround.xyz * ((x.z - uGround.w) / uGround.z) - vec3(0, 0, 1e-3 * uSize);
@@ -108,27 +119,52 @@ function multiply(a, b) {
 }
 
 // Sums of the normals of a vertex's triangles by their area, and how each shape changes them.
-export function normalFields(rest, shapes, corners, modes) {
+// groups: a number a vertex; those of one number share a normal. None: each has its own.
+export function normalFields({ rest, shapes, corners, modes, groups }) {
   const n = rest.length, base = new Float32Array(n), change = new Float32Array(modes * n);
+  const to = (v) => (groups ? groups[v] : v);
   const edge = (field, at, from, to, k) => field[at + 3 * to + k] - field[at + 3 * from + k];
   for (let t = 0; t < corners.length; t += 3) {
     const [a, b, c] = [corners[t], corners[t + 1], corners[t + 2]];
     const e = [0, 1, 2].map((k) => edge(rest, 0, a, b, k));
     const f = [0, 1, 2].map((k) => edge(rest, 0, a, c, k));
     const area = cross(e, f);
-    for (const v of [a, b, c]) for (let k = 0; k < 3; ++k) base[3 * v + k] += area[k];
+    for (const v of [a, b, c]) for (let k = 0; k < 3; ++k) base[3 * to(v) + k] += area[k];
     for (let i = 0; i < modes; ++i) {
       const de = [0, 1, 2].map((k) => edge(shapes, i * n, a, b, k));
       const df = [0, 1, 2].map((k) => edge(shapes, i * n, a, c, k));
       const p = cross(de, f), q = cross(e, df);
       for (const v of [a, b, c])
-        for (let k = 0; k < 3; ++k) change[i * n + 3 * v + k] += p[k] + q[k];
+        for (let k = 0; k < 3; ++k) change[i * n + 3 * to(v) + k] += p[k] + q[k];
     }
   }
+  if (groups)
+    for (let i = -1; i < modes; ++i) {
+      const field = i < 0 ? base : change.subarray(i * n, (i + 1) * n), sums = field.slice();
+      for (let v = 0; v < groups.length; ++v)
+        for (let k = 0; k < 3; ++k) field[3 * v + k] = sums[3 * groups[v] + k];
+    }
   // Lengths near one, which half the texture's digits would not need.
   let most = 0;
   for (const x of base) most = Math.max(most, Math.abs(x));
   return { base: base.map((x) => x / most), change: change.map((x) => x / most) };
+}
+
+// The rotation x y z w and the place of a pose as a matrix, column behind column.
+export function poseMatrix([px, py, pz], [x, y, z, w]) {
+  return [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y), 0,
+    2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x), 0,
+    2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y), 0, px, py, pz, 1];
+}
+
+const kUnmoved = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+const kColours = { horse: [0.62, 0.40, 0.24], heart: [0.74, 0.16, 0.18], tower: [0.52, 0.56, 0.62],
+  bridge: [0.40, 0.48, 0.58], basket: [0.72, 0.53, 0.30], beam: [0.36, 0.52, 0.70],
+  bell: [0.76, 0.60, 0.22], ball: [0.70, 0.30, 0.24] };
+
+// Of a body by its name, "horse-free" like the horse; linear red, green and blue.
+export function bodyColour(name) {
+  return kColours[name.split(/[^a-z]/)[0]] ?? [0.5, 0.5, 0.55];
 }
 
 export class Renderer {
@@ -137,11 +173,27 @@ export class Renderer {
     const gl = canvas.getContext('webgl2', { alpha: false, antialias: true, stencil: true, preserveDrawingBuffer: true });
     if (!gl) throw new Error('this browser has no WebGL 2: the bodies cannot be drawn');
     this.gl = gl;
+    this.turn = [0.75, 0.3]; // of the camera: about z, above the floor
+    this.zoom = 1;
+    this.bodies = [];
+    this.prepare();
+    // A browser may take the context away, when the graphics card is reset or too many pages want
+    // one; what was shown is made anew when it comes back.
+    canvas.addEventListener('webglcontextlost', (event) => {
+      event.preventDefault();
+      this.lost = true;
+    });
+    canvas.addEventListener('webglcontextrestored', () => {
+      this.lost = false;
+      this.prepare();
+      this.bodies = this.bodies.map((body) => this.upload(body.shape));
+    });
+  }
+
+  prepare() {
     this.program = this.compile(kVertex, kFragment);
     this.floor = this.compile(kFloorVertex, kFloorFragment);
-    this.turn = [-0.75, 0.32]; // of the camera: about z, above the floor
-    this.zoom = 1;
-    gl.enable(gl.DEPTH_TEST);
+    this.gl.enable(this.gl.DEPTH_TEST);
   }
 
   compile(vertex, fragment) {
@@ -184,31 +236,53 @@ export class Renderer {
     return texture;
   }
 
-  // rest: 3 s; shapes: modes x 3 s; corners: 3 t.
-  show({ rest, shapes, corners, modes, colour }) {
-    const { gl } = this;
-    for (const old of [this.fields, this.restTexture]) if (old) gl.deleteTexture(old);
-    if (this.indices) gl.deleteBuffer(this.indices);
-    if (modes > 64) throw new Error(`${modes} coordinates: the page draws 64 at most`);
-    const normals = normalFields(rest, shapes, corners, modes);
-    const n = rest.length;
-    const columns = [];
+  // One body's textures and triangles on the graphics card.
+  upload(shape) {
+    const { gl } = this, { rest, shapes, corners, modes, bones = 1, weights } = shape;
+    if (modes > kMostModes) throw new Error(`${modes} coordinates: the page draws ${kMostModes} at most`);
+    if (bones > kMostBones) throw new Error(`${bones} bones: the page draws ${kMostBones} at most`);
+    const normals = normalFields(shape);
+    const n = rest.length, columns = [], base = [rest, normals.base];
     for (let i = 0; i < modes; ++i)
       columns.push(shapes.subarray(i * n, (i + 1) * n), normals.change.subarray(i * n, (i + 1) * n));
-    this.fields = this.texture(columns);
-    this.restTexture = this.texture([rest, normals.base]);
-    this.indices = gl.createBuffer();
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.indices);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
-    this.count = corners.length;
-    this.modes = modes;
-    this.vertices = n / 3;
-    this.colour = colour;
-    const low = [Infinity, Infinity, Infinity], high = low.map((x) => -x);
-    for (let k = 0; k < n; ++k) {
-      low[k % 3] = Math.min(low[k % 3], rest[k]);
-      high[k % 3] = Math.max(high[k % 3], rest[k]);
+    for (let b = 0; bones > 1 && b < bones; ++b) {
+      const column = new Float32Array(n);
+      for (let v = 0; v < n / 3; ++v) column[3 * v] = weights[v * bones + b];
+      base.push(column);
     }
+    if (columns.length === 0) columns.push(new Float32Array(3));
+    const body = { shape, fields: this.texture(columns), rest: this.texture(base),
+      indices: gl.createBuffer(), count: corners.length, vertices: n / 3, modes, bones };
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, body.indices);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
+    return body;
+  }
+
+  // What is drawn from now on. Of each: rest: 3 s; shapes: modes x 3 s; corners: 3 t; colour; of
+  // some groups (normalFields), of bodies on bones their number and weights, s x bones. scenery: it
+  // is not looked at. bounds: what is looked at, [low, high]; else the bodies. floor: its height; else
+  // the floor is below the lowest place, unless scenery takes its place.
+  show(list, bounds, floor) {
+    const { gl } = this;
+    for (const old of this.bodies) {
+      gl.deleteTexture(old.fields);
+      gl.deleteTexture(old.rest);
+      gl.deleteBuffer(old.indices);
+    }
+    this.bodies = [];
+    for (const shape of list) this.bodies.push(this.upload(shape));
+    const low = [Infinity, Infinity, Infinity], high = low.map((x) => -x);
+    for (const { rest, scenery } of list)
+      for (let k = 0; !scenery && k < rest.length; ++k) {
+        low[k % 3] = Math.min(low[k % 3], rest[k]);
+        high[k % 3] = Math.max(high[k % 3], rest[k]);
+      }
+    this.look(bounds ?? [low, high]);
+    this.hasFloor = floor !== undefined || !list.some((one) => one.scenery);
+    this.ground = floor ?? this.ground;
+  }
+
+  look([low, high]) {
     this.centre = low.map((x, k) => 0.5 * (x + high[k]));
     this.size = Math.max(...low.map((x, k) => high[k] - x));
     this.radius = 0.5 * Math.hypot(...low.map((x, k) => high[k] - x));
@@ -235,53 +309,67 @@ export class Renderer {
     return 0.75;
   }
 
-  draw(q, { heat = false } = {}) {
+  // states: of each body q and, where it has moved as a whole, the matrices of its poses.
+  draw(states, { heat = false } = {}) {
     const { gl, canvas } = this;
+    if (this.lost) return;
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0.9, 0.91, 0.93, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
-    if (!this.count) return;
+    if (this.bodies.length === 0) return;
     const eye = this.eye();
     const view = multiply(perspective(this.fovy, canvas.width / canvas.height, 0.05 * this.radius,
       30 * this.radius), lookAt(eye, this.centre));
     const light = unit([0.45, -0.55, 0.85]);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-    gl.useProgram(this.floor.program);
-    gl.uniformMatrix4fv(this.floor.at('uView'), false, view);
-    gl.uniform4f(this.floor.at('uFloor'), this.centre[0], this.centre[1], 0, 4 * this.radius);
-    gl.uniform1f(this.floor.at('uHeight'), this.ground);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    if (this.hasFloor) {
+      gl.useProgram(this.floor.program);
+      gl.uniformMatrix4fv(this.floor.at('uView'), false, view);
+      gl.uniform4f(this.floor.at('uFloor'), this.centre[0], this.centre[1], 0, 4 * this.radius);
+      gl.uniform1f(this.floor.at('uHeight'), this.ground);
+      gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    }
     const { at, program } = this.program;
     gl.useProgram(program);
-    gl.uniform1fv(at('uQ'), Float32Array.from(q));
-    gl.uniform1i(at('uModes'), this.modes);
-    gl.uniform1i(at('uVertices'), this.vertices);
     gl.uniformMatrix4fv(at('uView'), false, view);
-    gl.uniformMatrix4fv(at('uPoses'), false, [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     gl.uniform3fv(at('uLight'), light);
     gl.uniform3fv(at('uEye'), eye);
-    gl.uniform3fv(at('uBase'), this.colour);
     gl.uniform1f(at('uSize'), this.size);
     gl.uniform1i(at('uColour'), heat ? 1 : 0);
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, this.fields);
     gl.uniform1i(at('uFields'), 0);
-    gl.activeTexture(gl.TEXTURE1);
-    gl.bindTexture(gl.TEXTURE_2D, this.restTexture);
     gl.uniform1i(at('uRest'), 1);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.indices);
-    // The shadow, each place of the floor once.
-    gl.enable(gl.STENCIL_TEST);
-    gl.stencilFunc(gl.EQUAL, 0, 255);
-    gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
-    gl.depthMask(false);
-    gl.uniform4f(at('uGround'), ...light, this.ground);
-    gl.drawElements(gl.TRIANGLES, this.count, gl.UNSIGNED_INT, 0);
-    gl.depthMask(true);
-    gl.disable(gl.STENCIL_TEST);
+    // The shadows, each place of the floor once.
+    if (this.hasFloor) {
+      gl.enable(gl.STENCIL_TEST);
+      gl.stencilFunc(gl.EQUAL, 0, 255);
+      gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
+      gl.depthMask(false);
+      gl.uniform4f(at('uGround'), ...light, this.ground);
+      this.bodies.forEach((body, k) => this.drawBody(body, states[k]));
+      gl.depthMask(true);
+      gl.disable(gl.STENCIL_TEST);
+    }
     gl.disable(gl.BLEND);
     gl.uniform4f(at('uGround'), 0, 0, 1, -1e9);
-    gl.drawElements(gl.TRIANGLES, this.count, gl.UNSIGNED_INT, 0);
+    this.bodies.forEach((body, k) => this.drawBody(body, states[k]));
+  }
+
+  drawBody(body, { q, poses = [kUnmoved] }) {
+    const { gl } = this, { at } = this.program;
+    const padded = new Float32Array(kMostModes);
+    padded.set(q);
+    gl.uniform4fv(at('uQ'), padded);
+    gl.uniform1i(at('uModes'), body.modes);
+    gl.uniform1i(at('uVertices'), body.vertices);
+    gl.uniform1i(at('uBones'), body.bones);
+    gl.uniformMatrix4fv(at('uPoses'), false, poses.flat());
+    gl.uniform3fv(at('uBase'), body.shape.colour);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, body.fields);
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, body.rest);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, body.indices);
+    gl.drawElements(gl.TRIANGLES, body.count, gl.UNSIGNED_INT, 0);
   }
 }

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
-#include <tremolo_page_template.h>
 #include <utility>
 
 #include "formats/file/atomic_file.h"
-#include "formats/file/whole_file.h"
+#include "runtime/page/document.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo {
@@ -18,18 +17,6 @@ using OrderedJson = nlohmann::ordered_json;
 // Invalid UTF-8 in a name must not end the program.
 std::string text_of(const OrderedJson& json, int indent = -1) {
   return json.dump(indent, ' ', false, OrderedJson::error_handler_t::replace);
-}
-
-// Without the character <, so that no text ends the page's script element: it stands in strings
-// only, where JSON has another way to write it.
-std::string within_script(const std::string& json) {
-  std::string text;
-  for (const char c : json) c == '<' ? text += "\\u003c" : text += c;
-  return text;
-}
-
-void replace_mark(std::string& page, std::string_view mark, std::string_view text) {
-  page.replace(page.find(mark), mark.size(), text);
 }
 
 template <class Charts>
@@ -101,22 +88,16 @@ void Report::last_section_first() {
   if (!sections.empty()) std::rotate(sections.begin(), std::prev(sections.end()), sections.end());
 }
 
-std::string Report::write(const std::string& library) const {
+std::string Report::write() const {
   const std::filesystem::path directory(directory_);
   std::string page = (directory / "index.html").string();
   or_fail(write_file((directory / "report.json").string(), text_of(json_) + "\n"));
-  or_fail(write_page(json_, page, library));
+  or_fail(write_page(json_, page));
   return page;
 }
 
-Status write_page(const OrderedJson& report, const std::string& path, const std::string& library) {
-  Result<std::string> script = read_whole_file(library);
-  if (!script || script->find("</script") != script->npos) script = std::string();
-  std::string page = kPageTemplate;
-  // The library's mark stands before the report's, which may hold any text.
-  replace_mark(page, "%REPORT%", within_script(text_of(report)));
-  replace_mark(page, "%LIBRARY%", *script);
-  return write_file(path, page);
+Status write_page(const OrderedJson& report, const std::string& path) {
+  return write_file(path, page_document(text_of(report)));
 }
 
 }  // namespace tremolo

@@ -8,14 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "common/result.h"
-#include "tests/lab/report/chart.h"
+#include "runtime/program/output/chart.h"
 #include "tests/lab/report/criterion.h"
 #include "tests/lab/report/table.h"
 
 namespace tremolo {
-
-// The plotting library of the page, where Debian's package libjs-chart.js puts it.
-inline constexpr const char* kChartLibrary = "/usr/share/javascript/chart.js/chart.min.js";
 
 // Collects what a report says and writes its CSV files on the way. In texts, `code` stands between
 // backticks; nothing is read as HTML. What cannot be written is a Failure (kSystem).
@@ -42,7 +39,7 @@ class Report {
 
   const nlohmann::ordered_json& json() const { return json_; }
   // Writes report.json and index.html; returns the path of the page.
-  std::string write(const std::string& library = kChartLibrary) const;
+  std::string write() const;
 
  private:
   void add(const char* kind, nlohmann::ordered_json what);
@@ -51,10 +48,7 @@ class Report {
   nlohmann::ordered_json json_;
 };
 
-// The page that shows `report`, one file that needs no other and no network. library: a file that
-// is copied into the page; where it is missing the page says so and shows the charts as tables.
-// Errors: kSystem.
-Status write_page(const nlohmann::ordered_json& report, const std::string& path,
-                  const std::string& library = kChartLibrary);
+// The page that shows `report` (runtime/page/document.h). Errors: kSystem.
+Status write_page(const nlohmann::ordered_json& report, const std::string& path);
 
 }  // namespace tremolo

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "runtime/program/output/statistics.h"
-#include "tests/lab/report/chart.h"
+#include "runtime/program/output/chart.h"
 #include "tests/lab/report/table.h"
 #include "tests/lab/reproduce/long_run.h"
 #include "tests/lab/samples/thesis.h"

@@ -6,7 +6,7 @@
 
 #include "common/energy_drift.h"
 #include "runtime/body.h"
-#include "tests/lab/report/chart.h"
+#include "runtime/program/output/chart.h"
 #include "tests/lab/work/failure.h"
 
 namespace tremolo::reproduce {

@@ -1,4 +1,4 @@
-#include "tests/lab/report/chart.h"
+#include "runtime/program/output/chart.h"
 
 #include <algorithm>
 #include <array>
@@ -52,6 +52,8 @@ OrderedJson to_json(const Chart& chart) {
           {"y_label", chart.y_label},
           {"log_x", chart.log_x},
           {"log_y", chart.log_y},
+          {"zero", chart.zero},
+          {"time", chart.time},
           {"x_range", range(chart.x_range)},
           {"y_range", range(chart.y_range)},
           {"curves", std::move(curves)}};

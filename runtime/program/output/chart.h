@@ -1,4 +1,4 @@
-// Charts as data; the page's plotting library draws them.
+// Charts as data; runtime/page/charts.js draws them.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@ namespace tremolo {
 enum class CurveStyle { kLines, kLinesAndPoints, kPoints, kDashes };
 
 // x, y: of equal length; a pair with a value that is not finite leaves a gap, and on a logarithmic
-// axis so does one that is not positive. colour: "#rrggbb"; empty for the next of the palette, the
-// same for the same label in all charts of one figure.
+// axis so does one that is not positive. colour: "#rrggbb"; empty: that of the method which is the
+// label, or the next of the palette, the same for the same label in all charts of one figure.
 struct Curve {
   std::string label = {};  // empty: not in the legend
   std::vector<double> x = {};
@@ -23,12 +23,16 @@ struct Curve {
   std::string colour = {};
 };
 
+// zero: the y axis begins there unless values are below. time: x is the time of a film on the same
+// page, s.
 struct Chart {
   std::string title = {};
   std::string x_label = {};
   std::string y_label = {};
   bool log_x = false;
   bool log_y = false;
+  bool zero = false;
+  bool time = false;
   std::optional<std::pair<double, double>> x_range = {};
   std::optional<std::pair<double, double>> y_range = {};
   std::vector<Curve> curves = {};

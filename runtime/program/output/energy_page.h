@@ -1,0 +1,39 @@
+// Energies of runs over time, as charts of a page.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+// One run: a label and its run.csv.
+struct PlotSource {
+  std::string label;
+  std::string csv;
+};
+
+// Of folders of `tremolo run --out`, or CSV files; the label is the folder's name.
+std::vector<PlotSource> plot_sources(const std::vector<std::string>& runs);
+
+// A run's columns: t (s), total and, where there is one, high_band (J); an empty cell is a NaN.
+struct EnergyTable {
+  std::vector<double> t;
+  std::vector<double> total;
+  std::vector<double> high_band;
+};
+// Errors: kSystem; kContent, with the line, for a table without t and total or a cell that is no
+// number.
+Result<EnergyTable> read_energies(const std::string& csv);
+
+// The value of a page's `charts` (runtime/page/document.h): total energy and, of runs that have
+// one, that of the high band; the two zoom together. of_film: a film on the page has the same time.
+Result<nlohmann::ordered_json> energy_charts(const std::vector<PlotSource>& sources, bool of_film);
+
+// A page of the two. Errors: as read_energies; kSystem.
+Status write_energy_page(const std::vector<PlotSource>& sources, const std::string& output);
+
+}  // namespace tremolo
