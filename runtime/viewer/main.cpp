@@ -26,9 +26,11 @@ void add_picture_flags(CLI::App& app, ViewerOptions& o) {
   app.add_flag("--follow", o.follow, "the camera goes where the bodies' middle goes");
   app.add_option("--background", o.background, "studio, white or #rrggbb (without a ground)")
       ->capture_default_str();
-  app.add_option("--colour", o.colour, "body, or moved: by how far a vertex is from its rest")
+  app.add_option("--colour", o.colour,
+                 "body; moved: by how far a vertex is from its rest; stress: by von Mises' stress")
       ->capture_default_str();
   app.add_option("--moved-full", o.moved_full, "m that are red; 0: the largest seen so far");
+  app.add_option("--stress-full", o.stress_full, "Pa that are red; 0: the largest seen so far");
   app.add_option("--paint", o.paints, "[BODY=]#rrggbb: a body's colour; may be repeated");
   app.add_option("--texture", o.textures,
                  "[MATERIAL=]FILE.png for bodies with texture coordinates; may be repeated");

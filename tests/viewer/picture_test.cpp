@@ -213,6 +213,34 @@ TEST(ViewerPicture, DisplacementIsColoured) {
   EXPECT_GT(blue, 500);
 }
 
+// Bent by its end, the beam is red by its clamp and blue at the end.
+TEST(ViewerPicture, StressIsColouredAndTold) {
+  if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
+  const std::string flags =
+      "--size 300x200 --background white --colour stress --from 0.05 --load square";
+  const Shots shots = shoot(fresh_folder(), testing::sample_model("beam"), flags);
+  const Picture picture = picture_of(shots, 0);
+  double red = 0, blue = 0, red_x = 0, blue_x = 0;
+  for (std::size_t i = 0; i < picture.pixels.size(); i += 3) {
+    const int r = picture.pixels[i], b = picture.pixels[i + 2];
+    const auto x = static_cast<double>(i / 3 % 300);
+    red += r > b + 60 ? 1 : 0;
+    red_x += r > b + 60 ? x : 0;
+    blue += b > r + 60 ? 1 : 0;
+    blue_x += b > r + 60 ? x : 0;
+  }
+  EXPECT_GT(red, 50);
+  EXPECT_GT(blue, 500);
+  EXPECT_GT(std::abs(red_x / red - blue_x / blue), 50) << "pixels between the two";
+  EXPECT_GT(shots.json["largest_stress"].get<double>(), 100.0);
+  // Three hundred times as much is not reached anywhere.
+  const Shots pale =
+      shoot(fresh_folder(), testing::sample_model("beam"), flags + " --stress-full 1e9");
+  const Picture cold = picture_of(pale, 0);
+  for (std::size_t i = 0; i < cold.pixels.size(); i += 3)
+    ASSERT_LE(cold.pixels[i], cold.pixels[i + 2] + 60);
+}
+
 TEST(ViewerPicture, ASceneOfBodiesAndCollidersIsDrawn) {
   if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
   const Shots shots = shoot(fresh_folder(), TREMOLO_SOURCE_DIR "/assets/scenes/bells.toml",

@@ -71,13 +71,17 @@ TEST(ViewerTrouble, AModelWithoutASurfaceIsRefused) {
 TEST(ViewerTrouble, FlagsAreJudged) {
   const std::string view = kView + sample_model("beam") + " --offscreen --out out ";
   const std::vector<std::pair<std::string, int>> wrong = {
-      {"--size 20", 2},        {"--size 1x1", 3},       {"--camera 1", 2},
-      {"--camera 0,100", 3},   {"--frames 0", 3},       {"--rate 0", 3},
-      {"--from -1", 3},        {"--up x", 2},           {"--background blue", 2},
-      {"--colour red", 2},     {"--paint red", 2},      {"--paint 'x=#ffffff'", 3},
-      {"--lights 1", 3},       {"--integrator rk5", 2}, {"--step 0", 3},
-      {"--deflect 5%", 2},     {"--texture no.png", 1}, {"--no-such-flag", 2},
-      {"--video film.avi", 2}, {"--seconds -1", 3}};
+      {"--size 20", 2},           {"--size 1x1", 3},
+      {"--camera 1", 2},          {"--camera 0,100", 3},
+      {"--frames 0", 3},          {"--rate 0", 3},
+      {"--from -1", 3},           {"--up x", 2},
+      {"--background blue", 2},   {"--colour red", 2},
+      {"--stress-full -1", 3},    {"--paint red", 2},
+      {"--paint 'x=#ffffff'", 3}, {"--lights 1", 3},
+      {"--integrator rk5", 2},    {"--step 0", 3},
+      {"--deflect 5%", 2},        {"--texture no.png", 1},
+      {"--no-such-flag", 2},      {"--video film.avi", 2},
+      {"--seconds -1", 3}};
   for (const auto& [flag, code] : wrong) {
     const std::string folder = fresh_folder();
     const ProgramResult result = run_program(folder, view + flag);

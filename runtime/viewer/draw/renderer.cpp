@@ -145,7 +145,7 @@ void Renderer::begin_surfaces(const Camera& camera, const ShownBall& ball,
   surface_.set("horizon", kHorizon);
   surface_.set("zenith", kZenith);
   surface_.set("height", static_cast<float>(target_.size().height));
-  surface_.set("moved_scale", 1.0f / std::max(look.moved_full, 1e-30f));
+  surface_.set("moved_scale", 1.0f / std::max(look.full, 1e-30f));
   const auto texels = [&ball](int side) {
     return kTexelsOff * 2.0f * static_cast<float>(ball.radius) / static_cast<float>(side);
   };

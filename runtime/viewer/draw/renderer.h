@@ -17,9 +17,9 @@
 
 namespace tremolo {
 
-// Where the colour of a thing comes from: one colour, a colour a vertex, an image, or by how much
-// its vertices have moved.
-enum class Paint { kOne = 0, kVertices = 1, kImage = 2, kMoved = 3 };
+// Where the colour of a thing comes from: one colour, a colour a vertex, an image, by how much its
+// vertices have moved, or by a number a vertex, the first of its colour.
+enum class Paint { kOne = 0, kVertices = 1, kImage = 2, kMoved = 3, kNumber = 4 };
 
 // mesh: must live while it is drawn. pose: from the mesh's frame to the world. first, count: which
 // of its triangles. colour: linear light, r g b in 0 to 1. image: a texture's name. gloss: 0 to 1.
@@ -45,8 +45,8 @@ struct PictureLook {
   LightCounts lights;
   double light_azimuth = 0.0;
   bool wire = false;
-  int coarser = 1;          // pixels of the picture, along each side, that are drawn as one
-  float moved_full = 1.0f;  // m: what kMoved paints red
+  int coarser = 1;    // pixels of the picture, along each side, that are drawn as one
+  float full = 1.0f;  // what kMoved (m) and kNumber paint red
   std::optional<Eigen::Vector3f> background;
   double ground = 0.0;
   bool has_ground = true;  // of the studio; a scene may have a floor of its own

@@ -86,6 +86,7 @@ void main() {
   if (paint_kind == 1) base = paint_of;
   if (paint_kind == 2) base = texture(image, uv_of).rgb;
   if (paint_kind == 3) base = moved_colour(moved * moved_scale);
+  if (paint_kind == 4) base = moved_colour(paint_of.r * moved_scale);
   vec3 lamp_place = world + lamp_shift * n, sky_place = world + sky_shift * n;
   float lamp = 0.0, sky = 0.0, shine = 0.0;
   for (int i = 0; i < lights; ++i) {

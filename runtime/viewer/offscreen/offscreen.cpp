@@ -29,6 +29,7 @@ struct ShotList {
   Camera camera;
   FrameTimes times;
   int signal = 0;
+  float most_stressed = 0.0f;  // Pa
 };
 
 // Everything that draws; the context must go last.
@@ -43,7 +44,9 @@ Result<Studio> open_studio(const ViewSetup& setup, const SceneWorld& world) {
   Studio studio;
   if (Status s = take(studio.context, EglContext::create()); !s) return s.error();
   if (Status s = take(studio.renderer, Renderer::create()); !s) return s.error();
-  if (Status s = take(studio.stage, Stage::create(world, setup.up, setup.paints, setup.images)); !s)
+  if (Status s = take(studio.stage,
+                      Stage::create(world, setup.up, setup.paints, setup.images, setup.solids));
+      !s)
     return s.error();
   Result<PictureTarget> target = PictureTarget::create(setup.size);
   if (!target) return target.error();
@@ -57,7 +60,7 @@ class Photographer {
                Studio& studio)
       : options_(options), setup_(setup), live_(live), studio_(studio) {
     look_ = look_of(options, setup, *studio.stage, kOffscreenLights);
-    stage_look_ = {options.colour == "moved", !options.no_colliders};
+    stage_look_ = {colour_by(options.colour), !options.no_colliders};
   }
 
   Status run(PictureSeries& series, ShotList& shots) {
@@ -92,17 +95,25 @@ class Photographer {
     return first_camera(setup_, *studio_.stage);
   }
 
+  // What is red: what was asked for, or the largest so far.
+  float full_colour(const Stage& stage, ShotList& shots) {
+    moved_ = std::max(moved_, stage.most_moved());
+    const bool stress = stage_look_.colour == ColourBy::kStress;
+    shots.most_stressed = std::max(shots.most_stressed, stage.most_stressed());
+    const double asked = stress ? options_.stress_full : options_.moved_full;
+    return asked > 0.0 ? static_cast<float>(asked) : stress ? shots.most_stressed : moved_;
+  }
+
   Status shoot(double t, ShotList& shots, Picture& picture) {
     shots.times.begin();
     live_.at(t, moment_);
     Stage& stage = *studio_.stage;
     stage.pose(moment_);
     if (options_.follow) follow(shots.camera);
-    moved_ = std::max(moved_, stage.most_moved());
-    look_.moved_full = options_.moved_full > 0.0 ? static_cast<float>(options_.moved_full) : moved_;
     look_.ground = stage.ground();
     shots.times.prepared();
-    stage.upload();
+    stage.upload(stage_look_);
+    look_.full = full_colour(stage, shots);
     if (Status s =
             studio_.renderer->draw(stage.things(stage_look_, eye_of(shots.camera)), stage.ball(),
                                    shots.camera, setup_.size, look_, studio_.target->framebuffer());
@@ -131,7 +142,7 @@ class Photographer {
   PictureLook look_;
   StageLook stage_look_;
   WorldMoment moment_;
-  float moved_ = 0.0f;
+  float moved_ = 0.0f;  // m, the largest so far
   std::optional<Eigen::Vector3d> middle_;
 };
 
@@ -154,6 +165,7 @@ Json json_of(const ViewerOptions& options, const ViewSetup& setup, const ShotLis
   json["draw_ms"] = shots.times.draw_ms();
   json["software"] = software;
   json["steps"] = live.world().steps();
+  json["largest_stress"] = options.colour == "stress" ? Json(shots.most_stressed) : Json(nullptr);
   json["frames"] = shots.frames;
   json["video"] = options.video.empty() ? Json(nullptr) : Json(options.video);
   json["reason"] = live.trouble().empty() ? Json(nullptr) : Json(live.trouble());

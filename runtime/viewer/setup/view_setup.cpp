@@ -80,6 +80,21 @@ Result<std::vector<StageImage>> images_of(const std::vector<std::string>& texts)
   return images;
 }
 
+// Of a body on bones none: its shape is not its strain's alone.
+Result<std::vector<std::optional<Material>>> solids_of(const Scene& scene, bool needed) {
+  std::vector<std::optional<Material>> solids;
+  bool known = false;
+  for (const SceneBody& body : scene.bodies) {
+    solids.push_back(body.bones.empty() ? material_of_model(body.model) : std::nullopt);
+    known = known || solids.back().has_value();
+  }
+  if (needed && !known)
+    return content_error(
+        "--colour stress: no body's stress can be told: its model's file must name one isotropic "
+        "material, and it must not be on bones");
+  return solids;
+}
+
 Status check_numbers(const ViewerOptions& options) {
   if (options.frames < 1 || options.frames > 999999)
     return content_error("--frames must be from 1 to 999999");
@@ -95,8 +110,10 @@ Status check_numbers(const ViewerOptions& options) {
     return content_error("--slow must be from 0.0001 to 10000");
   if (!(options.duration >= 0.0) || !std::isfinite(options.duration))
     return content_error("--seconds must be finite and not negative");
-  if (options.colour != "body" && options.colour != "moved")
-    return usage_error("--colour " + options.colour + ": must be body or moved");
+  if (!(options.stress_full >= 0.0) || !std::isfinite(options.stress_full))
+    return content_error("--stress-full must be positive and finite (Pa)");
+  if (options.colour != "body" && options.colour != "moved" && options.colour != "stress")
+    return usage_error("--colour " + options.colour + ": must be body, moved or stress");
   return Success{};
 }
 
@@ -115,7 +132,15 @@ Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene) {
   setup.background = *background;
   if (Status s = take(setup.paints, paints_of(options.paints, scene)); !s) return s.error();
   if (Status s = take(setup.images, images_of(options.textures)); !s) return s.error();
+  if (Status s = take(setup.solids, solids_of(scene, options.colour == "stress")); !s)
+    return s.error();
   return setup;
+}
+
+ColourBy colour_by(const std::string& name) {
+  return name == "moved"    ? ColourBy::kMoved
+         : name == "stress" ? ColourBy::kStress
+                            : ColourBy::kBody;
 }
 
 Camera first_camera(const ViewSetup& setup, const Stage& stage) {

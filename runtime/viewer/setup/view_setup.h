@@ -1,6 +1,7 @@
 // What window and off-screen pictures begin with alike.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,11 @@ struct ViewSetup {
   std::optional<Eigen::Vector3f> background;  // none: the studio
   std::vector<Eigen::Vector3f> paints;        // of each body of the scene, linear light
   std::vector<StageImage> images;
+  std::vector<std::optional<Material>> solids;  // of each body, where its model's file tells it
 };
 
-// scene: its gravity says what is up unless the options do. Errors: kUsage, kContent; kSystem for
-// an image that cannot be read.
+// scene: its gravity says what is up unless the options do. Errors: kUsage, kContent, also for
+// --colour stress where no model tells its material; kSystem for an image that cannot be read.
 Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene);
 
 // Framed on what the stage was posed to last.
@@ -33,6 +35,9 @@ Camera first_camera(const ViewSetup& setup, const Stage& stage);
 // lights: of this kind of card, unless the options say how many.
 PictureLook look_of(const ViewerOptions& options, const ViewSetup& setup, const Stage& stage,
                     const LightCounts& lights);
+
+// The colour that an option names: body, moved or stress.
+ColourBy colour_by(const std::string& name);
 
 // --lights N: a quarter of them in the lamp. At most kMostLights.
 LightCounts light_counts(int lights, int side);

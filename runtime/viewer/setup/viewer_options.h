@@ -24,8 +24,9 @@ struct ViewerOptions {
   std::string camera;  // AZIMUTH,ELEVATION[,ZOOM]; empty: the usual one
   std::string up = "auto";
   std::string background = "studio";
-  std::string colour = "body";      // or moved
+  std::string colour = "body";      // or moved, or stress
   double moved_full = 0.0;          // m; 0: the largest that was seen
+  double stress_full = 0.0;         // Pa; likewise
   std::vector<std::string> paints;  // "#rrggbb", or BODY=#rrggbb
   std::vector<std::string> textures;
   bool wire = false;

@@ -104,14 +104,15 @@ Vector3f linear_colour(std::uint32_t rgb) {
 
 Result<std::unique_ptr<Stage>> Stage::create(const SceneWorld& world, UpAxis up,
                                              const std::vector<Eigen::Vector3f>& paints,
-                                             const std::vector<StageImage>& images) {
+                                             const std::vector<StageImage>& images,
+                                             const std::vector<std::optional<Material>>& solids) {
   std::unique_ptr<Stage> stage(new Stage());
   stage->up_ = up;
   for (std::size_t i = 0; i < world.size(); ++i) {
     if (world.body(i).model().drawn().triangles.empty())
       return content_error("body '" + world.name(i) +
                            "': its model has no surface, there is nothing to show");
-    stage->add_body(world.body(i), paints[i]);
+    stage->add_body(world.body(i), paints[i], solids[i]);
   }
   if (Status s = stage->add_images(images); !s) return s.error();
   WorldMoment start;
@@ -127,7 +128,8 @@ Result<std::unique_ptr<Stage>> Stage::create(const SceneWorld& world, UpAxis up,
   return stage;
 }
 
-void Stage::add_body(const Body& body, const Vector3f& colour) {
+void Stage::add_body(const Body& body, const Vector3f& colour,
+                     const std::optional<Material>& solid) {
   const DrawnSurface drawn = body.model().drawn();
   const RenderBlock* render = body.model().render();
   StagedBody staged;
@@ -161,8 +163,10 @@ void Stage::add_body(const Body& body, const Vector3f& colour) {
   staged.normals.resize(rest.size());
   if (render != nullptr && !render->surface.colours.empty()) {
     staged.paint = Paint::kVertices;
-    staged.mesh.paint(vertex_paint(render->surface.colours, colour));
+    staged.own_paint = vertex_paint(render->surface.colours, colour);
+    staged.mesh.paint(staged.own_paint);
   }
+  if (solid && staged.own_frame) staged.stress.emplace(drawn.rest, drawn.triangles, *solid);
   if (render != nullptr && !render->surface.uvs.empty())
     staged.mesh.unfold({render->surface.uvs.front().data(), 2 * render->surface.uvs.size()});
   bodies_.push_back(std::move(staged));
@@ -284,8 +288,28 @@ void Stage::enclose() {
   posed_ = true;
 }
 
-void Stage::upload() {
-  for (StagedBody& body : bodies_) body.mesh.move(body.positions, body.normals);
+bool Stage::knows_stress() const {
+  return std::any_of(bodies_.begin(), bodies_.end(),
+                     [](const StagedBody& body) { return body.stress.has_value(); });
+}
+
+void Stage::upload_stress(StagedBody& body) {
+  most_stressed_ = std::max(most_stressed_, body.stress->look(body.positions, body.stresses));
+  body.stress_paint.assign(4 * body.stresses.size(), 0.0f);
+  for (std::size_t v = 0; v < body.stresses.size(); ++v)
+    body.stress_paint[4 * v] = body.stresses[v];
+  body.mesh.paint(body.stress_paint);
+}
+
+void Stage::upload(const StageLook& look) {
+  most_stressed_ = 0.0f;
+  for (StagedBody& body : bodies_) {
+    body.mesh.move(body.positions, body.normals);
+    if (look.colour == ColourBy::kStress && body.stress)
+      upload_stress(body);
+    else if (!body.stresses.empty() && !body.own_paint.empty())
+      body.mesh.paint(body.own_paint);
+  }
 }
 
 void Stage::add_hands(std::vector<DrawnThing>& things) const {
@@ -332,7 +356,8 @@ const std::vector<DrawnThing>& Stage::things(const StageLook& look, const Vector
       thing.paint = body.paint;
       thing.image = body.images[k];
       if (thing.image != 0) thing.paint = Paint::kImage;
-      if (look.by_moved && body.own_frame) thing.paint = Paint::kMoved;
+      if (look.colour == ColourBy::kMoved && body.own_frame) thing.paint = Paint::kMoved;
+      if (look.colour == ColourBy::kStress && body.stress) thing.paint = Paint::kNumber;
       things_.push_back(thing);
     }
   }

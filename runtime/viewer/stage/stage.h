@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "runtime/viewer/draw/renderer.h"
 #include "runtime/viewer/live/world_moment.h"
 #include "runtime/viewer/picture/png_file.h"
+#include "runtime/viewer/shape/surface_stress.h"
 
 namespace tremolo {
 
@@ -23,27 +25,32 @@ struct StageImage {
   Picture picture;
 };
 
-// by_moved: bodies are coloured by how far each vertex has moved from its place at rest in the
-// body's frame (of a body on bones: they keep their colours).
+// What bodies are coloured by: their own colours, how far each vertex has moved from its place at
+// rest in the body's frame, or von Mises' stress (runtime/viewer/shape/surface_stress.h). Bodies on
+// bones keep their own colours, and with kStress those whose material is not known.
+enum class ColourBy { kBody, kMoved, kStress };
+
 struct StageLook {
-  bool by_moved = false;
+  ColourBy colour = ColourBy::kBody;
   bool colliders = true;
 };
 
 class Stage {
  public:
   // With a context current, as long as it lives. world: as it is before its first step; its models
-  // must outlive the stage. paints: a body's colour, linear light. Errors: kContent for an image
-  // whose material no body has, or for images where no body has texture coordinates.
+  // must outlive the stage. paints: a body's colour, linear light. solids: a body's material, where
+  // it is known. Errors: kContent for an image whose material no body has, or for images where no
+  // body has texture coordinates.
   static Result<std::unique_ptr<Stage>> create(const SceneWorld& world, UpAxis up,
                                                const std::vector<Eigen::Vector3f>& paints,
-                                               const std::vector<StageImage>& images);
+                                               const std::vector<StageImage>& images,
+                                               const std::vector<std::optional<Material>>& solids);
 
   // Where everything is at the moment: positions and normals, as the engine computes them. No
   // OpenGL.
   void pose(const WorldMoment& moment);
-  // Hands them to the card.
-  void upload();
+  // Hands them to the card, with the stresses if those are looked at.
+  void upload(const StageLook& look);
   // What is drawn, valid until the next call; after upload(). A collider between the eye (m, world)
   // and the middle of a body is drawn as glass.
   const std::vector<DrawnThing>& things(const StageLook& look, const Eigen::Vector3d& eye);
@@ -59,6 +66,10 @@ class Stage {
   bool has_ground() const { return has_ground_; }
   // The largest displacement of a vertex in its body's frame, m, of the last pose().
   float most_moved() const { return most_moved_; }
+  // The largest stress of a vertex, Pa, of the last upload() that looked at it.
+  float most_stressed() const { return most_stressed_; }
+  // Of some body it can be told.
+  bool knows_stress() const;
 
  private:
   struct MaterialRange {
@@ -75,6 +86,8 @@ class Stage {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // of its box, m, world
     std::vector<GLuint> images;                        // one a range; 0: none
     bool own_frame = true;
+    std::optional<SurfaceStress> stress;
+    std::vector<float> stresses, stress_paint, own_paint;  // of vertices; the paints r g b a
   };
   struct StagedCollider {
     GpuMesh mesh;
@@ -85,7 +98,9 @@ class Stage {
   };
 
   Stage() = default;
-  void add_body(const Body& body, const Eigen::Vector3f& colour);
+  void add_body(const Body& body, const Eigen::Vector3f& colour,
+                const std::optional<Material>& solid);
+  void upload_stress(StagedBody& body);
   Status add_images(const std::vector<StageImage>& images);
   void add_colliders(const SceneWorld& world);
   void find_ground(const SceneWorld& world);
@@ -106,7 +121,7 @@ class Stage {
   bool posed_ = false;
   double ground_ = 0.0, size_ = 1.0;
   bool has_ground_ = true;
-  float most_moved_ = 0.0f;
+  float most_moved_ = 0.0f, most_stressed_ = 0.0f;
 };
 
 // "#rrggbb" as linear light, 0 to 1 each.

@@ -101,14 +101,26 @@ void build_method(PanelState& state, Runner& runner, const std::vector<ModeFacts
   }
 }
 
+void build_colour(PanelState& state, const PictureCosts& costs) {
+  const auto choice = [&state](const char* name, ColourBy colour) {
+    if (ImGui::RadioButton(name, state.colour == colour)) state.colour = colour;
+    ImGui::SameLine();
+  };
+  choice("own colours", ColourBy::kBody);
+  choice("displacement", ColourBy::kMoved);
+  if (state.knows_stress) choice("stress", ColourBy::kStress);
+  ImGui::NewLine();
+  const auto full = static_cast<double>(costs.full);
+  if (state.colour == ColourBy::kMoved) ImGui::Text("red: %.4g m from rest", full);
+  if (state.colour == ColourBy::kStress) ImGui::Text("red: %.4g Pa (von Mises)", full);
+}
+
 void build_look(PanelState& state, const PictureCosts& costs) {
   if (!ImGui::CollapsingHeader("Look and hand", ImGuiTreeNodeFlags_DefaultOpen)) return;
   ImGui::Checkbox("wires", &state.wire);
   ImGui::SameLine();
-  ImGui::Checkbox("displacement", &state.by_moved);
-  ImGui::SameLine();
   ImGui::Checkbox("colliders", &state.colliders);
-  if (state.by_moved) ImGui::Text("red: %.4g m from rest", static_cast<double>(costs.most_moved));
+  build_colour(state, costs);
   ImGui::SliderInt("lights", &state.lights, 2, 48);
   ImGui::SliderInt("coarser", &state.coarser, 1, 4);
   ImGui::SliderFloat("hand", &state.firmness, 0.05f, 20.0f, "%.2f x as firm",

@@ -39,7 +39,9 @@ struct PanelState {
   bool gravity_is_ours = true, damping_is_ours = true;
   float step_ms = 3.0f;
   float firmness = 1.0f;
-  bool wire = false, by_moved = false, colliders = true, panel = true;
+  ColourBy colour = ColourBy::kBody;
+  bool knows_stress = false;  // of some body
+  bool wire = false, colliders = true, panel = true;
   int lights = 8, coarser = 1;
   std::string shown_by;  // the card
   std::optional<Swing> swing;
@@ -52,7 +54,7 @@ struct PanelState {
 // What it shows of the pictures.
 struct PictureCosts {
   double prepare_ms = 0.0, panel_ms = 0.0, draw_ms = 0.0, pictures_per_s = 0.0;
-  float most_moved = 0.0f;
+  float full = 0.0f;  // what is red: m or Pa
 };
 
 // Begins with what the world has.

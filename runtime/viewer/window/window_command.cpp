@@ -88,8 +88,8 @@ class Viewer {
     if (Status s = take(window_, GlfwWindow::create("tremolo view: " + name, setup_.size)); !s)
       return s;
     if (Status s = take(renderer_, Renderer::create()); !s) return s;
-    if (Status s =
-            take(stage_, Stage::create(live.world(), setup_.up, setup_.paints, setup_.images));
+    if (Status s = take(stage_, Stage::create(live.world(), setup_.up, setup_.paints, setup_.images,
+                                              setup_.solids));
         !s)
       return s;
     camera_ = first_camera(setup_, *stage_);
@@ -99,7 +99,8 @@ class Viewer {
     modes_ = mode_facts(live.world());
     panel_ = first_panel(live, options_.slow);
     panel_.wire = options_.wire;
-    panel_.by_moved = options_.colour == "moved";
+    panel_.colour = colour_by(options_.colour);
+    panel_.knows_stress = stage_->knows_stress();
     panel_.colliders = !options_.no_colliders;
     panel_.records_hand = !options_.record_hand.empty();
     const LightCounts usual = renderer_->is_software() ? kSoftwareLights : kCardLights;
@@ -232,8 +233,11 @@ class Viewer {
     look.wire = panel_.wire;
     look.coarser = panel_.coarser;
     most_moved_ = std::max(most_moved_, stage_->most_moved());
-    look.moved_full =
-        options_.moved_full > 0.0 ? static_cast<float>(options_.moved_full) : most_moved_;
+    most_stressed_ = std::max(most_stressed_, stage_->most_stressed());
+    const bool stress = panel_.colour == ColourBy::kStress;
+    const double asked = stress ? options_.stress_full : options_.moved_full;
+    look.full = asked > 0.0 ? static_cast<float>(asked) : stress ? most_stressed_ : most_moved_;
+    costs_.full = look.full;
     return look;
   }
 
@@ -250,11 +254,11 @@ class Viewer {
     ImGui::Render();
     costs_.panel_ms += 0.1 * (times_.so_far() - posed - costs_.panel_ms);
     times_.prepared();
-    stage_->upload();
+    const StageLook seen{panel_.colour, panel_.colliders};
+    stage_->upload(seen);
     const PictureLook look = look_now();
-    if (Status s =
-            renderer_->draw(stage_->things({panel_.by_moved, panel_.colliders}, eye_of(camera_)),
-                            stage_->ball(), camera_, size, look, 0);
+    if (Status s = renderer_->draw(stage_->things(seen, eye_of(camera_)), stage_->ball(), camera_,
+                                   size, look, 0);
         !s)
       return s;
     if (recording_.goes())
@@ -268,7 +272,6 @@ class Viewer {
     times_.drawn();
     costs_.prepare_ms = times_.prepare_ms();
     costs_.draw_ms = times_.draw_ms();
-    costs_.most_moved = most_moved_;
     if (const double passed = seconds_since(counted_from_); passed > 0.5) {
       costs_.pictures_per_s = counted_ / passed;
       counted_from_ = Clock::now();
@@ -336,7 +339,7 @@ class Viewer {
   FrameTimes times_;
   WindowRecording recording_;
   int side_ = 1024;
-  float most_moved_ = 0.0f;
+  float most_moved_ = 0.0f, most_stressed_ = 0.0f;
   int counted_ = 0;
   std::int64_t pictures_ = 0;
   Clock::time_point counted_from_ = Clock::now();

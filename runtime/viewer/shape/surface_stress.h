@@ -1,0 +1,60 @@
+// The stress that is seen on a body: of a triangle of its free surface, from how the triangle has
+// been stretched alone.
+//
+//     F = [x1 - x0, x2 - x0] [X1 - X0, X2 - X0]^-1 (3 x 2, X in the triangle's plane),
+//     C = F^T F,  E = (C - 1)/2,  S = Y/(1 - nu^2) ((1 - nu) E + nu tr(E) 1),
+//     sigma = F S F^T / J,  J = sqrt(det C (1 + 2 E33)),  E33 = -nu/(1 - nu) tr(E)
+//
+// Nothing pulls at a free surface, so that the stress normal to it is zero, S33 = 0 (plane stress):
+// that is where S and E33 come from (St. Venant-Kirchhoff, Young's modulus Y, Poisson's ratio nu).
+// What is told is von Mises' stress, sqrt(3/2 dev(sigma) : dev(sigma)), Pa. It is another one where
+// something does pull at the surface: where a body is held, loaded or touched.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/material.h"
+#include "common/mesh/tet_mesh.h"
+
+namespace tremolo {
+
+class SurfaceStress {
+ public:
+  SurfaceStress() = default;
+  // rest: s, m. Triangles without area have no stress.
+  SurfaceStress(const std::vector<Eigen::Vector3d>& rest, std::span<const Triangle> triangles,
+                const Material& material);
+
+  // positions: x y z ... of the s vertices, m. out: s numbers, Pa: of each vertex the mean of its
+  // triangles by their area at rest. The largest is returned. Where a surface is stretched so far
+  // that the material's thickness would vanish (tr E near (1 - nu)/(2 nu)), a tenth is left of it.
+  float look(std::span<const float> positions, std::vector<float>& out) const;
+
+ private:
+  struct StressPatch {
+    Triangle corners;
+    Eigen::Matrix2f inverse;
+    float area;
+  };
+  float of_patch(const StressPatch& patch, std::span<const float> positions) const;
+
+  float young_ = 0.0f, poisson_ = 0.0f;
+  std::size_t vertices_ = 0;
+  std::vector<StressPatch> patches_;
+  std::vector<float> area_;  // of each vertex's triangles, m^2
+};
+
+// The one isotropic material of a model, from a basis file's provenance (JSON, which is not
+// trusted). None: there are several, it is orthotropic, or the file does not say.
+std::optional<Material> material_of_provenance(std::string_view provenance);
+
+// The same of a basis file; none where it cannot be read.
+std::optional<Material> material_of_model(const std::string& path);
+
+}  // namespace tremolo
