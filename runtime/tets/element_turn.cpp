@@ -94,6 +94,7 @@ void find_least_energy(const TetElement& element, const Elasticity& elasticity, 
   // Newton's error squares: what is left after a step of this size is below rounding.
   constexpr double kLastStep = 1e-9;
   constexpr double kLongestStep = 0.5;
+  constexpr double kSurelyNear = 1e-5;
   double energy = tet_energy(element, shape);
   for (int step = 0; step < kMostSteps; ++step) {
     const TurnDerivatives d = turn_derivatives(element, elasticity, shape);
@@ -102,14 +103,13 @@ void find_least_energy(const TetElement& element, const Elasticity& elasticity, 
     if (!std::isfinite(length)) break;
     if (length > kLongestStep) w *= kLongestStep / length;
     const TetShape before = shape;
-    // Near the minimum the energy no longer tells; there Newton's step is good.
-    const double rounding = 1e-13 * std::abs(energy);
+    // Near the minimum the energy's digits no longer tell; there Newton's step is good.
     bool lower = false;
     for (int halving = 0; halving < 20 && !lower; ++halving, w *= 0.5) {
       shape = before;
       turn_shape(element, elasticity, w, shape);
       const double now = tet_energy(element, shape);
-      lower = now <= energy + rounding;
+      lower = now <= energy || length < kSurelyNear;
       if (lower) energy = now;
     }
     if (!lower) shape = before;

@@ -111,8 +111,10 @@ TetShape tet_shape(const TetElement& element, const Elasticity& elasticity, Rota
                    const NodeVectors& x) {
   TetShape shape;
   shape.order = x.cols() == 4 ? 1 : 2;
+  // From the first corner, so that a body far from the origin loses no more digits than its place.
+  const Eigen::Vector3d corner = x.col(0);
   const GradientField field =
-      gradient_field(element.geometry, shape.order, [&x](int node) { return x.col(node); });
+      gradient_field(element.geometry, shape.order, [&](int node) { return x.col(node) - corner; });
   const auto points = sample_points(shape.order, 2);
   shape.samples = static_cast<int>(points.size());
   shape.mean = field(SamplePoint{});
@@ -131,7 +133,9 @@ TetShape tet_shape(const TetElement& element, const Elasticity& elasticity, Rota
 double tet_energy(const TetElement& element, const TetShape& shape) {
   double density = 0.0;
   for (std::size_t s = 0; s < static_cast<std::size_t>(shape.samples); ++s)
-    density += 0.5 * (shape.stress[s].cwiseProduct(shape.seen[s]).sum() - shape.stress[s].trace());
+    density += 0.5 * shape.stress[s]
+                         .cwiseProduct(strain_part(shape.seen[s]) - Eigen::Matrix3d::Identity())
+                         .sum();
   const double of_couple =
       shape.couple.isZero(0.0) ? 0.0 : 0.5 * shape.couple.squaredNorm() / element.couple;
   return density * element.geometry.volume / shape.samples + of_couple;

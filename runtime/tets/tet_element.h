@@ -12,8 +12,8 @@
 // not determine R at rest, where K is blind to turns.
 //
 // For linear elements of isotropic material R is the polar factor of F at any mu_c, and the couple
-// is zero: this is the usual corotated element. mu_c = half the largest row sum of |C| (3/2 lambda +
-// mu) makes the polar factor a minimum at every uniform stretch.
+// is zero: this is the usual corotated element. mu_c = half the largest row sum of |C| (3/2 lambda
+// + mu) makes the polar factor a minimum at every uniform stretch.
 #pragma once
 
 #include <array>

@@ -109,10 +109,11 @@ TEST_P(TetElements, TheCornersLawHasATorqueWhenAnElementIsQuadratic) {
     worst = std::max(worst, testing::torque_of(x, f).norm() / testing::torque_scale(x, f));
   }
   // Linear and isotropic it is the usual element. Quadratic ones have some percent.
-  if (order() == 1 && std::get<1>(GetParam()) == 0)
+  if (order() == 1 && std::get<1>(GetParam()) == 0) {
     EXPECT_LE(worst, 1e-12);
-  else
+  } else {
     EXPECT_GE(worst, 0.005);
+  }
 }
 
 TEST_P(TetElements, ForceIsTheTurnedStiffnessAndTheCouple) {
@@ -236,7 +237,9 @@ TEST_P(TetElements, SmallStrainIsStVenantKirchhoffInTheLimit) {
         (force_at(tet, RotationLaw::kLeastEnergy, x) - expected).norm() / expected.norm();
     // They differ by a share of the order of the strain.
     EXPECT_LE(off, 20.0 * size);
-    if (before > 0.0) EXPECT_NEAR(before / off, 2.0, 0.3);
+    if (before > 0.0) {
+      EXPECT_NEAR(before / off, 2.0, 0.3);
+    }
     before = off;
   }
 }
