@@ -12,6 +12,7 @@
 #include "precompute/system/blas_threads.h"
 #include "precompute/system/petsc.h"
 #include "precompute/system/term_signal.h"
+#include "precompute/tets/make_tets.h"
 
 namespace tremolo {
 namespace {
@@ -31,6 +32,14 @@ int run_program(int count, char** words) {
     const auto& options = std::get<ColliderOptions>(parsed);
     return run_session(words[0], {}, options.threads, [&] {
       if (mpi_rank() == 0) make_collider(options);
+    });
+  }
+  if (count > 1 && std::string_view(words[1]) == "tets") {
+    const auto parsed = parse_tets_line(count - 1, words + 1);
+    if (const int* code = std::get_if<int>(&parsed)) return *code;
+    const auto& options = std::get<TetsOptions>(parsed);
+    return run_session(words[0], {}, options.solid.threads, [&] {
+      if (mpi_rank() == 0) make_tets(options);
     });
   }
   const auto parsed = parse_command_line(count, words);

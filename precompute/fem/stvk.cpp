@@ -1,42 +1,10 @@
 #include "precompute/fem/stvk.h"
 
-#include <numbers>
-
-#include <Eigen/LU>
-
 namespace tremolo {
 namespace {
 
 Eigen::Matrix3d symmetric_part(const Eigen::Matrix3d& a) {
   return 0.5 * (a + a.transpose());
-}
-
-// Adds weight B^T C B, where B maps the nodes' displacements to the strain in Mandel's notation.
-void add_general(const Elasticity& elasticity, const NodeGradients& gradients, double weight,
-                 ElementStiffness& stiffness) {
-  Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 3 * kMostNodes> b(
-      6, 3 * gradients.cols());
-  for (int a = 0; a < gradients.cols(); ++a) {
-    const Eigen::Vector3d g = gradients.col(a);
-    const double h = std::numbers::sqrt2 / 2.0;
-    b.middleCols<3>(3 * a) << g.x(), 0, 0, 0, g.y(), 0, 0, 0, g.z(), 0, h * g.z(), h * g.y(),
-        h * g.z(), 0, h * g.x(), h * g.y(), h * g.x(), 0;
-  }
-  stiffness += weight * b.transpose() * elasticity.tensor * b;
-}
-
-void add_isotropic(const Elasticity& elasticity, const NodeGradients& gradients, double weight,
-                   ElementStiffness& stiffness) {
-  const double lambda = elasticity.lambda;
-  const double mu = elasticity.mu;
-  for (int a = 0; a < gradients.cols(); ++a)
-    for (int b = 0; b < gradients.cols(); ++b) {
-      const Eigen::Vector3d ga = gradients.col(a);
-      const Eigen::Vector3d gb = gradients.col(b);
-      Eigen::Matrix3d block = lambda * ga * gb.transpose() + mu * gb * ga.transpose();
-      block.diagonal().array() += mu * ga.dot(gb);
-      stiffness.block<3, 3>(3 * a, 3 * b) += weight * block;
-    }
 }
 
 // Adds an element's forces to the rows of its nodes; a negative row is skipped.
@@ -56,13 +24,9 @@ std::vector<ElementGeometry> element_geometry(const TetMesh& mesh) {
   std::vector<ElementGeometry> elements;
   elements.reserve(mesh.tetrahedra.size());
   for (const Tetrahedron& tet : mesh.tetrahedra) {
-    Eigen::Matrix3d edges;
-    for (int a = 0; a < 3; ++a) edges.col(a) = mesh.vertices[tet[a + 1]] - mesh.vertices[tet[0]];
-    ElementGeometry element;
-    element.volume = edges.determinant() / 6.0;
-    element.gradients.rightCols<3>() = edges.inverse().transpose();
-    element.gradients.col(0) = -element.gradients.rightCols<3>().rowwise().sum();
-    elements.push_back(element);
+    std::array<Eigen::Vector3d, 4> corners;
+    for (std::size_t a = 0; a < 4; ++a) corners[a] = mesh.vertices[tet[a]];
+    elements.push_back(element_geometry(corners));
   }
   return elements;
 }
@@ -88,49 +52,10 @@ Solid make_solid(const TetMesh& part, const std::vector<std::size_t>& tetrahedra
   return make_solid(part, chosen);
 }
 
-Eigen::Matrix3d GradientField::operator()(const SamplePoint& point) const {
-  if (count == 1) return at[0];
-  return point.lambda[0] * at[0] + point.lambda[1] * at[1] + point.lambda[2] * at[2] +
-         point.lambda[3] * at[3];
-}
-
 GradientField displacement_gradients(const Solid& solid, std::size_t element, const FieldRef& u) {
   const ElementNodes nodes = element_nodes(solid.mesh, element);
-  const Eigen::Matrix<double, 4, 3> gradients = solid.elements[element].gradients.transpose();
-  const auto control = [&](int node) { return u.segment<3>(3 * Eigen::Index{nodes[node]}); };
-  GradientField field;
-  field.count = solid.order() == 1 ? 1 : 4;
-  Eigen::Matrix<double, 3, 4> around;
-  for (int a = 0; a < field.count; ++a) {
-    for (int b = 0; b < 4; ++b) around.col(b) = control(field.count == 1 ? b : kNodeAt[a][b]);
-    field.at[a] = around * gradients;
-    if (field.count > 1) field.at[a] *= 2.0;
-  }
-  return field;
-}
-
-PiolaField::PiolaField(int order) : count(order == 1 ? 1 : 4) {
-  at.fill(Eigen::Matrix3d::Zero());
-}
-
-void PiolaField::add(const SamplePoint& point, const Eigen::Matrix3d& weighted) {
-  if (count == 1) {
-    at[0] += weighted;
-    return;
-  }
-  for (std::size_t a = 0; a < 4; ++a) at[a] += point.lambda[a] * weighted;
-}
-
-NodeForces PiolaField::forces(const ElementGeometry& element) const {
-  if (count == 1) return at[0] * element.gradients;
-  NodeForces forces(3, kMostNodes);
-  for (int a = 0; a < 4; ++a) {
-    forces.col(a) = 2.0 * at[a] * element.gradients.col(a);
-    for (int b = a + 1; b < 4; ++b)
-      forces.col(kNodeAt[a][b]) =
-          2.0 * (at[a] * element.gradients.col(b) + at[b] * element.gradients.col(a));
-  }
-  return forces;
+  return gradient_field(solid.elements[element], solid.order(),
+                        [&](int node) { return u.segment<3>(3 * Eigen::Index{nodes[node]}); });
 }
 
 Eigen::Matrix3d green_strain(const Eigen::Matrix3d& g) {
@@ -214,19 +139,7 @@ void add_third_derivative(const Solid& solid, const std::vector<int>& elements,
 }
 
 ElementStiffness rest_stiffness(const Solid& solid, std::size_t element) {
-  const int size = 3 * nodes_of_order(solid.order());
-  const ElementGeometry& geometry = solid.elements[element];
-  const Elasticity& elasticity = solid.elasticity(element);
-  ElementStiffness stiffness = ElementStiffness::Zero(size, size);
-  for (const SamplePoint& point : sample_points(solid.order(), 2)) {
-    const NodeGradients gradients = node_gradients(geometry, solid.order(), point);
-    const double weight = point.share * geometry.volume;
-    if (elasticity.isotropic)
-      add_isotropic(elasticity, gradients, weight, stiffness);
-    else
-      add_general(elasticity, gradients, weight, stiffness);
-  }
-  return stiffness;
+  return rest_stiffness(solid.elements[element], solid.elasticity(element), solid.order());
 }
 
 }  // namespace tremolo

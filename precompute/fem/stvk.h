@@ -11,9 +11,11 @@
 
 #include <Eigen/Core>
 
+#include "common/elements/elasticity.h"
+#include "common/elements/element.h"
+#include "common/elements/gradient_field.h"
+#include "common/elements/stiffness.h"
 #include "common/mesh/tet_mesh.h"
-#include "precompute/fem/elasticity.h"
-#include "precompute/fem/element.h"
 
 namespace tremolo {
 
@@ -54,30 +56,8 @@ Solid make_solid(const TetMesh& part, const std::vector<std::size_t>& tetrahedra
 using Field = Eigen::VectorXd;
 using FieldRef = Eigen::Ref<const Eigen::VectorXd>;
 
-// The coefficients G_a of one element: 1 (order 1) or 4.
-struct GradientField {
-  int count = 1;
-  std::array<Eigen::Matrix3d, 4> at;
-
-  Eigen::Matrix3d operator()(const SamplePoint& point) const;
-};
-
 // u: 3n, m.
 GradientField displacement_gradients(const Solid& solid, std::size_t element, const FieldRef& u);
-
-// Forces on the nodes of an element, N, one column a node.
-using NodeForces = NodeGradients;
-
-// Sum over samples of weight times first Piola-Kirchhoff stress, J, which is conjugate to the
-// coefficients G_a: add() one sample, forces() on the nodes at the end.
-struct PiolaField {
-  int count = 1;
-  std::array<Eigen::Matrix3d, 4> at;
-
-  explicit PiolaField(int order);
-  void add(const SamplePoint& point, const Eigen::Matrix3d& weighted);
-  NodeForces forces(const ElementGeometry& element) const;
-};
 
 // Returns E, dimensionless. g: displacement gradient G.
 Eigen::Matrix3d green_strain(const Eigen::Matrix3d& g);
@@ -102,9 +82,7 @@ void add_third_derivative(const Solid& solid, const std::vector<int>& elements,
                           const std::array<Field, 3>& fields, const std::vector<int>& row_of_vertex,
                           double* out);
 
-// Returns the stiffness of an element at rest, N/m, rows and columns 3*node + axis.
-using ElementStiffness = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
-                                       3 * kMostNodes, 3 * kMostNodes>;
+// Returns the stiffness of an element at rest (stiffness.h).
 ElementStiffness rest_stiffness(const Solid& solid, std::size_t element);
 
 }  // namespace tremolo

@@ -206,6 +206,7 @@ std::variant<CommandLine, int> parse_command_line(int count, char** words) {
       "see\n"
       "`tremolo-precompute reference --help`.\n"
       "`tremolo-precompute collider SURFACE -o OUT.collider` makes what bodies bump into.\n"
+      "`tremolo-precompute tets MESH -o OUT.tets` writes the mesh for bodies of whole tetrahedra.\n"
       "What follows -- goes to PETSc and SLEPc (their inner solver has the prefix -st_)."};
   app.name("tremolo-precompute");
   app.failure_message(one_line_message);

@@ -7,7 +7,7 @@
 #include "common/mesh/tet_mesh.h"
 #include "common/result.h"
 #include "formats/mesh/mesh_reader.h"
-#include "precompute/fem/elasticity.h"
+#include "common/elements/elasticity.h"
 
 namespace tremolo {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "precompute/fem/element.h"
+#include "common/elements/element.h"
 #include "precompute/system/petsc.h"
 
 namespace tremolo {

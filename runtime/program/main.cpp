@@ -19,8 +19,10 @@
 #include "runtime/program/run/run.h"
 #include "runtime/program/run/run_flags.h"
 #include "runtime/program/run/sound.h"
+#include "runtime/program/tets/run_tets.h"
 #include "runtime/program/world/run_world.h"
 #include "runtime/scene_reader/scene_reader.h"
+#include "runtime/scene_reader/tets_reader.h"
 
 namespace tremolo {
 namespace {
@@ -106,6 +108,7 @@ struct Request {
   std::string select;
   bool json = false;
   std::string save, restore;
+  std::string degree;
   std::vector<std::string> directories;
   std::string picture;
 };
@@ -136,6 +139,8 @@ struct Parser {
     run->add_flag("--json", request.json, "print one JSON object on stdout");
     run->add_option("--save", request.save, "of a scene with [[bodies]]: its state at the end");
     run->add_option("--restore", request.restore, "likewise: begin with what --save has written");
+    run->add_option("--degree", request.degree,
+                    "of bodies of kind tets: linear, quadratic or adaptive");
     add_run_flags(*run, options);
     plot = app.add_subcommand("plot",
                               "energy over time of several runs on one page or in one picture");
@@ -212,8 +217,26 @@ Result<SceneFile> world_of(const std::string& text, const std::string& path,
   return file;
 }
 
+int run_tets_scene(const std::string& text, const Request& request, const RunOptions& flags,
+                   const CLI::App& run) {
+  Result<TetScene> scene = parse_tets_scene(text, request.file);
+  if (!scene) return report_error(scene.error());
+  const auto told = [&run](const char* flag) {
+    const CLI::Option* option = run.get_option_no_throw(flag);
+    return option != nullptr && option->count() > 0;
+  };
+  if (Status s = apply_tets_flags(flags, request.degree, told, *scene); !s)
+    return report_error(s.error());
+  return run_tets_command(*scene, request.json);
+}
+
 int run_world_scene(const std::string& text, const Request& request, const RunOptions& flags,
                     const CLI::App& run) {
+  const Result<bool> tets = is_tets_scene(text, request.file);
+  if (!tets) return report_error(tets.error());
+  if (*tets) return run_tets_scene(text, request, flags, run);
+  if (!request.degree.empty())
+    return report_error(usage_error("--degree is of bodies of kind \"tets\""));
   Result<SceneFile> file = world_of(text, request.file, flags, run);
   if (!file) return report_error(file.error());
   file->outputs.save = request.save;

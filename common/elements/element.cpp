@@ -1,4 +1,4 @@
-#include "precompute/fem/element.h"
+#include "common/elements/element.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "precompute/fem/elasticity.h"
+#include "common/elements/elasticity.h"
 
 #include <numbers>
 

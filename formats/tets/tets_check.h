@@ -1,0 +1,21 @@
+// Whether the values of a file of tetrahedra can be what they say (formats/tets/tets_file.h).
+#pragma once
+
+#include <string>
+
+#include "formats/tets/tets_file.h"
+
+namespace tremolo {
+
+// What is wrong, and in which section it stands.
+struct TetsFault {
+  std::string_view section;
+  std::string problem;
+};
+
+// Everything but the grid, which DistanceGrid::create() checks. Nothing: all is well.
+std::optional<TetsFault> find_tets_fault(const TetMesh& mesh, const MaterialTable& materials,
+                                         std::span<const VertexId> held,
+                                         const TetsSurface& surface);
+
+}  // namespace tremolo

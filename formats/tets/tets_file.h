@@ -1,0 +1,65 @@
+// Files of corotated tetrahedra: a mesh with its materials, what is held, the surface that is drawn
+// and how it hangs on the mesh, and the distances at rest by which bodies touch
+// (docs/tets-format.md). Stiffness is not in them: the engine makes it by the formulas that the
+// precompute uses (common/elements/), in some microseconds an element.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/distance/distance_grid.h"
+#include "common/elements/elasticity.h"
+#include "common/mesh/tet_mesh.h"
+#include "common/result.h"
+
+namespace tremolo {
+
+// A surface of triangles that hangs on tetrahedra: vertex v is at sum_c weights[v]_c X_c of the
+// corners of tetrahedra[v] at rest. The weights are barycentric coordinates, and may be somewhat
+// outside [0, 1]; their sum is 1. uvs: one a vertex, or none.
+struct TetsSurface {
+  std::vector<Eigen::Vector3d> vertices;  // m, at rest
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> tetrahedra;
+  std::vector<Eigen::Vector4d> weights;
+  std::vector<Eigen::Vector2f> uvs;
+};
+
+// mesh: linear, positively oriented. held: ascending. nodes, distances: of the surface at rest, m,
+// negative inside; none: the body touches no other. provenance: a JSON object; empty: none.
+struct TetsData {
+  TetMesh mesh;
+  MaterialTable materials;
+  std::vector<VertexId> held;
+  TetsSurface surface;
+  GridNodes nodes;
+  std::vector<float> distances;
+  std::string provenance;
+};
+
+// The bytes of the file; the same data give the same bytes. Errors (kContent): what read_tets()
+// would refuse.
+Result<std::vector<std::byte>> encode_tets(const TetsData& data);
+// The same, written under a temporary name and renamed to `path`. Errors: also kSystem.
+Status write_tets(const std::string& path, const TetsData& data);
+
+struct TetsFile {
+  TetMesh mesh;
+  MaterialTable materials;
+  std::vector<VertexId> held;
+  TetsSurface surface;
+  std::optional<DistanceGrid> grid;
+  std::string provenance;
+};
+
+// Reads with distrust: header, table, shapes, checksums, every index, every number. Errors name the
+// file and the section: kContent, and kSystem for a file that cannot be read.
+Result<TetsFile> read_tets(const std::string& path);
+// `name` is for errors.
+Result<TetsFile> read_tets(std::span<const std::byte> bytes, const std::string& name = "memory");
+
+}  // namespace tremolo

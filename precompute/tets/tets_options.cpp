@@ -1,0 +1,66 @@
+#include "precompute/tets/tets_options.h"
+
+#include <iostream>
+#include <vector>
+
+#include "common/result.h"
+#include "precompute/options/config_option.h"
+#include "precompute/options/solid_options.h"
+#include "precompute/system/option_checks.h"
+
+namespace tremolo {
+namespace {
+
+// The words that decide what the file holds.
+std::string settings_of_tets(int count, char** words) {
+  std::string settings = "tets";
+  for (int i = 1; i < count; ++i) {
+    const std::string word = words[i];
+    if (word == "-o" || word == "--output" || word == "--threads")
+      ++i;  // and its value
+    else if (word != "--json" && !word.starts_with("--output=") && !word.starts_with("--threads="))
+      settings += " " + word;
+  }
+  return settings;
+}
+
+}  // namespace
+
+std::variant<TetsOptions, int> parse_tets_line(int count, char** words) {
+  TetsOptions options;
+  options.command_line = settings_of_tets(count, words);
+  CLI::App app{
+      "Writes a mesh of tetrahedra for the engine, whose elements are moved themselves: "
+      "mesh, materials, held vertices, the drawn surface. Units are SI."};
+  app.name("tremolo-precompute tets");
+  app.failure_message(one_line_message);
+  app.allow_config_extras(CLI::config_extras_mode::error);
+  add_config_option(app, "read options from a TOML file (keys are the long flag names)");
+  SolidTexts texts;
+  add_solid_options(app, options.solid, texts);
+  // What a basis and its loads have; the engine chooses the elements' order.
+  for (const char* other : {"--load-force", "--load-at", "--mass", "--order", "--point-mass",
+                            "--surface-subdivide", "--fix-x", "--fix-y", "--fix-z"})
+    app.remove_option(app.get_option(other));
+  app.add_option("-o,--output", options.output_path, "the file of tetrahedra")->required();
+  app.add_option("--render", options.solid.render_path,
+                 "surface that is drawn in place of the mesh's boundary and moves with it");
+  app.add_option("--cells", options.cells,
+                 "of the grid of distances at rest, by which bodies touch, along the longest side "
+                 "of the drawn surface; 0: none")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  app.add_flag("--json", options.json, "print one JSON object on stdout");
+
+  const int usage = exit_code(ErrorKind::kUsage);
+  try {
+    app.parse(count, words);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : usage;
+  }
+  if (!finish_solid_options(texts, options.solid)) return usage;
+  options.solid.order = 1;
+  return options;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,93 @@
+#include "runtime/program/tets/tets_bodies.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "formats/tets/tets_file.h"
+
+namespace tremolo {
+namespace {
+
+Result<TetsKind> read_tets_kind(const TetSceneBody& body) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(body.model, ignored)) {
+    const std::string usual = "tremolo-precompute tets MESH -o " + body.model;
+    return system_error(body.model + ": there is no such file; it is made by `" +
+                        (body.made_by.empty() ? usual : body.made_by) + "`");
+  }
+  Result<TetsFile> file = read_tets(body.model);
+  if (!file) return file.error();
+  TetsKind kind;
+  kind.path = body.model;
+  kind.held = !file->held.empty();
+  if (Status s =
+          take(kind.model, TetModel::create(std::move(file->mesh), file->materials, file->held));
+      !s)
+    return error_of_file(body.model, s.error());
+  kind.surface = std::make_shared<const TetSurface>(kind.model, std::move(file->surface));
+  return kind;
+}
+
+// The rest shape at the body's pose, with its velocity and spin about the centre of mass; what is
+// held stands still.
+Status place_tets_body(const TetSceneBody& wanted, TetBody& body) {
+  const TetModel& model = body.model();
+  const Eigen::Index size = model.rest().size();
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(size);
+  Eigen::VectorXd x(size), v = Eigen::VectorXd::Zero(size), weight(size);
+  model.mass_times(ones, weight);
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < size; i += 3) {
+    const Eigen::Vector3d rest = model.rest().segment<3>(i);
+    x.segment<3>(i) = wanted.pose * rest;
+    centre += weight[i] / model.mass() * x.segment<3>(i);
+  }
+  for (Eigen::Index i = 0; i < size; i += 3) {
+    const Eigen::Vector3d arm = x.segment<3>(i) - centre;
+    if (model.held()[static_cast<std::size_t>(i / 3)] == 0)
+      v.segment<3>(i) = wanted.velocity + wanted.spin.cross(arm);
+  }
+  return body.set_state(x, v);
+}
+
+}  // namespace
+
+std::size_t TetsBodies::elements() const {
+  std::size_t sum = 0;
+  for (const TetBody& body : bodies) sum += body.model().elements().size();
+  return sum;
+}
+
+std::size_t TetsBodies::bytes() const {
+  std::size_t sum = 0;
+  for (const TetsKind& one : kinds) sum += one.model->bytes() + one.surface->bytes();
+  for (const TetBody& body : bodies) sum += body.bytes();
+  return sum;
+}
+
+Result<TetsBodies> make_tets_bodies(const TetScene& scene) {
+  TetsBodies made;
+  for (const TetSceneBody& wanted : scene.bodies) {
+    const auto told = [&](const Error& error) {
+      return Error{error.kind, scene.path + ": body '" + wanted.name + "': " + error.message};
+    };
+    auto found = std::find_if(made.kinds.begin(), made.kinds.end(),
+                              [&](const TetsKind& kind) { return kind.path == wanted.model; });
+    if (found == made.kinds.end()) {
+      Result<TetsKind> kind = read_tets_kind(wanted);
+      if (!kind) return told(kind.error());
+      found = made.kinds.insert(made.kinds.end(), std::move(*kind));
+    }
+    Result<TetBody> body = TetBody::create(found->model, wanted.options);
+    if (!body) return told(body.error());
+    if (Status s = place_tets_body(wanted, *body); !s) return told(s.error());
+    made.kind_of.push_back(static_cast<std::size_t>(found - made.kinds.begin()));
+    made.bodies.push_back(std::move(*body));
+  }
+  return made;
+}
+
+}  // namespace tremolo

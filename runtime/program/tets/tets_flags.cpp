@@ -1,0 +1,55 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "runtime/program/tets/run_tets.h"
+
+namespace tremolo {
+namespace {
+
+Status apply_tets_method(const RunOptions& flags, const std::string& degree,
+                         const std::function<bool(const char*)>& told, TetBodyOptions& options) {
+  if (told("--integrator"))
+    if (Status s = take(options.method, parse_tet_method(flags.integrator)); !s) return s;
+  if (told("--degree"))
+    if (Status s = take(options.degree.kind, parse_degree(degree)); !s) return s;
+  if (told("--alpha")) options.alpha = flags.alpha;
+  if (told("--beta")) options.beta = flags.beta;
+  if (told("--tolerance")) options.tolerance = flags.tolerance;
+  if (told("--max-iterations")) options.max_iterations = flags.max_iterations;
+  return Success{};
+}
+
+}  // namespace
+
+Status apply_tets_flags(const RunOptions& flags, const std::string& degree,
+                        const std::function<bool(const char*)>& told, TetScene& scene) {
+  for (const char* flag :
+       {"--load",         "--signal",        "--at",     "--force",  "--scale",  "--deflect",
+        "--start",        "--wav",           "--listen", "--modes",  "--linear", "--hull",
+        "--newmark-beta", "--newmark-gamma", "--split",  "--safety", "--probe",  "--coordinate",
+        "--velocities",   "--plot",          "--save",   "--restore"})
+    if (told(flag)) return usage_error(fmt::format("{} is not of bodies of kind \"tets\"", flag));
+  if (told("--step")) scene.step = flags.step;
+  if (told("--duration")) scene.duration = flags.duration;
+  SceneOutputs& outputs = scene.outputs;
+  if (told("--out")) outputs.out = flags.out;
+  if (told("--every")) outputs.every = flags.every;
+  if (told("--surfaces")) outputs.surfaces = flags.surfaces;
+  if (told("--surface-format")) outputs.surface_format = flags.surface_format;
+  if (outputs.surfaces > 0 && outputs.out.empty()) return usage_error("--surfaces needs --out DIR");
+  if (outputs.every < 1) return content_error("--every must be at least 1");
+  if (outputs.surfaces < 0) return content_error("--surfaces must not be negative");
+  for (const auto& [flag, value] :
+       {std::pair{"--step", scene.step}, {"--duration", scene.duration}})
+    if (!(value > 0.0 && std::isfinite(value)))
+      return content_error(fmt::format("{} must be positive and finite (s)", flag));
+  for (TetSceneBody& body : scene.bodies) {
+    if (Status s = apply_tets_method(flags, degree, told, body.options); !s) return s;
+    body.options.step = scene.step;
+    if (Status s = check(body.options); !s) return s;
+  }
+  return Success{};
+}
+
+}  // namespace tremolo

@@ -1,0 +1,145 @@
+#include "runtime/scene_reader/tets_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "runtime/scene_reader/contact_reader.h"
+#include "runtime/scene_reader/motion_reader.h"
+#include "runtime/scene_reader/toml_keys.h"
+
+namespace tremolo {
+namespace {
+
+constexpr std::string_view kTets = "tets";
+
+bool is_tets_body(const toml::node& node) {
+  const toml::table* table = node.as_table();
+  return table != nullptr && (*table)["kind"].value_or(std::string_view()) == kTets;
+}
+
+void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
+  constexpr DegreeKind kKinds[] = {DegreeKind::kLinear, DegreeKind::kQuadratic,
+                                   DegreeKind::kAdaptive};
+  options.degree.kind = kKinds[keys.read_word("degree", {"linear", "quadratic", "adaptive"}, 2)];
+  keys.read("upper", options.degree.upper);
+  keys.read("lower", options.degree.lower);
+  keys.read("least-steps", options.degree.least_steps);
+  constexpr RotationLaw kLaws[] = {RotationLaw::kLeastEnergy, RotationLaw::kCorners};
+  options.law = kLaws[keys.read_word("rotation-law", {"least-energy", "corners"}, 0)];
+  std::string method = tet_method_name(options.method);
+  keys.read("integrator", method);
+  if (const Result<TetMethod> parsed = parse_tet_method(method))
+    options.method = *parsed;
+  else
+    keys.fail("integrator", parsed.error().message);
+  keys.read("alpha", options.alpha);
+  keys.read("beta", options.beta);
+  keys.read("tolerance", options.tolerance);
+  keys.read("max-iterations", options.max_iterations);
+}
+
+Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number,
+                                    const TetScene& scene) {
+  TetSceneBody body;
+  std::string what = "body " + std::to_string(number);
+  if (const auto name = table["name"].value_exact<std::string>()) what = "body '" + *name + "'";
+  TomlKeys keys(table, scene.path, what);
+  keys.read_word("kind", {kTets}, 0);
+  keys.read("name", body.name);
+  if (body.name.empty() || body.name.front() == '.' || body.name.find('/') != std::string::npos)
+    keys.fail("name", "it needs a `name`, which becomes that of a folder");
+  keys.read_path("model", body.model);
+  if (!keys.has("model")) keys.fail("model", "it names no `model`");
+  keys.read("made-by", body.made_by);
+  body.pose = read_pose(keys);
+  keys.read("velocity", body.velocity);
+  keys.read("spin", body.spin);
+  keys.read("friction", body.friction);
+  if (!(body.friction >= 0.0 && std::isfinite(body.friction)))
+    keys.fail("friction", "friction must be at least 0");
+  read_tets_method(keys, body.options);
+  if (Status s = keys.finish(); !s) return s.error();
+  body.options.step = scene.step;
+  body.options.gravity = scene.gravity;
+  if (Status s = check(body.options); !s)
+    return content_error(scene.path + ": " + what + ": " + s.error().message);
+  return body;
+}
+
+Status read_tets_colliders(TomlKeys& keys, TetScene& scene) {
+  std::size_t number = 0;
+  for (const toml::table* entry : keys.read_tables("colliders")) {
+    Result<SceneCollider> collider = read_collider(*entry, ++number, scene.path, scene.files);
+    if (!collider) return collider.error();
+    if (!collider->motion.parts.empty() || !collider->file.empty())
+      return content_error(scene.path + ": collider '" + collider->name +
+                           "': bodies of tetrahedra touch shapes that stand still and have no "
+                           "file: plane, sphere, capsule, box, cylinder");
+    scene.colliders.push_back(std::move(*collider));
+  }
+  return Success{};
+}
+
+Status check_tets_scene(const TetScene& scene) {
+  const auto problem = [&scene](const std::string& what) {
+    return content_error(scene.path + ": " + what);
+  };
+  for (const auto& [name, value] : {std::pair{"step", scene.step}, {"duration", scene.duration}})
+    if (!(value > 0.0 && std::isfinite(value)))
+      return problem(std::string("'") + name + "' must be positive and finite (s)");
+  std::set<std::string> names;
+  for (const TetSceneBody& body : scene.bodies)
+    if (!names.insert(body.name).second)
+      return problem("two bodies are called '" + body.name + "'");
+  return Success{};
+}
+
+void read_tets_outputs(TomlKeys& keys, SceneOutputs& outputs) {
+  keys.read("out", outputs.out);
+  keys.read("every", outputs.every);
+  keys.read("surfaces", outputs.surfaces);
+  const std::vector<std::string_view> formats = {"ply", "obj", "inc"};
+  outputs.surface_format = formats[keys.read_word("surface-format", formats, 0)];
+  if (outputs.every < 1) keys.fail("every", "'every' must be at least 1");
+  if (outputs.surfaces < 0) keys.fail("surfaces", "'surfaces' must not be negative");
+}
+
+}  // namespace
+
+Result<bool> is_tets_scene(std::string_view text, const std::string& path) {
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  const toml::array* bodies = (*table)["bodies"].as_array();
+  if (bodies == nullptr) return false;
+  const std::ptrdiff_t count = std::count_if(bodies->begin(), bodies->end(), is_tets_body);
+  if (count == 0) return false;
+  if (static_cast<std::size_t>(count) == bodies->size() && !table->contains("cloths")) return true;
+  return error_at(path, bodies->source(),
+                  "bodies of kind \"tets\" and others do not meet in one scene: take two scenes");
+}
+
+Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path) {
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  TetScene scene;
+  scene.path = path;
+  TomlKeys keys(*table, path, "");
+  keys.read("step", scene.step);
+  keys.read("duration", scene.duration);
+  keys.read("gravity", scene.gravity);
+  read_tets_outputs(keys, scene.outputs);
+  std::size_t number = 0;
+  for (const toml::table* entry : keys.read_tables("bodies")) {
+    Result<TetSceneBody> body = read_tets_body(*entry, ++number, scene);
+    if (!body) return body.error();
+    scene.bodies.push_back(std::move(*body));
+  }
+  if (Status s = read_tets_colliders(keys, scene); !s) return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  if (Status s = check_tets_scene(scene); !s) return s.error();
+  return scene;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,35 @@
+// Rotations in three dimensions: the one nearest to a matrix, small turns, axial vectors.
+//
+// The nearest rotation R of A maximises tr(R^T A) over all rotations, and so minimises |A - R|_F.
+// Of A = U S V^T with U, V rotations and S = diag(s_1 >= s_2 >= |s_3|), s_3 with the sign of det A,
+// it is U V^T: what is turned inside out is mended along its thinnest direction. Where det A > 0 it
+// is the factor of the polar decomposition, found by Newton's iteration (Higham 1986)
+//   X <- (g X + X^-T / g) / 2,    g = (|X^-1|_F / |X|_F)^1/2,
+// which fails for flat and inverted A; those take the singular value decomposition.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace tremolo {
+
+// Always a rotation to rounding, whatever A: of a matrix that is flat to rounding, or whose two
+// smallest singular values cancel (s_2 + s_3 = 0), it is one of several that are as near; of zero
+// and of what is not finite it is the identity.
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& a);
+
+// exp([w]): the turn by |w| radians about w.
+Eigen::Matrix3d turn_by(const Eigen::Vector3d& w);
+
+// [w] x = w cross x.
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& w) {
+  Eigen::Matrix3d m;
+  m << 0.0, -w.z(), w.y(), w.z(), 0.0, -w.x(), -w.y(), w.x(), 0.0;
+  return m;
+}
+
+// ax(A)_k = sum_ij eps_kij A_ij, so that tr([w] A) = w . ax(A) and ax([w]) = -2 w.
+inline Eigen::Vector3d axial(const Eigen::Matrix3d& a) {
+  return {a(1, 2) - a(2, 1), a(2, 0) - a(0, 2), a(0, 1) - a(1, 0)};
+}
+
+}  // namespace tremolo

@@ -1,0 +1,302 @@
+#include "runtime/tets/tet_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "runtime/tets/rigid_balance.h"
+
+namespace tremolo {
+namespace {
+
+// Of a residual, over the stiffness times the places: a few roundings.
+constexpr double kRounding = 4e-15;
+
+Eigen::Index body_at(std::size_t node) {
+  return static_cast<Eigen::Index>(3 * node);
+}
+
+void clear_held(std::span<const std::uint8_t> active, Eigen::VectorXd& y) {
+  for (std::size_t i = 0; i < active.size(); ++i)
+    if (active[i] == 0) y.segment<3>(body_at(i)).setZero();
+}
+
+Status check_range(const char* name, double value, double least, bool open) {
+  if (std::isfinite(value) && (open ? value > least : value >= least)) return Success{};
+  return content_error(std::string(name) + " is " + std::to_string(value) + ", expected " +
+                       (open ? "above " : "at least ") + std::to_string(least));
+}
+
+}  // namespace
+
+Status check(const TetBodyOptions& options) {
+  for (const Status& status :
+       {check_range("step", options.step, 0.0, true),
+        check_range("alpha", options.alpha, 0.0, false),
+        check_range("beta", options.beta, 0.0, false),
+        check_range("tolerance", options.tolerance, 0.0, true),
+        check_range("linear tolerance", options.linear_tolerance, 0.0, true),
+        check_range("max iterations", options.max_iterations, 0.0, true), check(options.degree)})
+    if (!status) return status.error();
+  if (!options.gravity.allFinite()) return content_error("gravity is not finite");
+  return Success{};
+}
+
+Result<TetBody> TetBody::create(TetModelPointer model, const TetBodyOptions& options) {
+  if (Status status = check(options); !status) return status.error();
+  return TetBody(std::move(model), options);
+}
+
+TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
+    : options_(options),
+      system_(model, options.law),
+      choice_(*model, options.degree),
+      solve_(model->pattern()),
+      matrix_(model->pattern()) {
+  const Eigen::Index size = model->rest().size();
+  for (TetMotion* motion : {&now_, &before_, &saved_, &saved_before_}) {
+    motion->x = model->rest();
+    motion->v.setZero(size);
+    motion->a.setZero(size);
+  }
+  for (Eigen::VectorXd* v : {&way_, &s_, &start_, &velocity_, &force_, &residual_, &correction_,
+                             &direction_, &inertia_, &stage_.from, &stage_.inertial})
+    v->setZero(size);
+  for (const std::uint8_t flag : model->held()) held_ = held_ || flag != 0;
+  // A place's rounding times this is the rounding of a force.
+  double squared = 0.0;
+  for (const TetModelElement& element : model->elements())
+    squared += std::pow(element.element.couple, 2) *
+               std::pow(element.element.geometry.gradients.squaredNorm(), 2);
+  rounding_scale_ = std::sqrt(squared);
+  Eigen::VectorXd ones = Eigen::VectorXd::Ones(size);
+  weight_.resize(size);
+  model->mass_times(ones, weight_);
+  system_.set_degrees(choice_.first_degrees());
+  solve_.choose(system_.active());
+}
+
+Status TetBody::set_state(const Eigen::VectorXd& x, const Eigen::VectorXd& v) {
+  if (x.size() != now_.x.size() || v.size() != now_.x.size())
+    return content_error("state of " + std::to_string(x.size()) + " and " +
+                         std::to_string(v.size()) + " numbers, expected " +
+                         std::to_string(now_.x.size()));
+  if (!x.allFinite() || !v.allFinite()) return content_error("state is not finite");
+  now_.x = x;
+  now_.v = v;
+  system_.follow_ends(now_.x);
+  system_.follow_ends(now_.v);
+  has_before_ = has_acceleration_ = false;
+  return Success{};
+}
+
+double TetBody::elastic_energy() {
+  system_.evaluate(now_.x);
+  return system_.energy();
+}
+
+double TetBody::gravity_energy() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < model().nodes(); ++i)
+    sum -= weight_[body_at(i)] * options_.gravity.dot(now_.x.segment<3>(body_at(i)));
+  return sum;
+}
+
+double TetBody::set_degrees(std::span<const std::uint8_t> degrees) {
+  const double before = kinetic_energy() + elastic_energy() + gravity_energy();
+  const bool only_more = std::equal(degrees.begin(), degrees.end(), system_.degrees().begin(),
+                                    [](std::uint8_t a, std::uint8_t b) { return a >= b; });
+  const Eigen::Vector3d spin = angular_momentum();
+  system_.set_degrees(degrees);
+  solve_.choose(system_.active());
+  has_acceleration_ = false;
+  if (only_more) return 0.0;
+  for (Eigen::VectorXd* y : {&now_.x, &now_.v, &before_.x, &before_.v})
+    project_motion(system_, solve_, matrix_, correction_, *y);
+  if (!held_) restore_spin(model(), spin - angular_momentum(), now_.x, now_.v, correction_);
+  return before - (kinetic_energy() + elastic_energy() + gravity_energy());
+}
+
+// r = E^T (M g^2 (d - d_a) - F) at way_; not folded, it stays in force_. Returns |r|.
+double TetBody::find_residual(TetPushes* pushes) {
+  s_ = stage_.from + way_;
+  system_.evaluate(s_);
+  velocity_ = stage_.rate * way_;
+  correction_ = (stage_.rate * stage_.rate) * (way_ - stage_.inertial);
+  if (options_.alpha > 0.0) correction_ += options_.alpha * velocity_;
+  model().mass_times(correction_, inertia_);
+  force_.setZero();
+  for (std::size_t i = 0; i < model().nodes(); ++i)
+    force_.segment<3>(body_at(i)) = weight_[body_at(i)] * options_.gravity;
+  system_.add_force(force_);
+  if (options_.beta > 0.0) system_.add_damping_force(velocity_, options_.beta, force_);
+  if (pushes != nullptr) pushes->add_forces(s_, velocity_, force_);
+  force_ = inertia_ - force_;
+  residual_ = force_;
+  system_.fold(residual_);
+  clear_held(system_.active(), residual_);
+  return residual_.norm();
+}
+
+void TetBody::find_correction(TetPushes* pushes, TangentKind tangent, TetStepReport& report) {
+  TetMatrixFactors factors;
+  factors.mass = stage_.rate * (stage_.rate + options_.alpha);
+  factors.tangent = {1.0, options_.beta * stage_.rate, tangent};
+  residual_ = -residual_;
+  for (const TangentKind kind : {tangent, TangentKind::kFrozen}) {
+    factors.tangent.kind = kind;
+    system_.assemble(factors, matrix_);
+    if (pushes != nullptr) pushes->add_stiffness(system_, stage_.rate, matrix_);
+    const ActiveReport solved = solve_.solve(matrix_, residual_, options_.linear_tolerance,
+                                             static_cast<int>(residual_.size()), correction_);
+    report.linear += solved.iterations;
+    if (solved.positive) break;
+  }
+  system_.follow_ends(correction_);
+}
+
+// Goes along the correction until the residual no longer points back. size: |r| at the end.
+bool TetBody::take_correction(TetPushes* pushes, double& size) {
+  start_ = way_;
+  const double slope = residual_.dot(correction_);  // residual_ is -r here
+  const double before = size;
+  direction_ = correction_;
+  double share = 1.0;
+  for (int halving = 0; halving < 12; ++halving) {
+    way_ = start_ + share * direction_;
+    size = find_residual(pushes);
+    const double now = -residual_.dot(direction_);
+    if (std::isfinite(size) && (size <= before || now >= -0.5 * std::abs(slope))) return true;
+    share *= std::isfinite(now) ? std::clamp(slope / (slope - now), 0.1, 0.7) : 0.1;
+  }
+  return false;
+}
+
+// The rigid motions in the residual, which no elastic force balances, are taken out exactly.
+void TetBody::balance_momenta() {
+  for (int pass = 0; pass < 3; ++pass) {
+    if (!rigid_correction(model(), s_, residual_, stage_.rate * stage_.rate, correction_)) return;
+    way_ += correction_;
+    find_residual(nullptr);
+  }
+}
+
+bool TetBody::solve_stage(TetPushes* pushes, TetStepReport& report) {
+  way_ = stage_.inertial;
+  for (std::size_t i = 0; i < model().nodes(); ++i)
+    if (model().held()[i] != 0)
+      way_.segment<3>(body_at(i)) =
+          now_.x.segment<3>(body_at(i)) - stage_.from.segment<3>(body_at(i));
+  system_.follow_ends(way_);
+  double size = find_residual(pushes);
+  const double stop = options_.tolerance * ((inertia_ - force_).norm() + inertia_.norm()) +
+                      kRounding * rounding_scale_ * s_.cwiseAbs().maxCoeff();
+  for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
+    if (!std::isfinite(size)) return false;
+    if (size <= stop) {
+      if (!held_ && pushes == nullptr) balance_momenta();
+      return true;
+    }
+    ++report.iterations;
+    find_correction(pushes, options_.tangent, report);
+    if (!take_correction(pushes, size)) return false;
+  }
+  return size <= stop;
+}
+
+// a = M^-1 F at the beginning.
+void TetBody::find_acceleration() {
+  stage_.rate = 0.0;
+  stage_.from = now_.x;
+  way_.setZero();
+  find_residual(nullptr);
+  if (options_.alpha > 0.0 || options_.beta > 0.0) {
+    // With a rate of zero the velocity was zero: damping of the state's own comes on top.
+    force_.setZero();
+    velocity_ = options_.alpha * now_.v;
+    model().mass_times(velocity_, force_);
+    force_ = -force_;
+    if (options_.beta > 0.0) system_.add_damping_force(now_.v, options_.beta, force_);
+    system_.fold(force_);
+    clear_held(system_.active(), force_);
+    residual_ -= force_;
+  }
+  residual_ = -residual_;
+  system_.assemble({1.0, {0.0, 0.0, TangentKind::kFrozen}}, matrix_);
+  solve_.solve(matrix_, residual_, 1e-14, 300, now_.a);
+  system_.follow_ends(now_.a);
+  has_acceleration_ = true;
+}
+
+bool TetBody::make_step(TetMethod method, double h, TetPushes* pushes, TetStepReport& report) {
+  if (method == TetMethod::kNewmark && !has_acceleration_) find_acceleration();
+  begin_stage(method, h, now_, has_before_ ? &before_ : nullptr, stage_);
+  if (!solve_stage(pushes, report)) return false;
+  end_stage(stage_, way_, now_, before_);
+  has_before_ = true;
+  return true;
+}
+
+// One correction with R K R^T, which is positive, from where the step begins (implicit-euler,
+// linearised): it needs no solution to be near.
+bool TetBody::make_linear_step(double h, TetPushes* pushes, TetStepReport& report) {
+  begin_stage(TetMethod::kImplicitEuler, h, now_, nullptr, stage_);
+  way_.setZero();
+  find_residual(pushes);
+  find_correction(pushes, TangentKind::kFrozen, report);
+  way_ = correction_;
+  end_stage(stage_, way_, now_, before_);
+  return now_.x.allFinite() && now_.v.allFinite();
+}
+
+bool TetBody::make_parts(int parts, bool linear, TetPushes* pushes, TetStepReport& report) {
+  now_.x = saved_.x;
+  now_.v = saved_.v;
+  report.parts = parts;
+  report.linearised = linear;
+  has_before_ = has_acceleration_ = false;
+  const double h = options_.step / parts;
+  bool made = true;
+  for (int part = 0; part < parts && made; ++part)
+    made = linear ? make_linear_step(h, pushes, report)
+                  : make_step(TetMethod::kImplicitEuler, h, pushes, report);
+  has_before_ = has_acceleration_ = false;
+  return made;
+}
+
+TetStepReport TetBody::step(TetPushes* pushes) {
+  TetStepReport report;
+  saved_.x = now_.x;
+  saved_.v = now_.v;
+  saved_before_.x = before_.x;
+  saved_before_.v = before_.v;
+  const bool had_before = has_before_;
+  report.converged = make_step(options_.method, options_.step, pushes, report) ||
+                     make_parts(2, false, pushes, report) || make_parts(8, false, pushes, report) ||
+                     make_parts(8, true, pushes, report);
+  if (!report.converged) {
+    now_.x = saved_.x;
+    now_.v = saved_.v;
+    before_.x = saved_before_.x;
+    before_.v = saved_before_.v;
+    has_before_ = had_before;
+    return report;
+  }
+  time_ += options_.step;
+  ++steps_;
+  if (options_.degree.kind == DegreeKind::kAdaptive && steps_ % options_.degree.every == 0) {
+    const auto wanted =
+        choice_.choose(system_, now_, force_, stage_.rate * stage_.rate, options_.step);
+    report.switched = choice_.changed();
+    if (report.switched > 0) report.energy_of_switch = set_degrees(wanted);
+  }
+  return report;
+}
+
+std::size_t TetBody::bytes() const {
+  return system_.bytes() + solve_.bytes() + model().pattern()->blocks() * sizeof(Eigen::Matrix3d) +
+         static_cast<std::size_t>(now_.x.size()) * 24 * sizeof(double);
+}
+
+}  // namespace tremolo
