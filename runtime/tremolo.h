@@ -622,9 +622,9 @@ tremolo_status tremolo_recorder_record_state(tremolo_recorder* recorder, size_t 
 
 /* Writes all frames; the path's ending chooses: .glb (glTF: modes as morph targets), .usda, .pvd
  * (for ParaView, its .vtu files in a folder beside it), .pc2 or .mdd (point caches, the rest shapes
- * as .obj beside them), .ply or .obj (a numbered file a frame), .html (a page on which it plays). TREMOLO_USAGE for another ending or
- * while a track is missing in the last frame; TREMOLO_CONTENT for what the format cannot hold;
- * TREMOLO_SYSTEM if it cannot be written. */
+ * as .obj beside them), .ply or .obj (a numbered file a frame), .html (a page on which it plays).
+ * TREMOLO_USAGE for another ending or while a track is missing in the last frame; TREMOLO_CONTENT
+ * for what the format cannot hold; TREMOLO_SYSTEM if it cannot be written. */
 tremolo_status tremolo_recorder_write(tremolo_recorder* recorder, const char* path);
 
 #ifdef __cplusplus

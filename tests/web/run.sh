@@ -15,11 +15,11 @@ chromium=$(command -v chromium || command -v chromium-headless-shell) || { echo 
 # The page of ./demo: every second step of three seconds, and two runs.
 horse="$build/models/horse.tremolo --duration 3 --load sine"
 for method in imexv newmark; do
-  "$build/bin/tremolo" run $horse --integrator $method --out "$work/$method" --surfaces 4 --surface-format obj >/dev/null
+  "$build/bin/tremolo" run $horse --integrator $method --out "$work/film/$method" --surfaces 4 --surface-format obj >/dev/null
 done
 "$build/bin/tremolo" export $horse --integrator imexv --rate 166.66666667 --page "$work/film.html" \
-  --runs "$work/imexv" --runs "$work/newmark" --note "A note with \`code\`."
-node "$work/film_test.mjs" "$work/film.html" "$chromium" "$work/photos" "$work/imexv"
+  --runs "$work/film/imexv" --runs "$work/film/newmark" --note "A note with \`code\`."
+node "$work/film_test.mjs" "$work/film.html" "$chromium" "$work/photos" "$work/film/imexv"
 
 command -v emcmake >/dev/null || { echo "emcmake is missing"; exit 77; }
 cmake --build "$build" --target web
