@@ -74,7 +74,7 @@ build() {
 models="beam basket bridge horse tower heart"
 scene_models="horse-free horse-rig heart-free basket-free ball-free bell"  # which scenes need
 scene_colliders="bell basket"
-scene_tets="bar"
+scene_tets="bar bar-free"
 
 # precompute MODEL: its basis file, unless it is newer than everything it is made of. The mesh is that of
 # the name up to a hyphen: horse-free is another model of the horse.
@@ -101,7 +101,7 @@ make_collider() {
 
 # make_tets MESH: the file of tetrahedra for a body of kind "tets", likewise.
 make_tets() {
-  local mesh=assets/meshes/$1.msh config=assets/models/$1-tets.toml out=build/models/$1.tets source
+  local mesh=assets/meshes/${1%%-*}.msh config=assets/models/$1-tets.toml out=build/models/$1.tets source
   mkdir -p build/models
   if [ -e "$out" ]; then
     for source in "$mesh" "$config" build/bin/tremolo-precompute; do [ "$source" -nt "$out" ] && break; source=; done

@@ -13,6 +13,7 @@
 #include "tests/lab/report/report.h"
 #include "tests/lab/reproduce/sections.h"
 #include "tests/lab/samples/thesis.h"
+#include "tests/lab/tets/tets_section.h"
 #include "tests/lab/work/failure.h"
 #include "tests/lab/work/progress.h"
 
@@ -141,11 +142,29 @@ nlohmann::ordered_json to_json(const Outcome& outcome, const std::string& report
   return json;
 }
 
+// --only tets. The times and the store are of this build.
+int reproduce_tets(const ReproduceOptions& options) {
+  const std::string directory =
+      (fs::path(options.out) / "store" / or_fail(program_checksum())).string();
+  const Store store = or_fail(Store::open(directory));
+  Report report(options.out, "Bodies of tetrahedra",
+                "Corotated linear and quadratic tetrahedra: accuracy, time, memory.");
+  const std::vector<Criterion> criteria = tets::add_tets_section(report, store);
+  const std::string page = report.write();
+  print(criteria);
+  note(verdict(criteria));
+  note("wrote " + page);
+  if (options.json) print_json(to_json({criteria, {}}, page));
+  or_fail(flush_standard_output());
+  return exit_code(criteria);
+}
+
 }  // namespace
 }  // namespace reproduce
 
 int reproduce_command(const ReproduceOptions& options) {
   using namespace reproduce;
+  if (options.only == "tets") return reproduce_tets(options);
   const Session session = open_session(options);
   Report report(options.out, "The thesis reproduced",
                 "Huang 2011, Preserving High-Frequency Vibration of Deformable Objects Using the "

@@ -17,6 +17,7 @@ struct ReproduceOptions {
   std::string published = kPublishedDirectory;
   std::string out = "build/reproduce";
   bool long_form = false;
+  std::string only;  // "tets": the bodies of tetrahedra alone, which need no model; empty: the rest
   int threads = 0;
   bool json = false;
 };

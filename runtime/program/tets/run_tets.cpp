@@ -55,7 +55,8 @@ const char* degree_name(DegreeKind kind) {
   return kind == DegreeKind::kQuadratic ? "quadratic" : "adaptive";
 }
 
-TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const TetsReport& report) {
+TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const TetsReport& report,
+                        const TetContact::Look& contact) {
   return {{"body", wanted.name},
           {"model", wanted.model},
           {"integrator", tet_method_name(wanted.options.method)},
@@ -73,6 +74,10 @@ TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const T
           {"steps_in_parts", report.in_parts},
           {"steps_linearised", report.linearised},
           {"momentum_error", tets_number(report.momentum_error)},
+          {"speed_final", tets_number(body.momentum().norm() / body.model().mass())},
+          {"contact_points_final", contact.touching},
+          {"contact_energy_final", tets_number(contact.energy)},
+          {"penetration_final", tets_number(contact.depth)},
           {"largest_displacement", tets_number(report.displacement)},
           {"energies_initial", energies_json(report.start)},
           {"energies_final", energies_json(report.end)},
@@ -100,6 +105,7 @@ class TetsRun {
  private:
   Status observe(std::size_t i, const TetStepReport& step);
   bool step_all(std::vector<TetStepReport>& steps);
+  TetContact::Look contact(std::size_t i) const;
 
   const TetScene& scene_;
   TetsBodies bodies_;
@@ -116,11 +122,16 @@ Status TetsRun::observe(std::size_t i, const TetStepReport& step) {
   return logs_[i].observe(bodies_.bodies[i], step, vertices_[i], normals_[i]);
 }
 
+TetContact::Look TetsRun::contact(std::size_t i) const {
+  if (bodies_.contacts.empty()) return {};
+  return bodies_.contacts[i].look(bodies_.bodies[i].positions());
+}
+
 // False: a step could not be made, and why is known.
 bool TetsRun::step_all(std::vector<TetStepReport>& steps) {
   const double before = tets_clock();
   for (std::size_t i = 0; i < logs_.size() && ending_.exit_code == 0; ++i) {
-    steps[i] = bodies_.bodies[i].step();
+    steps[i] = bodies_.bodies[i].step(bodies_.contacts.empty() ? nullptr : &bodies_.contacts[i]);
     if (steps[i].converged) continue;
     ending_.exit_code = exit_code(ErrorKind::kSolver);
     ending_.reason = fmt::format("body '{}': the step from t = {:.6g} s could not be solved",
@@ -192,7 +203,7 @@ TetsJson TetsRun::json() const {
   json["bodies"] = TetsJson::array();
   for (std::size_t i = 0; i < logs_.size(); ++i)
     json["bodies"].push_back(
-        tets_body_json(scene_.bodies[i], bodies_.bodies[i], logs_[i].report()));
+        tets_body_json(scene_.bodies[i], bodies_.bodies[i], logs_[i].report(), contact(i)));
   return json;
 }
 
@@ -231,8 +242,6 @@ Status keep_tets_apart(const TetScene& scene) {
 
 Result<TetsRun> run_tets(const TetScene& scene) {
   if (Status s = keep_tets_apart(scene); !s) return s.error();
-  if (!scene.colliders.empty())
-    return content_error(scene.path + ": bodies of kind \"tets\" touch no colliders yet");
   Result<TetsBodies> bodies = make_tets_bodies(scene);
   if (!bodies) return bodies.error();
   std::vector<TetsLog> logs;

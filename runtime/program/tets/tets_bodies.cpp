@@ -1,6 +1,7 @@
 #include "runtime/program/tets/tets_bodies.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -68,6 +69,19 @@ std::size_t TetsBodies::bytes() const {
   return sum;
 }
 
+namespace {
+
+// Of a pair the friction is the geometric mean.
+std::vector<TetObstacle> tets_obstacles(const TetScene& scene, const TetSceneBody& body) {
+  std::vector<TetObstacle> obstacles;
+  for (const SceneCollider& collider : scene.colliders)
+    obstacles.push_back(
+        {collider.shape, collider.pose, std::sqrt(collider.friction * body.friction)});
+  return obstacles;
+}
+
+}  // namespace
+
 Result<TetsBodies> make_tets_bodies(const TetScene& scene) {
   TetsBodies made;
   for (const TetSceneBody& wanted : scene.bodies) {
@@ -86,6 +100,8 @@ Result<TetsBodies> make_tets_bodies(const TetScene& scene) {
     if (Status s = place_tets_body(wanted, *body); !s) return told(s.error());
     made.kind_of.push_back(static_cast<std::size_t>(found - made.kinds.begin()));
     made.bodies.push_back(std::move(*body));
+    if (!scene.colliders.empty())
+      made.contacts.emplace_back(*found->model, tets_obstacles(scene, wanted));
   }
   return made;
 }

@@ -7,6 +7,7 @@
 
 #include "common/result.h"
 #include "runtime/scene_reader/tets_reader.h"
+#include "runtime/tets/tet_contact.h"
 #include "runtime/tets/tet_surface.h"
 
 namespace tremolo {
@@ -23,6 +24,7 @@ struct TetsBodies {
   std::vector<TetsKind> kinds;
   std::vector<std::size_t> kind_of;  // one a body
   std::vector<TetBody> bodies;
+  std::vector<TetContact> contacts;  // one a body; none where the scene has no colliders
 
   const TetsKind& kind(std::size_t body) const { return kinds[kind_of[body]]; }
   std::size_t elements() const;
