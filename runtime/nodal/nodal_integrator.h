@@ -9,9 +9,10 @@
 //   implicit-euler-sweep   f at the end of an explicit Euler step: one sweep of fixed points
 //   midpoint               2 M (x1 - x0 - h v0)/h^2 = f((x0 + x1)/2, (x1 - x0)/h)
 //   newmark                beta = 1/4, gamma = 1/2
-//   bdf2                   x1 - 4/3 x0 + 1/3 x-1 = 2/3 h v1, likewise v; its first step is midpoint's
-//   imex                   half a kick of the soft forces, midpoint of the stiff ones, half a kick
-//   energy                 2 M (x1 - x0 - h v0)/h^2 = NodalSystem::step_force: energy is balanced
+//   bdf2                   x1 - 4/3 x0 + 1/3 x-1 = 2/3 h v1, likewise v; its first step is
+//   midpoint's imex                   half a kick of the soft forces, midpoint of the stiff ones,
+//   half a kick energy                 2 M (x1 - x0 - h v0)/h^2 = NodalSystem::step_force: energy
+//   is balanced
 #pragma once
 
 #include <memory>
@@ -32,10 +33,9 @@ struct NodalState {
   double time = 0.0;
 };
 
-// tolerance: of Newton's residual, a share of the largest of the forces on all masses together (or
-// of gravity on them). factor: whether Newton's systems are solved by a factor, or by conjugate
-// gradients; automatic by size. halvings: how often a step that fails is halved before it is given
-// up.
+// tolerance: of Newton's residual, a share of NodalSystem::load_size(). factor: whether Newton's
+// systems are solved by a factor, or by conjugate gradients; automatic by size. halvings: how often
+// a step that fails is halved before it is given up.
 enum class NodalSolver { kAutomatic, kCholesky, kConjugateGradients };
 struct NodalOptions {
   double step = 1.0 / 60.0;  // s
@@ -45,10 +45,11 @@ struct NodalOptions {
   int halvings = 6;
 };
 
-// made: the step was made. parts: into how many it was cut. iterations: Newton's. residual: the
-// largest at the end, as the tolerance is. held_work: what held nodes that move gave, J. damped,
-// driven: as StepWork. numerical: what the method itself added to the energy, J: H1 - H0 less all
-// that is told; zero to rounding for `energy`.
+// H is the potential and the kinetic energy of the nodes that are not held. made: the step was
+// made. parts: into how many it was cut. iterations: Newton's. residual: the largest at the end, as
+// the tolerance is. held_work: what held nodes that move gave, J. damped, driven: as StepWork.
+// numerical: what the method itself added to the energy, J: H1 - H0 less all that is told; zero to
+// rounding for `energy`.
 struct NodalReport {
   bool made = false;
   int parts = 1;

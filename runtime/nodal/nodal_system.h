@@ -28,10 +28,15 @@ class NodalSystem {
  public:
   virtual ~NodalSystem() = default;
 
-  virtual std::size_t size() const = 0;                    // n
-  virtual const Eigen::VectorXd& mass() const = 0;         // n, kg, positive
-  virtual std::span<const std::uint8_t> held() const = 0;  // n; not 0: the node goes where it is put
+  virtual std::size_t size() const = 0;             // n
+  virtual const Eigen::VectorXd& mass() const = 0;  // n, kg, positive
+  virtual std::span<const std::uint8_t> held()
+      const = 0;  // n; not 0: the node goes where it is put
   virtual const BlockPatternPointer& pattern() const = 0;  // of the tangents
+
+  // What residuals are a share of, N: the length of the vector of all loads, weight among them; a
+  // small part of the springs' forces where there is none. Positive.
+  virtual double load_size() const = 0;
 
   // Sets the places of the nodes that are held to those of a moment, s; the others stay.
   virtual void put_held(double time, Eigen::VectorXd& x) const = 0;
@@ -40,8 +45,8 @@ class NodalSystem {
   virtual void force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
                      Eigen::VectorXd& f) const = 0;
 
-  // a += position (-df/dx) + velocity (-df/dv), both symmetric and positive semidefinite: what makes
-  // them otherwise is left out. Nothing is allocated.
+  // a += position (-df/dx) + velocity (-df/dv), both symmetric and positive semidefinite: what
+  // makes them otherwise is left out. Nothing is allocated.
   virtual void add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
                            double position, double velocity, BlockMatrix& a) const = 0;
 
