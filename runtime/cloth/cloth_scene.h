@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "common/mesh/surface_mesh.h"
+#include "common/result.h"
 #include "runtime/nodal/nodal_integrator.h"
 #include "runtime/scene/motion.h"
 #include "runtime/scene/scene.h"
@@ -31,6 +32,11 @@ struct ClothGrid {
   Eigen::Vector3d corner = Eigen::Vector3d::Zero();
   Eigen::Vector3d along = Eigen::Vector3d::UnitX(), across = Eigen::Vector3d::UnitY();
 };
+
+// The particle of a row and a column, counted from 0: row behind row.
+inline std::size_t grid_particle(const ClothGrid& grid, std::size_t row, std::size_t column) {
+  return row * grid.columns + column;
+}
 
 // Particles that are held, chosen at rest: ids; on a grid `corner` words are turned into ids by the
 // reader. motion: moves them from where they are; until: s, they are let go then.
