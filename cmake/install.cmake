@@ -3,7 +3,7 @@
 # and the programs. All of it may be moved afterwards. Components of `cmake --install --component`:
 # development, shared, programs.
 set(tremolo_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tremolo)
-set(tremolo_rooms tremolo_common tremolo_formats tremolo_runtime)
+set(tremolo_rooms tremolo_common tremolo_formats tremolo_runtime tremolo_nodal tremolo_cloth)
 install(TARGETS ${tremolo_rooms} EXPORT tremolo-targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 install(EXPORT tremolo-targets NAMESPACE tremolo:: DESTINATION ${tremolo_cmake_dir}
@@ -14,7 +14,7 @@ foreach(room common formats runtime)
           FILES_MATCHING PATTERN "*.h" PATTERN "program" EXCLUDE PATTERN "scene_reader" EXCLUDE
           PATTERN "viewer" EXCLUDE)
 endforeach()
-install(FILES ${PROJECT_SOURCE_DIR}/runtime/tremolo.h
+install(FILES ${PROJECT_SOURCE_DIR}/runtime/tremolo.h ${PROJECT_SOURCE_DIR}/runtime/tremolo_cloth.h
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tremolo COMPONENT development)
 
 # What this build tree can make, but was not asked to, is left out with a word.

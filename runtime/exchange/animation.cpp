@@ -74,6 +74,12 @@ Status check_animated_body(const Animation& animation, const AnimatedBody& body)
   if (const std::string problem = weights_problem(body.weights);
       body.weights.cols() > 0 && !problem.empty())
     return bad_body(body, problem);
+  if (!body.displacements.empty() &&
+      (body.displacements.size() != 3 * frames * shape.surface.vertices.size() ||
+       shape.modes.cols() > 0 || body.weights.cols() > 0))
+    return bad_body(body, "not every frame has all displacements, or it has modes or bones too");
+  for (const double value : body.displacements)
+    if (!std::isfinite(value)) return bad_body(body, "a displacement is not finite");
   for (const double value : body.q)
     if (!std::isfinite(value)) return bad_body(body, "a coordinate is not finite");
   for (const Pose& pose : body.poses)
@@ -85,8 +91,11 @@ Status check_animated_body(const Animation& animation, const AnimatedBody& body)
 
 VectorXd displacements(const Animation& animation, const AnimatedBody& body, std::size_t frame) {
   const BasisRows& modes = animation.shape_of(body).modes;
-  if (modes.cols() == 0)
-    return VectorXd::Zero(static_cast<Index>(3 * animation.shape_of(body).surface.vertices.size()));
+  const std::size_t numbers = 3 * animation.shape_of(body).surface.vertices.size();
+  if (!body.displacements.empty())
+    return Map<const VectorXd>(body.displacements.data() + frame * numbers,
+                               static_cast<Index>(numbers));
+  if (modes.cols() == 0) return VectorXd::Zero(static_cast<Index>(numbers));
   return modes * coordinates_at(animation, body, frame);
 }
 

@@ -2,6 +2,8 @@
 //
 //     x(t) = T(t) (X + U q(t))          T: the body's pose; on bones the blend of theirs
 //
+// or, of what no modes describe, X + u(t) with a displacement u for each vertex and frame.
+//
 // X, U and the triangles belong to a shape, which any number of bodies share; q and T to a body.
 // Lengths are m, times s; z is up unless the user's meshes say otherwise.
 #pragma once
@@ -36,14 +38,17 @@ struct AnimatedShape {
 
 // shape: into Animation::shapes. q: r numbers a frame, frame behind frame, kg^1/2 m. poses: one a
 // frame; on bones one a frame and bone, the bones of a frame behind each other, as
-// runtime/skeleton/skin.h has them. weights: s x bones of a body on bones; else empty. collider: it
-// is part of the scenery and has no coordinates.
+// runtime/skeleton/skin.h has them. weights: s x bones of a body on bones; else empty.
+// displacements: 3s numbers a frame, frame behind frame, m, of a body whose shape has no modes and
+// whose vertices go each their own way; else empty. collider: it is part of the scenery and has no
+// coordinates.
 struct AnimatedBody {
   std::string name;
   std::size_t shape = 0;
   std::vector<double> q;
   std::vector<Pose> poses;
   BoneWeights weights;
+  std::vector<double> displacements;
   bool collider = false;
 
   std::size_t bones() const {

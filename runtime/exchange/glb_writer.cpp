@@ -208,6 +208,10 @@ std::vector<std::string> top_level(const Animation& animation, const GlbScene& s
 Result<GlbReport> write_glb(const std::string& path, const Animation& animation,
                             const GlbOptions& options) {
   if (Status s = check_animation(animation); !s) return s.error();
+  for (const AnimatedBody& body : animation.bodies)
+    if (!body.displacements.empty())
+      return usage_error(path + ": body '" + body.name +
+                         "' has no modes, by which .glb moves vertices; .usda moves each");
   if (Status s = check_textures(animation, options); !s) return s.error();
   if (Status s = check_sizes(path, animation, options); !s) return s.error();
   GlbFile file;

@@ -58,7 +58,7 @@ RenderSurface bent_surface(const Animation& animation, const AnimatedBody& body,
 }
 
 bool stands_still(const Animation& animation, const AnimatedBody& body) {
-  if (animation.shape_of(body).modes.cols() > 0) return false;
+  if (animation.shape_of(body).modes.cols() > 0 || !body.displacements.empty()) return false;
   for (const Pose& pose : body.poses)
     if (pose.position != body.poses[0].position ||
         pose.rotation.coeffs() != body.poses[0].rotation.coeffs())

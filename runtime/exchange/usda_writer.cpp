@@ -122,7 +122,8 @@ void add_pose(UsdText& out, const Animation& animation, const AnimatedBody& body
 
 void add_points(UsdText& out, const Animation& animation, const AnimatedBody& body) {
   const bool on_bones = body.weights.cols() > 0;
-  const bool changes = on_bones || animation.shape_of(body).modes.cols() > 0;
+  const bool changes =
+      on_bones || animation.shape_of(body).modes.cols() > 0 || !body.displacements.empty();
   std::vector<double> places(3 * animation.shape_of(body).surface.vertices.size());
   const auto read = [&](std::size_t frame) -> std::span<const double> {
     if (on_bones)

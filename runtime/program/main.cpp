@@ -11,6 +11,7 @@
 
 #include "formats/file/whole_file.h"
 #include "runtime/integrator.h"
+#include "runtime/program/cloth/run_cloth.h"
 #include "runtime/program/export/export.h"
 #include "runtime/program/export/export_motion.h"
 #include "runtime/program/inspect.h"
@@ -21,6 +22,7 @@
 #include "runtime/program/run/sound.h"
 #include "runtime/program/tets/run_tets.h"
 #include "runtime/program/world/run_world.h"
+#include "runtime/scene_reader/cloth_reader.h"
 #include "runtime/scene_reader/scene_reader.h"
 #include "runtime/scene_reader/tets_reader.h"
 
@@ -230,6 +232,25 @@ int run_tets_scene(const std::string& text, const Request& request, const RunOpt
   return run_tets_command(*scene, request.json);
 }
 
+// Likewise of a scene with [[cloths]].
+Result<ClothFile> cloths_of(const std::string& text, const std::string& path,
+                            const RunOptions& flags, const CLI::App& command) {
+  Result<ClothFile> file = parse_cloths(text, path);
+  if (!file) return file.error();
+  const auto told = [&command](const char* flag) {
+    const CLI::Option* option = command.get_option_no_throw(flag);
+    return option != nullptr && option->count() > 0;
+  };
+  if (Status s = apply_cloth_flags(flags, told, *file); !s) return s.error();
+  return file;
+}
+
+int run_cloth_scene(const std::string& text, const Request& request, const RunOptions& flags,
+                    const CLI::App& run) {
+  const Result<ClothFile> file = cloths_of(text, request.file, flags, run);
+  return file ? run_cloth_command(*file, request.json) : report_error(file.error());
+}
+
 int run_world_scene(const std::string& text, const Request& request, const RunOptions& flags,
                     const CLI::App& run) {
   const Result<bool> tets = is_tets_scene(text, request.file);
@@ -290,6 +311,13 @@ Result<MotionSource> motion_source(int count, char** words, const Request& reque
   }
   const Result<std::string> text = read_whole_file(path);
   if (!text) return text.error();
+  const Result<bool> cloths = is_cloth_scene(*text, path);
+  if (!cloths) return cloths.error();
+  if (*cloths) {
+    Result<ClothFile> file = cloths_of(*text, path, flags, command);
+    if (!file) return file.error();
+    return MotionSource(std::move(*file));
+  }
   const Result<bool> world = is_world(*text, path);
   if (!world) return world.error();
   if (*world) {
@@ -334,6 +362,10 @@ int run_program(int count, char** words) {
     const int code = parser.app.exit(error, std::cout, std::cerr);
     return code == 0 ? 0 : exit_code(ErrorKind::kUsage);
   }
+  if (*parser.inspect && is_scene(request.file))
+    return report_error(usage_error(request.file +
+                                    ": a scene; `tremolo inspect` looks into basis files, and "
+                                    "`tremolo run --json` tells what a scene holds"));
   if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
   if (*parser.exporter) return run_export(count, words, request, options, *parser.exporter);
@@ -346,6 +378,9 @@ int run_program(int count, char** words) {
   }
   const Result<std::string> text = read_whole_file(request.file);
   if (!text) return report_error(text.error());
+  const Result<bool> cloths = is_cloth_scene(*text, request.file);
+  if (!cloths) return report_error(cloths.error());
+  if (*cloths) return run_cloth_scene(*text, request, options, *parser.run);
   const Result<bool> world = is_world(*text, request.file);
   if (!world) return report_error(world.error());
   if (*world) return run_world_scene(*text, request, options, *parser.run);

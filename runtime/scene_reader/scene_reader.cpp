@@ -16,6 +16,7 @@
 #include "runtime/scene_reader/contact_reader.h"
 #include "runtime/scene_reader/csv_rows.h"
 #include "runtime/scene_reader/motion_reader.h"
+#include "runtime/scene_reader/scene_keys.h"
 #include "runtime/scene_reader/toml_keys.h"
 #include "runtime/split.h"
 
@@ -25,50 +26,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr const char* kBodies = "bodies";
-
-// A name becomes that of a folder.
-bool is_folder_name(const std::string& name) {
-  return !name.empty() && name.front() != '.' &&
-         name.find_first_not_of(
-             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-") ==
-             std::string::npos;
-}
-
-// One value, rows t, x, y, z, or a CSV file of these.
-Status read_gravity(TomlKeys& keys, const std::string& path, SceneFile& file) {
-  const toml::node* node = keys.find("gravity");
-  if (node == nullptr) return Success{};
-  SceneGravity& gravity = file.scene.gravity;
-  if (const auto value = numbers_of(*node); value && value->size() == 3) {
-    gravity.values = {Vector3d(value->data())};
-    return Success{};
-  }
-  std::vector<std::vector<double>> rows;
-  if (const auto name = node->value_exact<std::string>()) {
-    std::string csv;
-    keys.read_path("gravity", csv);
-    if (!keys.good()) return keys.finish();
-    file.files.push_back(csv);
-    const Result<std::string> text = read_whole_file(csv);
-    if (!text) return text.error();
-    if (Status s = take(rows, parse_rows(*text, csv, {4}, "a time and gravity (t, x, y, z)")); !s)
-      return s;
-  } else if (const toml::array* array = node->as_array()) {
-    for (const toml::node& row : *array)
-      if (const auto numbers = numbers_of(row); numbers && numbers->size() == 4)
-        rows.push_back(*numbers);
-    if (rows.size() != array->size()) rows.clear();
-  }
-  if (rows.empty())
-    return error_at(path, node->source(),
-                    "'gravity' must be [x, y, z] in m/s^2, a list of [t, x, y, z] or the name of a "
-                    "CSV file with such lines");
-  for (const std::vector<double>& row : rows) {
-    gravity.times.push_back(row[0]);
-    gravity.values.emplace_back(row[1], row[2], row[3]);
-  }
-  return Success{};
-}
+constexpr const char* kCloths = "cloths";
 
 // load or signal, at and force, scale. Nothing where the load is none.
 Result<std::vector<SceneLoad>> read_load(TomlKeys& keys, const std::string& usual,
@@ -253,13 +211,14 @@ Result<SceneBody> read_body(const toml::table& table, std::size_t number, SceneF
   return body;
 }
 
-void read_outputs(TomlKeys& keys, SceneOutputs& outputs) {
-  keys.read("out", outputs.out);
-  keys.read("every", outputs.every);
-  keys.read("surfaces", outputs.surfaces);
-  const std::vector<std::string_view> formats = {"ply", "obj", "inc"};
-  outputs.surface_format = formats[keys.read_word("surface-format", formats, 0)];
-  keys.read("plot", outputs.plot);
+Status refuse_cloths(const toml::table& table, const std::string& path) {
+  if (!table.contains(kCloths)) return Success{};
+  const toml::source_region where = table.find(kCloths)->second.source();
+  if (table.contains(kBodies))
+    return error_at(path, where,
+                    "[[bodies]] and [[cloths]] do not go together: a scene has the ones or the "
+                    "others; take them apart into two files");
+  return error_at(path, where, std::string("a scene with [[cloths]]: ") + kClothCommands);
 }
 
 }  // namespace
@@ -267,6 +226,7 @@ void read_outputs(TomlKeys& keys, SceneOutputs& outputs) {
 Result<bool> is_world(std::string_view text, const std::string& path) {
   const Result<toml::table> table = parse_toml(text, path);
   if (!table) return table.error();
+  if (Status s = refuse_cloths(*table, path); !s) return s.error();
   return (*table)[kBodies].is_array();
 }
 
@@ -279,13 +239,14 @@ Result<SceneFile> read_world(const std::string& path) {
 Result<SceneFile> parse_world(std::string_view text, const std::string& path) {
   const Result<toml::table> table = parse_toml(text, path);
   if (!table) return table.error();
+  if (Status s = refuse_cloths(*table, path); !s) return s.error();
   SceneFile file;
   file.path = path;
   TomlKeys keys(*table, path, "");
   keys.read("step", file.scene.step);
   keys.read("duration", file.scene.duration);
   read_outputs(keys, file.outputs);
-  if (Status s = read_gravity(keys, path, file); !s) return s.error();
+  if (Status s = read_gravity(keys, path, file.scene.gravity, file.files); !s) return s.error();
   std::size_t number = 0;
   for (const toml::table* entry : keys.read_tables(kBodies)) {
     Copies copies;

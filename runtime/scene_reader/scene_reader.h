@@ -8,21 +8,16 @@
 
 #include "common/result.h"
 #include "runtime/scene/scene.h"
+#include "runtime/scene_reader/scene_keys.h"
 
 namespace tremolo {
 
-// What a run of the scene writes. out: a folder; empty: nothing. every: a CSV row every so many
-// steps. surfaces: so many of each body, evenly spaced in time, as ply, obj or inc. save: the file
-// of the world at the end; restore: of the one at which it begins; empty: none.
-struct SceneOutputs {
-  std::string out;
-  int every = 1;
-  int surfaces = 0;
-  std::string surface_format = "ply";
-  bool plot = false;
-  std::string save;
-  std::string restore;
-};
+// What reads a scene with [[cloths]], and what else becomes of one: for errors of those that do
+// not.
+inline constexpr const char* kClothCommands =
+    "`tremolo run` runs it and writes its surfaces, and `tremolo export` --usda, --pc2, --mdd, "
+    "--pvd "
+    "and --series write what other programs show";
 
 // files: what the scene was read from beside `path`, the CSV files that it names.
 struct SceneFile {
@@ -33,7 +28,7 @@ struct SceneFile {
 };
 
 // Whether a scene file is a world, one with [[bodies]]; files with one table a body are not. Errors
-// as parse_world.
+// as parse_world; kContent also for a scene with [[cloths]], which cloth_reader.h reads.
 Result<bool> is_world(std::string_view text, const std::string& path);
 
 // Models and CSV files are relative to the scene file. Errors: kSystem if a file is unreadable;

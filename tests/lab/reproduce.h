@@ -10,7 +10,8 @@
 namespace tremolo {
 
 // models: names, empty for all six. published: the folder of the thesis's numbers. threads: for the
-// curves; timings use one. Below 1: all cores.
+// curves; timings use one. Below 1: all cores. only: "cloth" or "tets", reports of their own;
+// empty: the thesis.
 struct ReproduceOptions {
   std::vector<std::string> models;
   std::string models_directory = "build/models";
@@ -19,6 +20,7 @@ struct ReproduceOptions {
   bool long_form = false;
   std::string only;  // "tets": the bodies of tetrahedra alone, which need no model; empty: the rest
   int threads = 0;
+  std::string only;
   bool json = false;
 };
 

@@ -14,7 +14,9 @@
 #include "runtime/exchange/point_cache.h"
 #include "runtime/exchange/surface_series.h"
 #include "runtime/exchange/usda_writer.h"
+#include "runtime/program/cloth/run_cloth.h"
 #include "runtime/program/export/animate.h"
+#include "runtime/program/export/animate_cloth.h"
 #include "runtime/program/output/energy_page.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run_body.h"
@@ -38,6 +40,8 @@ std::vector<NamedFile> sources_of(const MotionOutputs& outputs, const MotionSour
   if (const auto* bodies = std::get_if<std::vector<RunOptions>>(&source)) {
     for (const RunOptions& body : *bodies)
       for (NamedFile& file : inputs_of(body)) files.push_back(std::move(file));
+  } else if (const auto* cloths = std::get_if<ClothFile>(&source)) {
+    files = inputs_of(*cloths);
   } else {
     const auto& scene = std::get<SceneFile>(source);
     files = inputs_of(scene);
@@ -60,6 +64,10 @@ std::vector<std::string> body_names(const MotionSource& source) {
   std::vector<std::string> names;
   if (const auto* bodies = std::get_if<std::vector<RunOptions>>(&source)) {
     for (const RunOptions& body : *bodies) names.push_back(body.name);
+    return names;
+  }
+  if (const auto* file = std::get_if<ClothFile>(&source)) {
+    for (const SceneCloth& cloth : file->scene.cloths) names.push_back(cloth.name);
     return names;
   }
   for (const SceneBody& body : std::get<SceneFile>(source).scene.bodies) names.push_back(body.name);
@@ -104,6 +112,8 @@ Status check_paths(const MotionOutputs& outputs, const MotionSource& source) {
 Result<RecordedMotion> record(const MotionOutputs& outputs, const MotionSource& source) {
   if (const auto* bodies = std::get_if<std::vector<RunOptions>>(&source))
     return animate_bodies(*bodies, outputs.range);
+  if (const auto* cloths = std::get_if<ClothFile>(&source))
+    return animate_cloths(*cloths, outputs.range, !outputs.no_colliders);
   return animate_world(std::get<SceneFile>(source), outputs.range, !outputs.no_colliders);
 }
 
@@ -255,7 +265,19 @@ void tell_motion(const MotionOutputs& outputs, const RecordedMotion& motion, dou
     tell("  without triangles of their own and left out: {}\n", fmt::join(motion.left_out, ", "));
 }
 
+// Those that know modes only; asked before the run.
+Status check_cloth_formats(const MotionOutputs& outputs, const MotionSource& source) {
+  if (!std::holds_alternative<ClothFile>(source)) return Success{};
+  if (!outputs.glb.empty())
+    return usage_error(
+        "--glb moves vertices by a few modes or bones, and cloth has neither: --usda, --pc2, "
+        "--mdd, --pvd and --series write each particle's place");
+  if (outputs.modes > 0) return usage_error("--modes is of bodies: a cloth has none");
+  return Success{};
+}
+
 Status export_motion(const MotionOutputs& outputs, const MotionSource& source) {
+  if (Status s = check_cloth_formats(outputs, source); !s) return s;
   if (Status s = check_paths(outputs, source); !s) return s;
   Result<RecordedMotion> motion = record(outputs, source);
   if (!motion) return motion.error();

@@ -9,6 +9,7 @@
 #include "runtime/program/export/export_page.h"
 #include "runtime/program/export/frame_steps.h"
 #include "runtime/program/run/run_options.h"
+#include "runtime/scene_reader/cloth_reader.h"
 #include "runtime/scene_reader/scene_reader.h"
 
 namespace tremolo {
@@ -34,8 +35,8 @@ struct MotionOutputs {
   }
 };
 
-// Bodies as `tremolo run` takes them, or a scene with [[bodies]].
-using MotionSource = std::variant<std::vector<RunOptions>, SceneFile>;
+// Bodies as `tremolo run` takes them, or a scene with [[bodies]] or [[cloths]].
+using MotionSource = std::variant<std::vector<RunOptions>, SceneFile, ClothFile>;
 
 // Runs and writes. What was written stands on stdout. Returns the exit code; errors are printed,
 // and no file is then there that was not there before, but for complete ones of a series.

@@ -1,0 +1,35 @@
+// A step that fails is taken in parts.
+#pragma once
+
+#include "runtime/nodal/nodal_work.h"
+
+namespace tremolo {
+
+// The methods' common part. A method says how it goes from a state by h; where that fails the state
+// must be as before, and smaller parts are tried.
+class HalvedIntegrator : public NodalIntegrator {
+ public:
+  HalvedIntegrator(const NodalSystem& system, const NodalOptions& options);
+  NodalReport step(NodalState& state) final;
+  void reset() override {}
+
+ protected:
+  // Adds to the report's iterations, residual and energies; false where it cannot be made.
+  virtual bool advance(NodalState& state, double h, NodalReport& report) = 0;
+
+  const NodalSystem& system() const { return system_; }
+  const NodalOptions& options() const { return options_; }
+  StepLedger& ledger() { return ledger_; }
+
+ private:
+  const NodalSystem& system_;
+  NodalOptions options_;
+  StepLedger ledger_;
+  NodalState before_;
+};
+
+// Sets v of the nodes that are held to (x1 - x0)/h, and their x to where they are put at the time.
+void put_held_nodes(const NodalSystem& system, double time, double h, const Eigen::VectorXd& x0,
+                    Eigen::VectorXd& x, Eigen::VectorXd& v);
+
+}  // namespace tremolo

@@ -1,0 +1,61 @@
+// The equation of an implicit step, solved for x1 by Newton's method:
+//
+//     mu M (x1 - x^) = f(x*, v*),    x* = x0 + theta (x1 - x0),    v* = kappa (x1 - x0) + v^
+//
+// or with NodalSystem::step_force(x0, x1) on its right. Newton's matrix is mu M + theta K + kappa D
+// with what makes it indefinite left out; a line search takes care of that.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "runtime/nodal/nodal_integrator.h"
+#include "runtime/sparse/block_cholesky.h"
+#include "runtime/sparse/conjugate_gradients.h"
+
+namespace tremolo {
+
+// h: of step_force, which is used if it is positive. x_hat, v_hat: 3n; must outlive the solve.
+struct ImplicitEquation {
+  double mu = 0.0, theta = 1.0, kappa = 0.0;
+  const Eigen::VectorXd* x0 = nullptr;
+  const Eigen::VectorXd* x_hat = nullptr;
+  const Eigen::VectorXd* v_hat = nullptr;
+  ForcePart part = ForcePart::kAll;
+  double h = 0.0;
+};
+
+class ImplicitSolve {
+ public:
+  // kSystem: no memory for a factor that was asked for.
+  static Result<std::unique_ptr<ImplicitSolve>> create(const NodalSystem& system,
+                                                       const NodalOptions& options);
+
+  // x1: comes in as a first guess in which held nodes are where they go, and leaves as the
+  // solution. iterations: at most so many. False where it does not converge or is not finite; x1 is
+  // then anything. once: one Newton step from the guess is the answer. Adds to the report's
+  // iterations; sets its residual.
+  bool solve(const ImplicitEquation& equation, Eigen::VectorXd& x1, bool once, NodalReport& report);
+
+  // The force of the last residual, at the solution.
+  const Eigen::VectorXd& force() const { return f_; }
+  // Of step_force() there.
+  const StepWork& work() const { return work_; }
+
+ private:
+  ImplicitSolve(const NodalSystem& system, const NodalOptions& options);
+  double residual(const ImplicitEquation& equation, const Eigen::VectorXd& x1);
+  bool direction(const ImplicitEquation& equation, const Eigen::VectorXd& x1, double target,
+                 bool once);
+  double rounding(const Eigen::VectorXd& x1) const;
+
+  const NodalSystem& system_;
+  NodalOptions options_;
+  BlockMatrix matrix_;
+  std::optional<BlockCholesky> factor_;
+  std::optional<ConjugateGradients> gradients_;
+  Eigen::VectorXd x_, v_, f_, r_, d_, trial_;
+  StepWork work_;
+};
+
+}  // namespace tremolo

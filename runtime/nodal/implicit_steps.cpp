@@ -1,0 +1,242 @@
+// The implicit methods as equations for x1 (runtime/nodal/implicit_solve.h), d = x1 - x0:
+//
+//   implicit-euler   M (d - h v0)/h^2 = f(x1, d/h),                      v1 = d/h
+//   implicit-euler-linear: its first Newton step from x1 = x0
+//   midpoint         2 M (d - h v0)/h^2 = f(x0 + d/2, d/h),              v1 = 2 d/h - v0
+//   energy           2 M (d - h v0)/h^2 = step_force(x0, x1),            v1 = 2 d/h - v0
+//   newmark          4 M (d - h v0 - h^2/4 a0)/h^2 = f(x1, v1),          v1 = 2 d/h - v0
+//   bdf2             9/4 M (x1 - X - 2/3 h V)/h^2 = f(x1, v1),           v1 = 3/(2h) (x1 - X)
+//                    X = (4 x0 - x-1)/3, V = (4 v0 - v-1)/3
+#include "runtime/nodal/halved_step.h"
+#include "runtime/nodal/implicit_solve.h"
+#include "runtime/nodal/method_makers.h"
+
+namespace tremolo {
+namespace {
+
+class ImplicitMethod : public HalvedIntegrator {
+ public:
+  ImplicitMethod(const NodalSystem& system, const NodalOptions& options,
+                 std::unique_ptr<ImplicitSolve> solve)
+      : HalvedIntegrator(system, options), solve_(std::move(solve)) {
+    x1_ = v1_ = x_hat_ = v_hat_ = Eigen::VectorXd::Zero(3 * system.mass().size());
+  }
+
+ protected:
+  // The first guess, inertia's way, with held nodes where they go.
+  void guess(const NodalState& state, double h) {
+    x1_ = state.x + h * state.v;
+    put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
+  }
+  // v1 as set by the method, held nodes put; the step is made.
+  void finish(NodalState& state, double h, NodalReport& report) {
+    put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
+    ledger().begin(state);
+    state.x.swap(x1_);
+    state.v.swap(v1_);
+    state.time += h;
+    ledger().end(state, h, report);
+  }
+
+  std::unique_ptr<ImplicitSolve> solve_;
+  Eigen::VectorXd x1_, v1_, x_hat_, v_hat_;
+};
+
+class ImplicitEuler : public ImplicitMethod {
+ public:
+  ImplicitEuler(const NodalSystem& system, const NodalOptions& options,
+                std::unique_ptr<ImplicitSolve> solve, bool once)
+      : ImplicitMethod(system, options, std::move(solve)), once_(once) {}
+  std::string_view name() const override {
+    return once_ ? "implicit-euler-linear" : "implicit-euler";
+  }
+
+ protected:
+  bool advance(NodalState& state, double h, NodalReport& report) override {
+    x_hat_ = state.x + h * state.v;
+    v_hat_.setZero();
+    guess(state, h);
+    // Baraff and Witkin linearise where the step begins.
+    if (once_) {
+      x1_ = state.x;
+      put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
+    }
+    const ImplicitEquation equation{.mu = 1.0 / (h * h),
+                                    .theta = 1.0,
+                                    .kappa = 1.0 / h,
+                                    .x0 = &state.x,
+                                    .x_hat = &x_hat_,
+                                    .v_hat = &v_hat_};
+    if (!solve_->solve(equation, x1_, once_, report)) return false;
+    v1_ = (x1_ - state.x) / h;
+    finish(state, h, report);
+    return true;
+  }
+
+ private:
+  bool once_;
+};
+
+// midpoint and energy.
+class Middle : public ImplicitMethod {
+ public:
+  Middle(const NodalSystem& system, const NodalOptions& options,
+         std::unique_ptr<ImplicitSolve> solve, bool energy)
+      : ImplicitMethod(system, options, std::move(solve)), energy_(energy) {}
+  std::string_view name() const override { return energy_ ? "energy" : "midpoint"; }
+
+ protected:
+  bool advance(NodalState& state, double h, NodalReport& report) override {
+    x_hat_ = state.x + h * state.v;
+    v_hat_.setZero();
+    guess(state, h);
+    const ImplicitEquation equation{.mu = 2.0 / (h * h),
+                                    .theta = 0.5,
+                                    .kappa = 1.0 / h,
+                                    .x0 = &state.x,
+                                    .x_hat = &x_hat_,
+                                    .v_hat = &v_hat_,
+                                    .h = energy_ ? h : 0.0};
+    if (!solve_->solve(equation, x1_, false, report)) return false;
+    v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
+    if (!energy_) {
+      finish(state, h, report);
+      return true;
+    }
+    put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
+    ledger().begin(state);
+    const double held = held_work(system(), solve_->force(), state.x, x1_);
+    state.x.swap(x1_);
+    state.v.swap(v1_);
+    state.time += h;
+    ledger().end(state, solve_->work(), held, report);
+    return true;
+  }
+
+ private:
+  bool energy_;
+};
+
+class Newmark : public ImplicitMethod {
+ public:
+  using ImplicitMethod::ImplicitMethod;
+  std::string_view name() const override { return "newmark"; }
+  void reset() override { known_ = false; }
+
+ protected:
+  bool advance(NodalState& state, double h, NodalReport& report) override {
+    if (!known_) {
+      a_.resize(state.x.size());
+      system().force(state.x, state.v, ForcePart::kAll, a_);
+      over_mass(a_);
+    }
+    x_hat_ = state.x + h * state.v + (0.25 * h * h) * a_;
+    v_hat_ = -state.v;
+    guess(state, h);
+    // Of held nodes the velocity at the end is that of their way.
+    for (Eigen::Index i = 0; i < system().mass().size(); ++i)
+      if (system().held()[static_cast<std::size_t>(i)] != 0)
+        v_hat_.segment<3>(3 * i) = -(x1_.segment<3>(3 * i) - state.x.segment<3>(3 * i)) / h;
+    const ImplicitEquation equation{.mu = 4.0 / (h * h),
+                                    .theta = 1.0,
+                                    .kappa = 2.0 / h,
+                                    .x0 = &state.x,
+                                    .x_hat = &x_hat_,
+                                    .v_hat = &v_hat_};
+    if (!solve_->solve(equation, x1_, false, report)) return false;
+    v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
+    a_ = (4.0 / (h * h)) * (x1_ - x_hat_);
+    known_ = true;
+    finish(state, h, report);
+    return true;
+  }
+
+ private:
+  void over_mass(Eigen::VectorXd& f) const {
+    for (Eigen::Index i = 0; i < system().mass().size(); ++i)
+      f.segment<3>(3 * i) /= system().mass()[i];
+  }
+
+  bool known_ = false;
+  Eigen::VectorXd a_;  // at the end of the last step, m/s^2
+};
+
+class Bdf2 : public ImplicitMethod {
+ public:
+  using ImplicitMethod::ImplicitMethod;
+  std::string_view name() const override { return "bdf2"; }
+  void reset() override { last_step_ = 0.0; }
+
+ protected:
+  bool advance(NodalState& state, double h, NodalReport& report) override {
+    keep_x_ = state.x;
+    keep_v_ = state.v;
+    if (last_step_ == h) {
+      x_hat_ = (4.0 * state.x - x_last_) / 3.0;
+      v_hat_ = (1.5 / h) * (state.x - x_hat_);
+      far_ = x_hat_ + (2.0 * h / 9.0) * (4.0 * state.v - v_last_);
+      guess(state, h);
+      hold_velocities(state, h);
+      const ImplicitEquation equation{.mu = 2.25 / (h * h),
+                                      .theta = 1.0,
+                                      .kappa = 1.5 / h,
+                                      .x0 = &state.x,
+                                      .x_hat = &far_,
+                                      .v_hat = &v_hat_};
+      if (!solve_->solve(equation, x1_, false, report)) return false;
+      v1_ = (1.5 / h) * (x1_ - x_hat_);
+    } else {
+      if (!first(state, h, report)) return false;
+    }
+    finish(state, h, report);
+    x_last_.swap(keep_x_);
+    v_last_.swap(keep_v_);
+    last_step_ = h;
+    return true;
+  }
+
+ private:
+  // The first step is the midpoint rule's, which is of second order too.
+  bool first(const NodalState& state, double h, NodalReport& report) {
+    x_hat_ = state.x + h * state.v;
+    v_hat_.setZero();
+    guess(state, h);
+    const ImplicitEquation equation{.mu = 2.0 / (h * h),
+                                    .theta = 0.5,
+                                    .kappa = 1.0 / h,
+                                    .x0 = &state.x,
+                                    .x_hat = &x_hat_,
+                                    .v_hat = &v_hat_};
+    if (!solve_->solve(equation, x1_, false, report)) return false;
+    v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
+    return true;
+  }
+
+  // Held nodes have the velocity of their way.
+  void hold_velocities(const NodalState& state, double h) {
+    for (Eigen::Index i = 0; i < system().mass().size(); ++i)
+      if (system().held()[static_cast<std::size_t>(i)] != 0)
+        v_hat_.segment<3>(3 * i) = -0.5 / h * (x1_.segment<3>(3 * i) - state.x.segment<3>(3 * i));
+  }
+
+  double last_step_ = 0.0;  // s; 0: there is none
+  Eigen::VectorXd x_last_, v_last_, keep_x_, keep_v_, far_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<NodalIntegrator>> make_implicit(std::string_view name,
+                                                       const NodalSystem& system,
+                                                       const NodalOptions& options) {
+  Result<std::unique_ptr<ImplicitSolve>> solve = ImplicitSolve::create(system, options);
+  if (!solve) return solve.error();
+  using Made = std::unique_ptr<NodalIntegrator>;
+  if (name == "newmark") return Made(std::make_unique<Newmark>(system, options, std::move(*solve)));
+  if (name == "bdf2") return Made(std::make_unique<Bdf2>(system, options, std::move(*solve)));
+  if (name == "midpoint" || name == "energy")
+    return Made(std::make_unique<Middle>(system, options, std::move(*solve), name == "energy"));
+  return Made(std::make_unique<ImplicitEuler>(system, options, std::move(*solve),
+                                              name == "implicit-euler-linear"));
+}
+
+}  // namespace tremolo

@@ -1,0 +1,120 @@
+#include "runtime/program/cloth/cloth_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "runtime/energy_bound.h"
+#include "runtime/program/output/plot.h"
+#include "runtime/program/run/run_files.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+
+ClothMomenta momenta_of(const ClothWorld& world) {
+  return {world.linear_momentum(), world.angular_momentum()};
+}
+
+// What came from outside, less what was lost, J.
+double told_of(const ClothEnergy& energy) {
+  return energy.wind + energy.pins + energy.contact - energy.damped;
+}
+
+double cloth_turnover(const ClothEnergy& energy) {
+  return std::abs(energy.wind) + std::abs(energy.pins) + std::abs(energy.contact) +
+         std::abs(energy.damped);
+}
+
+}  // namespace
+
+double ClothReport::balance_error() const {
+  const double most = std::max(energy_max, turnover_max);
+  return most > 0.0 ? remainder_max / most : 0.0;
+}
+
+ClothLog::ClothLog(const ClothFile& file, const ClothWorld& world) : file_(&file) {
+  report_.start = world.energy();
+  report_.momenta_start = momenta_of(world);
+}
+
+Result<ClothLog> ClothLog::create(const ClothFile& file, const ClothWorld& world) {
+  ClothLog log(file, world);
+  if (file.outputs.out.empty()) return log;
+  const std::int64_t steps = std::llround(file.scene.duration / file.scene.options.step);
+  for (const SceneCloth& cloth : file.scene.cloths) {
+    const std::string folder = (fs::path(file.outputs.out) / cloth.name).string();
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) return system_error(folder + ": cannot create: " + error.message());
+    log.frames_.emplace_back(folder, file.outputs, steps);
+  }
+  const std::string csv = (fs::path(file.outputs.out) / kTableName).string();
+  Result<ClothTable> table = ClothTable::create(csv, file.scene);
+  if (!table) return table.error();
+  log.table_.emplace(std::move(*table));
+  return log;
+}
+
+void ClothLog::note_energy(const ClothEnergy& now) {
+  const double remainder = now.total() - report_.start.total() - told_of(now);
+  const double moved = now.kinetic + now.elastic + std::abs(now.gravity - report_.start.gravity);
+  report_.end = now;
+  report_.energy_max = std::max(report_.energy_max, moved);
+  report_.remainder_max = std::max(report_.remainder_max, std::abs(remainder));
+  report_.turnover_max = std::max(report_.turnover_max, cloth_turnover(now));
+}
+
+Result<bool> ClothLog::observe(const ClothWorld& world) {
+  const ClothEnergy now = world.energy();
+  note_energy(now);
+  if (!file_->outputs.out.empty()) {
+    if (world.steps() % file_->outputs.every == 0)
+      if (Status s = table_->write(world, now); !s) return s.error();
+    for (std::size_t i = 0; i < frames_.size(); ++i)
+      if (frames_[i].due(world.steps()))
+        if (Status s = frames_[i].write(world, i); !s) return s.error();
+  }
+  // What was there at the start, what gravity gave, and what came from outside at most.
+  const double given = report_.start.kinetic + report_.start.elastic +
+                       std::abs(report_.start.gravity - now.gravity) + cloth_turnover(now);
+  const double present = now.kinetic + now.elastic;
+  if (std::isfinite(present) && present <= kEnergyBound * given) return true;
+  report_.exit_code = exit_code(ErrorKind::kBound);
+  report_.reason = fmt::format(
+      "at t = {:.6g} s the energy, {:.3g} J, is more than {:g} times all that was put in",
+      world.time(), present, kEnergyBound);
+  return false;
+}
+
+void ClothLog::give_up(const Error& why) {
+  report_.exit_code = exit_code(why);
+  report_.reason = why.message;
+}
+
+Status ClothLog::finish(const ClothWorld& world) {
+  report_.momenta_end = momenta_of(world);
+  const SceneOutputs& outputs = file_->outputs;
+  if (outputs.out.empty()) return Success{};
+  const fs::path folder = outputs.out;
+  if (Status s = table_->finish(); !s) return s;
+  report_.files.push_back((folder / kTableName).string());
+  if (outputs.plot) {
+    const std::string picture = (folder / kPictureName).string();
+    const std::string label = fs::path(file_->path).stem().string();
+    if (Status s = plot_energies({{label, report_.files[0]}}, picture); !s) return s;
+    report_.files.push_back(picture);
+  }
+  if (Status s = remove_leftovers(outputs.out, report_.files); !s) return s;
+  for (ClothFrames& frames : frames_) {
+    if (Status s = frames.finish(); !s) return s;
+    report_.files.insert(report_.files.end(), frames.files().begin(), frames.files().end());
+  }
+  return Success{};
+}
+
+}  // namespace tremolo

@@ -1,0 +1,65 @@
+// What a run of a scene with [[cloths]] measures and writes.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/cloth/cloth_world.h"
+#include "runtime/program/cloth/cloth_files.h"
+#include "runtime/scene_reader/cloth_reader.h"
+
+namespace tremolo {
+
+// What all cloths and balls have together: kg m/s, and kg m^2/s about the origin.
+struct ClothMomenta {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+};
+
+// Energies in J. energy_max: the largest kinetic + elastic energy, and what gravity can still give
+// or has given since the start. remainder_max: the largest |change of the energy - what wind, pins,
+// contact and dampers gave and took|: what the method itself added. turnover_max: the largest sum
+// of |what a cause gave or took|.
+struct ClothReport {
+  ClothEnergy start, end;
+  ClothMomenta momenta_start, momenta_end;
+  double energy_max = 0.0;
+  double remainder_max = 0.0;
+  double turnover_max = 0.0;
+  int exit_code = 0;  // 0, 4 or 5
+  std::string reason;
+  std::vector<std::string> files;
+
+  // Of the larger of energy_max and turnover_max; 0 where nothing ever moved.
+  double balance_error() const;
+};
+
+class ClothLog {
+ public:
+  // Makes the folders if there is an `out`. file: must outlive this. Errors: kSystem.
+  static Result<ClothLog> create(const ClothFile& file, const ClothWorld& world);
+
+  // Takes the start and then every step. False: the energy has left its bound, and the report says
+  // so.
+  Result<bool> observe(const ClothWorld& world);
+  void give_up(const Error& why);
+  // Puts the files in their places.
+  Status finish(const ClothWorld& world);
+
+  const ClothReport& report() const { return report_; }
+
+ private:
+  ClothLog(const ClothFile& file, const ClothWorld& world);
+  void note_energy(const ClothEnergy& now);
+
+  const ClothFile* file_;
+  std::optional<ClothTable> table_;
+  std::vector<ClothFrames> frames_;
+  ClothReport report_;
+};
+
+}  // namespace tremolo

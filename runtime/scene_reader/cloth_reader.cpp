@@ -1,0 +1,189 @@
+#include "runtime/scene_reader/cloth_reader.h"
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "runtime/scene_reader/contact_reader.h"
+#include "runtime/scene_reader/motion_reader.h"
+#include "runtime/scene_reader/pin_reader.h"
+#include "runtime/scene_reader/toml_keys.h"
+
+namespace tremolo {
+namespace {
+
+constexpr const char* kClothTables = "cloths";
+
+// Along an edge of the grid the particles are counted by an int somewhere: no grid is larger.
+constexpr int kMostAlongAnEdge = 10000;
+
+std::size_t read_count(TomlKeys& keys, const char* key) {
+  int count = 0;
+  keys.read(key, count);
+  if (keys.has(key) && keys.good() && !(count >= 2 && count <= kMostAlongAnEdge))
+    keys.fail(key,
+              std::string("'") + key + "' must be from 2 to " + std::to_string(kMostAlongAnEdge));
+  return keys.good() ? static_cast<std::size_t>(count) : 0;
+}
+
+// Of any length but none; it comes out of length one.
+void read_direction(TomlKeys& keys, const char* key, Eigen::Vector3d& direction) {
+  keys.read(key, direction);
+  if (!(direction.norm() > 0.0)) return keys.fail(key, std::string("'") + key + "' has no length");
+  direction.normalize();
+}
+
+void read_grid(TomlKeys& keys, ClothGrid& grid) {
+  grid.columns = read_count(keys, "columns");
+  grid.rows = read_count(keys, "rows");
+  keys.read("width", grid.width);
+  keys.read("height", grid.height);
+  keys.read("corner", grid.corner);
+  read_direction(keys, "along", grid.along);
+  read_direction(keys, "across", grid.across);
+}
+
+// columns and rows, or a file.
+void read_shape(TomlKeys& keys, SceneCloth& cloth) {
+  keys.read_path("file", cloth.file);
+  keys.read("position", cloth.position);
+  if (!keys.has("file")) {
+    if (!keys.has("columns") || !keys.has("rows"))
+      keys.fail("columns", "it needs `columns` and `rows`, or a `file`");
+    if (keys.has("position"))
+      keys.fail("position", "`position` is of a `file`: a grid has its `corner`");
+    return read_grid(keys, cloth.grid);
+  }
+  for (const char* key : {"columns", "rows", "width", "height", "corner", "along", "across"})
+    if (keys.has(key))
+      keys.fail(key, std::string("`") + key + "` is of a grid: leave it or `file` out");
+}
+
+// [stiffness, damping] or the stiffness alone, which leaves the damping as it is.
+void read_law(TomlKeys& keys, const char* key, SpringLaw& law) {
+  const toml::node* node = keys.find(key);
+  if (node == nullptr || !node->is_array()) return keys.read(key, law.stiffness);
+  const std::vector<double> numbers = keys.read_numbers(key, 2, 2);
+  if (numbers.size() == 2) law = {numbers[0], numbers[1]};
+}
+
+std::string told_name(const toml::table& table, const char* kind, std::size_t number) {
+  if (const auto name = table["name"].value_exact<std::string>())
+    return std::string(kind) + " '" + *name + "'";
+  return std::string(kind) + " " + std::to_string(number);
+}
+
+Result<SceneCloth> read_cloth(const toml::table& table, std::size_t number, const std::string& path,
+                              std::vector<std::string>& files) {
+  SceneCloth cloth;
+  const std::string what = told_name(table, "cloth", number);
+  TomlKeys keys(table, path, what);
+  if (number > 1) cloth.name += "-" + std::to_string(number);
+  keys.read("name", cloth.name);
+  if (keys.good() && !is_folder_name(cloth.name))
+    keys.fail("name", "a name has letters, digits, '.', '_', '-' only");
+  read_shape(keys, cloth);
+  keys.read("density", cloth.density);
+  read_law(keys, "structural", cloth.structural);
+  read_law(keys, "shear", cloth.shear);
+  read_law(keys, "bend", cloth.bend);
+  keys.read("drag", cloth.drag);
+  keys.read("thickness", cloth.thickness);
+  keys.read("friction", cloth.friction);
+  keys.read("restitution", cloth.restitution);
+  keys.read("crumple", cloth.crumple);
+  if (!keys.good()) return keys.finish().error();
+  if (Status s = read_pins(keys, path, what, files, cloth); !s) return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  return cloth;
+}
+
+Result<SceneBall> read_ball(const toml::table& table, std::size_t number, const std::string& path,
+                            std::vector<std::string>& files) {
+  SceneBall ball;
+  const std::string what = told_name(table, "ball", number);
+  TomlKeys keys(table, path, what);
+  ball.name = "ball-" + std::to_string(number);
+  keys.read("name", ball.name);
+  keys.read("radius", ball.radius);
+  keys.read("mass", ball.mass);
+  keys.read("position", ball.position);
+  keys.read("velocity", ball.velocity);
+  keys.read("spin", ball.spin);
+  keys.read("fixed", ball.fixed);
+  keys.read("friction", ball.friction);
+  keys.read("restitution", ball.restitution);
+  if (Status s = take(ball.motion, read_motion(keys, path, what, files)); !s) return s.error();
+  if (!ball.motion.parts.empty() && !ball.fixed)
+    keys.fail("motion", "a `motion` is of a ball with `fixed = true`: the others go as they fall");
+  for (const char* key : {"mass", "velocity", "spin"})
+    if (ball.fixed && keys.has(key))
+      keys.fail(key, std::string("`") + key + "` is of a ball that is not fixed");
+  if (Status s = keys.finish(); !s) return s.error();
+  return ball;
+}
+
+void read_solve(TomlKeys& keys, ClothScene& scene) {
+  keys.read("step", scene.options.step);
+  keys.read("duration", scene.duration);
+  keys.read("integrator", scene.integrator);
+  keys.read("tolerance", scene.options.tolerance);
+  keys.read("max-iterations", scene.options.max_iterations);
+  keys.read("halvings", scene.options.halvings);
+  constexpr NodalSolver kSolvers[] = {NodalSolver::kAutomatic, NodalSolver::kCholesky,
+                                      NodalSolver::kConjugateGradients};
+  scene.options.solver =
+      kSolvers[keys.read_word("solver", {"automatic", "cholesky", "conjugate-gradients"}, 0)];
+}
+
+// The tables of one kind, each by `read`.
+template <class Value, class Read>
+Status read_all(TomlKeys& keys, const char* key, const std::string& path,
+                std::vector<std::string>& files, std::vector<Value>& values, const Read& read) {
+  std::size_t number = 0;
+  for (const toml::table* entry : keys.read_tables(key)) {
+    Result<Value> value = read(*entry, ++number, path, files);
+    if (!value) return value.error();
+    values.push_back(std::move(*value));
+  }
+  return Success{};
+}
+
+}  // namespace
+
+Result<bool> is_cloth_scene(std::string_view text, const std::string& path) {
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  if (!table->contains(kClothTables)) return false;
+  if (table->contains("bodies"))
+    return error_at(path, table->find(kClothTables)->second.source(),
+                    "[[bodies]] and [[cloths]] do not go together: a scene has the ones or the "
+                    "others; take them apart into two files");
+  return true;
+}
+
+Result<ClothFile> parse_cloths(std::string_view text, const std::string& path) {
+  const Result<toml::table> table = parse_toml(text, path);
+  if (!table) return table.error();
+  ClothFile file;
+  file.path = path;
+  ClothScene& scene = file.scene;
+  TomlKeys keys(*table, path, "");
+  read_solve(keys, scene);
+  read_outputs(keys, file.outputs);
+  if (Status s = read_gravity(keys, path, scene.gravity, file.files); !s) return s.error();
+  keys.read("wind", scene.wind);
+  keys.read("gust", scene.gust);
+  keys.read("gust-hz", scene.gust_hz);
+  std::vector<std::string>& files = file.files;
+  if (Status s = read_all(keys, kClothTables, path, files, scene.cloths, read_cloth); !s)
+    return s.error();
+  if (Status s = read_all(keys, "balls", path, files, scene.balls, read_ball); !s) return s.error();
+  if (Status s = read_all(keys, "colliders", path, files, scene.colliders, read_collider); !s)
+    return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  if (Status s = check_scene(scene); !s) return error_of_file(path, s.error());
+  return file;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,31 @@
+// Scene files with [[cloths]]: TOML -> ClothScene (docs/cloth.md, "Scenes").
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/cloth/cloth_scene.h"
+#include "runtime/scene_reader/scene_keys.h"
+
+namespace tremolo {
+
+// files: what the scene was read from beside `path`: CSV files of gravity and motions.
+struct ClothFile {
+  std::string path;
+  ClothScene scene;
+  SceneOutputs outputs;
+  std::vector<std::string> files;
+};
+
+// Whether the scene file has [[cloths]]. Errors as parse_cloths; kContent for one that has
+// [[bodies]] too.
+Result<bool> is_cloth_scene(std::string_view text, const std::string& path);
+
+// Meshes and CSV files are relative to the scene file. Errors: kSystem if a file is unreadable;
+// kContent with file, line and key for a key that is unknown or whose value is wrong, and for what
+// check_scene finds.
+Result<ClothFile> parse_cloths(std::string_view text, const std::string& path);
+
+}  // namespace tremolo

@@ -1,0 +1,61 @@
+#include "runtime/scene_reader/scene_keys.h"
+
+#include <string_view>
+
+#include "formats/file/whole_file.h"
+#include "runtime/scene_reader/csv_rows.h"
+
+namespace tremolo {
+
+bool is_folder_name(const std::string& name) {
+  return !name.empty() && name.front() != '.' &&
+         name.find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-") ==
+             std::string::npos;
+}
+
+Status read_gravity(TomlKeys& keys, const std::string& path, SceneGravity& gravity,
+                    std::vector<std::string>& files) {
+  const toml::node* node = keys.find("gravity");
+  if (node == nullptr) return Success{};
+  if (const auto value = numbers_of(*node); value && value->size() == 3) {
+    gravity.values = {Eigen::Vector3d(value->data())};
+    return Success{};
+  }
+  std::vector<std::vector<double>> rows;
+  if (const auto name = node->value_exact<std::string>()) {
+    std::string csv;
+    keys.read_path("gravity", csv);
+    if (!keys.good()) return keys.finish();
+    files.push_back(csv);
+    const Result<std::string> text = read_whole_file(csv);
+    if (!text) return text.error();
+    if (Status s = take(rows, parse_rows(*text, csv, {4}, "a time and gravity (t, x, y, z)")); !s)
+      return s;
+  } else if (const toml::array* array = node->as_array()) {
+    for (const toml::node& row : *array)
+      if (const auto numbers = numbers_of(row); numbers && numbers->size() == 4)
+        rows.push_back(*numbers);
+    if (rows.size() != array->size()) rows.clear();
+  }
+  if (rows.empty())
+    return error_at(path, node->source(),
+                    "'gravity' must be [x, y, z] in m/s^2, a list of [t, x, y, z] or the name of a "
+                    "CSV file with such lines");
+  for (const std::vector<double>& row : rows) {
+    gravity.times.push_back(row[0]);
+    gravity.values.emplace_back(row[1], row[2], row[3]);
+  }
+  return Success{};
+}
+
+void read_outputs(TomlKeys& keys, SceneOutputs& outputs) {
+  keys.read("out", outputs.out);
+  keys.read("every", outputs.every);
+  keys.read("surfaces", outputs.surfaces);
+  const std::vector<std::string_view> formats = {"ply", "obj", "inc"};
+  outputs.surface_format = formats[keys.read_word("surface-format", formats, 0)];
+  keys.read("plot", outputs.plot);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,36 @@
+// Keys that scenes of bodies and scenes of cloths have in common.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/result.h"
+#include "runtime/scene/scene.h"
+#include "runtime/scene_reader/toml_keys.h"
+
+namespace tremolo {
+
+// What a run of the scene writes. out: a folder; empty: nothing. every: a CSV row every so many
+// steps. surfaces: so many of each body, evenly spaced in time, as ply, obj or inc. save: the file
+// of the world at the end; restore: of the one at which it begins; empty: none.
+struct SceneOutputs {
+  std::string out;
+  int every = 1;
+  int surfaces = 0;
+  std::string surface_format = "ply";
+  bool plot = false;
+  std::string save;
+  std::string restore;
+};
+
+void read_outputs(TomlKeys& keys, SceneOutputs& outputs);
+
+// A name becomes that of a folder or a file.
+bool is_folder_name(const std::string& name);
+
+// One value, rows t, x, y, z, or a CSV file of these. path: of the scene. files: CSV files that
+// were read are added. Errors as read_world.
+Status read_gravity(TomlKeys& keys, const std::string& path, SceneGravity& gravity,
+                    std::vector<std::string>& files);
+
+}  // namespace tremolo

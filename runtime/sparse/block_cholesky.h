@@ -1,0 +1,71 @@
+// A = L L^T of a sparse symmetric positive definite matrix of 3 x 3 blocks, and A^-1 b.
+//
+// The factor is made of dense panels, one for each supernode (runtime/sparse/elimination.h): of its
+// columns J, what the columns to the left give is subtracted, A_J - sum_K L_K L_K(J)^T, as products
+// of dense matrices; then the panel is factored (Ng and Peyton 1993, left-looking).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/kernels/aligned.h"
+#include "runtime/sparse/block_matrix.h"
+#include "runtime/sparse/elimination.h"
+
+namespace tremolo {
+
+class BlockCholesky {
+ public:
+  // Finds the order and what of the factor is not zero, and takes all memory. Errors (kSystem): a
+  // factor of more than `most_bytes`.
+  static Result<BlockCholesky> create(BlockPatternPointer pattern,
+                                      std::size_t most_bytes = std::size_t{8} << 30);
+
+  // The factor's bytes, and the multiplications of a factorisation.
+  std::size_t bytes() const { return values_.size() * sizeof(double); }
+  double multiplications() const { return multiplications_; }
+
+  // a: of the pattern. kSolver, naming the node, where a pivot is not positive or not finite; there
+  // is no factor then. Nothing is allocated but an error's message.
+  Status factor(const BlockMatrix& a);
+
+  // x <- A^-1 x, of the last matrix that was factored; 3 size() long. Nothing is allocated.
+  void solve(Eigen::VectorXd& x);
+
+ private:
+  // An entry of A in the columns of the factor. turned: its transpose is stored.
+  struct Entry {
+    std::uint32_t row = 0;
+    std::uint32_t place = 0;
+    bool turned = false;
+  };
+
+  explicit BlockCholesky(BlockPatternPointer pattern);
+  void place_entries();
+  std::size_t count_panels();
+  std::size_t height(std::size_t s) const {
+    return 3 * (shape_.width(s) + shape_.rows_below(s));
+  }
+  void assemble(std::size_t s, const BlockMatrix& a);
+  void subtract_from(std::size_t s, std::size_t descendant);
+  void wait_for_rows(std::size_t s);
+
+  BlockPatternPointer pattern_;
+  Elimination shape_;
+  std::vector<std::size_t> entry_first_;  // by columns
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> panel_;   // where each begins in values_
+  std::vector<std::size_t> stride_;  // between its columns
+  AlignedDoubles values_, update_;   // the panels; a product on its way
+  std::vector<std::uint32_t> local_;  // of the panel at hand: where a node's row is
+  std::vector<std::uint32_t> waiting_, next_;  // supernodes that a panel still needs, as lists
+  std::vector<std::size_t> done_;    // how many of its rows a supernode has given
+  std::vector<double> x_, below_;
+  double multiplications_ = 0.0;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,126 @@
+// Sparse matrices of 3 x 3 blocks against dense ones of Eigen.
+#include <random>
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+#include "runtime/sparse/block_cholesky.h"
+#include "runtime/sparse/conjugate_gradients.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Case {
+  BlockMatrix sparse;
+  MatrixXd dense;
+};
+
+// A grid of springs with chance in them; positive definite.
+Case random_grid(std::size_t rows, std::size_t columns, unsigned seed) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  std::vector<NodePair> pairs;
+  const auto node = [columns](std::size_t i, std::size_t j) {
+    return static_cast<std::uint32_t>(i * columns + j);
+  };
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j < columns; ++j) {
+      if (i + 1 < rows) pairs.emplace_back(node(i, j), node(i + 1, j));
+      if (j + 1 < columns) pairs.emplace_back(node(i, j + 1), node(i, j));
+      if (i + 2 < rows && j + 2 < columns) pairs.emplace_back(node(i, j), node(i + 2, j + 2));
+      if (i + 1 < rows) pairs.emplace_back(node(i, j), node(i + 1, j));  // twice
+    }
+  Case made{BlockMatrix(*BlockPattern::create(rows * columns, pairs)), {}};
+  const auto n = static_cast<Eigen::Index>(rows * columns);
+  made.dense = 0.3 * MatrixXd::Identity(3 * n, 3 * n);
+  for (const auto& [a, b] : pairs) {
+    Eigen::Matrix3d root;
+    for (double& entry : root.reshaped()) entry = any(engine);
+    const Eigen::Matrix3d k = root * root.transpose();
+    const Eigen::Index i = 3 * Eigen::Index{a}, j = 3 * Eigen::Index{b};
+    made.dense.block<3, 3>(i, i) += k;
+    made.dense.block<3, 3>(j, j) += k;
+    made.dense.block<3, 3>(i, j) -= k;
+    made.dense.block<3, 3>(j, i) -= k;
+  }
+  for (std::size_t a = 0; a < rows * columns; ++a)
+    for (std::size_t b = 0; b <= a; ++b)
+      if (const std::size_t place = made.sparse.pattern().find(a, b); place != BlockPattern::kNone)
+        made.sparse.block(place) = made.dense.block<3, 3>(3 * static_cast<Eigen::Index>(a),
+                                                          3 * static_cast<Eigen::Index>(b));
+  return made;
+}
+
+VectorXd right_side(Eigen::Index size) {
+  return VectorXd::LinSpaced(size, -1.0, 2.0).array().sin();
+}
+
+TEST(SparseBlocks, MultiplyAsTheDenseMatrixDoes) {
+  const Case made = random_grid(5, 7, 1);
+  const VectorXd x = right_side(made.dense.rows());
+  VectorXd y(x.size());
+  made.sparse.multiply(x, y);
+  EXPECT_LE((y - made.dense * x).norm(), 1e-13 * y.norm());
+}
+
+TEST(SparseBlocks, TheFactorSolvesAsTheDenseOneForEverySizeAndAgain) {
+  for (std::size_t columns = 1; columns < 24; ++columns) {
+    Case made = random_grid(columns % 7 + 1, columns, static_cast<unsigned>(columns));
+    auto factor = BlockCholesky::create(made.sparse.shared_pattern());
+    ASSERT_TRUE(factor);
+    for (int again = 0; again < 2; ++again) {
+      ASSERT_TRUE(factor->factor(made.sparse)) << columns;
+      VectorXd x = right_side(made.dense.rows());
+      const VectorXd exact = made.dense.llt().solve(x);
+      factor->solve(x);
+      EXPECT_LE((x - exact).norm(), 1e-11 * exact.norm()) << columns;
+    }
+  }
+}
+
+TEST(SparseBlocks, ConjugateGradientsReachWhatIsAsked) {
+  const Case made = random_grid(9, 8, 3);
+  ConjugateGradients solver(made.sparse.pattern());
+  const VectorXd b = right_side(made.dense.rows());
+  VectorXd x = VectorXd::Zero(b.size());
+  const CgReport report = solver.solve(made.sparse, b, x, 1e-10, 2000);
+  EXPECT_TRUE(report.converged && report.positive);
+  EXPECT_LE((b - made.dense * x).norm(), 2e-10);
+}
+
+TEST(SparseBlocks, WhatIsNotPositiveDefiniteIsFoundByBoth) {
+  Case made = random_grid(4, 4, 5);
+  made.sparse.diagonal(7) -= 50.0 * Eigen::Matrix3d::Identity();
+  auto factor = BlockCholesky::create(made.sparse.shared_pattern());
+  const Status done = factor->factor(made.sparse);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().kind, ErrorKind::kSolver);
+  ConjugateGradients solver(made.sparse.pattern());
+  VectorXd x = VectorXd::Zero(48);
+  EXPECT_FALSE(solver.solve(made.sparse, right_side(48), x, 1e-10, 2000).positive);
+}
+
+TEST(SparseBlocks, HeldNodesGetTheRowsOfTheIdentity) {
+  Case made = random_grid(3, 3, 9);
+  std::vector<std::uint8_t> held(9, 0);
+  held[4] = 1;
+  made.sparse.hold(held);
+  auto factor = BlockCholesky::create(made.sparse.shared_pattern());
+  ASSERT_TRUE(factor->factor(made.sparse));
+  VectorXd x = right_side(27);
+  const VectorXd b = x;
+  factor->solve(x);
+  EXPECT_EQ(x.segment<3>(12), b.segment<3>(12));
+}
+
+TEST(SparseBlocks, PatternsThatNameNoNodeAreRefused) {
+  EXPECT_FALSE(BlockPattern::create(0, {}));
+  const NodePair beyond[] = {{0, 3}};
+  EXPECT_FALSE(BlockPattern::create(3, beyond));
+}
+
+}  // namespace
+}  // namespace tremolo
