@@ -10,7 +10,10 @@ set_target_properties(tremolo_shared PROPERTIES
   VERSION ${PROJECT_VERSION} SOVERSION ${tremolo_abi}
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
 target_link_libraries(tremolo_shared PRIVATE
-  $<BUILD_INTERFACE:$<LINK_LIBRARY:WHOLE_ARCHIVE,tremolo_runtime,tremolo_cloth>> $<BUILD_INTERFACE:tremolo_flags>)
+  $<BUILD_INTERFACE:tremolo_cloth> $<BUILD_INTERFACE:tremolo_runtime> $<BUILD_INTERFACE:tremolo_flags>)
+# All that both hold, also where one comes by the other.
+set_property(TARGET tremolo_shared PROPERTY
+  LINK_LIBRARY_OVERRIDE "WHOLE_ARCHIVE,tremolo_cloth,tremolo_runtime")
 target_include_directories(tremolo_shared INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/runtime> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 set(tremolo_map ${PROJECT_BINARY_DIR}/tremolo.map)
