@@ -176,21 +176,6 @@ void ClothModel::add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v,
   drag_.add_tangent(wind_, x, v, velocity, a);
 }
 
-bool ClothModel::add_left_out(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                              double position, BlockMatrix& a) const {
-  if (part != ForcePart::kSoft) structural_.add_left_out(x, v, position, a);
-  if (part == ForcePart::kStiff) return true;
-  shear_.add_left_out(x, v, position, a);
-  bend_.add_left_out(x, v, position, a);
-  return true;
-}
-
-bool ClothModel::add_step_left_out(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1,
-                                   BlockMatrix& a) const {
-  for (const SpringSet* set : {&structural_, &shear_, &bend_}) set->add_step_left_out(x0, x1, a);
-  return true;
-}
-
 double ClothModel::elastic_energy(const Eigen::VectorXd& x) const {
   return structural_.energy(x) + shear_.energy(x) + bend_.energy(x);
 }

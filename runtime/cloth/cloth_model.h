@@ -59,10 +59,6 @@ class ClothModel : public NodalSystem {
              Eigen::VectorXd& f) const override;
   void add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
                    double position, double velocity, BlockMatrix& a) const override;
-  bool add_left_out(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                    double position, BlockMatrix& a) const override;
-  bool add_step_left_out(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1,
-                         BlockMatrix& a) const override;
   double potential(const Eigen::VectorXd& x) const override;
   StepWork power(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const override;
   StepWork step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,

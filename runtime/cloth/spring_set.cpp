@@ -214,34 +214,6 @@ void SpringSet::add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, 
   }
 }
 
-void SpringSet::add_left_out(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
-                             BlockMatrix& a) const {
-  const double k = law_.stiffness, d = law_.damping;
-  for (std::size_t i = 0; i < size(); ++i) {
-    const Vector3d r = x.segment<3>(3 * a_[i]) - x.segment<3>(3 * b_[i]);
-    const double square = std::max(r.squaredNorm(), kNoSquare);
-    double across = k * (1.0 - rest_[i] / std::sqrt(square));
-    if (d != 0.0) across += d / square * r.dot(v.segment<3>(3 * a_[i]) - v.segment<3>(3 * b_[i]));
-    if (across >= 0.0) continue;
-    Matrix3d block = (-position * across / square * r) * r.transpose();
-    block.diagonal().array() += position * across;
-    add_block(i, block, a);
-  }
-}
-
-void SpringSet::add_step_left_out(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1,
-                                  BlockMatrix& a) const {
-  const double k = law_.stiffness;
-  for (std::size_t i = 0; i < size(); ++i) {
-    const double l0 = (x0.segment<3>(3 * a_[i]) - x0.segment<3>(3 * b_[i])).norm();
-    const double l1 = (x1.segment<3>(3 * a_[i]) - x1.segment<3>(3 * b_[i])).norm();
-    const double across = 0.5 * k * (1.0 - 2.0 * rest_[i] / std::max(l0 + l1, kNoLength));
-    if (across >= 0.0) continue;
-    const Matrix3d block = across * Matrix3d::Identity();
-    add_block(i, block, a);
-  }
-}
-
 double SpringSet::energy(const Eigen::VectorXd& x) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < size(); ++i) {

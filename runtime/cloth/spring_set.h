@@ -56,11 +56,6 @@ class SpringSet {
   double add_step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                         Eigen::VectorXd& f) const;
   // a += nearly -df/dx1 of it: its symmetric part, less what is not positive.
-  // What the two tangents leave out under compression: a += position times that.
-  void add_left_out(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
-                    BlockMatrix& a) const;
-  void add_step_left_out(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1,
-                         BlockMatrix& a) const;
   void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                         BlockMatrix& a) const;
 

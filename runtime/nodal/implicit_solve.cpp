@@ -71,26 +71,18 @@ double ImplicitSolve::residual(const ImplicitEquation& equation, const Eigen::Ve
   return std::sqrt(square);
 }
 
-bool ImplicitSolve::assemble(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
-                             bool whole) {
+// d_ = A^-1 r_ at x1; false where there is none.
+bool ImplicitSolve::direction(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
+                              double target, bool once) {
   const Eigen::VectorXd& mass = system_.mass();
   matrix_.set_zero();
-  if (whole &&
-      !(equation.h > 0.0 ? system_.add_step_left_out(*equation.x0, x1, matrix_)
-                         : system_.add_left_out(x_, v_, equation.part, equation.theta, matrix_)))
-    return false;
   for (Eigen::Index i = 0; i < mass.size(); ++i)
-    matrix_.diagonal(static_cast<std::size_t>(i)).diagonal().array() += equation.mu * mass[i];
+    matrix_.diagonal(static_cast<std::size_t>(i)).diagonal().setConstant(equation.mu * mass[i]);
   if (equation.h > 0.0)
     system_.add_step_tangent(*equation.x0, x1, equation.h, matrix_);
   else
     system_.add_tangent(x_, v_, equation.part, equation.theta, equation.kappa, matrix_);
   matrix_.hold(system_.held());
-  return true;
-}
-
-// d_ = A^-1 r_; false where A is not positive definite.
-bool ImplicitSolve::solve_assembled(double target, bool once) {
   if (factor_) {
     if (!factor_->factor(matrix_)) return false;
     d_ = r_;
@@ -103,15 +95,6 @@ bool ImplicitSolve::solve_assembled(double target, bool once) {
   const CgReport solved =
       gradients_->solve(matrix_, r_, d_, std::min(enough, 0.5 * size), kMostCgIterations);
   return solved.positive && d_.allFinite();
-}
-
-// d_ = A^-1 r_ at x1; false where there is none. The whole derivative first: it is positive
-// definite near a minimum of the step's potential, where it counts. One linearisation keeps to what
-// is safe.
-bool ImplicitSolve::direction(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
-                              double target, bool once) {
-  if (!once && assemble(equation, x1, true) && solve_assembled(target, once)) return true;
-  return assemble(equation, x1, false) && solve_assembled(target, once);
 }
 
 // What rounding of the positions leaves of the residual, N.

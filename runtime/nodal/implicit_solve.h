@@ -45,9 +45,6 @@ class ImplicitSolve {
  private:
   ImplicitSolve(const NodalSystem& system, const NodalOptions& options);
   double residual(const ImplicitEquation& equation, const Eigen::VectorXd& x1);
-  // whole: with what the tangents leave out; false also where nothing is.
-  bool assemble(const ImplicitEquation& equation, const Eigen::VectorXd& x1, bool whole);
-  bool solve_assembled(double target, bool once);
   bool direction(const ImplicitEquation& equation, const Eigen::VectorXd& x1, double target,
                  bool once);
   double rounding(const Eigen::VectorXd& x1) const;

@@ -50,19 +50,6 @@ class NodalSystem {
   virtual void add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
                            double position, double velocity, BlockMatrix& a) const = 0;
 
-  // What of -df/dx add_tangent leaves out because it may not be positive semidefinite, as far as it
-  // is symmetric: a += position times that. False, and a stays, for a system that leaves nothing
-  // out. With it Newton's method converges in few iterations wherever the sum is positive definite.
-  virtual bool add_left_out(const Eigen::VectorXd& /*x*/, const Eigen::VectorXd& /*v*/,
-                            ForcePart /*part*/, double /*position*/, BlockMatrix& /*a*/) const {
-    return false;
-  }
-  // Likewise of add_step_tangent.
-  virtual bool add_step_left_out(const Eigen::VectorXd& /*x0*/, const Eigen::VectorXd& /*x1*/,
-                                 BlockMatrix& /*a*/) const {
-    return false;
-  }
-
   // V(x), J, with gravity.
   virtual double potential(const Eigen::VectorXd& x) const = 0;
 
