@@ -14,7 +14,7 @@ foreach(room common formats runtime)
           FILES_MATCHING PATTERN "*.h" PATTERN "program" EXCLUDE PATTERN "scene_reader" EXCLUDE
           PATTERN "viewer" EXCLUDE)
 endforeach()
-install(FILES ${PROJECT_SOURCE_DIR}/runtime/tremolo.h
+install(FILES ${PROJECT_SOURCE_DIR}/runtime/tremolo.h ${PROJECT_SOURCE_DIR}/runtime/tremolo_cloth.h
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tremolo COMPONENT development)
 
 # What this build tree can make, but was not asked to, is left out with a word.

@@ -1,4 +1,4 @@
-# libtremolo.so: the whole engine behind the C interface, tremolo.h. It exports the functions of
+# libtremolo.so: the whole engine behind the C interface, tremolo.h and tremolo_cloth.h. It exports the functions of
 # that header and nothing else: C++ across a library's boundary would bind both sides to one
 # compiler, one set of flags and one Eigen. C++ programs take the static libraries.
 include(CheckLinkerFlag)
@@ -10,7 +10,7 @@ set_target_properties(tremolo_shared PROPERTIES
   VERSION ${PROJECT_VERSION} SOVERSION ${tremolo_abi}
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
 target_link_libraries(tremolo_shared PRIVATE
-  $<BUILD_INTERFACE:$<LINK_LIBRARY:WHOLE_ARCHIVE,tremolo_runtime>> $<BUILD_INTERFACE:tremolo_flags>)
+  $<BUILD_INTERFACE:$<LINK_LIBRARY:WHOLE_ARCHIVE,tremolo_runtime,tremolo_cloth>> $<BUILD_INTERFACE:tremolo_flags>)
 target_include_directories(tremolo_shared INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/runtime> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 set(tremolo_map ${PROJECT_BINARY_DIR}/tremolo.map)

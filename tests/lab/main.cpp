@@ -51,6 +51,9 @@ void add_reproduce_flags(CLI::App& reproduce, ReproduceOptions& o) {
   reproduce.add_option("--published", o.published, "where the thesis's numbers are, as CSV files")
       ->capture_default_str();
   reproduce.add_option("--out", o.out, "directory for index.html and CSVs")->capture_default_str();
+  reproduce
+      .add_option("--only", o.only, "cloth: the study of its integrators, a report of its own")
+      ->check(CLI::IsMember({"cloth"}));
   reproduce.add_flag("--long", o.long_form, "experiment 3 over 10 000 s instead of 200 s");
   reproduce.add_option("--threads", o.threads, "for the curves (default: all cores)")
       ->check(CLI::Range(1, 1024));

@@ -8,6 +8,7 @@
 #include "formats/file/checksum.h"
 #include "formats/file/standard_streams.h"
 #include "runtime/program/output/tell.h"
+#include "tests/lab/cloth/cloth_sections.h"
 #include "tests/lab/damping/damping_matrix.h"
 #include "tests/lab/known/known_answers.h"
 #include "tests/lab/report/report.h"
@@ -141,11 +142,30 @@ nlohmann::ordered_json to_json(const Outcome& outcome, const std::string& report
   return json;
 }
 
+// The study of cloth needs no model and nothing of the thesis.
+int reproduce_cloth(const ReproduceOptions& options) {
+  std::error_code error;
+  fs::create_directories(options.out, error);
+  if (error) throw Failure(system_error(options.out + ": cannot create: " + error.message()));
+  Report report(options.out, "Cloth", "Every integrator of Tremolo's cloth on one sheet.");
+  const std::vector<Criterion> criteria = cloth_study::add_cloth_sections(
+      report, thread_count(static_cast<unsigned>(std::max(options.threads, 0))));
+  const std::string page = report.write();
+  print(criteria);
+  note(verdict(criteria));
+  note("wrote " + page);
+  if (options.json)
+    print_json(nlohmann::ordered_json{{"report", page}, {"criteria", tremolo::to_json(criteria)}});
+  or_fail(flush_standard_output());
+  return exit_code(criteria);
+}
+
 }  // namespace
 }  // namespace reproduce
 
 int reproduce_command(const ReproduceOptions& options) {
   using namespace reproduce;
+  if (options.only == "cloth") return reproduce_cloth(options);
   const Session session = open_session(options);
   Report report(options.out, "The thesis reproduced",
                 "Huang 2011, Preserving High-Frequency Vibration of Deformable Objects Using the "

@@ -10,7 +10,7 @@
 namespace tremolo {
 
 // models: names, empty for all six. published: the folder of the thesis's numbers. threads: for the
-// curves; timings use one. Below 1: all cores.
+// curves; timings use one. Below 1: all cores. only: "cloth", which is a report of its own; empty: the thesis.
 struct ReproduceOptions {
   std::vector<std::string> models;
   std::string models_directory = "build/models";
@@ -18,6 +18,7 @@ struct ReproduceOptions {
   std::string out = "build/reproduce";
   bool long_form = false;
   int threads = 0;
+  std::string only;
   bool json = false;
 };
 

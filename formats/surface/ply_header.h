@@ -1,0 +1,62 @@
+// What a .ply file says of itself, and its numbers one after the other.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.h"
+
+namespace tremolo {
+
+enum class PlyForm { kText, kLittleEndian, kBigEndian };
+enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+
+// axis: 0 to 2 of a vertex's x, y and z, else -1. corners: it is the list of a face's vertices.
+struct PlyProperty {
+  PlyType type = PlyType::kFloat;
+  bool list = false;
+  PlyType count_type = PlyType::kUint8;
+  int axis = -1;
+  bool corners = false;
+};
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+};
+
+// size: of the header, bytes.
+struct PlyHeader {
+  PlyForm form = PlyForm::kText;
+  std::vector<PlyElement> elements;
+  std::size_t size = 0;
+};
+
+// Errors (kContent): it does not begin with `ply`, an unknown form, type or keyword, no vertices,
+// or vertices without x, y and z, or behind the faces; more items than the file has bytes.
+Result<PlyHeader> parse_ply_header(std::string_view bytes, const std::string& name);
+
+// Walks over what is behind the header, which must outlive it.
+class PlyNumbers {
+ public:
+  PlyNumbers(std::string_view body, PlyForm form, std::size_t offset)
+      : body_(body), form_(form), offset_(offset) {}
+
+  // False at an end that comes too soon, or where no number is.
+  bool read(PlyType type, double& value);
+  Error error(const std::string& name) const;
+
+ private:
+  bool read_text(double& value);
+
+  std::string_view body_;
+  PlyForm form_;
+  std::size_t offset_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace tremolo

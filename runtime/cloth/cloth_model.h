@@ -1,0 +1,94 @@
+// A cloth as masses in space: what its springs, the wind and gravity do to its particles.
+//
+// M x'' = f(x, v) = f_structural + f_shear + f_bend + f_wind + M g. Structural springs are the
+// stiff part (ForcePart::kStiff), all else is the soft one.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/result.h"
+#include "runtime/cloth/cloth_parts.h"
+#include "runtime/cloth/spring_set.h"
+#include "runtime/cloth/wind_drag.h"
+#include "runtime/nodal/nodal_system.h"
+#include "runtime/scene/motion.h"
+
+namespace tremolo {
+
+class ClothModel : public NodalSystem {
+ public:
+  // Errors (kContent): no particle, a mass that is not positive and finite, what is not finite,
+  // springs and triangles of particles that are none, a law that is negative.
+  static Result<ClothModel> create(ClothParts parts);
+
+  // m/s^2; m/s. They stay through a step.
+  void set_gravity(const Eigen::Vector3d& gravity) { gravity_ = gravity; }
+  void set_wind(const Eigen::Vector3d& wind) { wind_ = wind; }
+  const Eigen::Vector3d& gravity() const { return gravity_; }
+  const Eigen::Vector3d& wind() const { return wind_; }
+
+  // Holds particles, which move from where they are at rest as the path maps the world, until a
+  // moment, s. Errors (kContent): one that is none.
+  Status pin(std::span<const std::size_t> particles, MotionPath path, double until);
+  // Lets go what is held until `time` or before; true if that was any.
+  bool release_pins(double time);
+  // A hand's hold on one particle, which goes before pins. particle: below size().
+  void hold(std::size_t particle, const Eigen::Vector3d& at);
+  // True if it was held by a hand; a pin may hold it still.
+  bool let_go(std::size_t particle);
+
+  const ClothParts& parts() const { return parts_; }
+  std::size_t springs() const { return structural_.size() + shear_.size() + bend_.size(); }
+  const SpringSet& structural() const { return structural_; }
+  const SpringSet& shear() const { return shear_; }
+  const SpringSet& bend() const { return bend_; }
+  // Of the springs alone, J.
+  double elastic_energy(const Eigen::VectorXd& x) const;
+
+  std::size_t size() const override { return held_.size(); }
+  const Eigen::VectorXd& mass() const override { return parts_.mass; }
+  std::span<const std::uint8_t> held() const override { return held_; }
+  const BlockPatternPointer& pattern() const override { return pattern_; }
+  double load_size() const override;
+  void put_held(double time, Eigen::VectorXd& x) const override;
+  void force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
+             Eigen::VectorXd& f) const override;
+  void add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
+                   double position, double velocity, BlockMatrix& a) const override;
+  double potential(const Eigen::VectorXd& x) const override;
+  StepWork power(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const override;
+  StepWork step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
+                      Eigen::VectorXd& f) const override;
+  void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
+                        BlockMatrix& a) const override;
+
+ private:
+  struct Pin {
+    std::vector<std::size_t> particles;
+    MotionPath path;
+    double until = 0.0;
+    bool active = true;
+  };
+  struct Hand {
+    std::size_t particle = 0;
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  };
+
+  explicit ClothModel(ClothParts parts);
+  void count_holds();
+
+  ClothParts parts_;
+  SpringSet structural_, shear_, bend_;
+  WindDrag drag_;
+  BlockPatternPointer pattern_;
+  Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero(), wind_ = Eigen::Vector3d::Zero();
+  std::vector<Pin> pins_;
+  std::vector<Hand> hands_;
+  std::vector<std::uint8_t> held_;
+};
+
+}  // namespace tremolo

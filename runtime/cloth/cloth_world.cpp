@@ -1,0 +1,271 @@
+#include "runtime/cloth/cloth_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "common/number_text.h"
+#include "runtime/cloth/cloth_world_inside.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d wind_at(const ClothScene& scene, double t) {
+  return scene.wind * (1.0 + scene.gust * std::sin(2.0 * M_PI * scene.gust_hz * t));
+}
+
+double free_cloth_kinetic(const WorldCloth& cloth) {
+  const auto held = cloth.model.held();
+  double twice = 0.0;
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (held[i] == 0)
+      twice += cloth.model.mass()[k] * cloth.state.v.segment<3>(3 * k).squaredNorm();
+  }
+  return 0.5 * twice;
+}
+
+// Sum of m x over a cloth, kg m.
+Vector3d first_moment(const WorldCloth& cloth) {
+  Vector3d sum = Vector3d::Zero();
+  for (Eigen::Index i = 0; i < cloth.model.mass().size(); ++i)
+    sum += cloth.model.mass()[i] * cloth.state.x.segment<3>(3 * i);
+  return sum;
+}
+
+double ball_kinetic(const MovingBall& ball) {
+  if (ball.inverse_mass == 0.0) return 0.0;
+  return 0.5 * (ball.now.velocity.squaredNorm() / ball.inverse_mass +
+                ball.now.spin.squaredNorm() / ball.inverse_inertia);
+}
+
+}  // namespace
+
+ClothWorld::ClothWorld(std::unique_ptr<Inside> inside) : inside_(std::move(inside)) {}
+ClothWorld::ClothWorld(ClothWorld&&) noexcept = default;
+ClothWorld& ClothWorld::operator=(ClothWorld&&) noexcept = default;
+ClothWorld::~ClothWorld() = default;
+
+void ClothWorld::Inside::add_present(ClothEnergy& energy) const {
+  energy.kinetic = energy.elastic = energy.gravity = 0.0;
+  for (const auto& cloth : cloths) {
+    energy.kinetic += free_cloth_kinetic(*cloth);
+    energy.elastic += cloth->model.elastic_energy(cloth->state.x);
+    energy.gravity -= gravity.dot(first_moment(*cloth));
+  }
+  for (const MovingBall& ball : balls) {
+    energy.kinetic += ball_kinetic(ball);
+    if (ball.inverse_mass > 0.0)
+      energy.gravity -= gravity.dot(ball.now.position) / ball.inverse_mass;
+  }
+}
+
+// Gravity that changes lifts or lowers what everything weighs: told with the wind.
+void ClothWorld::Inside::set_weather(double t) {
+  const Vector3d now = scene.gravity.at(t), change = now - gravity;
+  if (!change.isZero(0.0)) {
+    for (const auto& cloth : cloths) told.wind -= change.dot(first_moment(*cloth));
+    for (const MovingBall& ball : balls)
+      if (ball.inverse_mass > 0.0) told.wind -= change.dot(ball.now.position) / ball.inverse_mass;
+  }
+  gravity = now;
+  for (const auto& cloth : cloths) {
+    cloth->model.set_gravity(now);
+    cloth->model.set_wind(wind_at(scene, t));
+  }
+}
+
+// Those that are let go begin to count with their motion, those taken hold of end to.
+void ClothWorld::Inside::release_pins(double t) {
+  for (const auto& cloth : cloths) {
+    const double before = free_cloth_kinetic(*cloth);
+    if (!cloth->model.release_pins(t)) continue;
+    told.pins += free_cloth_kinetic(*cloth) - before;
+    cloth->integrator->reset();
+  }
+}
+
+Status ClothWorld::Inside::advance_cloths(double t) {
+  ClothEnergy made = told;
+  for (const auto& cloth : cloths) cloth->before = cloth->state;
+  for (const auto& cloth : cloths) {
+    cloth->state.time = t;
+    const NodalReport report = cloth->integrator->step(cloth->state);
+    if (!report.made) {
+      for (const auto& other : cloths) {
+        other->state = other->before;
+        other->integrator->reset();
+      }
+      return Error{ErrorKind::kSolver, "cloth '" + cloth->scene.name +
+                                           "': the step at t = " + number_text(t) +
+                                           " s could not be made, nor parts of it"};
+    }
+    made.damped += report.damped;
+    made.wind += report.driven;
+    made.pins += report.held_work;
+    made.numerical += report.numerical;
+    iterations += report.iterations;
+    if (report.parts > 1) ++cut_steps;
+  }
+  told = made;
+  return Success{};
+}
+
+void ClothWorld::Inside::project(double h) {
+  ClothEnergy before, after;
+  const bool anything = !balls.empty() || !scene.colliders.empty();
+  if (!anything) return;
+  add_present(before);
+  const ContactReport report = contact.project(touching, balls, colliders.placed(), gravity, h);
+  penetration = std::max(penetration, report.penetration);
+  if (!report.touched) return;
+  add_present(after);
+  told.contact += after.total() - before.total();
+  for (std::size_t i = 0; i < cloths.size(); ++i)
+    if (touching[i].touched) cloths[i]->integrator->reset();
+}
+
+Status ClothWorld::step() {
+  Inside& in = *inside_;
+  const double h = in.scene.options.step, t = time();
+  in.release_pins(t + 1e-9 * h);
+  in.set_weather(t + 0.5 * h);
+  if (Status s = in.advance_cloths(t); !s) return s;
+  in.colliders.move(in.steps, h);
+  for (MovingBall& ball : in.balls) move_ball(in.gravity, t, h, ball);
+  in.project(h);
+  ++in.steps;
+  for (std::size_t i = 0; i < in.balls.size(); ++i) in.shown[i] = in.balls[i].now;
+  return Success{};
+}
+
+const ClothScene& ClothWorld::scene() const {
+  return inside_->scene;
+}
+double ClothWorld::time() const {
+  return static_cast<double>(inside_->steps) * inside_->scene.options.step;
+}
+std::int64_t ClothWorld::steps() const {
+  return inside_->steps;
+}
+std::size_t ClothWorld::cloths() const {
+  return inside_->cloths.size();
+}
+std::size_t ClothWorld::particles(std::size_t cloth) const {
+  return inside_->cloths[cloth]->model.size();
+}
+const Eigen::VectorXd& ClothWorld::positions(std::size_t cloth) const {
+  return inside_->cloths[cloth]->state.x;
+}
+const Eigen::VectorXd& ClothWorld::velocities(std::size_t cloth) const {
+  return inside_->cloths[cloth]->state.v;
+}
+const std::vector<Triangle>& ClothWorld::triangles(std::size_t cloth) const {
+  return inside_->cloths[cloth]->model.parts().triangles;
+}
+const ClothModel& ClothWorld::model(std::size_t cloth) const {
+  return inside_->cloths[cloth]->model;
+}
+
+Status ClothWorld::set_state(std::size_t cloth, const Eigen::VectorXd& x,
+                             const Eigen::VectorXd& v) {
+  if (cloth >= cloths()) return usage_error("there is no cloth " + std::to_string(cloth));
+  WorldCloth& of = *inside_->cloths[cloth];
+  if (x.size() != of.state.x.size() || v.size() != of.state.x.size())
+    return usage_error("cloth '" + of.scene.name + "' has " + std::to_string(of.state.x.size()) +
+                       " coordinates");
+  if (!x.allFinite() || !v.allFinite()) return usage_error("a state must be finite");
+  of.state.x = x;
+  of.state.v = v;
+  of.integrator->reset();
+  return Success{};
+}
+
+Status ClothWorld::hold(std::size_t cloth, std::size_t particle, const Vector3d& at) {
+  if (cloth >= cloths() || particle >= particles(cloth))
+    return usage_error("there is no particle " + std::to_string(particle) + " of cloth " +
+                       std::to_string(cloth));
+  if (!at.allFinite()) return usage_error("the point that holds is not finite");
+  WorldCloth& of = *inside_->cloths[cloth];
+  const double before = free_cloth_kinetic(of);
+  of.model.hold(particle, at);
+  inside_->told.pins += free_cloth_kinetic(of) - before;
+  of.integrator->reset();
+  return Success{};
+}
+
+Status ClothWorld::let_go(std::size_t cloth, std::size_t particle) {
+  if (cloth >= cloths() || particle >= particles(cloth))
+    return usage_error("there is no particle " + std::to_string(particle) + " of cloth " +
+                       std::to_string(cloth));
+  WorldCloth& of = *inside_->cloths[cloth];
+  const double before = free_cloth_kinetic(of);
+  if (of.model.let_go(particle)) of.integrator->reset();
+  inside_->told.pins += free_cloth_kinetic(of) - before;
+  return Success{};
+}
+
+std::span<const ClothWorld::Ball> ClothWorld::balls() const {
+  return inside_->shown;
+}
+Pose ClothWorld::collider_pose(std::size_t collider) const {
+  const PlacedCollider& placed = inside_->colliders.placed()[collider];
+  return inside_->steps == 0 ? placed.start : placed.end;
+}
+
+ClothEnergy ClothWorld::energy() const {
+  ClothEnergy energy = inside_->told;
+  inside_->add_present(energy);
+  return energy;
+}
+
+Vector3d ClothWorld::linear_momentum() const {
+  Vector3d sum = Vector3d::Zero();
+  for (const auto& cloth : inside_->cloths) {
+    const auto held = cloth->model.held();
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      if (held[i] == 0) sum += cloth->model.mass()[k] * cloth->state.v.segment<3>(3 * k);
+    }
+  }
+  for (const MovingBall& ball : inside_->balls)
+    if (ball.inverse_mass > 0.0) sum += ball.now.velocity / ball.inverse_mass;
+  return sum;
+}
+
+Vector3d ClothWorld::angular_momentum() const {
+  Vector3d sum = Vector3d::Zero();
+  for (const auto& cloth : inside_->cloths) {
+    const auto held = cloth->model.held();
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      if (held[i] != 0) continue;
+      const Vector3d x = cloth->state.x.segment<3>(3 * k);
+      sum += cloth->model.mass()[k] * x.cross(cloth->state.v.segment<3>(3 * k));
+    }
+  }
+  for (const MovingBall& ball : inside_->balls)
+    if (ball.inverse_mass > 0.0)
+      sum += ball.now.position.cross(ball.now.velocity) / ball.inverse_mass +
+             ball.now.spin / ball.inverse_inertia;
+  return sum;
+}
+
+double ClothWorld::stability_limit() const {
+  return inside_->limit;
+}
+double ClothWorld::penetration_max() const {
+  return inside_->penetration;
+}
+std::int64_t ClothWorld::iterations() const {
+  return inside_->iterations;
+}
+std::int64_t ClothWorld::cut_steps() const {
+  return inside_->cut_steps;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,134 @@
+// ClothWorld::create: a scene's cloths, balls and colliders, and what is refused.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "common/number_text.h"
+#include "runtime/cloth/cloth_stability.h"
+#include "runtime/cloth/cloth_world_inside.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+Error of_cloth(const SceneCloth& cloth, const Error& error) {
+  return {error.kind, "cloth '" + cloth.name + "': " + error.message};
+}
+
+// Milliseconds with three digits, rounded down: a step of this is allowed.
+std::string milliseconds_text(double seconds) {
+  const double ms = 1e3 * seconds;
+  if (!(ms > 0.0)) return "0 ms";
+  const double unit = std::pow(10.0, std::floor(std::log10(ms)) - 2.0);
+  return number_text(std::floor(ms / unit) * unit) + " ms";
+}
+
+Result<SceneColliders> make_colliders(const ClothScene& scene) {
+  Scene place;
+  place.step = scene.options.step;
+  place.colliders = scene.colliders;
+  return SceneColliders::create(place);
+}
+
+Result<ClothModel> make_pinned_model(const SceneCloth& wanted) {
+  Result<ClothParts> parts = make_cloth_parts(wanted);
+  if (!parts) return parts.error();
+  Result<ClothModel> model = ClothModel::create(std::move(*parts));
+  if (!model) return model;
+  for (const ClothPin& pin : wanted.pins) {
+    Result<MotionPath> path = MotionPath::create(pin.motion);
+    if (!path) return path.error();
+    if (Status s = model->pin(pin.particles, std::move(*path), pin.until); !s) return s.error();
+  }
+  return model;
+}
+
+}  // namespace
+
+Status ClothWorld::Inside::add_cloth(const SceneCloth& wanted) {
+  Result<ClothModel> model = make_pinned_model(wanted);
+  if (!model) return of_cloth(wanted, model.error());
+  auto cloth = std::make_unique<WorldCloth>(WorldCloth{wanted, std::move(*model), {}, {}, nullptr});
+  const auto held = cloth->model.held();
+  cloth->state.x = crumpled(cloth->model.parts(), wanted.crumple, {held.begin(), held.end()});
+  cloth->model.put_held(0.0, cloth->state.x);
+  cloth->state.v = Eigen::VectorXd::Zero(cloth->state.x.size());
+  cloth->before = cloth->state;
+  cloth->model.set_gravity(gravity);
+  limit = std::min(limit, stable_step(scene.integrator, cloth->model, cloth->state.x));
+  if (Status s = check_limit(); !s) return of_cloth(wanted, s.error());
+  auto integrator = make_nodal_integrator(scene.integrator, cloth->model, scene.options);
+  if (!integrator) return of_cloth(wanted, integrator.error());
+  cloth->integrator = std::move(*integrator);
+  touching.push_back({.model = &cloth->model,
+                      .state = &cloth->state,
+                      .thickness = wanted.thickness,
+                      .friction = wanted.friction,
+                      .restitution = wanted.restitution,
+                      .touched = false,
+                      .grounded = std::vector<std::uint8_t>(held.size(), 0)});
+  cloths.push_back(std::move(cloth));
+  return Success{};
+}
+
+Status ClothWorld::Inside::check_limit() {
+  const double step = scene.options.step;
+  if (step <= limit * (1.0 + 1e-9)) return Success{};
+  return usage_error("a step of " + number_text(1e3 * step) + " ms is unstable with " +
+                     scene.integrator + ": the limit is " + milliseconds_text(limit) +
+                     (limit > 0.0 ? "" : " without dampers"));
+}
+
+Status ClothWorld::Inside::check_apart() const {
+  for (const auto& cloth : cloths) {
+    const auto held = cloth->model.held();
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      const Vector3d x = cloth->state.x.segment<3>(3 * static_cast<Eigen::Index>(i));
+      if (held[i] != 0) continue;
+      const auto inside = [&](const std::string& what, double distance) -> Status {
+        if (distance >= -cloth->scene.thickness) return Success{};
+        return content_error("cloth '" + cloth->scene.name + "': particle " + std::to_string(i) +
+                             " begins " + number_text(-distance) + " m inside " + what);
+      };
+      for (std::size_t k = 0; k < balls.size(); ++k)
+        if (Status s = inside("ball '" + scene.balls[k].name + "'",
+                              (x - balls[k].now.position).norm() - balls[k].radius);
+            !s)
+          return s;
+      for (std::size_t k = 0; k < scene.colliders.size(); ++k) {
+        const PlacedCollider& placed = colliders.placed()[k];
+        const Vector3d place = placed.start.rotation.conjugate() * (x - placed.start.position);
+        if (Status s = inside("collider '" + scene.colliders[k].name + "'",
+                              signed_distance(placed.shape, place).distance);
+            !s)
+          return s;
+      }
+    }
+  }
+  return Success{};
+}
+
+Result<ClothWorld> ClothWorld::create(const ClothScene& scene) {
+  if (Status s = check_scene(scene); !s) return s.error();
+  auto inside = std::make_unique<Inside>();
+  inside->scene = scene;
+  inside->limit = std::numeric_limits<double>::infinity();
+  inside->gravity = scene.gravity.at(0.5 * scene.options.step);
+  for (const SceneCloth& cloth : scene.cloths)
+    if (Status s = inside->add_cloth(cloth); !s) return s.error();
+  for (const SceneBall& wanted : scene.balls) {
+    Result<MovingBall> ball = make_ball(wanted);
+    if (!ball)
+      return Error{ball.error().kind, "ball '" + wanted.name + "': " + ball.error().message};
+    inside->balls.push_back(std::move(*ball));
+    inside->shown.push_back(inside->balls.back().now);
+  }
+  if (Status s = take(inside->colliders, make_colliders(scene)); !s) return s.error();
+  if (Status s = inside->check_apart(); !s) return s.error();
+  return ClothWorld(std::move(inside));
+}
+
+}  // namespace tremolo

@@ -1,0 +1,112 @@
+// A triangle mesh with springs along and across its edges.
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "formats/surface/triangle_reader.h"
+#include "runtime/cloth/cloth_parts.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+// Ends of an edge, the smaller first, and the third corner of one of its triangles.
+struct ClothEdge {
+  VertexId a = 0, b = 0, opposite = 0;
+  bool same_ends(const ClothEdge& other) const { return a == other.a && b == other.b; }
+};
+
+std::vector<ClothEdge> cloth_edges(const std::vector<Triangle>& triangles) {
+  std::vector<ClothEdge> edges;
+  edges.reserve(3 * triangles.size());
+  for (const Triangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+      edges.push_back({a, b, t[(k + 2) % 3]});
+    }
+  std::sort(edges.begin(), edges.end(), [](const ClothEdge& p, const ClothEdge& q) {
+    return std::array{p.a, p.b, p.opposite} < std::array{q.a, q.b, q.opposite};
+  });
+  return edges;
+}
+
+NodePair cloth_pair(VertexId a, VertexId b) {
+  return {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)};
+}
+
+// bent: the pairs over edges.
+Status join_mesh(const std::vector<Triangle>& triangles, ClothSprings& edges_out,
+                 std::vector<NodePair>& bent) {
+  const std::vector<ClothEdge> edges = cloth_edges(triangles);
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end].same_ends(edges[i])) ++end;
+    if (end - i > 2)
+      return content_error("the edge of vertices " + std::to_string(edges[i].a) + " and " +
+                           std::to_string(edges[i].b) + " has " + std::to_string(end - i) +
+                           " triangles: a cloth's has one or two");
+    edges_out.pairs.push_back(cloth_pair(edges[i].a, edges[i].b));
+    if (end - i == 2) {
+      if (edges[i].opposite == edges[i + 1].opposite)
+        return content_error("two triangles have the same vertices, " + std::to_string(edges[i].a) +
+                             ", " + std::to_string(edges[i].b) + " and " +
+                             std::to_string(edges[i].opposite));
+      const auto [a, b] = std::minmax(edges[i].opposite, edges[i + 1].opposite);
+      bent.push_back(cloth_pair(a, b));
+    }
+    i = end;
+  }
+  return Success{};
+}
+
+Status weigh_mesh(const SurfaceMesh& mesh, double density, Eigen::VectorXd& mass) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle& t = mesh.triangles[i];
+    const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(t[k])]; };
+    const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+    if (!(area > 0.0)) return content_error("triangle " + std::to_string(i) + " has no area");
+    for (const VertexId corner : t) mass[corner] += density * area / 3.0;
+  }
+  for (Eigen::Index i = 0; i < mass.size(); ++i)
+    if (!(mass[i] > 0.0))
+      return content_error("vertex " + std::to_string(i) + " is isolated: it has no triangle");
+  return Success{};
+}
+
+}  // namespace
+
+Result<ClothParts> make_mesh_cloth(const SceneCloth& cloth, const SurfaceMesh& mesh) {
+  if (mesh.triangles.empty()) return content_error("the mesh has no triangle");
+  ClothParts parts;
+  parts.drag = cloth.drag;
+  parts.triangles = mesh.triangles;
+  const auto n = static_cast<Eigen::Index>(mesh.vertices.size());
+  parts.x.resize(3 * n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    parts.x.segment<3>(3 * i) = mesh.vertices[static_cast<std::size_t>(i)] + cloth.position;
+  if (!parts.x.allFinite()) return content_error("a vertex is not finite");
+  parts.mass = Eigen::VectorXd::Zero(n);
+  parts.structural.law = cloth.structural;
+  parts.shear.law = cloth.shear;
+  parts.bend.law = cloth.bend;
+  if (Status s = join_mesh(mesh.triangles, parts.structural, parts.bend.pairs); !s)
+    return s.error();
+  parts.shear.pairs = parts.bend.pairs;
+  if (Status s = measure_springs(parts.x, "structural", parts.structural); !s) return s.error();
+  if (Status s = measure_springs(parts.x, "shear", parts.shear); !s) return s.error();
+  if (Status s = measure_springs(parts.x, "bend", parts.bend); !s) return s.error();
+  if (Status s = weigh_mesh(mesh, cloth.density, parts.mass); !s) return s.error();
+  return parts;
+}
+
+Result<ClothParts> make_cloth_parts(const SceneCloth& cloth) {
+  if (cloth.file.empty()) return make_grid_cloth(cloth);
+  const Result<SurfaceMesh> mesh = read_surface_triangles(cloth.file);
+  if (!mesh) return mesh.error();
+  return make_mesh_cloth(cloth, *mesh);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,72 @@
+// Springs and dampers of one kind between particles.
+//
+// Spring a-b, rest length L, stiffness k, damping d; r = x_a - x_b, l = |r|, e = r/l, w = v_a -
+// v_b:
+//
+//   V = k/2 (l - L)^2,   force on a: -[k (l - L) + d w.e] e,   on b: its opposite
+//
+// and over a step from r0 to r1, m = r0 + r1, u = m/|m|, a force that keeps what V, momentum and
+// angular momentum make up (V1 - V0 = k/2 (l0 + l1 - 2 L)(l1 - l0), and m.(r1 - r0) = l1^2 - l0^2):
+//
+//   force on a: -k/2 (l0 + l1 - 2 L)/(l0 + l1) m - d u.(r1 - r0)/h u
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "runtime/cloth/cloth_parts.h"
+#include "runtime/nodal/nodal_system.h"
+#include "runtime/sparse/block_matrix.h"
+
+namespace tremolo {
+
+// A part of the springs that is taken at a time. run: each has both ends one particle further than
+// the spring before it, so that what belongs to them lies behind each other.
+struct SpringChunk {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  bool run = false;
+};
+
+class SpringSet {
+ public:
+  SpringSet() = default;
+  explicit SpringSet(const ClothSprings& springs);
+
+  std::size_t size() const { return a_.size(); }
+  const SpringLaw& law() const { return law_; }
+
+  // Finds the blocks of a pattern that has all pairs.
+  void find_places(const BlockPattern& pattern);
+
+  // f += the springs' forces. Nothing is allocated in what follows.
+  void add_force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, Eigen::VectorXd& f) const;
+  // a += position (-df/dx) + velocity (-df/dv). With P = I - e e^T,
+  //   -df_a/dx_a = k [(1 - L/l) P + e e^T] + (d/l) [e (P w)^T + (w.e) P],   -df_a/dv_a = d e e^T
+  // of which e (P w)^T, not symmetric, is left out, and P where its factor is negative.
+  void add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
+                   double velocity, BlockMatrix& a) const;
+  double energy(const Eigen::VectorXd& x) const;                                   // J
+  double damping_power(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const;  // W
+
+  // f += the force over a step; returns what the dampers took, J.
+  double add_step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
+                        Eigen::VectorXd& f) const;
+  // a += nearly -df/dx1 of it: its symmetric part, less what is not positive.
+  void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
+                        BlockMatrix& a) const;
+
+ private:
+  void add_block(std::size_t spring, const Eigen::Matrix3d& block, BlockMatrix& a) const;
+
+  SpringLaw law_;
+  std::vector<std::uint32_t> a_, b_;
+  std::vector<double> rest_;
+  std::vector<SpringChunk> chunks_;
+  std::vector<std::uint32_t> place_a_, place_b_, place_ab_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,59 @@
+// What the wind does to triangles.
+//
+// Triangle a, b, c with N = (x_b - x_a) x (x_c - x_a), twice its area long, and w = W - (v_a + v_b
+// + v_c)/3, the wind relative to it: 1/2 rho A |n.w| (n.w) n = rho/4 |N.w| (N.w) N/|N|^2, a third
+// of it on each corner.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/mesh/tet_mesh.h"
+#include "runtime/nodal/nodal_system.h"
+#include "runtime/sparse/block_matrix.h"
+
+namespace tremolo {
+
+class WindDrag {
+ public:
+  WindDrag() = default;
+  // drag: rho, kg/m^3. Where it is 0 there is nothing.
+  WindDrag(const std::vector<Triangle>& triangles, double drag);
+
+  // Finds the blocks of a pattern that has all edges.
+  void find_places(const BlockPattern& pattern);
+
+  bool blows() const { return !corners_.empty(); }
+
+  // wind: W, m/s. f += the forces. Nothing is allocated in what follows.
+  void add_force(const Eigen::Vector3d& wind, const Eigen::VectorXd& x, const Eigen::VectorXd& v,
+                 Eigen::VectorXd& f) const;
+  // a += velocity (-df/dv) of it.
+  void add_tangent(const Eigen::Vector3d& wind, const Eigen::VectorXd& x, const Eigen::VectorXd& v,
+                   double velocity, BlockMatrix& a) const;
+  // W: damped by the motion relative to the wind, driven by the wind's own.
+  StepWork power(const Eigen::Vector3d& wind, const Eigen::VectorXd& x,
+                 const Eigen::VectorXd& v) const;
+  // f += the force on the triangles halfway between, at the speed of (x1 - x0)/h; returns its work.
+  StepWork add_step_force(const Eigen::Vector3d& wind, const Eigen::VectorXd& x0,
+                          const Eigen::VectorXd& x1, double h, Eigen::VectorXd& f) const;
+  void add_step_tangent(const Eigen::Vector3d& wind, const Eigen::VectorXd& x0,
+                        const Eigen::VectorXd& x1, double h, BlockMatrix& a) const;
+
+ private:
+  // The blocks of its corners, and of the pairs a b, b c and c a.
+  struct Places {
+    std::array<std::uint32_t, 3> corner{}, edge{};
+  };
+
+  void add_blocks(std::size_t triangle, const Eigen::Matrix3d& block, BlockMatrix& a) const;
+
+  double drag_ = 0.0;
+  std::vector<std::array<std::uint32_t, 3>> corners_;
+  std::vector<Places> places_;
+};
+
+}  // namespace tremolo

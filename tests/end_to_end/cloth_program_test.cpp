@@ -1,0 +1,228 @@
+// Scenes with [[cloths]] as a user meets them: those of assets/scenes, small ones, and bad input.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/programs.h"
+
+namespace tremolo {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class ClothProgram : public ::testing::Test {
+ protected:
+  void SetUp() override { folder_ = fresh_folder(); }
+
+  ProgramResult run(const std::string& scene, const std::string& flags = "") {
+    std::ofstream(folder_ + "/scene.toml") << scene;
+    return run_program(folder_, kTremolo + "run scene.toml " + flags);
+  }
+  void expect_refused(const std::string& scene, const std::string& words,
+                      const std::string& flags = "") {
+    const ProgramResult result = run(scene, flags);
+    EXPECT_NE(result.code, 0) << scene;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err << "\ninstead of " << words;
+  }
+  static std::string asset(const std::string& name) {
+    return TREMOLO_SOURCE_DIR "/assets/scenes/" + name + ".toml";
+  }
+
+  std::string folder_;
+};
+
+// A sheet of 36 particles on two corners.
+std::string small_sheet(const std::string& keys = "") {
+  return "duration = 0.5\nstep = 0.016666666667\ngravity = [0, 0, -9.81]\n[[cloths]]\ncolumns = 6\n"
+         "rows = 6\npins = [\"top-left\", \"top-right\"]\n" +
+         keys;
+}
+
+TEST_F(ClothProgram, TellsWhatScriptsRelyOn) {
+  const ProgramResult result = run(small_sheet(), "--json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report["scene"], "scene.toml");
+  EXPECT_EQ(report["particles"], 36);
+  // 60 neighbours, 50 diagonals, 48 second neighbours.
+  EXPECT_EQ(report["springs"], 158);
+  EXPECT_EQ(report["steps"], 30);
+  EXPECT_NEAR(report["reached"].get<double>(), 0.5, 1e-9);
+  EXPECT_EQ(report["exit_code"], 0);
+  EXPECT_EQ(report["reason"], nullptr);
+  // No step is too long for implicit Euler.
+  EXPECT_EQ(report["stability_limit_s"], nullptr);
+  EXPECT_EQ(report["penetration_max"], 0.0);
+  for (const char* key : {"energy_initial", "energy_final", "energy_max", "energy_balance_error",
+                          "microseconds_per_step", "iterations_per_step", "cut_steps"})
+    EXPECT_TRUE(report[key].is_number()) << key;
+  for (const char* cause : {"wind", "support", "contact", "damping", "method"})
+    EXPECT_TRUE(report["energy_by_cause"][cause].is_number()) << cause;
+}
+
+TEST_F(ClothProgram, TheEnergyThatIsToldAddsUp) {
+  for (const char* method : {"energy", "implicit-euler", "midpoint", "bdf2"}) {
+    const ProgramResult result =
+        run(small_sheet(), std::string("--json --tolerance 1e-10 --integrator ") + method);
+    ASSERT_EQ(result.code, 0) << result.err;
+    const json report = json::parse(result.out);
+    double told = 0.0;
+    for (const auto& [cause, value] : report["energy_by_cause"].items())
+      told += value.get<double>();
+    const double change =
+        report["energy_final"].get<double>() - report["energy_initial"].get<double>();
+    // Sums of 30 steps in doubles.
+    EXPECT_NEAR(change, told, 1e-11 * report["energy_max"].get<double>()) << method;
+    // What the method adds of its own is what its solve leaves: 1e-10 of the load.
+    if (std::string(method) == "energy")
+      EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
+  }
+}
+
+TEST_F(ClothProgram, WritesEnergiesAndASurfaceAFrame) {
+  const ProgramResult result =
+      run(small_sheet("name = \"sheet\"\n"), "--out made --every 10 --surfaces 3 --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  std::set<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ + "/made"))
+    if (entry.is_regular_file())
+      files.insert(fs::relative(entry.path(), folder_ + "/made").string());
+  EXPECT_EQ(files,
+            (std::set<std::string>{
+                "report.json", "run.csv", "sheet/frames.csv", "sheet/surface-0000-t0.166667s.ply",
+                "sheet/surface-0001-t0.333333s.ply", "sheet/surface-0002-t0.500000s.ply"}));
+  EXPECT_EQ(json::parse(std::ifstream(folder_ + "/made/report.json")), json::parse(result.out));
+  std::ifstream table(folder_ + "/made/run.csv");
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line,
+            "t,kinetic,elastic,gravity,total,damped,wind,pins,contact,numerical,px,py,pz,lx,ly,lz,"
+            "penetration");
+  int rows = 0;
+  while (std::getline(table, line)) ++rows;
+  EXPECT_EQ(rows, 4);
+}
+
+TEST_F(ClothProgram, WritesWhatOtherProgramsOpen) {
+  std::ofstream(folder_ + "/scene.toml") << small_sheet("name = \"sheet\"\n");
+  const ProgramResult result = run_program(
+      folder_, kTremolo +
+                   "export scene.toml --rate 30 --pc2 a.pc2 --mdd b.mdd --pvd c.pvd --usda d.usda "
+                   "--series e.obj --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(json::parse(result.out)["frames"], 16);
+  // A head of 32 bytes, then 36 places of 16 frames.
+  EXPECT_EQ(fs::file_size(folder_ + "/a.pc2"), 32U + 16U * 36U * 12U);
+  EXPECT_EQ(fs::file_size(folder_ + "/b.mdd"), 8U + 16U * 4U + 16U * 36U * 12U);
+  EXPECT_TRUE(fs::exists(folder_ + "/c.pvd"));
+  EXPECT_TRUE(fs::exists(folder_ + "/d.usda"));
+  EXPECT_TRUE(fs::exists(folder_ + "/e-0015.obj"));
+  const ProgramResult glb = run_program(folder_, kTremolo + "export scene.toml --glb a.glb");
+  EXPECT_EQ(glb.code, 2) << glb.err;
+  EXPECT_NE(glb.err.find("--usda"), std::string::npos) << glb.err;
+}
+
+TEST_F(ClothProgram, OtherCommandsSayWhatGoesInstead) {
+  std::ofstream(folder_ + "/scene.toml") << small_sheet();
+  const ProgramResult inspect = run_program(folder_, kTremolo + "inspect scene.toml");
+  EXPECT_NE(inspect.code, 0);
+  EXPECT_NE(inspect.err.find("tremolo run"), std::string::npos) << inspect.err;
+  expect_refused(small_sheet(), "--load is of bodies", "--load square");
+  expect_refused(small_sheet(), "none of cloth's", "--integrator ep4");
+}
+
+TEST_F(ClothProgram, ExplicitMethodsAreRefusedBeyondTheirLimitWhichIsTold) {
+  for (const char* method :
+       {"explicit-euler", "symplectic-euler", "explicit-midpoint", "rk4", "implicit-euler-sweep"}) {
+    const ProgramResult result = run(small_sheet(), std::string("--integrator ") + method);
+    EXPECT_NE(result.code, 0) << method;
+    EXPECT_NE(result.err.find("the limit is"), std::string::npos) << method << result.err;
+  }
+  const ProgramResult fine =
+      run(small_sheet(), "--integrator symplectic-euler --step 0.0001 --json");
+  ASSERT_EQ(fine.code, 0) << fine.err;
+  EXPECT_GT(json::parse(fine.out)["stability_limit_s"].get<double>(), 1e-4);
+}
+
+TEST_F(ClothProgram, BadInputIsNamed) {
+  const std::string head = "[[cloths]]\ncolumns = 4\nrows = 4\n";
+  expect_refused(head + "colour = 1\n", "cloth 1: unknown key 'colour'");
+  expect_refused("[[cloths]]\ncolumns = 4\n", "`columns` and `rows`, or a `file`");
+  expect_refused("[[cloths]]\ncolumns = 1\nrows = 4\n", "'columns' must be from 2");
+  expect_refused(head + "structural = [-1, 0]\n", "structural");
+  expect_refused(head + "density = 0\n", "density");
+  expect_refused(head + "width = 0\n", "width");
+  expect_refused(head + "pins = \"middle\"\n", "'middle' is no place of particles");
+  expect_refused(head + "pins = 16\n", "there is no particle 16");
+  expect_refused(head + "pins = \"near:1,2\"\n", "near:X,Y,Z");
+  expect_refused(head + "[[cloths.pins]]\nuntil = 2\n", "it has no `at`");
+  expect_refused(head + "file = \"a.obj\"\n", "leave it or `file` out");
+  expect_refused("[[cloths]]\nfile = \"none.obj\"\n", "none.obj");
+  expect_refused(head + "[[balls]]\nmass = 0\n", "mass");
+  expect_refused(head + "[[balls]]\nfixed = true\nmass = 2\n", "is of a ball that is not fixed");
+  expect_refused(head + "[[balls]]\nposition = [0.5, 0.5, 0]\nradius = 0.2\n", "ball-1");
+  expect_refused("integrator = \"ep4\"\n" + head, "ep4");
+  expect_refused(head + "[[bodies]]\nname = \"horse\"\n", "do not go together");
+}
+
+TEST_F(ClothProgram, BadMeshesAreNamed) {
+  const auto mesh = [&](const std::string& text) {
+    std::ofstream(folder_ + "/mesh.obj") << text;
+    return run("[[cloths]]\nfile = \"mesh.obj\"\n");
+  };
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  EXPECT_EQ(mesh(square + "f 1 2 3\nf 1 3 4\n").code, 0);
+  EXPECT_EQ(mesh(square + "v 5 5 5\nf 1 2 3\nf 1 3 4\n").code, 3);  // a vertex by itself
+  EXPECT_EQ(mesh(square + "v 0 0 0\nf 1 5 3\nf 1 3 4\n").code, 3);  // no length between two
+  std::string fan = "v 0 0 0\nv 1 0 0\n";
+  for (int k = 0; k < 1000; ++k)
+    fan += "v 0.5 " + std::to_string(std::cos(0.006 * k)) + " " +
+           std::to_string(std::sin(0.006 * k)) + "\nf 1 2 " + std::to_string(k + 3) + "\n";
+  EXPECT_EQ(mesh(fan).code, 3);
+}
+
+// 60 s of each scene at 1/60 s, in the long form; else a second.
+class ClothScenes : public ClothProgram,
+                    public ::testing::WithParamInterface<std::tuple<const char*, const char*>> {};
+
+TEST_P(ClothScenes, ReachTheirEndWithNoParticleInAnything) {
+  const auto [scene, method] = GetParam();
+#ifdef TREMOLO_LONG_TESTS
+  const std::string duration = "60";
+#else
+  const std::string duration = "1";
+#endif
+  const ProgramResult result =
+      run_program(folder_, kTremolo + "run " + asset(scene) + " --json --integrator " + method +
+                               " --duration " + duration);
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_NEAR(report["reached"].get<double>(), std::stod(duration), 1e-6);
+  EXPECT_TRUE(report["energy_final"].is_number());
+  // Rounding of a distance of a metre.
+  EXPECT_LE(report["penetration_max"].get<double>(), 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, ClothScenes,
+    ::testing::Combine(::testing::Values("cloth-hanging", "cloth-sphere", "cloth-spheres",
+                                         "cloth-flag", "cloth-trampoline", "cloth-curtain"),
+                       ::testing::Values("implicit-euler", "implicit-euler-linear", "midpoint",
+                                         "newmark", "bdf2", "energy")),
+    [](const auto& info) {
+      std::string name =
+          std::string(std::get<0>(info.param)) + "_" + std::string(std::get<1>(info.param));
+      for (char& c : name)
+        if (c == '-') c = '_';
+      return name;
+    });
+
+}  // namespace
+}  // namespace tremolo
