@@ -7,6 +7,7 @@
 
 #include "runtime/nodal/nodal_integrator.h"
 #include "runtime/program/output/statistics.h"
+#include "runtime/program/output/tell.h"
 #include "tests/lab/cloth/cloth_sections.h"
 #include "tests/lab/cloth/cloth_study.h"
 #include "tests/lab/work/failure.h"
@@ -96,6 +97,8 @@ std::vector<Criterion> add_cloth_speed(Report& report) {
   for (const SpeedCase& known : cases) {
     const SpeedRow row = measure_speed(known);
     const double middle = median(row.each);
+    tell("tremolo: {} of {} particles, {}: {:.4g} ms a step\n", known.method,
+         known.edge * known.edge, solver_name(known.solver), 1e3 * middle);
     const std::size_t particles = known.edge * known.edge;
     table.rows.push_back({known.method, solver_name(known.solver), std::to_string(particles),
                           cell(1e3 * row.step, 3), cell(1e3 * middle, 3),

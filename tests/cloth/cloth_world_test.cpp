@@ -1,0 +1,173 @@
+// Cloth with balls and colliders, and scenes that are refused.
+#include "runtime/cloth/cloth_world.h"
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "runtime/cloth/ball_motion.h"
+#include "tests/cloth/cloth_samples.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+ClothScene sheet_above_ball(bool fixed) {
+  ClothScene scene;
+  scene.integrator = "symplectic-euler";
+  scene.options.step = 5e-4;
+  scene.gravity.values = {{0.0, 0.0, -9.81}};
+  SceneCloth cloth = testing::sample_sheet(14, 14);
+  cloth.structural.damping = cloth.shear.damping = 0.01;
+  cloth.grid.corner = {-0.5, -0.5, 0.0};
+  scene.cloths = {cloth};
+  SceneBall ball;
+  ball.name = "ball";
+  ball.radius = 0.2;
+  ball.mass = 0.1;
+  ball.position = {0.03, 0.02, fixed ? -0.25 : 0.25};
+  ball.fixed = fixed;
+  scene.balls = {ball};
+  return scene;
+}
+
+TEST(ClothWorld, ABallOnAFreeSheetKeepsLinearMomentumToRounding) {
+  ClothScene scene = sheet_above_ball(false);
+  scene.gravity.values.clear();
+  scene.balls[0].velocity = {0.3, -0.2, -2.0};
+  scene.balls[0].spin = {3.0, 1.0, -2.0};
+  Result<ClothWorld> world = ClothWorld::create(scene);
+  ASSERT_TRUE(world) << world.error().message;
+  const Vector3d before = world->linear_momentum();
+  for (int k = 0; k < 800; ++k) ASSERT_TRUE(world->step());
+  EXPECT_LT(std::abs(world->energy().contact), 10.0);
+  EXPECT_LT(world->energy().contact, 0.0);
+  // Some ten thousand impulses of up to 1e-2 N s.
+  EXPECT_LE((world->linear_momentum() - before).norm(), 1e-13);
+  EXPECT_EQ(world->penetration_max(), 0.0);
+}
+
+TEST(ClothWorld, EnergyIsAccountedForToRounding) {
+  for (const bool fixed : {false, true}) {
+    ClothScene scene = sheet_above_ball(fixed);
+    scene.cloths[0].drag = 1.2;
+    scene.wind = {1.0, 0.5, 0.0};
+    Result<ClothWorld> world = ClothWorld::create(scene);
+    ASSERT_TRUE(world) << world.error().message;
+    const double start = world->energy().total();
+    for (int k = 0; k < 1000; ++k) ASSERT_TRUE(world->step());
+    const ClothEnergy e = world->energy();
+    EXPECT_NEAR(e.total() - start, e.wind + e.pins + e.contact + e.numerical - e.damped, 1e-11);
+    EXPECT_EQ(world->penetration_max(), 0.0);
+  }
+}
+
+TEST(ClothWorld, ImpulsesKeepBothMomenta) {
+  Vector3d va(1.0, 2.0, -3.0), wa(3.0, -1.0, 2.0), vb(-0.3, 0.2, 1.0), wb(0.1, 4.0, 0.3);
+  const Vector3d n = Vector3d(0.2, -0.1, 1.0).normalized(), point(0.3, 0.4, 0.5);
+  const double ra = 0.2, rb = 0.3, ia = 2.5 / (0.7 * ra * ra), ib = 2.5 / (1.9 * rb * rb);
+  const Vector3d xa = point + ra * n, xb = point - rb * n;
+  ContactSide a{1.0 / 0.7, ia, -ra * n, &va, &wa, {}}, b{1.0 / 1.9, ib, rb * n, &vb, &wb, {}};
+  const auto linear = [&] { return Vector3d(0.7 * va + 1.9 * vb); };
+  const auto angular = [&] {
+    return Vector3d(0.7 * xa.cross(va) + 1.9 * xb.cross(vb) + wa / ia + wb / ib);
+  };
+  const Vector3d p = linear(), l = angular();
+  ASSERT_TRUE(collide(n, {0.4, 0.6, 0.0}, a, b));
+  EXPECT_LE((linear() - p).norm(), 1e-14);
+  EXPECT_LE((angular() - l).norm(), 1e-14);
+}
+
+// a = 5/7 g sin of the slope, where friction suffices.
+TEST(ClothWorld, ABallRollsDownASlopeWithFiveSeventhsOfTheFall) {
+  ClothScene scene = sheet_above_ball(false);
+  scene.cloths[0].grid.corner = {50.0, 0.0, 50.0};
+  constexpr double kSlope = 0.2;
+  SceneCollider slope;
+  slope.name = "slope";
+  slope.shape = PlaneShape{};
+  slope.pose.rotation = Eigen::AngleAxisd(kSlope, Vector3d::UnitY());
+  slope.friction = 0.5;
+  scene.colliders = {slope};
+  scene.balls[0].friction = 0.5;
+  scene.balls[0].position = 0.2 * (slope.pose.rotation * Vector3d::UnitZ());
+  Result<ClothWorld> world = ClothWorld::create(scene);
+  ASSERT_TRUE(world) << world.error().message;
+  for (int k = 0; k < 1000; ++k) ASSERT_TRUE(world->step());
+  const double speed = world->balls()[0].velocity.norm();
+  // Its point of contact sticks to the slope within each step: to a step's share.
+  EXPECT_NEAR(speed, 5.0 / 7.0 * 9.81 * std::sin(kSlope) * world->time(), 2e-3 * speed);
+}
+
+TEST(ClothWorld, HandsHoldAndLetGo) {
+  ClothScene scene = sheet_above_ball(true);
+  Result<ClothWorld> world = ClothWorld::create(scene);
+  ASSERT_TRUE(world);
+  const Vector3d at = world->positions(0).head<3>() + Vector3d(0.0, 0.0, 0.01);
+  ASSERT_TRUE(world->hold(0, 0, at));
+  for (int k = 0; k < 100; ++k) ASSERT_TRUE(world->step());
+  EXPECT_EQ(Vector3d(world->positions(0).head<3>()), at);
+  ASSERT_TRUE(world->let_go(0, 0));
+  for (int k = 0; k < 100; ++k) ASSERT_TRUE(world->step());
+  EXPECT_NE(Vector3d(world->positions(0).head<3>()), at);
+  EXPECT_FALSE(world->hold(0, 100000, at));
+}
+
+TEST(ClothWorld, BadScenesAreRefusedByName) {
+  struct Bad {
+    const char* word;
+    std::function<void(ClothScene&)> spoil;
+  };
+  const std::array<Bad, 9> all = {
+      Bad{"stiffness", [](ClothScene& s) { s.cloths[0].shear.stiffness = -1.0; }},
+      Bad{"density", [](ClothScene& s) { s.cloths[0].density = 0.0; }},
+      Bad{"columns", [](ClothScene& s) { s.cloths[0].grid.columns = 1; }},
+      Bad{"width", [](ClothScene& s) { s.cloths[0].grid.width = 0.0; }},
+      Bad{"no particle 9999",
+          [](ClothScene& s) {
+            s.cloths[0].pins = {ClothPin{{9999}, {}, 1.0}};
+          }},
+      Bad{"inside ball 'ball'", [](ClothScene& s) { s.balls[0].position.setZero(); }},
+      Bad{"integrator", [](ClothScene& s) { s.integrator = "magic"; }},
+      Bad{"grid or a file", [](ClothScene& s) { s.cloths[0].file = "sheet.obj"; }},
+      Bad{"radius", [](ClothScene& s) { s.balls[0].radius = std::nan(""); }}};
+  for (const Bad& bad : all) {
+    ClothScene scene = sheet_above_ball(true);
+    bad.spoil(scene);
+    const Result<ClothWorld> world = ClothWorld::create(scene);
+    ASSERT_FALSE(world) << bad.word;
+    EXPECT_NE(world.error().message.find(bad.word), std::string::npos) << world.error().message;
+  }
+}
+
+SurfaceMesh two_triangles() {
+  return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 2}, {1, 3, 2}}};
+}
+
+TEST(ClothWorld, BadMeshesAreRefused) {
+  const auto problem = [](const SurfaceMesh& mesh) {
+    const Result<ClothParts> parts = make_mesh_cloth(SceneCloth{}, mesh);
+    return parts ? std::string() : parts.error().message;
+  };
+  EXPECT_EQ(problem(two_triangles()), "");
+  SurfaceMesh mesh = two_triangles();
+  mesh.vertices.push_back({5, 5, 5});
+  EXPECT_NE(problem(mesh).find("isolated"), std::string::npos);
+  mesh = two_triangles();
+  for (int k = 0; k < 1000; ++k) {
+    mesh.vertices.push_back({0.5, 0.5, 1.0 + k});
+    mesh.triangles.push_back({1, 2, 4 + k});
+  }
+  EXPECT_NE(problem(mesh).find("1002 triangles"), std::string::npos);
+  mesh = two_triangles();
+  mesh.vertices[3] = mesh.vertices[1];
+  EXPECT_NE(problem(mesh).find("no length"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tremolo
