@@ -7,13 +7,20 @@
 namespace tremolo {
 namespace {
 
-// Above so many nodes conjugate gradients take less time and memory than a factor (measured on
-// sheets, docs/cloth.md).
+// Above so many nodes a factor is not thought of: it takes more than some hundred megabytes.
 constexpr std::size_t kMostFactored = 60'000;
+// What an iteration of conjugate gradients costs for a block, in multiplications of a factorisation
+// (5 ns over 0.11 ns, measured on sheets of 2 500 and 10 000 nodes).
+constexpr double kIterationCost = 45.0;
+// So many systems are solved by the factor after one that conjugate gradients took too long for.
+constexpr int kFactored = 50;
 constexpr int kLineHalvings = 10;
-constexpr int kMostCgIterations = 5'000;
-// Of an inexact Newton step: its linear residual over the residual.
-constexpr double kForcing = 1e-2;
+// So few are not worth the try.
+constexpr int kLeastWorth = 20;
+// Of an inexact Newton step: the linear residual over the residual, by how the last step shrank it
+// (Eisenstat and Walker 1996, choice 2). Where Newton's matrix leaves terms out that is little, and
+// more digits would be in vain.
+constexpr double kLeastForcing = 1e-4, kMostForcing = 0.1;
 
 }  // namespace
 
@@ -21,6 +28,7 @@ ImplicitSolve::ImplicitSolve(const NodalSystem& system, const NodalOptions& opti
     : system_(system),
       options_(options),
       matrix_(system.pattern()),
+      steps_(3 * system.mass().size()),
       x_(Eigen::VectorXd::Zero(3 * system.mass().size())),
       v_(x_),
       f_(x_),
@@ -40,7 +48,13 @@ Result<std::unique_ptr<ImplicitSolve>> ImplicitSolve::create(const NodalSystem& 
     else if (options.solver == NodalSolver::kCholesky)
       return factor.error();
   }
-  if (!made->factor_) made->gradients_.emplace(*system.pattern());
+  if (options.solver == NodalSolver::kCholesky) return made;
+  if (made->factor_)
+    made->worth_ = static_cast<int>(
+        std::min(static_cast<double>(kMostCgIterations),
+                 made->factor_->multiplications() /
+                     (kIterationCost * static_cast<double>(system.pattern()->blocks()))));
+  if (made->worth_ >= kLeastWorth) made->gradients_.emplace(*system.pattern());
   return made;
 }
 
@@ -83,18 +97,22 @@ bool ImplicitSolve::direction(const ImplicitEquation& equation, const Eigen::Vec
   else
     system_.add_tangent(x_, v_, equation.part, equation.theta, equation.kappa, matrix_);
   matrix_.hold(system_.held());
-  if (factor_) {
-    if (!factor_->factor(matrix_)) return false;
-    d_ = r_;
-    factor_->solve(d_);
-    return d_.allFinite();
+  const bool try_gradients = gradients_ && (!factor_ || --factored_ <= 0);
+  if (try_gradients) {
+    d_.setZero();
+    const double size = r_.norm();
+    const double forcing = std::clamp(0.9 * shrunk_ * shrunk_, kLeastForcing, kMostForcing);
+    const double enough = once ? 0.1 * target : std::max(0.1 * target, forcing * size);
+    const CgReport solved =
+        gradients_->solve(matrix_, r_, d_, std::min(enough, 0.5 * size), worth_);
+    const bool good = solved.positive && d_.allFinite();
+    if (!factor_ || (good && solved.converged)) return good;
+    factored_ = kFactored;
   }
-  d_.setZero();
-  const double size = r_.norm();
-  const double enough = once ? 0.1 * target : std::max(0.1 * target, kForcing * size);
-  const CgReport solved =
-      gradients_->solve(matrix_, r_, d_, std::min(enough, 0.5 * size), kMostCgIterations);
-  return solved.positive && d_.allFinite();
+  if (!factor_->factor(matrix_)) return false;
+  d_ = r_;
+  factor_->solve(d_);
+  return d_.allFinite();
 }
 
 // What rounding of the positions leaves of the residual, N.
@@ -106,11 +124,34 @@ double ImplicitSolve::rounding(const Eigen::VectorXd& x1) const {
          std::sqrt(static_cast<double>(x1.size()));
 }
 
+std::optional<double> ImplicitSolve::search(const ImplicitEquation& equation,
+                                            const Eigen::VectorXd& x1, double size, double limit) {
+  // What Newton's matrix leaves out makes its steps shrink slowly; the last ones tell by how much.
+  const double slope = d_.dot(r_);
+  if (steps_.mix(x1, d_, trial_)) {
+    trial_ += x1;
+    const double next = residual(equation, trial_);
+    if (next <= std::max(limit, size)) return next;
+  }
+  double share = 1.0;
+  for (int halved = 0; halved <= kLineHalvings; ++halved, share *= 0.5) {
+    trial_ = x1 + share * d_;
+    const double next = residual(equation, trial_);
+    if (next <= limit || next <= (1.0 - 1e-4 * share) * size) return next;
+    // As it may rise on the way to a minimum where Newton's matrix leaves terms out, what is left
+    // of it along the direction may fall instead (Matthies and Strang 1979).
+    if (std::isfinite(next) && std::abs(d_.dot(r_)) <= 0.8 * std::abs(slope)) return next;
+  }
+  return std::nullopt;
+}
+
 bool ImplicitSolve::solve(const ImplicitEquation& equation, Eigen::VectorXd& x1, bool once,
                           NodalReport& report) {
   const double load = system_.load_size();
   const double target = options_.tolerance * load;
   double size = residual(equation, x1);
+  steps_.clear();
+  shrunk_ = 1.0;
   for (int k = 0; k < options_.max_iterations; ++k) {
     report.residual = size / load;
     if (!std::isfinite(size)) return false;
@@ -122,20 +163,11 @@ bool ImplicitSolve::solve(const ImplicitEquation& equation, Eigen::VectorXd& x1,
       return std::isfinite(residual(equation, x1));
     }
     const double limit = std::max(target, rounding(x1));
-    const double slope = d_.dot(r_);
-    double share = 1.0, next = 0.0;
-    int halved = 0;
-    for (;; share *= 0.5) {
-      trial_ = x1 + share * d_;
-      next = residual(equation, trial_);
-      // The residual falls, or, as it may rise on the way to a minimum where Newton's matrix leaves
-      // terms out, what is left of it along the direction does (Matthies and Strang 1979).
-      if (next <= limit || next <= (1.0 - 1e-4 * share) * size) break;
-      if (std::isfinite(next) && std::abs(d_.dot(r_)) <= 0.8 * std::abs(slope)) break;
-      if (++halved > kLineHalvings) return size <= limit;
-    }
+    const std::optional<double> next = search(equation, x1, size, limit);
+    if (!next) return size <= limit;
     x1.swap(trial_);
-    size = next;
+    shrunk_ = *next / size;
+    size = *next;
     report.residual = size / load;
     if (size <= limit) return true;
   }

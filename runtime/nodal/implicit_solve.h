@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "runtime/nodal/mixed_steps.h"
 #include "runtime/nodal/nodal_integrator.h"
 #include "runtime/sparse/block_cholesky.h"
 #include "runtime/sparse/conjugate_gradients.h"
@@ -43,17 +44,28 @@ class ImplicitSolve {
   const StepWork& work() const { return work_; }
 
  private:
+  static constexpr int kMostCgIterations = 5000;
+
   ImplicitSolve(const NodalSystem& system, const NodalOptions& options);
   double residual(const ImplicitEquation& equation, const Eigen::VectorXd& x1);
   bool direction(const ImplicitEquation& equation, const Eigen::VectorXd& x1, double target,
                  bool once);
   double rounding(const Eigen::VectorXd& x1) const;
+  // From x1 with the residual `size` to trial_, with the residual that is returned; nothing where
+  // no part of the step is of use.
+  std::optional<double> search(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
+                               double size, double limit);
 
   const NodalSystem& system_;
   NodalOptions options_;
   BlockMatrix matrix_;
   std::optional<BlockCholesky> factor_;
   std::optional<ConjugateGradients> gradients_;
+  // Conjugate gradients are given up after so many iterations: a factor takes less then.
+  int worth_ = kMostCgIterations;
+  int factored_ = 0;     // systems that the factor still solves before they are tried again
+  double shrunk_ = 1.0;  // the residual over that before the last step
+  MixedSteps steps_;
   Eigen::VectorXd x_, v_, f_, r_, d_, trial_;
   StepWork work_;
 };

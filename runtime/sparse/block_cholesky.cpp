@@ -135,8 +135,7 @@ void BlockCholesky::subtract_from(std::size_t s, std::size_t descendant) {
   TREMOLO_CALL(subtract_product, product);
   for (std::size_t j = begin; j < end; ++j)
     for (std::size_t d = 0; d < 3; ++d) {
-      double* to = values_.data() + panel_[s] +
-                   (3 * (rows[j] - shape_.first[s]) + d) * stride_[s];
+      double* to = values_.data() + panel_[s] + (3 * (rows[j] - shape_.first[s]) + d) * stride_[s];
       const double* column = update_.data() + (3 * (j - begin) + d) * update_stride;
       for (std::size_t i = j; i < all; ++i) {
         double* at = to + local_[rows[i]];
@@ -168,8 +167,8 @@ Status BlockCholesky::factor(const BlockMatrix& a) {
       k = after;
     }
     const std::size_t columns = 3 * shape_.width(s);
-    const std::size_t good = TREMOLO_CALL(factor_panel, values_.data() + panel_[s], stride_[s],
-                                          height(s), columns);
+    const std::size_t good =
+        TREMOLO_CALL(factor_panel, values_.data() + panel_[s], stride_[s], height(s), columns);
     if (good < columns)
       return Error{ErrorKind::kSolver,
                    "the matrix is not positive definite: the pivot of node " +

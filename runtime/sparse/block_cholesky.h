@@ -47,9 +47,7 @@ class BlockCholesky {
   explicit BlockCholesky(BlockPatternPointer pattern);
   void place_entries();
   std::size_t count_panels();
-  std::size_t height(std::size_t s) const {
-    return 3 * (shape_.width(s) + shape_.rows_below(s));
-  }
+  std::size_t height(std::size_t s) const { return 3 * (shape_.width(s) + shape_.rows_below(s)); }
   void assemble(std::size_t s, const BlockMatrix& a);
   void subtract_from(std::size_t s, std::size_t descendant);
   void wait_for_rows(std::size_t s);
@@ -58,12 +56,12 @@ class BlockCholesky {
   Elimination shape_;
   std::vector<std::size_t> entry_first_;  // by columns
   std::vector<Entry> entries_;
-  std::vector<std::size_t> panel_;   // where each begins in values_
-  std::vector<std::size_t> stride_;  // between its columns
-  AlignedDoubles values_, update_;   // the panels; a product on its way
-  std::vector<std::uint32_t> local_;  // of the panel at hand: where a node's row is
+  std::vector<std::size_t> panel_;             // where each begins in values_
+  std::vector<std::size_t> stride_;            // between its columns
+  AlignedDoubles values_, update_;             // the panels; a product on its way
+  std::vector<std::uint32_t> local_;           // of the panel at hand: where a node's row is
   std::vector<std::uint32_t> waiting_, next_;  // supernodes that a panel still needs, as lists
-  std::vector<std::size_t> done_;    // how many of its rows a supernode has given
+  std::vector<std::size_t> done_;              // how many of its rows a supernode has given
   std::vector<double> x_, below_;
   double multiplications_ = 0.0;
 };

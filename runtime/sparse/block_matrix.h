@@ -52,7 +52,8 @@ class BlockMatrix {
   const BlockPattern& pattern() const { return *pattern_; }
   const BlockPatternPointer& shared_pattern() const { return pattern_; }
 
-  // By place, as of BlockPattern::find(): A_ij of its row i > j, or a symmetric one of the diagonal.
+  // By place, as of BlockPattern::find(): A_ij of its row i > j, or a symmetric one of the
+  // diagonal.
   Eigen::Matrix3d& block(std::size_t place) { return blocks_[place]; }
   const Eigen::Matrix3d& block(std::size_t place) const { return blocks_[place]; }
   Eigen::Matrix3d& diagonal(std::size_t node) { return blocks_[pattern_->diagonal(node)]; }

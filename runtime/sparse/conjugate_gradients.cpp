@@ -1,69 +1,195 @@
 #include "runtime/sparse/conjugate_gradients.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
 
 namespace tremolo {
+namespace {
 
-ConjugateGradients::ConjugateGradients(const BlockPattern& pattern)
-    : inverse_(pattern.size(), Eigen::Matrix3d::Identity()) {
-  const auto n = static_cast<Eigen::Index>(3 * pattern.size());
-  for (Eigen::VectorXd* v : {&r_, &z_, &p_, &q_}) *v = Eigen::VectorXd::Zero(n);
+using std::size_t;
+
+typedef float Four __attribute__((vector_size(16), may_alias));
+typedef double FourDoubles __attribute__((vector_size(32)));
+
+constexpr size_t kBlock = 12;  // floats
+
+// Floats resolve no more of a residual.
+constexpr double kLeastInside = 1e-4;
+
+Four& four_at(AlignedFloats& list, size_t node) {
+  return *reinterpret_cast<Four*>(list.data() + 4 * node);
 }
 
-// The leading minors of each block are positive, or it has no positive inverse.
-bool ConjugateGradients::invert_diagonal(const BlockMatrix& a) {
-  for (std::size_t i = 0; i < inverse_.size(); ++i) {
+// A block times a vector.
+Four block_times(const float* block, Four x) {
+  const Four* column = reinterpret_cast<const Four*>(block);
+  return column[0] * x[0] + column[1] * x[1] + column[2] * x[2];
+}
+
+void store_block(const Eigen::Matrix3d& block, double scale, float* at) {
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) at[4 * j + i] = static_cast<float>(scale * block(i, j));
+}
+
+// A sum of products in doubles: one in floats loses digits as it grows.
+struct Sum {
+  FourDoubles lanes = {};
+
+  void add(Four a, Four b) { lanes += __builtin_convertvector(a * b, FourDoubles); }
+  double total() const { return lanes[0] + lanes[1] + lanes[2]; }
+};
+
+}  // namespace
+
+ConjugateGradients::ConjugateGradients(const BlockPattern& pattern) : n_(pattern.size()) {
+  const auto first = pattern.first();
+  const auto columns = pattern.columns();
+  first_.assign(n_ + 1, 0);
+  for (size_t i = 0; i < n_; ++i)
+    for (size_t p = first[i]; p < first[i + 1]; ++p) {
+      ++first_[i + 1];
+      if (columns[p] != i) ++first_[columns[p] + 1];
+    }
+  for (size_t i = 0; i < n_; ++i) first_[i + 1] += first_[i];
+  column_.resize(first_[n_]);
+  place_.resize(pattern.blocks());
+  turned_.resize(pattern.blocks());
+  // Rows are filled in the order of their columns: first what is left of the diagonal.
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (size_t i = 0; i < n_; ++i)
+    for (size_t p = first[i]; p < first[i + 1]; ++p) {
+      const std::uint32_t j = columns[p];
+      place_[p] = next[i]++;
+      column_[place_[p]] = j;
+      turned_[p] = place_[p];
+      if (j == i) continue;
+      turned_[p] = next[j]++;
+      column_[turned_[p]] = static_cast<std::uint32_t>(i);
+    }
+  blocks_.assign(kBlock * column_.size(), 0.0F);
+  inverse_.assign(kBlock * n_, 0.0F);
+  for (AlignedFloats* list : {&r_, &z_, &p_, &q_, &d_}) list->assign(4 * n_, 0.0F);
+  rest_ = image_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * n_));
+}
+
+// The matrix in floats. False where a diagonal block is not positive definite: the leading minors
+// of one that is are.
+bool ConjugateGradients::take(const BlockMatrix& a) {
+  double largest = 0.0;
+  for (size_t i = 0; i < n_; ++i) {
     const Eigen::Matrix3d& d = a.diagonal(i);
-    const double minor = d(0, 0) * d(1, 1) - d(1, 0) * d(0, 1);
     const double determinant = d.determinant();
-    if (!(d(0, 0) > 0.0 && minor > 0.0 && determinant > 0.0 && std::isfinite(determinant)))
+    if (!(d(0, 0) > 0.0 && d(0, 0) * d(1, 1) - d(1, 0) * d(0, 1) > 0.0 && determinant > 0.0 &&
+          std::isfinite(determinant)))
       return false;
-    inverse_[i] = d.inverse();
+    largest = std::max(largest, d.diagonal().maxCoeff());
+  }
+  scale_ = 1.0 / largest;
+  if (!(scale_ > 0.0 && std::isfinite(scale_))) return false;
+  for (size_t i = 0; i < n_; ++i)
+    store_block((scale_ * a.diagonal(i)).inverse(), 1.0, inverse_.data() + kBlock * i);
+  for (size_t p = 0; p < place_.size(); ++p) {
+    store_block(a.block(p), scale_, blocks_.data() + kBlock * place_[p]);
+    if (turned_[p] != place_[p])
+      store_block(a.block(p).transpose(), scale_, blocks_.data() + kBlock * turned_[p]);
   }
   return true;
 }
 
-void ConjugateGradients::precondition() {
-  for (std::size_t i = 0; i < inverse_.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(3 * i);
-    z_.segment<3>(k) = inverse_[i] * r_.segment<3>(k);
+// q = A p.
+void ConjugateGradients::multiply() {
+  for (size_t i = 0; i < n_; ++i) {
+    Four even = {}, odd = {};
+    size_t k = first_[i];
+    for (; k + 1 < first_[i + 1]; k += 2) {
+      even += block_times(blocks_.data() + kBlock * k, four_at(p_, column_[k]));
+      odd += block_times(blocks_.data() + kBlock * (k + 1), four_at(p_, column_[k + 1]));
+    }
+    if (k < first_[i + 1])
+      even += block_times(blocks_.data() + kBlock * k, four_at(p_, column_[k]));
+    four_at(q_, i) = even + odd;
   }
+}
+
+// z = the diagonal's inverse times r; returns r.z.
+double ConjugateGradients::precondition() {
+  Sum sum;
+  for (size_t i = 0; i < n_; ++i) {
+    const Four r = four_at(r_, i);
+    const Four z = block_times(inverse_.data() + kBlock * i, r);
+    four_at(z_, i) = z;
+    sum.add(r, z);
+  }
+  return sum.total();
+}
+
+// d = A^-1 r nearly, until the residual is `tolerance` of what it was, from |r| = 1 on. Returns the
+// residual; report.positive is false where the direction p_ has p.A p <= 0.
+double ConjugateGradients::search(double tolerance, int most, CgReport& report) {
+  double rz = precondition(), size = 1.0;
+  std::copy(z_.begin(), z_.end(), p_.begin());
+  std::fill(d_.begin(), d_.end(), 0.0F);
+  while (size > tolerance && report.iterations < most) {
+    ++report.iterations;
+    multiply();
+    Sum curvature;
+    for (size_t i = 0; i < n_; ++i) curvature.add(four_at(p_, i), four_at(q_, i));
+    report.positive = curvature.total() > 0.0;
+    if (!report.positive) return size;
+    const Four alpha = Four{} + static_cast<float>(rz / curvature.total());
+    Sum square;
+    for (size_t i = 0; i < n_; ++i) {
+      four_at(d_, i) += alpha * four_at(p_, i);
+      const Four r = four_at(r_, i) -= alpha * four_at(q_, i);
+      square.add(r, r);
+    }
+    size = std::sqrt(square.total());
+    const double before = rz;
+    rz = precondition();
+    const Four beta = Four{} + static_cast<float>(rz / before);
+    for (size_t i = 0; i < n_; ++i) four_at(p_, i) = four_at(z_, i) + beta * four_at(p_, i);
+  }
+  return size;
+}
+
+// Whether p.A p > 0 in doubles: rounding in floats may say otherwise of a stiff matrix.
+bool ConjugateGradients::is_positive(const BlockMatrix& a) {
+  for (size_t i = 0; i < n_; ++i)
+    for (size_t c = 0; c < 3; ++c)
+      rest_[static_cast<Eigen::Index>(3 * i + c)] = static_cast<double>(p_[4 * i + c]);
+  a.multiply(rest_, image_);
+  return rest_.dot(image_) > 0.0;
 }
 
 CgReport ConjugateGradients::solve(const BlockMatrix& a, const Eigen::VectorXd& b,
                                    Eigen::VectorXd& x, double residual, int max_iterations) {
   CgReport report;
-  if (!invert_diagonal(a)) {
+  if (!take(a)) {
     report.positive = false;
     return report;
   }
-  a.multiply(x, q_);
-  r_ = b - q_;
-  report.residual = r_.norm();
-  precondition();
-  p_ = z_;
-  double rz = r_.dot(z_);
-  while (!(report.converged = report.residual <= residual) &&
-         report.iterations < max_iterations) {
-    ++report.iterations;
-    a.multiply(p_, q_);
-    const double curvature = p_.dot(q_);
-    if (!(curvature > 0.0)) {
-      report.positive = false;
+  for (double before = -1.0;; before = report.residual) {
+    a.multiply(x, image_);
+    rest_ = b - image_;
+    report.residual = rest_.norm();
+    report.converged = report.residual <= residual;
+    if (report.converged || report.iterations >= max_iterations) return report;
+    // Rounding: another round would find nothing.
+    if (!std::isfinite(report.residual) || (before >= 0.0 && report.residual > 0.5 * before))
       return report;
-    }
-    const double alpha = rz / curvature;
-    x += alpha * p_;
-    r_ -= alpha * q_;
-    report.residual = r_.norm();
-    precondition();
-    const double before = rz;
-    rz = r_.dot(z_);
-    p_ = z_ + (rz / before) * p_;
+    for (size_t i = 0; i < n_; ++i)
+      for (size_t c = 0; c < 3; ++c)
+        r_[4 * i + c] =
+            static_cast<float>(rest_[static_cast<Eigen::Index>(3 * i + c)] / report.residual);
+    search(std::max(0.9 * residual / report.residual, kLeastInside), max_iterations, report);
+    const double back = scale_ * report.residual;
+    for (size_t i = 0; i < n_; ++i)
+      for (size_t c = 0; c < 3; ++c)
+        x[static_cast<Eigen::Index>(3 * i + c)] += back * static_cast<double>(d_[4 * i + c]);
+    if (!report.positive && !(report.positive = is_positive(a))) return report;
   }
-  return report;
 }
 
 }  // namespace tremolo

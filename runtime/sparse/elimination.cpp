@@ -4,9 +4,8 @@
 #include <array>
 #include <utility>
 
-#include <Eigen/SparseCore>
-
 #include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
 
 namespace tremolo {
 namespace {
@@ -171,8 +170,7 @@ std::vector<Run> find_runs(const Lists& later, const std::vector<Index>& parent)
 Elimination eliminate(const BlockPattern& pattern) {
   Elimination result;
   std::vector<Index> order = minimum_degree(pattern);
-  const std::vector<Index> tree =
-      elimination_tree(neighbours(pattern, inverse(order), false));
+  const std::vector<Index> tree = elimination_tree(neighbours(pattern, inverse(order), false));
   for (const Index k : postorder(tree)) result.order.push_back(order[k]);
   const std::vector<Index> place = inverse(result.order);
   const Lists earlier = neighbours(pattern, place, false);

@@ -13,7 +13,8 @@ namespace tremolo {
 // Nodes are numbered anew, in the order of their elimination; a supernode is a run of them whose
 // columns of the factor have the same rows below it (some of them zeros, where that made longer
 // runs). order: the old number of each. first: where supernode s begins, supernodes() + 1 entries.
-// rows: below s, ascending, from row_first[s] to row_first[s + 1] - 1. owner: the supernode of each.
+// rows: below s, ascending, from row_first[s] to row_first[s + 1] - 1. owner: the supernode of
+// each.
 struct Elimination {
   std::vector<std::uint32_t> order;
   std::vector<std::uint32_t> first;

@@ -167,7 +167,7 @@ TEST_F(ClothProgram, BadInputIsNamed) {
   expect_refused("[[cloths]]\nfile = \"none.obj\"\n", "none.obj");
   expect_refused(head + "[[balls]]\nmass = 0\n", "mass");
   expect_refused(head + "[[balls]]\nfixed = true\nmass = 2\n", "is of a ball that is not fixed");
-  expect_refused(head + "[[balls]]\nposition = [0.5, 0.5, 0]\nradius = 0.2\n", "ball-1");
+  expect_refused(head + "[[balls]]\nposition = [0.3, 0.3, 0]\nradius = 0.2\n", "ball-1");
   expect_refused("integrator = \"ep4\"\n" + head, "ep4");
   expect_refused(head + "[[bodies]]\nname = \"horse\"\n", "do not go together");
 }

@@ -91,6 +91,32 @@ TEST(SparseBlocks, ConjugateGradientsReachWhatIsAsked) {
   EXPECT_LE((b - made.dense * x).norm(), 2e-10);
 }
 
+// The iterations are in floats, of 7 digits; a refinement in doubles finds the others.
+TEST(SparseBlocks, ConjugateGradientsFindTheDigitsThatFloatsDoNotHave) {
+  const Case made = random_grid(8, 8, 4);
+  ConjugateGradients solver(made.sparse.pattern());
+  const VectorXd b = right_side(made.dense.rows());
+  for (const double size : {1e-12, 1.0, 1e12}) {
+    VectorXd x = VectorXd::Zero(b.size());
+    const CgReport report = solver.solve(made.sparse, size * b, x, 1e-12 * size * b.norm(), 5000);
+    EXPECT_TRUE(report.converged && report.positive) << size;
+    const VectorXd truth = size * made.dense.llt().solve(b);
+    // 1e-12 of the right side times a condition of some hundreds.
+    EXPECT_LE((x - truth).norm(), 1e-9 * truth.norm()) << size;
+  }
+}
+
+TEST(SparseBlocks, ConjugateGradientsStopWhereAskedForMoreThanRoundingLeaves) {
+  const Case made = random_grid(4, 4, 2);
+  ConjugateGradients solver(made.sparse.pattern());
+  const VectorXd b = right_side(made.dense.rows());
+  VectorXd x = VectorXd::Zero(b.size());
+  const CgReport report = solver.solve(made.sparse, b, x, 1e-30, 1000000);
+  EXPECT_FALSE(report.converged);
+  EXPECT_LT(report.iterations, 10000);
+  EXPECT_LE(report.residual, 1e-12);
+}
+
 TEST(SparseBlocks, WhatIsNotPositiveDefiniteIsFoundByBoth) {
   Case made = random_grid(4, 4, 5);
   made.sparse.diagonal(7) -= 50.0 * Eigen::Matrix3d::Identity();

@@ -1,7 +1,5 @@
 // The integrators of masses in space against closed forms on linear springs: what a step does to an
 // oscillation, the order, where the energy goes, held nodes that move, steps that fail.
-#include <Eigen/Eigenvalues>
-
 #include "runtime/nodal/nodal_integrator.h"
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "runtime/nodal/nodal_work.h"
