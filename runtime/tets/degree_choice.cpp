@@ -40,7 +40,7 @@ DegreeChoice::DegreeChoice(const TetModel& model, const DegreeOptions& options)
     : options_(options),
       stiffness_(model.edges(), 0.0),
       mass_(model.edges(), 0.0),
-      age_(model.edges(), 0),
+      age_(model.edges(), options.least_steps),  // what never changed need not wait
       wanted_(model.edges(), 2) {
   for (const TetModelElement& element : model.elements())
     for (std::size_t i = 4; i < kMostNodes; ++i)

@@ -32,8 +32,8 @@ Result<DegreeKind> parse_degree(std::string_view name);  // "linear", "quadratic
 // upper, lower: of an edge's length, 0 < lower <= upper. every: steps between two looks.
 struct DegreeOptions {
   DegreeKind kind = DegreeKind::kQuadratic;
-  double upper = 0.01;
-  double lower = 0.004;
+  double upper = 0.001;
+  double lower = 0.0004;
   int least_steps = 10;
   int every = 1;
 };
