@@ -79,7 +79,7 @@ TurnDerivatives turn_derivatives(const TetElement& element, const Elasticity& el
 
 void turn_shape(const TetElement& element, const Elasticity& elasticity, const Eigen::Vector3d& w,
                 TetShape& shape) {
-  const Eigen::Matrix3d turn = turn_by(w);
+  const Eigen::Matrix3d turn = rotation_by(w);
   shape.rotation = shape.rotation * turn;
   shape.mean = turn.transpose() * shape.mean;
   for (std::size_t s = 0; s < static_cast<std::size_t>(shape.samples); ++s) {

@@ -51,7 +51,7 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& a) {
   return rotation;
 }
 
-Eigen::Matrix3d turn_by(const Eigen::Vector3d& w) {
+Eigen::Matrix3d rotation_by(const Eigen::Vector3d& w) {
   const double angle = w.norm();
   if (!(angle > 1e-300)) return Eigen::Matrix3d::Identity();
   return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();

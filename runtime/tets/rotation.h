@@ -10,6 +10,8 @@
 
 #include <Eigen/Core>
 
+#include "runtime/frames/pose.h"
+
 namespace tremolo {
 
 // Always a rotation to rounding, whatever A: of a matrix that is flat to rounding, or whose two
@@ -18,14 +20,7 @@ namespace tremolo {
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& a);
 
 // exp([w]): the turn by |w| radians about w.
-Eigen::Matrix3d turn_by(const Eigen::Vector3d& w);
-
-// [w] x = w cross x.
-inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& w) {
-  Eigen::Matrix3d m;
-  m << 0.0, -w.z(), w.y(), w.z(), 0.0, -w.x(), -w.y(), w.x(), 0.0;
-  return m;
-}
+Eigen::Matrix3d rotation_by(const Eigen::Vector3d& w);
 
 // ax(A)_k = sum_ij eps_kij A_ij, so that tr([w] A) = w . ax(A) and ax([w]) = -2 w.
 inline Eigen::Vector3d axial(const Eigen::Matrix3d& a) {

@@ -18,7 +18,6 @@ struct ReproduceOptions {
   std::string published = kPublishedDirectory;
   std::string out = "build/reproduce";
   bool long_form = false;
-  std::string only;  // "tets": the bodies of tetrahedra alone, which need no model; empty: the rest
   int threads = 0;
   std::string only;
   bool json = false;

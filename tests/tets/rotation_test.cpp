@@ -33,7 +33,7 @@ TEST(NearestRotation, IsNearerThanAnyOtherAlsoToWhatIsInsideOut) {
     EXPECT_GT(nearest.determinant(), 0.0);
     for (int other = 0; other < 50; ++other) {
       const Eigen::Matrix3d turned =
-          other < 25 ? random.rotation() : Eigen::Matrix3d(nearest * turn_by(random.vector(0.05)));
+          other < 25 ? random.rotation() : Eigen::Matrix3d(nearest * rotation_by(random.vector(0.05)));
       EXPECT_LE((a - nearest).norm(), (a - turned).norm() + 1e-14);
     }
   }
@@ -50,8 +50,8 @@ TEST(NearestRotation, IsARotationForWhateverComes) {
 
 TEST(NearestRotation, OfASmallTurnIsThatTurn) {
   const Eigen::Vector3d w(1e-9, -2e-9, 3e-9);
-  EXPECT_LE((nearest_rotation(turn_by(w)) - turn_by(w)).norm(), 1e-15);
-  EXPECT_LE((axial(turn_by(w)) + 2.0 * w).norm(), 1e-17);
+  EXPECT_LE((nearest_rotation(rotation_by(w)) - rotation_by(w)).norm(), 1e-15);
+  EXPECT_LE((axial(rotation_by(w)) + 2.0 * w).norm(), 1e-17);
 }
 
 }  // namespace
