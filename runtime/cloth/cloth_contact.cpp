@@ -21,12 +21,6 @@ ContactTouch pair_of(double friction, double other_friction, double restitution,
           rest_speed};
 }
 
-// The velocity of a collider's surface at a point of the world, at the end of the step.
-Vector3d surface_velocity(const PlacedCollider& collider, const Vector3d& x, double h) {
-  const Vector3d inside = collider.end.rotation.conjugate() * (x - collider.end.position);
-  return (x - collider.start * inside) / h;
-}
-
 // The way out of a collider by `depth`, along its normal; that of a grid may be shorter than 1.
 Vector3d way_out(const CollisionDistance& found, double depth) {
   const double square = found.normal.squaredNorm();
@@ -48,6 +42,11 @@ ContactSide ball_side(MovingBall& ball, const Vector3d& point) {
 
 }  // namespace
 
+Vector3d surface_velocity(const PlacedCollider& collider, const Vector3d& x, double h) {
+  const Vector3d inside = collider.end.rotation.conjugate() * (x - collider.end.position);
+  return (x - collider.start * inside) / h;
+}
+
 CollisionDistance distance_at_end(const PlacedCollider& collider, const Vector3d& x) {
   const Pose& pose = collider.end;
   CollisionDistance found =
@@ -61,7 +60,8 @@ void ClothContact::cloth_colliders(ContactCloth& cloth, Pass& pass) const {
   for (std::size_t i = 0; i < held.size(); ++i) {
     if (held[i] != 0) continue;
     const auto at = 3 * static_cast<Eigen::Index>(i);
-    for (const PlacedCollider& collider : pass.colliders) {
+    for (std::size_t c = 0; c < pass.colliders.size(); ++c) {
+      const PlacedCollider& collider = pass.colliders[c];
       Vector3d x = cloth.state->x.segment<3>(at);
       const CollisionDistance found = distance_at_end(collider, x);
       pass.nearest = std::min(pass.nearest, found.distance);
@@ -70,6 +70,7 @@ void ClothContact::cloth_colliders(ContactCloth& cloth, Pass& pass) const {
       x += way_out(found, depth);
       cloth.state->x.segment<3>(at) = x;
       cloth.grounded[i] = 1;
+      cloth.touches[i] = {.normal = found.normal.normalized(), .collider = c};
       Vector3d v = cloth.state->v.segment<3>(at);
       ContactSide particle{.inverse_mass = 1.0 / cloth.model->mass()[static_cast<Eigen::Index>(i)],
                            .velocity = &v};
@@ -84,7 +85,8 @@ void ClothContact::cloth_colliders(ContactCloth& cloth, Pass& pass) const {
   }
 }
 
-void ClothContact::cloth_ball(ContactCloth& cloth, MovingBall& ball, Pass& pass) const {
+void ClothContact::cloth_ball(ContactCloth& cloth, std::size_t number, MovingBall& ball,
+                              Pass& pass) const {
   const std::span<const std::uint8_t> held = cloth.model->held();
   const double reach = ball.radius + cloth.thickness - kNearEnough;
   for (std::size_t i = 0; i < held.size(); ++i) {
@@ -117,6 +119,7 @@ void ClothContact::cloth_ball(ContactCloth& cloth, MovingBall& ball, Pass& pass)
                     pass.rest_speed),
             particle, other);
     if (free) {
+      cloth.touches[i] = {.normal = n, .ball = number};
       cloth.state->x.segment<3>(at) = x;
       cloth.state->v.segment<3>(at) = v;
       cloth.touched = true;
@@ -168,6 +171,7 @@ ContactReport ClothContact::project(std::span<ContactCloth> cloths, std::span<Mo
   for (ContactCloth& cloth : cloths) {
     cloth.touched = false;
     std::fill(cloth.grounded.begin(), cloth.grounded.end(), std::uint8_t{0});
+    std::fill(cloth.touches.begin(), cloth.touches.end(), ParticleTouch{});
   }
   for (; pass.sweep < kSweeps; ++pass.sweep) {
     pass.moved = false;
@@ -179,7 +183,7 @@ ContactReport ClothContact::project(std::span<ContactCloth> cloths, std::span<Mo
         for (const PlacedCollider& collider : colliders) ball_collider(ball, collider, pass);
     }
     for (ContactCloth& cloth : cloths) {
-      for (MovingBall& ball : balls) cloth_ball(cloth, ball, pass);
+      for (std::size_t b = 0; b < balls.size(); ++b) cloth_ball(cloth, b, balls[b], pass);
       cloth_colliders(cloth, pass);
     }
     if (!pass.moved) break;

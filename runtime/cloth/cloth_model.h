@@ -19,6 +19,20 @@
 
 namespace tremolo {
 
+// What a particle leans on in a step: a spring of `stiffness` (N/m) along n keeps n.(x - place)
+// near 0, so that a solve does not pull it through the surface that it touched when the step began.
+struct ClothLean {
+  std::size_t particle = 0;
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  double stiffness = 0.0;
+
+  // n.(x - place), m: below 0 it presses.
+  double gap(const Eigen::VectorXd& x) const {
+    return normal.dot(x.segment<3>(3 * static_cast<Eigen::Index>(particle)) - place);
+  }
+};
+
 class ClothModel : public NodalSystem {
  public:
   // Errors (kContent): no particle, a mass that is not positive and finite, what is not finite,
@@ -40,6 +54,11 @@ class ClothModel : public NodalSystem {
   void hold(std::size_t particle, const Eigen::Vector3d& at);
   // True if it was held by a hand; a pin may hold it still.
   bool let_go(std::size_t particle);
+
+  // Those of the step to come; room for one a particle is kept. They are stiff forces.
+  std::vector<ClothLean>& leans() { return leans_; }
+  const std::vector<ClothLean>& leans() const { return leans_; }
+  double lean_energy(const Eigen::VectorXd& x) const;  // J, part of potential()
 
   const ClothParts& parts() const { return parts_; }
   std::size_t springs() const { return structural_.size() + shear_.size() + bend_.size(); }
@@ -88,6 +107,7 @@ class ClothModel : public NodalSystem {
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero(), wind_ = Eigen::Vector3d::Zero();
   std::vector<Pin> pins_;
   std::vector<Hand> hands_;
+  std::vector<ClothLean> leans_;
   std::vector<std::uint8_t> held_;
 };
 

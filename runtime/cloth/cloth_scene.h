@@ -93,8 +93,8 @@ struct ClothScene {
 };
 
 // Errors, kContent, naming cloth, ball, collider or key: none of both grid and file, or both,
-// sizes and stiffnesses out of range (negative, not finite), a mass or density that is not positive,
-// pins that name no particle, names that stand twice, an integrator that is none.
+// sizes and stiffnesses out of range (negative, not finite), a mass or density that is not
+// positive, pins that name no particle, names that stand twice, an integrator that is none.
 Status check_scene(const ClothScene& scene);
 
 }  // namespace tremolo

@@ -104,6 +104,8 @@ Status ClothWorld::Inside::advance_cloths(double t) {
                                            "': the step at t = " + number_text(t) +
                                            " s could not be made, nor parts of it"};
     }
+    made.contact -=
+        cloth->model.lean_energy(cloth->state.x) - cloth->model.lean_energy(cloth->before.x);
     made.damped += report.damped;
     made.wind += report.driven;
     made.pins += report.held_work;
@@ -134,8 +136,10 @@ Status ClothWorld::step() {
   const double h = in.scene.options.step, t = time();
   in.release_pins(t + 1e-9 * h);
   in.set_weather(t + 0.5 * h);
-  if (Status s = in.advance_cloths(t); !s) return s;
   in.colliders.move(in.steps, h);
+  in.lean(h);
+  if (Status s = in.advance_cloths(t); !s) return s;
+  in.push_back(h);
   for (MovingBall& ball : in.balls) move_ball(in.gravity, t, h, ball);
   in.project(h);
   ++in.steps;

@@ -75,9 +75,9 @@ class ClothWorld {
   Eigen::Vector3d linear_momentum() const;   // of all cloths and balls that move
   Eigen::Vector3d angular_momentum() const;  // about the origin
   double stability_limit() const;            // s; infinity for methods that have none
-  double penetration_max() const;            // m, of particles at the ends of steps, since the start
+  double penetration_max() const;  // m, of particles at the ends of steps, since the start
   std::int64_t iterations() const;
-  std::int64_t cut_steps() const;            // steps that were taken in parts
+  std::int64_t cut_steps() const;  // steps that were taken in parts
 
  private:
   struct Inside;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "runtime/cloth/ball_motion.h"
@@ -41,6 +42,11 @@ struct ClothWorld::Inside {
   void set_weather(double t);
   void release_pins(double t);
   Status advance_cloths(double t);
+  void lean(double h);
+  std::optional<Eigen::Vector3d> will_touch(const WorldCloth& cloth, Eigen::Index at, double h,
+                                            ParticleTouch& touch) const;
+  void push_back(double h);
+  void push_back_from(std::size_t c, const ClothLean& lean, double reaction, double h);
   void project(double h);
   void add_present(ClothEnergy& energy) const;
 };

@@ -69,7 +69,8 @@ Status ClothWorld::Inside::add_cloth(const SceneCloth& wanted) {
                       .friction = wanted.friction,
                       .restitution = wanted.restitution,
                       .touched = false,
-                      .grounded = std::vector<std::uint8_t>(held.size(), 0)});
+                      .grounded = std::vector<std::uint8_t>(held.size(), 0),
+                      .touches = std::vector<ParticleTouch>(held.size())});
   cloths.push_back(std::move(cloth));
   return Success{};
 }
