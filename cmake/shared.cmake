@@ -9,11 +9,16 @@ set_target_properties(tremolo_shared PROPERTIES
   EXPORT_NAME shared OUTPUT_NAME tremolo LINKER_LANGUAGE CXX
   VERSION ${PROJECT_VERSION} SOVERSION ${tremolo_abi}
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
+# All of the two that have functions of the headers, once each, though one comes by the other too.
+set(tremolo_whole $<TARGET_FILE:tremolo_runtime> $<TARGET_FILE:tremolo_cloth>)
 target_link_libraries(tremolo_shared PRIVATE
-  $<BUILD_INTERFACE:tremolo_cloth> $<BUILD_INTERFACE:tremolo_runtime> $<BUILD_INTERFACE:tremolo_flags>)
-# All that both hold, also where one comes by the other.
-set_property(TARGET tremolo_shared PROPERTY
-  LINK_LIBRARY_OVERRIDE "WHOLE_ARCHIVE,tremolo_cloth,tremolo_runtime")
+  $<BUILD_INTERFACE:-Wl,--whole-archive> "$<BUILD_INTERFACE:${tremolo_whole}>"
+  $<BUILD_INTERFACE:-Wl,--no-whole-archive> $<BUILD_INTERFACE:$<TARGET_FILE:tremolo_nodal>>
+  $<BUILD_INTERFACE:tremolo_formats> $<BUILD_INTERFACE:tremolo_common>
+  $<BUILD_INTERFACE:Threads::Threads> $<BUILD_INTERFACE:tremolo_flags>)
+add_dependencies(tremolo_shared tremolo_runtime tremolo_cloth tremolo_nodal)
+set_property(TARGET tremolo_shared PROPERTY LINK_DEPENDS
+  "${tremolo_whole};$<TARGET_FILE:tremolo_nodal>")
 target_include_directories(tremolo_shared INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/runtime> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 set(tremolo_map ${PROJECT_BINARY_DIR}/tremolo.map)
@@ -22,5 +27,5 @@ file(COPY_FILE ${tremolo_map}.new ${tremolo_map} ONLY_IF_DIFFERENT)
 check_linker_flag(CXX -Wl,--version-script=${tremolo_map} TREMOLO_HAS_VERSION_SCRIPT)
 if(TREMOLO_HAS_VERSION_SCRIPT)
   target_link_options(tremolo_shared PRIVATE -Wl,--version-script=${tremolo_map})
-  set_target_properties(tremolo_shared PROPERTIES LINK_DEPENDS ${tremolo_map})
+  set_property(TARGET tremolo_shared APPEND PROPERTY LINK_DEPENDS ${tremolo_map})
 endif()
