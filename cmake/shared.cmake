@@ -1,6 +1,6 @@
-# libtremolo.so: the whole engine behind the C interface, tremolo.h and tremolo_cloth.h. It exports the functions of
-# that header and nothing else: C++ across a library's boundary would bind both sides to one
-# compiler, one set of flags and one Eigen. C++ programs take the static libraries.
+# libtremolo.so: the whole engine behind the C interface, tremolo.h and tremolo_cloth.h. It exports
+# the functions of these headers and nothing else: C++ across a library's boundary would bind both
+# sides to one compiler, one set of flags and one Eigen. C++ programs take the static libraries.
 include(CheckLinkerFlag)
 set(tremolo_abi ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 add_library(tremolo_shared SHARED ${PROJECT_SOURCE_DIR}/cmake/shared.c)
