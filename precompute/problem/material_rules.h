@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "common/elements/elasticity.h"
 #include "common/mesh/tet_mesh.h"
 #include "common/result.h"
 #include "formats/mesh/mesh_reader.h"
-#include "common/elements/elasticity.h"
 
 namespace tremolo {
 

@@ -26,8 +26,8 @@ namespace tremolo {
 
 // surface: the rest shape, s vertices; its normals are not read. modes: 3s x r, kg^-1/2; r may be 0
 // of what does not deform. response_columns: so many of the last are the response of a body to
-// forces at places (LocalResponse), m/N, and their weights N. smooth_groups: s numbers; vertices of one number share a normal. None:
-// each has its own.
+// forces at places (LocalResponse), m/N, and their weights N. smooth_groups: s numbers; vertices of
+// one number share a normal. None: each has its own.
 struct AnimatedShape {
   std::string name;
   RenderSurface surface;

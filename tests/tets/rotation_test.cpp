@@ -33,7 +33,8 @@ TEST(NearestRotation, IsNearerThanAnyOtherAlsoToWhatIsInsideOut) {
     EXPECT_GT(nearest.determinant(), 0.0);
     for (int other = 0; other < 50; ++other) {
       const Eigen::Matrix3d turned =
-          other < 25 ? random.rotation() : Eigen::Matrix3d(nearest * rotation_by(random.vector(0.05)));
+          other < 25 ? random.rotation()
+                     : Eigen::Matrix3d(nearest * rotation_by(random.vector(0.05)));
       EXPECT_LE((a - nearest).norm(), (a - turned).norm() + 1e-14);
     }
   }
