@@ -120,6 +120,9 @@ Result<RecordedMotion> record(const MotionOutputs& outputs, const MotionSource& 
 // "imexv in steps of 3 ms, 30 s" of what moves.
 std::string told_motion(const MotionSource& source) {
   const auto* bodies = std::get_if<std::vector<RunOptions>>(&source);
+  if (const auto* cloths = std::get_if<ClothFile>(&source))
+    return fmt::format("{:.4g} s by `{}` in steps of {:.4g} ms", cloths->scene.duration,
+                       cloths->scene.integrator, 1e3 * cloths->scene.options.step);
   if (bodies == nullptr) {
     const Scene& scene = std::get<SceneFile>(source).scene;
     return fmt::format("{:.4g} s in steps of {:.4g} ms", scene.duration, 1e3 * scene.step);
@@ -268,10 +271,10 @@ void tell_motion(const MotionOutputs& outputs, const RecordedMotion& motion, dou
 // Those that know modes only; asked before the run.
 Status check_cloth_formats(const MotionOutputs& outputs, const MotionSource& source) {
   if (!std::holds_alternative<ClothFile>(source)) return Success{};
-  if (!outputs.glb.empty())
-    return usage_error(
-        "--glb moves vertices by a few modes or bones, and cloth has neither: --usda, --pc2, "
-        "--mdd, --pvd and --series write each particle's place");
+  if (!outputs.glb.empty() || !outputs.page.empty())
+    return usage_error(std::string(outputs.glb.empty() ? "--page" : "--glb") +
+                       " moves vertices by a few modes or bones, and cloth has neither: --usda, "
+                       "--pc2, --mdd, --pvd and --series write each particle's place");
   if (outputs.modes > 0) return usage_error("--modes is of bodies: a cloth has none");
   return Success{};
 }
