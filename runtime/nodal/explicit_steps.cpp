@@ -19,11 +19,16 @@ class ExplicitStep : public HalvedIntegrator {
     if (name == "rk4")
       for (Eigen::VectorXd* sum : {&dx_, &dv_}) *sum = a_;
     inverse_mass_ = a_;
-    for (Eigen::Index i = 0; i < system.mass().size(); ++i)
-      if (system.held()[static_cast<std::size_t>(i)] == 0)
-        inverse_mass_.segment<3>(3 * i).setConstant(1.0 / system.mass()[i]);
+    reset();
   }
   std::string_view name() const override { return name_; }
+  // Nodes may have been taken hold of, or let go.
+  void reset() final {
+    for (Eigen::Index i = 0; i < system().mass().size(); ++i) {
+      const bool held = system().held()[static_cast<std::size_t>(i)] != 0;
+      inverse_mass_.segment<3>(3 * i).setConstant(held ? 0.0 : 1.0 / system().mass()[i]);
+    }
+  }
 
  protected:
   bool advance(NodalState& state, double h, NodalReport& report) override {

@@ -82,7 +82,7 @@ Result<std::unique_ptr<NodalIntegrator>> make_nodal_integrator(std::string_view 
                                                                const NodalOptions& options);
 
 // Steps above this multiple of 1/omega_max, where one exists, are unstable for an undamped linear
-// spring: 2 for symplectic-euler, 2 sqrt(2) for rk4, 1 for the sweep, 2 for the soft half of imex;
+// spring: 2 for symplectic-euler, 2 sqrt(2) for rk4, 2/sqrt(3) for the sweep, 2 for the soft half of imex;
 // 0: never stable undamped (explicit-euler, explicit-midpoint); infinity for the others.
 double stability_number(std::string_view name);
 
