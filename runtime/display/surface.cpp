@@ -115,7 +115,6 @@ struct ShownColumns {
 
 ShownColumns with_response(const BasisRows& basis, const Eigen::VectorXd& scales,
                            const BasisRows& response) {
-  if (response.cols() == 0) return {basis, scales};
   const Eigen::Index r = basis.cols();
   ShownColumns shown{BasisRows(basis.rows(), r + response.cols()), {}};
   shown.rows << basis, response;
@@ -166,19 +165,25 @@ SurfaceBasis arrange(const std::vector<Eigen::Vector3d>& rest, const BasisRows& 
   return rows;
 }
 
+SurfaceBasis arrange_shown(const std::vector<Eigen::Vector3d>& rest, const BasisRows& basis,
+                           const Eigen::VectorXd& scales, const BasisRows& response) {
+  if (response.cols() == 0) return arrange(rest, basis, scales);
+  const ShownColumns shown = with_response(basis, scales, response);
+  return arrange(rest, shown.rows, shown.scales);
+}
+
 }  // namespace
 
 SurfaceBasis make_surface_basis(const VertexBlock& surface, const std::vector<Triangle>& triangles,
                                 const BasisRows& response) {
-  const ShownColumns shown = with_response(surface.rows, surface.column_scales, response);
-  SurfaceBasis rows = arrange(surface.rest, shown.rows, shown.scales);
+  SurfaceBasis rows = arrange_shown(surface.rest, surface.rows, surface.column_scales, response);
   list_incident(triangles, rows.vertices, rows);
   return rows;
 }
 
 SurfaceBasis make_surface_basis(const RenderBlock& render, const BasisRows& response) {
-  const ShownColumns shown = with_response(render.rows, render.column_scales, response);
-  SurfaceBasis rows = arrange(render.surface.vertices, shown.rows, shown.scales);
+  SurfaceBasis rows =
+      arrange_shown(render.surface.vertices, render.rows, render.column_scales, response);
   SmoothPatches patches = find_smooth_patches(render.surface);
   if (patches.count < rows.vertices) rows.group_of = std::move(patches.group_of);
   list_incident(render.surface.triangles, patches.count, rows);
