@@ -482,7 +482,7 @@ TEST_F(RunProgram, ARunThatIsInterruptedLeavesAGoodCsvAndSaysSo) {
   for (const std::string signal : {"INT", "TERM"}) {
     const std::string out = "o" + signal;
     const ProgramResult result = run_program(
-        folder_, "timeout -k 20 --preserve-status -s " + signal + " 1.5 " + endless + out);
+        folder_, "timeout -k 60 --preserve-status -s " + signal + " 5 " + endless + out);
     const int number = signal == "INT" ? 2 : 15;
     EXPECT_EQ(result.code, 128 + number) << result.err;
     const json report = json::parse(slurp(folder_ + "/" + out + "/report.json"));
@@ -502,8 +502,10 @@ TEST_F(RunProgram, AnInterruptedSceneEndsByItsSignal) {
   std::ofstream(folder_ + "/two.toml")
       << "[first]\nmodel = \"" << model() << "\"\n[second]\nmodel = \"" << model() << "\"\n";
   const int status = std::system(
-      ("cd '" + folder_ + "' && ulimit -t 60 && { (sleep 1; kill -INT $$) & } && exec " + kTremolo +
-       "run two.toml --duration 1e6 --every 1000 --out o >out.txt 2>err.txt")
+      ("cd '" + folder_ +
+       "' && ulimit -t 60 && { (for wait in $(seq 600); do ls o/first/run.csv.partial-* && break; "
+       "sleep 0.1; done >/dev/null 2>&1; sleep 0.3; kill -INT $$) & } && exec " +
+       kTremolo + "run two.toml --duration 1e6 --every 1000 --out o >out.txt 2>err.txt")
           .c_str());
   ASSERT_TRUE(WIFSIGNALED(status)) << slurp(folder_ + "/err.txt");
   EXPECT_EQ(WTERMSIG(status), SIGINT) << slurp(folder_ + "/err.txt");
@@ -519,11 +521,22 @@ TEST_F(RunProgram, ALongRunTellsATerminalHowFarItIs) {
   const std::string end = ::ptsname(terminal);
   const int held = ::open(end.c_str(), O_RDWR | O_NOCTTY);  // else what was said is lost
   ASSERT_GE(held, 0);
-  run_program(folder_, "(timeout -s KILL 3 " + kTremolo + "run " + model() + " --duration 1e6 2>" +
-                           end + ")");
-  char buffer[4000];
-  const ::ssize_t length = ::read(terminal, buffer, sizeof(buffer));
-  const std::string said(buffer, static_cast<std::size_t>(std::max<::ssize_t>(length, 0)));
+  const ProgramResult started =
+      run_program(folder_, "(timeout -s KILL 300 " + kTremolo + "run " + model() +
+                               " --duration 1e6 2>" + end + " >/dev/null & echo $!)");
+  const int program = std::atoi(started.out.c_str());
+  ASSERT_GT(program, 0) << started.err;
+  // However slow the machine is: what is waited for is the words, not a time.
+  std::string said;
+  for (int wait = 0; wait < 2400 && said.find(" left") == std::string::npos; ++wait) {
+    char buffer[4000];
+    const ::ssize_t length = ::read(terminal, buffer, sizeof(buffer));
+    if (length > 0)
+      said.append(buffer, static_cast<std::size_t>(length));
+    else
+      ::usleep(100000);
+  }
+  ::kill(program, SIGTERM);
   EXPECT_NE(said.find("bar: 0 %"), std::string::npos) << said;
   EXPECT_NE(said.find(" left"), std::string::npos) << said;
   ::close(held);
@@ -533,9 +546,10 @@ TEST_F(RunProgram, ALongRunTellsATerminalHowFarItIs) {
 // So few of them that no full buffer is the reason.
 TEST_F(RunProgram, TheRowsOfARunCanBeReadWhileItRuns) {
   const ProgramResult result = run_program(
-      folder_, "(timeout -s KILL 4 " + kTremolo + "run " + model() +
-                   " --duration 1e6 --every 20000 --out o & sleep 3; cat o/run.csv.partial-* "
-                   "> seen.csv; wait)");
+      folder_, "(timeout -s KILL 300 " + kTremolo + "run " + model() +
+                   " --duration 1e6 --every 20000 --out o & for wait in $(seq 2400); do "
+                   "cat o/run.csv.partial-* > seen.csv; [ $(wc -l < seen.csv) -gt 1 ] && break; "
+                   "sleep 0.1; done; kill $!; wait)");
   const std::string seen = slurp(folder_ + "/seen.csv");
   EXPECT_TRUE(seen.starts_with("t,kinetic,")) << result.err;
   EXPECT_EQ(seen.back(), '\n');
