@@ -40,7 +40,10 @@ class ClothModel : public NodalSystem {
   static Result<ClothModel> create(ClothParts parts);
 
   // m/s^2; m/s. They stay through a step.
-  void set_gravity(const Eigen::Vector3d& gravity) { gravity_ = gravity; }
+  void set_gravity(const Eigen::Vector3d& gravity) {
+    if (gravity != gravity_) ++potential_version_;
+    gravity_ = gravity;
+  }
   void set_wind(const Eigen::Vector3d& wind) { wind_ = wind; }
   const Eigen::Vector3d& gravity() const { return gravity_; }
   const Eigen::Vector3d& wind() const { return wind_; }
@@ -56,7 +59,10 @@ class ClothModel : public NodalSystem {
   bool let_go(std::size_t particle);
 
   // Those of the step to come; room for one a particle is kept. They are stiff forces.
-  std::vector<ClothLean>& leans() { return leans_; }
+  std::vector<ClothLean>& leans() {
+    ++potential_version_;
+    return leans_;
+  }
   const std::vector<ClothLean>& leans() const { return leans_; }
   double lean_energy(const Eigen::VectorXd& x) const;  // J, part of potential()
 
@@ -79,6 +85,7 @@ class ClothModel : public NodalSystem {
   void add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
                    double position, double velocity, BlockMatrix& a) const override;
   double potential(const Eigen::VectorXd& x) const override;
+  std::optional<std::uint64_t> potential_version() const override { return potential_version_; }
   StepWork power(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const override;
   StepWork step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                       Eigen::VectorXd& f) const override;
@@ -109,6 +116,7 @@ class ClothModel : public NodalSystem {
   std::vector<Hand> hands_;
   std::vector<ClothLean> leans_;
   std::vector<std::uint8_t> held_;
+  std::uint64_t potential_version_ = 0;
 };
 
 }  // namespace tremolo

@@ -86,13 +86,14 @@ void spring_forces(const SpringView& s, const double* x, const double* v, double
     spring_squares(r.data(), r.data(), chunk.count, squares.data());
     for (std::uint32_t i = 0; i < chunk.count; ++i) {
       const double square = squares[i] > kNoSquare ? squares[i] : kNoSquare;
-      squares[i] = square;
-      c[i] = s.k * (1.0 - rest[i] / std::sqrt(square));
+      // One division serves both: 1/l is l/l^2.
+      squares[i] = 1.0 / square;
+      c[i] = s.k * (1.0 - rest[i] * std::sqrt(square) * squares[i]);
     }
     if (s.d != 0.0) {
       spring_differences(s, chunk, v, w.data());
       spring_squares(r.data(), w.data(), chunk.count, speeds.data());
-      for (std::uint32_t i = 0; i < chunk.count; ++i) c[i] += s.d * speeds[i] / squares[i];
+      for (std::uint32_t i = 0; i < chunk.count; ++i) c[i] += s.d * speeds[i] * squares[i];
     }
     spring_pulls(s, chunk, c.data(), r.data(), f);
   }
@@ -133,6 +134,46 @@ double spring_step_forces(const SpringView& s, const double* x0, const double* x
     spring_pulls(s, chunk, c.data(), r0.data(), f);
   }
   return damped;
+}
+
+// A sum of numbers that come chunk by chunk.
+double sum_of(const ChunkNumbers& sums) {
+  double total = 0.0;
+  for (const double sum : sums) total += sum;
+  return total;
+}
+
+TREMOLO_CLONES
+double spring_energies(const SpringView& s, const double* x) {
+  ChunkVectors r;
+  ChunkNumbers squares, sums{};
+  for (const SpringChunk& chunk : s.chunks) {
+    const double* rest = s.rest + chunk.first;
+    spring_differences(s, chunk, x, r.data());
+    spring_squares(r.data(), r.data(), chunk.count, squares.data());
+    for (std::uint32_t i = 0; i < chunk.count; ++i) {
+      const double stretch = std::sqrt(squares[i]) - rest[i];
+      sums[i] += stretch * stretch;
+    }
+  }
+  return 0.5 * s.k * sum_of(sums);
+}
+
+TREMOLO_CLONES
+double spring_damping(const SpringView& s, const double* x, const double* v) {
+  ChunkVectors r, w;
+  ChunkNumbers squares, speeds, sums{};
+  for (const SpringChunk& chunk : s.chunks) {
+    spring_differences(s, chunk, x, r.data());
+    spring_differences(s, chunk, v, w.data());
+    spring_squares(r.data(), r.data(), chunk.count, squares.data());
+    spring_squares(r.data(), w.data(), chunk.count, speeds.data());
+    for (std::uint32_t i = 0; i < chunk.count; ++i) {
+      const double square = squares[i] > kNoSquare ? squares[i] : kNoSquare;
+      sums[i] += speeds[i] * speeds[i] / square;
+    }
+  }
+  return s.d * sum_of(sums);
 }
 
 // Cuts the springs into chunks, at the ends of runs where these are long.
@@ -215,23 +256,14 @@ void SpringSet::add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, 
 }
 
 double SpringSet::energy(const Eigen::VectorXd& x) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < size(); ++i) {
-    const double stretch = (x.segment<3>(3 * a_[i]) - x.segment<3>(3 * b_[i])).norm() - rest_[i];
-    sum += stretch * stretch;
-  }
-  return 0.5 * law_.stiffness * sum;
+  const SpringView view{a_.data(), b_.data(), rest_.data(), chunks_, law_.stiffness, law_.damping};
+  return spring_energies(view, x.data());
 }
 
 double SpringSet::damping_power(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const {
   if (law_.damping == 0.0) return 0.0;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < size(); ++i) {
-    const Vector3d r = x.segment<3>(3 * a_[i]) - x.segment<3>(3 * b_[i]);
-    const double speed = r.dot(v.segment<3>(3 * a_[i]) - v.segment<3>(3 * b_[i]));
-    sum += speed * speed / std::max(r.squaredNorm(), kNoSquare);
-  }
-  return law_.damping * sum;
+  const SpringView view{a_.data(), b_.data(), rest_.data(), chunks_, law_.stiffness, law_.damping};
+  return spring_damping(view, x.data(), v.data());
 }
 
 // With s = l0 + l1, -df_a/dx1_a = k/2 [(1 - 2 L/s) I + 2 L/s^2 m e1^T] + d/h u u^T and terms of the

@@ -5,7 +5,7 @@
 namespace tremolo {
 
 HalvedIntegrator::HalvedIntegrator(const NodalSystem& system, const NodalOptions& options)
-    : system_(system), options_(options), ledger_(system) {
+    : system_(system), options_(options), ledger_(system, options.account) {
   before_.x = before_.v = Eigen::VectorXd::Zero(3 * system.mass().size());
 }
 

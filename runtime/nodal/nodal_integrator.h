@@ -35,7 +35,8 @@ struct NodalState {
 
 // tolerance: of Newton's residual, a share of NodalSystem::load_size(). factor: whether Newton's
 // systems are solved by a factor, or by conjugate gradients; automatic by size. halvings: how often
-// a step that fails is halved before it is given up.
+// a step that fails is halved before it is given up. account: whether reports tell the energies,
+// which costs two evaluations a step; else they are 0 there.
 enum class NodalSolver { kAutomatic, kCholesky, kConjugateGradients };
 struct NodalOptions {
   double step = 1.0 / 60.0;  // s
@@ -43,6 +44,7 @@ struct NodalOptions {
   int max_iterations = 50;
   NodalSolver solver = NodalSolver::kAutomatic;
   int halvings = 6;
+  bool account = true;
 };
 
 // H is the potential and the kinetic energy of the nodes that are not held. made: the step was
@@ -82,8 +84,8 @@ Result<std::unique_ptr<NodalIntegrator>> make_nodal_integrator(std::string_view 
                                                                const NodalOptions& options);
 
 // Steps above this multiple of 1/omega_max, where one exists, are unstable for an undamped linear
-// spring: 2 for symplectic-euler, 2 sqrt(2) for rk4, 2/sqrt(3) for the sweep, 2 for the soft half of imex;
-// 0: never stable undamped (explicit-euler, explicit-midpoint); infinity for the others.
+// spring: 2 for symplectic-euler, 2 sqrt(2) for rk4, 2/sqrt(3) for the sweep, 2 for the soft half
+// of imex; 0: never stable undamped (explicit-euler, explicit-midpoint); infinity for the others.
 double stability_number(std::string_view name);
 
 // omega_max^2, the largest eigenvalue of M^-1 K (1/s^2), K the tangent of a part at (x, 0), by

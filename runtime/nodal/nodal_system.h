@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include <Eigen/Core>
@@ -52,6 +53,9 @@ class NodalSystem {
 
   // V(x), J, with gravity.
   virtual double potential(const Eigen::VectorXd& x) const = 0;
+  // Another number whenever potential() of the same x may be another one than before; nothing where
+  // that is not known: then it is evaluated anew in every step.
+  virtual std::optional<std::uint64_t> potential_version() const { return std::nullopt; }
 
   // The power of what has no potential at (x, v), W: damped and driven are then rates.
   virtual StepWork power(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const = 0;

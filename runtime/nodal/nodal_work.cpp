@@ -23,31 +23,55 @@ double held_work(const NodalSystem& system, const Eigen::VectorXd& f, const Eige
   return work;
 }
 
-StepLedger::StepLedger(const NodalSystem& system)
+StepLedger::StepLedger(const NodalSystem& system, bool asked)
     : system_(system),
+      asked_(asked),
       x0_(Eigen::VectorXd::Zero(3 * system.mass().size())),
       x_(x0_),
       v_(x0_),
       f_(x0_) {}
 
 void StepLedger::begin(const NodalState& state) {
-  x0_ = state.x;
-  energy_ = system_.potential(state.x) + free_kinetic(system_, state.v);
+  if (!asked_) return;
+  const std::optional<std::uint64_t> version = system_.potential_version();
+  if (!version || version != version_ || state.x != x0_) {
+    x0_ = state.x;
+    potential_ = system_.potential(state.x);
+    version_ = version;
+  }
+  energy_ = potential_ + free_kinetic(system_, state.v);
+}
+
+bool StepLedger::held_nodes_move(const Eigen::VectorXd& x1) const {
+  const std::span<const std::uint8_t> held = system_.held();
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const auto at = 3 * static_cast<Eigen::Index>(i);
+    if (held[i] != 0 && x1.segment<3>(at) != x0_.segment<3>(at)) return true;
+  }
+  return false;
 }
 
 void StepLedger::end(const NodalState& state, double h, NodalReport& report) {
+  if (!asked_) return;
   x_ = 0.5 * (x0_ + state.x);
   v_ = (state.x - x0_) / h;
   StepWork work = system_.power(x_, v_);
   work.damped *= h;
   work.driven *= h;
-  system_.force(x_, v_, ForcePart::kAll, f_);
-  end(state, work, held_work(system_, f_, x0_, state.x), report);
+  double held = 0.0;
+  if (held_nodes_move(state.x)) {
+    system_.force(x_, v_, ForcePart::kAll, f_);
+    held = held_work(system_, f_, x0_, state.x);
+  }
+  end(state, work, held, report);
 }
 
 void StepLedger::end(const NodalState& state, const StepWork& work, double held,
                      NodalReport& report) {
-  const double energy = system_.potential(state.x) + free_kinetic(system_, state.v);
+  if (!asked_) return;
+  x0_ = state.x;
+  potential_ = system_.potential(state.x);
+  const double energy = potential_ + free_kinetic(system_, state.v);
   report.damped += work.damped;
   report.driven += work.driven;
   report.held_work += held;

@@ -1,6 +1,9 @@
 // Where the energy of a step went.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "runtime/nodal/nodal_integrator.h"
 
 namespace tremolo {
@@ -13,11 +16,13 @@ double free_kinetic(const NodalSystem& system, const Eigen::VectorXd& v);
 double held_work(const NodalSystem& system, const Eigen::VectorXd& f, const Eigen::VectorXd& x0,
                  const Eigen::VectorXd& x1);
 
-// Keeps what a step begins with, and tells at its end what its energy did (NodalReport). Nothing is
-// allocated after the first.
+// Keeps what a step begins with, and tells at its end what its energy did (NodalReport). The
+// potential at the end of a step is that at the beginning of the next one, unless the system says
+// otherwise. Nothing is allocated after the first.
 class StepLedger {
  public:
-  explicit StepLedger(const NodalSystem& system);
+  // asked: otherwise nothing is evaluated and nothing told.
+  StepLedger(const NodalSystem& system, bool asked);
   void begin(const NodalState& state);
   // Of a method whose step is not told by step_force(): damping and wind by their power in the
   // middle of the step, what held nodes give by the force there.
@@ -26,8 +31,13 @@ class StepLedger {
   void end(const NodalState& state, const StepWork& work, double held, NodalReport& report);
 
  private:
+  bool held_nodes_move(const Eigen::VectorXd& x1) const;
+
   const NodalSystem& system_;
+  bool asked_;
   double energy_ = 0.0;
+  double potential_ = 0.0;                // at x0_
+  std::optional<std::uint64_t> version_;  // of potential_
   Eigen::VectorXd x0_, x_, v_, f_;
 };
 

@@ -188,6 +188,60 @@ TEST(NodalIntegrators, FactorsAndConjugateGradientsGiveTheSame) {
   EXPECT_LE((ends[0] - ends[1]).norm(), 1e-10 * ends[0].norm());
 }
 
+// Counts what is evaluated; its weight may be changed between steps.
+struct Counted : LinearNodes {
+  explicit Counted(const LinearNodes& nodes) : LinearNodes(nodes) {}
+  mutable int potentials = 0, forces = 0;
+  double weight = 0.0;
+  std::optional<std::uint64_t> version = 0;
+
+  double potential(const VectorXd& x) const override {
+    ++potentials;
+    return LinearNodes::potential(x) - weight * x.sum();
+  }
+  void force(const VectorXd& x, const VectorXd& v, ForcePart part, VectorXd& f) const override {
+    ++forces;
+    LinearNodes::force(x, v, part, f);
+    f.array() += weight;
+  }
+  std::optional<std::uint64_t> potential_version() const override { return version; }
+};
+
+TEST(NodalIntegrators, EvaluateThePotentialOnceAStepAndNotAtAllWhereNobodyAsks) {
+  for (const bool account : {true, false}) {
+    Counted nodes(LinearNodes::random(3, 30.0, 1e-3, 5));
+    NodalOptions options;
+    options.step = 1e-3;
+    options.account = account;
+    const auto integrator = std::move(*make_nodal_integrator("symplectic-euler", nodes, options));
+    NodalState state = start(VectorXd::Constant(9, 0.1), VectorXd::Zero(9));
+    for (int k = 0; k < 10; ++k) ASSERT_TRUE(integrator->step(state).made);
+    EXPECT_EQ(nodes.forces, 10);
+    EXPECT_EQ(nodes.potentials, account ? 11 : 0);
+    // A system that does not say whether its potential changes.
+    nodes.version.reset();
+    for (int k = 0; k < 10; ++k) ASSERT_TRUE(integrator->step(state).made);
+    EXPECT_EQ(nodes.potentials, account ? 31 : 0);
+  }
+}
+
+TEST(NodalIntegrators, AWeightThatChangesBetweenStepsIsNotTakenForTheMethodsOwnEnergy) {
+  Counted nodes(LinearNodes::random(3, 30.0, 0.0, 5));
+  const auto integrator = made("midpoint", nodes, 1e-2);
+  NodalState state = start(VectorXd::Constant(9, 0.1), VectorXd::Zero(9));
+  for (int k = 0; k < 20; ++k) {
+    nodes.weight = 0.3 * k;
+    nodes.version = static_cast<std::uint64_t>(k);
+    const NodalReport report = integrator->step(state);
+    ASSERT_TRUE(report.made);
+    // Of a linear system the midpoint rule adds rounding alone to some 10 J.
+    EXPECT_LE(std::abs(report.numerical), 1e-12) << k;
+  }
+  // Broken on purpose: without the notice the change of weight looks like the method's.
+  nodes.weight += 5.0;
+  EXPECT_GT(std::abs(integrator->step(state).numerical), 1e-3);
+}
+
 // A force that is not a number beyond a place, so that long steps fail.
 struct Edge : LinearNodes {
   using LinearNodes::LinearNodes;
