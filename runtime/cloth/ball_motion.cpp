@@ -76,4 +76,22 @@ bool collide(const Vector3d& n, const ContactTouch& touch, ContactSide& a, Conta
   return true;
 }
 
+void settle_sides(const Vector3d& n, double speed, double pressed, double friction, ContactSide& a,
+                  ContactSide& b) {
+  const double inverse = a.inverse_mass + b.inverse_mass;
+  if (inverse == 0.0) return;
+  const Vector3d relative = velocity_of(a) - velocity_of(b);
+  const double along = (speed - relative.dot(n)) / inverse;
+  const Vector3d slip = relative - relative.dot(n) * n;
+  const double slip_speed = slip.norm();
+  Vector3d impulse = along * n;
+  if (slip_speed > 0.0) {
+    const double stop = slip_speed / (inverse + a.arm.squaredNorm() * a.inverse_inertia +
+                                      b.arm.squaredNorm() * b.inverse_inertia);
+    impulse -= (std::min(friction * std::max(pressed + along, 0.0), stop) / slip_speed) * slip;
+  }
+  push(a, impulse);
+  push(b, -impulse);
+}
+
 }  // namespace tremolo

@@ -47,4 +47,9 @@ struct ContactTouch {
 // they part nothing is done. True if there was an impulse.
 bool collide(const Eigen::Vector3d& n, const ContactTouch& touch, ContactSide& a, ContactSide& b);
 
+// The same for what a reaction of `pressed`, N s, has already kept apart: the speed along n becomes
+// `speed`, m/s, whichever it was, and Coulomb's friction is of all that presses.
+void settle_sides(const Eigen::Vector3d& n, double speed, double pressed, double friction,
+                  ContactSide& a, ContactSide& b);
+
 }  // namespace tremolo

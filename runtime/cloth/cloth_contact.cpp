@@ -27,6 +27,8 @@ Vector3d way_out(const CollisionDistance& found, double depth) {
   return square > 1e-4 ? Vector3d(depth / square * found.normal) : Vector3d::Zero();
 }
 
+}  // namespace
+
 ContactSide ball_side(MovingBall& ball, const Vector3d& point) {
   ContactSide side{.inverse_mass = ball.inverse_mass,
                    .inverse_inertia = ball.inverse_inertia,
@@ -39,8 +41,6 @@ ContactSide ball_side(MovingBall& ball, const Vector3d& point) {
   }
   return side;
 }
-
-}  // namespace
 
 Vector3d surface_velocity(const PlacedCollider& collider, const Vector3d& x, double h) {
   const Vector3d inside = collider.end.rotation.conjugate() * (x - collider.end.position);
@@ -70,7 +70,6 @@ void ClothContact::cloth_colliders(ContactCloth& cloth, Pass& pass) const {
       x += way_out(found, depth);
       cloth.state->x.segment<3>(at) = x;
       cloth.grounded[i] = 1;
-      cloth.touches[i] = {.normal = found.normal.normalized(), .collider = c};
       Vector3d v = cloth.state->v.segment<3>(at);
       ContactSide particle{.inverse_mass = 1.0 / cloth.model->mass()[static_cast<Eigen::Index>(i)],
                            .velocity = &v};
@@ -85,8 +84,7 @@ void ClothContact::cloth_colliders(ContactCloth& cloth, Pass& pass) const {
   }
 }
 
-void ClothContact::cloth_ball(ContactCloth& cloth, std::size_t number, MovingBall& ball,
-                              Pass& pass) const {
+void ClothContact::cloth_ball(ContactCloth& cloth, MovingBall& ball, Pass& pass) const {
   const std::span<const std::uint8_t> held = cloth.model->held();
   const double reach = ball.radius + cloth.thickness - kNearEnough;
   for (std::size_t i = 0; i < held.size(); ++i) {
@@ -119,7 +117,6 @@ void ClothContact::cloth_ball(ContactCloth& cloth, std::size_t number, MovingBal
                     pass.rest_speed),
             particle, other);
     if (free) {
-      cloth.touches[i] = {.normal = n, .ball = number};
       cloth.state->x.segment<3>(at) = x;
       cloth.state->v.segment<3>(at) = v;
       cloth.touched = true;
@@ -171,7 +168,6 @@ ContactReport ClothContact::project(std::span<ContactCloth> cloths, std::span<Mo
   for (ContactCloth& cloth : cloths) {
     cloth.touched = false;
     std::fill(cloth.grounded.begin(), cloth.grounded.end(), std::uint8_t{0});
-    std::fill(cloth.touches.begin(), cloth.touches.end(), ParticleTouch{});
   }
   for (; pass.sweep < kSweeps; ++pass.sweep) {
     pass.moved = false;
@@ -183,7 +179,7 @@ ContactReport ClothContact::project(std::span<ContactCloth> cloths, std::span<Mo
         for (const PlacedCollider& collider : colliders) ball_collider(ball, collider, pass);
     }
     for (ContactCloth& cloth : cloths) {
-      for (std::size_t b = 0; b < balls.size(); ++b) cloth_ball(cloth, b, balls[b], pass);
+      for (MovingBall& ball : balls) cloth_ball(cloth, ball, pass);
       cloth_colliders(cloth, pass);
     }
     if (!pass.moved) break;

@@ -19,24 +19,13 @@
 
 namespace tremolo {
 
-// What a particle touched last in a step: a ball or a collider, by its number; kNone: not that.
-struct ParticleTouch {
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  std::size_t ball = kNone, collider = kNone;
-
-  bool any() const { return ball != kNone || collider != kNone; }
-};
-
-// touched: it was moved or pushed in this step. grounded: a flag a particle. touches: one a
-// particle.
+// touched: it was moved or pushed in this step. grounded: a flag a particle.
 struct ContactCloth {
   const ClothModel* model = nullptr;
   NodalState* state = nullptr;
   double thickness = 0.0, friction = 0.0, restitution = 0.0;
   bool touched = false;
   std::vector<std::uint8_t> grounded;
-  std::vector<ParticleTouch> touches;
 };
 
 // touched: anything was. penetration: of the deepest particle at the end, m, 0 where none is
@@ -64,10 +53,13 @@ class ClothContact {
   };
 
   void cloth_colliders(ContactCloth& cloth, Pass& pass) const;
-  void cloth_ball(ContactCloth& cloth, std::size_t number, MovingBall& ball, Pass& pass) const;
+  void cloth_ball(ContactCloth& cloth, MovingBall& ball, Pass& pass) const;
   void ball_collider(MovingBall& ball, const PlacedCollider& collider, Pass& pass) const;
   void ball_ball(MovingBall& a, MovingBall& b, Pass& pass) const;
 };
+
+// A ball as one side of a contact at a point.
+ContactSide ball_side(MovingBall& ball, const Eigen::Vector3d& point);
 
 // The velocity of a collider's surface at a point of the world, at the end of the step.
 Eigen::Vector3d surface_velocity(const PlacedCollider& collider, const Eigen::Vector3d& x,

@@ -79,7 +79,6 @@ Result<ClothModel> ClothModel::create(ClothParts parts) {
     set->find_places(*model.pattern_);
   model.drag_.find_places(*model.pattern_);
   model.hands_.reserve(16);
-  model.leans_.reserve(model.size());
   return model;
 }
 
@@ -159,12 +158,7 @@ void ClothModel::put_held(double time, Eigen::VectorXd& x) const {
 void ClothModel::force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
                        Eigen::VectorXd& f) const {
   f.setZero();
-  if (part != ForcePart::kSoft) {
-    structural_.add_force(x, v, f);
-    for (const ClothLean& lean : leans_)
-      f.segment<3>(3 * static_cast<Eigen::Index>(lean.particle)) -=
-          lean.stiffness * lean.gap(x) * lean.normal;
-  }
+  if (part != ForcePart::kSoft) structural_.add_force(x, v, f);
   if (part == ForcePart::kStiff) return;
   shear_.add_force(x, v, f);
   bend_.add_force(x, v, f);
@@ -173,38 +167,35 @@ void ClothModel::force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, Force
     f.segment<3>(3 * i) += parts_.mass[i] * gravity_;
 }
 
+void ClothModel::add_any_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
+                                 const TangentWeights& w, BlockMatrix& a) const {
+  if (part != ForcePart::kSoft) structural_.add_tangent(x, v, w.position, w.velocity, w.full, a);
+  if (part == ForcePart::kStiff) return;
+  shear_.add_tangent(x, v, w.position, w.velocity, w.full, a);
+  bend_.add_tangent(x, v, w.position, w.velocity, w.full, a);
+  drag_.add_tangent(wind_, x, v, w.velocity, a);
+}
+
 void ClothModel::add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
                              double position, double velocity, BlockMatrix& a) const {
-  if (part != ForcePart::kSoft) {
-    structural_.add_tangent(x, v, position, velocity, a);
-    for (const ClothLean& lean : leans_)
-      a.diagonal(lean.particle) +=
-          position * lean.stiffness * lean.normal * lean.normal.transpose();
-  }
-  if (part == ForcePart::kStiff) return;
-  shear_.add_tangent(x, v, position, velocity, a);
-  bend_.add_tangent(x, v, position, velocity, a);
-  drag_.add_tangent(wind_, x, v, velocity, a);
+  add_any_tangent(x, v, part, {position, velocity, false}, a);
+}
+
+void ClothModel::add_full_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v,
+                                  ForcePart part, double position, double velocity,
+                                  BlockMatrix& a) const {
+  add_any_tangent(x, v, part, {position, velocity, true}, a);
 }
 
 double ClothModel::elastic_energy(const Eigen::VectorXd& x) const {
   return structural_.energy(x) + shear_.energy(x) + bend_.energy(x);
 }
 
-double ClothModel::lean_energy(const Eigen::VectorXd& x) const {
-  double energy = 0.0;
-  for (const ClothLean& lean : leans_) {
-    const double gap = lean.gap(x);
-    energy += 0.5 * lean.stiffness * gap * gap;
-  }
-  return energy;
-}
-
 double ClothModel::potential(const Eigen::VectorXd& x) const {
   double fall = 0.0;
   for (Eigen::Index i = 0; i < parts_.mass.size(); ++i)
     fall += parts_.mass[i] * gravity_.dot(x.segment<3>(3 * i));
-  return elastic_energy(x) + lean_energy(x) - fall;
+  return elastic_energy(x) - fall;
 }
 
 StepWork ClothModel::power(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const {
@@ -220,9 +211,6 @@ StepWork ClothModel::step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd
   StepWork work = drag_.add_step_force(wind_, x0, x1, h, f);
   for (const SpringSet* set : {&structural_, &shear_, &bend_})
     work.damped += set->add_step_force(x0, x1, h, f);
-  for (const ClothLean& lean : leans_)
-    f.segment<3>(3 * static_cast<Eigen::Index>(lean.particle)) -=
-        0.5 * lean.stiffness * (lean.gap(x0) + lean.gap(x1)) * lean.normal;
   for (Eigen::Index i = 0; i < parts_.mass.size(); ++i)
     f.segment<3>(3 * i) += parts_.mass[i] * gravity_;
   return work;
@@ -230,9 +218,15 @@ StepWork ClothModel::step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd
 
 void ClothModel::add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                                   BlockMatrix& a) const {
-  for (const SpringSet* set : {&structural_, &shear_, &bend_}) set->add_step_tangent(x0, x1, h, a);
-  for (const ClothLean& lean : leans_)
-    a.diagonal(lean.particle) += 0.5 * lean.stiffness * lean.normal * lean.normal.transpose();
+  for (const SpringSet* set : {&structural_, &shear_, &bend_})
+    set->add_step_tangent(x0, x1, h, false, a);
+  drag_.add_step_tangent(wind_, x0, x1, h, a);
+}
+
+void ClothModel::add_full_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1,
+                                       double h, BlockMatrix& a) const {
+  for (const SpringSet* set : {&structural_, &shear_, &bend_})
+    set->add_step_tangent(x0, x1, h, true, a);
   drag_.add_step_tangent(wind_, x0, x1, h, a);
 }
 

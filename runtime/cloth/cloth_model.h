@@ -19,20 +19,6 @@
 
 namespace tremolo {
 
-// What a particle leans on in a step: a spring of `stiffness` (N/m) along n keeps n.(x - place)
-// near 0, so that a solve does not pull it through the surface that it touched when the step began.
-struct ClothLean {
-  std::size_t particle = 0;
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  double stiffness = 0.0;
-
-  // n.(x - place), m: below 0 it presses.
-  double gap(const Eigen::VectorXd& x) const {
-    return normal.dot(x.segment<3>(3 * static_cast<Eigen::Index>(particle)) - place);
-  }
-};
-
 class ClothModel : public NodalSystem {
  public:
   // Errors (kContent): no particle, a mass that is not positive and finite, what is not finite,
@@ -58,13 +44,8 @@ class ClothModel : public NodalSystem {
   // True if it was held by a hand; a pin may hold it still.
   bool let_go(std::size_t particle);
 
-  // Those of the step to come; room for one a particle is kept. They are stiff forces.
-  std::vector<ClothLean>& leans() {
-    ++potential_version_;
-    return leans_;
-  }
-  const std::vector<ClothLean>& leans() const { return leans_; }
-  double lean_energy(const Eigen::VectorXd& x) const;  // J, part of potential()
+  // What presses on its particles in implicit steps; none: nothing does. Must outlive its use.
+  void set_contact(NodalContact* contact) { contact_ = contact; }
 
   const ClothParts& parts() const { return parts_; }
   std::size_t springs() const { return structural_.size() + shear_.size() + bend_.size(); }
@@ -91,6 +72,11 @@ class ClothModel : public NodalSystem {
                       Eigen::VectorXd& f) const override;
   void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                         BlockMatrix& a) const override;
+  void add_full_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
+                        double position, double velocity, BlockMatrix& a) const override;
+  void add_full_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
+                             BlockMatrix& a) const override;
+  NodalContact* contact() const override { return contact_; }
 
  private:
   struct Pin {
@@ -99,6 +85,10 @@ class ClothModel : public NodalSystem {
     double until = 0.0;
     bool active = true;
   };
+  struct TangentWeights {
+    double position, velocity;
+    bool full;
+  };
   struct Hand {
     std::size_t particle = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
@@ -106,6 +96,8 @@ class ClothModel : public NodalSystem {
 
   explicit ClothModel(ClothParts parts);
   void count_holds();
+  void add_any_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
+                       const TangentWeights& weights, BlockMatrix& a) const;
 
   ClothParts parts_;
   SpringSet structural_, shear_, bend_;
@@ -114,9 +106,9 @@ class ClothModel : public NodalSystem {
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero(), wind_ = Eigen::Vector3d::Zero();
   std::vector<Pin> pins_;
   std::vector<Hand> hands_;
-  std::vector<ClothLean> leans_;
   std::vector<std::uint8_t> held_;
   std::uint64_t potential_version_ = 0;
+  NodalContact* contact_ = nullptr;
 };
 
 }  // namespace tremolo

@@ -104,8 +104,7 @@ Status ClothWorld::Inside::advance_cloths(double t) {
                                            "': the step at t = " + number_text(t) +
                                            " s could not be made, nor parts of it"};
     }
-    made.contact -=
-        cloth->model.lean_energy(cloth->state.x) - cloth->model.lean_energy(cloth->before.x);
+    made.contact += report.pressed;
     made.damped += report.damped;
     made.wind += report.driven;
     made.pins += report.held_work;
@@ -117,18 +116,46 @@ Status ClothWorld::Inside::advance_cloths(double t) {
   return Success{};
 }
 
-void ClothWorld::Inside::project(double h) {
-  ClothEnergy before, after;
-  const bool anything = !balls.empty() || !scene.colliders.empty();
-  if (!anything) return;
-  add_present(before);
+// True if anything was moved.
+bool ClothWorld::Inside::project(double h) {
+  if (balls.empty() && scene.colliders.empty()) return false;
   const ContactReport report = contact.project(touching, balls, colliders.placed(), gravity, h);
   penetration = std::max(penetration, report.penetration);
-  if (!report.touched) return;
+  if (!report.touched) return false;
+  for (std::size_t i = 0; i < cloths.size(); ++i)
+    cloths[i]->touched = cloths[i]->touched || touching[i].touched;
+  return true;
+}
+
+double ClothWorld::Inside::present() const {
+  ClothEnergy energy;
+  add_present(energy);
+  return energy.total();
+}
+
+// What came from outside since the start, J.
+double ClothWorld::Inside::given() const {
+  return told.wind + told.pins - told.damped;
+}
+
+// After the cloths' own steps: balls move, and all that touches is told in one. True if anything
+// did.
+bool ClothWorld::Inside::touch(double t, double h) {
+  if (balls.empty() && scene.colliders.empty()) return false;
+  for (const auto& cloth : cloths) cloth->touched = false;
+  ClothEnergy before, after;
+  add_present(before);
+  const bool solves = solves_steps();
+  if (solves) push_balls(h);
+  for (MovingBall& ball : balls) move_ball(gravity, t, h, ball);
+  const bool pressed = solves && settle_all(h);
+  const bool moved = project(h);
+  if (!moved && !pressed) return false;
+  for (const auto& cloth : cloths)
+    if (cloth->touched) cloth->integrator->reset();
   add_present(after);
   told.contact += after.total() - before.total();
-  for (std::size_t i = 0; i < cloths.size(); ++i)
-    if (touching[i].touched) cloths[i]->integrator->reset();
+  return true;
 }
 
 Status ClothWorld::step() {
@@ -137,11 +164,14 @@ Status ClothWorld::step() {
   in.release_pins(t + 1e-9 * h);
   in.set_weather(t + 0.5 * h);
   in.colliders.move(in.steps, h);
-  in.lean(h);
+  const bool presses = in.cloths.front()->reactions != nullptr;
+  const double before = presses ? in.present() - in.given() : 0.0;
+  if (presses) in.begin_contact(t, h);
   if (Status s = in.advance_cloths(t); !s) return s;
-  in.push_back(h);
-  for (MovingBall& ball : in.balls) move_ball(in.gravity, t, h, ball);
-  in.project(h);
+  if (in.touch(t, h) && presses && in.stands_still()) {
+    const double excess = in.present() - in.given() - before;
+    if (excess > 0.0) in.told.contact -= in.take_excess(excess);
+  }
   ++in.steps;
   for (std::size_t i = 0; i < in.balls.size(); ++i) in.shown[i] = in.balls[i].now;
   return Success{};

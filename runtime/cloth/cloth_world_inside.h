@@ -2,24 +2,26 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "runtime/cloth/ball_motion.h"
 #include "runtime/cloth/cloth_contact.h"
 #include "runtime/cloth/cloth_model.h"
+#include "runtime/cloth/cloth_reactions.h"
 #include "runtime/cloth/cloth_world.h"
 #include "runtime/scene/scene_colliders.h"
 
 namespace tremolo {
 
 // Does not move in memory: the integrator has the model's address. before: the state in which the
-// step began.
+// step began. reactions: none where the method solves nothing. touched: something, in this step.
 struct WorldCloth {
   SceneCloth scene;
   ClothModel model;
   NodalState state, before;
   std::unique_ptr<NodalIntegrator> integrator;
+  std::unique_ptr<ClothReactions> reactions;
+  bool touched = false;
 };
 
 struct ClothWorld::Inside {
@@ -30,6 +32,7 @@ struct ClothWorld::Inside {
   std::vector<Ball> shown;
   SceneColliders colliders;
   ClothContact contact;
+  ClothSurroundings around;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
   ClothEnergy told;
   double limit = 0.0;
@@ -42,12 +45,18 @@ struct ClothWorld::Inside {
   void set_weather(double t);
   void release_pins(double t);
   Status advance_cloths(double t);
-  void lean(double h);
-  std::optional<Eigen::Vector3d> will_touch(const WorldCloth& cloth, Eigen::Index at, double h,
-                                            ParticleTouch& touch) const;
-  void push_back(double h);
-  void push_back_from(std::size_t c, const ClothLean& lean, double reaction, double h);
-  void project(double h);
+  void make_reactions();
+  bool solves_steps() const;
+  void begin_contact(double t, double h);
+  void push_balls(double h);
+  void settle(WorldCloth& cloth, const ClothReaction& r, double h);
+  bool settle_all(double h);
+  bool stands_still() const;
+  double take_excess(double excess);
+  bool touch(double t, double h);
+  double present() const;
+  double given() const;
+  bool project(double h);
   void add_present(ClothEnergy& energy) const;
 };
 

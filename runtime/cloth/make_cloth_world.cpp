@@ -51,7 +51,8 @@ Result<ClothModel> make_pinned_model(const SceneCloth& wanted) {
 Status ClothWorld::Inside::add_cloth(const SceneCloth& wanted) {
   Result<ClothModel> model = make_pinned_model(wanted);
   if (!model) return of_cloth(wanted, model.error());
-  auto cloth = std::make_unique<WorldCloth>(WorldCloth{wanted, std::move(*model), {}, {}, nullptr});
+  auto cloth = std::make_unique<WorldCloth>(
+      WorldCloth{wanted, std::move(*model), {}, {}, nullptr, nullptr, false});
   const auto held = cloth->model.held();
   cloth->state.x = crumpled(cloth->model.parts(), wanted.crumple, {held.begin(), held.end()});
   cloth->model.put_held(0.0, cloth->state.x);
@@ -69,10 +70,21 @@ Status ClothWorld::Inside::add_cloth(const SceneCloth& wanted) {
                       .friction = wanted.friction,
                       .restitution = wanted.restitution,
                       .touched = false,
-                      .grounded = std::vector<std::uint8_t>(held.size(), 0),
-                      .touches = std::vector<ParticleTouch>(held.size())});
+                      .grounded = std::vector<std::uint8_t>(held.size(), 0)});
   cloths.push_back(std::move(cloth));
   return Success{};
+}
+
+// Where there is something to press on.
+void ClothWorld::Inside::make_reactions() {
+  around.balls = balls;
+  around.ways.resize(balls.size());
+  if (!solves_steps() || (balls.empty() && scene.colliders.empty())) return;
+  for (const auto& cloth : cloths) {
+    cloth->reactions =
+        std::make_unique<ClothReactions>(cloth->model, around, cloth->scene.thickness);
+    cloth->model.set_contact(cloth->reactions.get());
+  }
 }
 
 Status ClothWorld::Inside::check_limit() {
@@ -129,6 +141,7 @@ Result<ClothWorld> ClothWorld::create(const ClothScene& scene) {
   }
   if (Status s = take(inside->colliders, make_colliders(scene)); !s) return s.error();
   if (Status s = inside->check_apart(); !s) return s.error();
+  inside->make_reactions();
   return ClothWorld(std::move(inside));
 }
 

@@ -240,14 +240,14 @@ void SpringSet::add_block(std::size_t spring, const Matrix3d& block, BlockMatrix
 }
 
 void SpringSet::add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
-                            double velocity, BlockMatrix& a) const {
+                            double velocity, bool full, BlockMatrix& a) const {
   const double k = law_.stiffness, d = law_.damping;
   for (std::size_t i = 0; i < size(); ++i) {
     const Vector3d r = x.segment<3>(3 * a_[i]) - x.segment<3>(3 * b_[i]);
     const double square = std::max(r.squaredNorm(), kNoSquare);
     double across = k * (1.0 - rest_[i] / std::sqrt(square));
     if (d != 0.0) across += d / square * r.dot(v.segment<3>(3 * a_[i]) - v.segment<3>(3 * b_[i]));
-    across = position * std::max(across, 0.0);
+    across = position * (full ? across : std::max(across, 0.0));
     const double along = position * k + velocity * d - across;
     Matrix3d block = (along / square * r) * r.transpose();
     block.diagonal().array() += across;
@@ -270,7 +270,7 @@ double SpringSet::damping_power(const Eigen::VectorXd& x, const Eigen::VectorXd&
 // damper's direction. The symmetric part of u e1^T is (1 + u.e1)/2 q q^T - (1 - u.e1)/2 p p^T, q
 // along u + e1.
 void SpringSet::add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
-                                 BlockMatrix& a) const {
+                                 bool full, BlockMatrix& a) const {
   const double k = law_.stiffness, d = law_.damping;
   for (std::size_t i = 0; i < size(); ++i) {
     const Vector3d r0 = x0.segment<3>(3 * a_[i]) - x0.segment<3>(3 * b_[i]);
@@ -281,10 +281,12 @@ void SpringSet::add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorX
     const double length = std::max(m.norm(), kNoLength);
     const Vector3d u = m / length, e1 = r1 / l1;
     const Vector3d q = u + e1;
-    const double across = std::max(0.5 * k * (1.0 - 2.0 * rest_[i] / both), 0.0);
+    const double slack = 0.5 * k * (1.0 - 2.0 * rest_[i] / both);
+    const double across = full ? slack : std::max(slack, 0.0);
     // (1 + u.e1)/2 = |q|^2/4, so that q itself need not be made of length one.
     const double along = 0.25 * k * rest_[i] * length / (both * both);
     Matrix3d block = (along * q) * q.transpose();
+    if (full) block -= (along * (u - e1)) * (u - e1).transpose();
     if (d != 0.0) block += (d / h * u) * u.transpose();
     block.diagonal().array() += across;
     add_block(i, block, a);

@@ -47,16 +47,17 @@ class SpringSet {
   // a += position (-df/dx) + velocity (-df/dv). With P = I - e e^T,
   //   -df_a/dx_a = k [(1 - L/l) P + e e^T] + (d/l) [e (P w)^T + (w.e) P],   -df_a/dv_a = d e e^T
   // of which e (P w)^T, not symmetric, is left out, and P where its factor is negative.
+  // full: P is not.
   void add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
-                   double velocity, BlockMatrix& a) const;
+                   double velocity, bool full, BlockMatrix& a) const;
   double energy(const Eigen::VectorXd& x) const;                                   // J
   double damping_power(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const;  // W
 
   // f += the force over a step; returns what the dampers took, J.
   double add_step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                         Eigen::VectorXd& f) const;
-  // a += nearly -df/dx1 of it: its symmetric part, less what is not positive.
-  void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
+  // a += nearly -df/dx1 of it: its symmetric part, less what is not positive unless it is full.
+  void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h, bool full,
                         BlockMatrix& a) const;
 
  private:

@@ -39,7 +39,7 @@ class ExplicitStep : public HalvedIntegrator {
     state.x.swap(x1_);
     state.v.swap(v1_);
     state.time += h;
-    ledger().end(state, h, report);
+    ledger().end(state, h, 0.0, report);
     return true;
   }
 

@@ -22,6 +22,9 @@ constexpr int kLeastWorth = 20;
 // more digits would be in vain.
 constexpr double kLeastForcing = 1e-4, kMostForcing = 0.1;
 
+// A full tangent that was indefinite is tried again when the residual is this share of what it was.
+constexpr double kFullAgain = 0.3;
+
 }  // namespace
 
 ImplicitSolve::ImplicitSolve(const NodalSystem& system, const NodalOptions& options)
@@ -34,7 +37,8 @@ ImplicitSolve::ImplicitSolve(const NodalSystem& system, const NodalOptions& opti
       f_(x_),
       r_(x_),
       d_(x_),
-      trial_(x_) {}
+      trial_(x_),
+      base_(x_) {}
 
 Result<std::unique_ptr<ImplicitSolve>> ImplicitSolve::create(const NodalSystem& system,
                                                              const NodalOptions& options) {
@@ -68,6 +72,7 @@ double ImplicitSolve::residual(const ImplicitEquation& equation, const Eigen::Ve
     v_ = *equation.v_hat + equation.kappa * (x1 - x0);
     system_.force(x_, v_, equation.part, f_);
   }
+  if (const NodalContact* contact = system_.contact()) contact->add_force(x1, f_);
   const Eigen::VectorXd& mass = system_.mass();
   const std::span<const std::uint8_t> held = system_.held();
   const Eigen::VectorXd& x_hat = *equation.x_hat;
@@ -85,18 +90,28 @@ double ImplicitSolve::residual(const ImplicitEquation& equation, const Eigen::Ve
   return std::sqrt(square);
 }
 
-// d_ = A^-1 r_ at x1; false where there is none.
-bool ImplicitSolve::direction(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
-                              double target, bool once) {
+void ImplicitSolve::assemble(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
+                             bool full) {
   const Eigen::VectorXd& mass = system_.mass();
   matrix_.set_zero();
   for (Eigen::Index i = 0; i < mass.size(); ++i)
     matrix_.diagonal(static_cast<std::size_t>(i)).diagonal().setConstant(equation.mu * mass[i]);
-  if (equation.h > 0.0)
-    system_.add_step_tangent(*equation.x0, x1, equation.h, matrix_);
-  else
+  if (equation.h > 0.0) {
+    if (full)
+      system_.add_full_step_tangent(*equation.x0, x1, equation.h, matrix_);
+    else
+      system_.add_step_tangent(*equation.x0, x1, equation.h, matrix_);
+  } else if (full) {
+    system_.add_full_tangent(x_, v_, equation.part, equation.theta, equation.kappa, matrix_);
+  } else {
     system_.add_tangent(x_, v_, equation.part, equation.theta, equation.kappa, matrix_);
+  }
+  if (const NodalContact* contact = system_.contact()) contact->add_tangent(matrix_);
   matrix_.hold(system_.held());
+}
+
+// d_ = A^-1 r_; false where there is none.
+bool ImplicitSolve::solve_system(double target, bool once) {
   const bool try_gradients = gradients_ && (!factor_ || --factored_ <= 0);
   if (try_gradients) {
     d_.setZero();
@@ -105,6 +120,7 @@ bool ImplicitSolve::direction(const ImplicitEquation& equation, const Eigen::Vec
     const double enough = once ? 0.1 * target : std::max(0.1 * target, forcing * size);
     const CgReport solved =
         gradients_->solve(matrix_, r_, d_, std::min(enough, 0.5 * size), worth_);
+    if (full_ && !solved.positive) return false;
     const bool good = solved.positive && d_.allFinite();
     if (!factor_ || (good && solved.converged)) return good;
     factored_ = kFactored;
@@ -113,6 +129,21 @@ bool ImplicitSolve::direction(const ImplicitEquation& equation, const Eigen::Vec
   d_ = r_;
   factor_->solve(d_);
   return d_.allFinite();
+}
+
+// d_ = A^-1 r_ at x1; false where there is none.
+bool ImplicitSolve::direction(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
+                              double target, bool once) {
+  const double size = r_.norm();
+  full_ = !once && size <= full_limit_;
+  if (full_) {
+    assemble(equation, x1, true);
+    if (solve_system(target, once)) return true;
+    full_limit_ = kFullAgain * size;
+    full_ = false;
+  }
+  assemble(equation, x1, false);
+  return solve_system(target, once);
 }
 
 // What rounding of the positions leaves of the residual, N.
@@ -128,7 +159,9 @@ std::optional<double> ImplicitSolve::search(const ImplicitEquation& equation,
                                             const Eigen::VectorXd& x1, double size, double limit) {
   // What Newton's matrix leaves out makes its steps shrink slowly; the last ones tell by how much.
   const double slope = d_.dot(r_);
-  if (steps_.mix(x1, d_, trial_)) {
+  if (full_) {
+    steps_.clear();
+  } else if (steps_.mix(x1, d_, trial_)) {
     trial_ += x1;
     const double next = residual(equation, trial_);
     if (next <= std::max(limit, size)) return next;
@@ -145,23 +178,52 @@ std::optional<double> ImplicitSolve::search(const ImplicitEquation& equation,
   return std::nullopt;
 }
 
+bool ImplicitSolve::revise(const ImplicitEquation& equation, const Eigen::VectorXd& x1) {
+  NodalContact* contact = system_.contact();
+  return contact != nullptr && contact->revise(*equation.x0, x1, equation.share);
+}
+
 bool ImplicitSolve::solve(const ImplicitEquation& equation, Eigen::VectorXd& x1, bool once,
                           NodalReport& report) {
+  if (NodalContact* contact = system_.contact()) contact->start();
+  if (once) return solve_once(equation, x1, report);
+  do {
+    if (!converge(equation, x1, report)) return false;
+  } while (revise(equation, x1));
+  return true;
+}
+
+// The same linearisation, at the guess, for all that presses.
+bool ImplicitSolve::solve_once(const ImplicitEquation& equation, Eigen::VectorXd& x1,
+                               NodalReport& report) {
+  const double load = system_.load_size();
+  base_ = x1;
+  shrunk_ = 1.0;
+  do {
+    report.residual = residual(equation, base_) / load;
+    if (!std::isfinite(report.residual)) return false;
+    if (!direction(equation, base_, options_.tolerance * load, true)) return false;
+    ++report.iterations;
+    x1 = base_ + d_;
+    if (!std::isfinite(residual(equation, x1))) return false;
+  } while (revise(equation, x1));
+  return true;
+}
+
+bool ImplicitSolve::converge(const ImplicitEquation& equation, Eigen::VectorXd& x1,
+                             NodalReport& report) {
   const double load = system_.load_size();
   const double target = options_.tolerance * load;
   double size = residual(equation, x1);
   steps_.clear();
   shrunk_ = 1.0;
+  full_limit_ = std::numeric_limits<double>::infinity();
   for (int k = 0; k < options_.max_iterations; ++k) {
     report.residual = size / load;
     if (!std::isfinite(size)) return false;
-    if (!once && size <= target) return true;
-    if (!direction(equation, x1, target, once)) return false;
+    if (size <= target) return true;
+    if (!direction(equation, x1, target, false)) return false;
     ++report.iterations;
-    if (once) {
-      x1 += d_;
-      return std::isfinite(residual(equation, x1));
-    }
     const double limit = std::max(target, rounding(x1));
     const std::optional<double> next = search(equation, x1, size, limit);
     if (!next) return size <= limit;

@@ -2,8 +2,11 @@
 //
 //     mu M (x1 - x^) = f(x*, v*),    x* = x0 + theta (x1 - x0),    v* = kappa (x1 - x0) + v^
 //
-// or with NodalSystem::step_force(x0, x1) on its right. Newton's matrix is mu M + theta K + kappa D
-// with what makes it indefinite left out; a line search takes care of that.
+// or with NodalSystem::step_force(x0, x1) on its right, and the reactions of NodalSystem::contact()
+// at x1 added to it: after each solve these are revised, and it goes on where they change. Newton's
+// matrix is mu M + theta K + kappa D, as it is where that is positive definite, so that the last
+// steps converge quadratically; else with what makes it indefinite left out. A line search takes
+// care of what that leaves.
 #pragma once
 
 #include <memory>
@@ -24,6 +27,7 @@ struct ImplicitEquation {
   const Eigen::VectorXd* v_hat = nullptr;
   ForcePart part = ForcePart::kAll;
   double h = 0.0;
+  double share = 1.0;  // of the impulse h f that the step takes of a reaction f (NodalContact)
 };
 
 class ImplicitSolve {
@@ -47,9 +51,14 @@ class ImplicitSolve {
   static constexpr int kMostCgIterations = 5000;
 
   ImplicitSolve(const NodalSystem& system, const NodalOptions& options);
+  bool converge(const ImplicitEquation& equation, Eigen::VectorXd& x1, NodalReport& report);
+  bool solve_once(const ImplicitEquation& equation, Eigen::VectorXd& x1, NodalReport& report);
+  bool revise(const ImplicitEquation& equation, const Eigen::VectorXd& x1);
   double residual(const ImplicitEquation& equation, const Eigen::VectorXd& x1);
   bool direction(const ImplicitEquation& equation, const Eigen::VectorXd& x1, double target,
                  bool once);
+  void assemble(const ImplicitEquation& equation, const Eigen::VectorXd& x1, bool full);
+  bool solve_system(double target, bool once);
   double rounding(const Eigen::VectorXd& x1) const;
   // From x1 with the residual `size` to trial_, with the residual that is returned; nothing where
   // no part of the step is of use.
@@ -65,8 +74,11 @@ class ImplicitSolve {
   int worth_ = kMostCgIterations;
   int factored_ = 0;     // systems that the factor still solves before they are tried again
   double shrunk_ = 1.0;  // the residual over that before the last step
+  // Residual from which on the full tangent is tried: below that at which it was indefinite.
+  double full_limit_ = 0.0;
+  bool full_ = false;  // the direction is of the full tangent
   MixedSteps steps_;
-  Eigen::VectorXd x_, v_, f_, r_, d_, trial_;
+  Eigen::VectorXd x_, v_, f_, r_, d_, trial_, base_;
   StepWork work_;
 };
 

@@ -7,6 +7,8 @@
 //   newmark          4 M (d - h v0 - h^2/4 a0)/h^2 = f(x1, v1),          v1 = 2 d/h - v0
 //   bdf2             9/4 M (x1 - X - 2/3 h V)/h^2 = f(x1, v1),           v1 = 3/(2h) (x1 - X)
 //                    X = (4 x0 - x-1)/3, V = (4 v0 - v-1)/3
+#include <algorithm>
+
 #include "runtime/nodal/halved_step.h"
 #include "runtime/nodal/implicit_solve.h"
 #include "runtime/nodal/method_makers.h"
@@ -28,18 +30,80 @@ class ImplicitMethod : public HalvedIntegrator {
     x1_ = state.x + h * state.v;
     put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
   }
-  // v1 as set by the method, held nodes put; the step is made.
-  void finish(NodalState& state, double h, NodalReport& report) {
+  // v1 as set by the method, held nodes put; the step is made. share: as of NodalContact::keep().
+  void finish(NodalState& state, double h, double share, NodalReport& report) {
     put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
+    if (NodalContact* contact = system().contact()) contact->keep(x1_, h, share);
     ledger().begin(state);
     state.x.swap(x1_);
     state.v.swap(v1_);
     state.time += h;
-    ledger().end(state, h, report);
+    ledger().end(state, h, share, report);
+  }
+  // The same of a method that may add energy. False where it would have to be taken by the rule of
+  // `energy` and cannot.
+  bool finish_guarded(NodalState& state, double h, double share, NodalReport& report) {
+    if (!options().guard || !options().account) {
+      finish(state, h, share, report);
+      return true;
+    }
+    put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
+    NodalReport trial = report;
+    ledger().begin(state);
+    state.x.swap(x1_);
+    state.v.swap(v1_);
+    ledger().end(state, h, share, trial);
+    const double gain = trial.numerical - report.numerical;
+    largest_ = std::max(largest_, ledger().turnover());
+    if (gain <= 0.0 || gained_ + gain <= kMostGain * largest_) {
+      gained_ = std::max(0.0, gained_ + gain);
+      report = trial;
+      if (NodalContact* contact = system().contact()) contact->keep(state.x, h, share);
+      state.time += h;
+      return true;
+    }
+    state.x.swap(x1_);
+    state.v.swap(v1_);
+    ++report.guarded;
+    reset();
+    return again(state, h, report);
+  }
+  // Instead of a step that would have added energy.
+  virtual bool again(NodalState& state, double h, NodalReport& report) {
+    return balanced(state, h, report);
+  }
+  // The rule of `energy`, from the guess x1_.
+  bool balanced(NodalState& state, double h, NodalReport& report) {
+    x_hat_ = state.x + h * state.v;
+    v_hat_.setZero();
+    const ImplicitEquation equation{.mu = 2.0 / (h * h),
+                                    .theta = 0.5,
+                                    .kappa = 1.0 / h,
+                                    .x0 = &state.x,
+                                    .x_hat = &x_hat_,
+                                    .v_hat = &v_hat_,
+                                    .h = h};
+    if (!solve_->solve(equation, x1_, false, report)) return false;
+    v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
+    put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
+    if (NodalContact* contact = system().contact()) contact->keep(x1_, h, 1.0);
+    ledger().begin(state);
+    const double held = held_work(system(), solve_->force(), state.x, x1_);
+    state.x.swap(x1_);
+    state.v.swap(v1_);
+    state.time += h;
+    ledger().end(state, solve_->work(), held, report);
+    return true;
   }
 
   std::unique_ptr<ImplicitSolve> solve_;
   Eigen::VectorXd x1_, v1_, x_hat_, v_hat_;
+
+ private:
+  // What a method may add, since it last had taken as much, over the largest energy there was.
+  static constexpr double kMostGain = 0.01;
+
+  double gained_ = 0.0, largest_ = 0.0;  // J
 };
 
 class ImplicitEuler : public ImplicitMethod {
@@ -61,19 +125,31 @@ class ImplicitEuler : public ImplicitMethod {
       x1_ = state.x;
       put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
     }
+    if (!solve(state, h, once_, report)) return false;
+    if (once_) return finish_guarded(state, h, 1.0, report);
+    finish(state, h, 1.0, report);
+    return true;
+  }
+  // The same step by Newton's method.
+  bool again(NodalState& state, double h, NodalReport& report) override {
+    if (!solve(state, h, false, report)) return false;
+    finish(state, h, 1.0, report);
+    return true;
+  }
+
+ private:
+  bool solve(const NodalState& state, double h, bool once, NodalReport& report) {
     const ImplicitEquation equation{.mu = 1.0 / (h * h),
                                     .theta = 1.0,
                                     .kappa = 1.0 / h,
                                     .x0 = &state.x,
                                     .x_hat = &x_hat_,
                                     .v_hat = &v_hat_};
-    if (!solve_->solve(equation, x1_, once_, report)) return false;
+    if (!solve_->solve(equation, x1_, once, report)) return false;
     v1_ = (x1_ - state.x) / h;
-    finish(state, h, report);
     return true;
   }
 
- private:
   bool once_;
 };
 
@@ -87,30 +163,19 @@ class Middle : public ImplicitMethod {
 
  protected:
   bool advance(NodalState& state, double h, NodalReport& report) override {
+    guess(state, h);
+    if (energy_) return balanced(state, h, report);
     x_hat_ = state.x + h * state.v;
     v_hat_.setZero();
-    guess(state, h);
     const ImplicitEquation equation{.mu = 2.0 / (h * h),
                                     .theta = 0.5,
                                     .kappa = 1.0 / h,
                                     .x0 = &state.x,
                                     .x_hat = &x_hat_,
-                                    .v_hat = &v_hat_,
-                                    .h = energy_ ? h : 0.0};
+                                    .v_hat = &v_hat_};
     if (!solve_->solve(equation, x1_, false, report)) return false;
     v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
-    if (!energy_) {
-      finish(state, h, report);
-      return true;
-    }
-    put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
-    ledger().begin(state);
-    const double held = held_work(system(), solve_->force(), state.x, x1_);
-    state.x.swap(x1_);
-    state.v.swap(v1_);
-    state.time += h;
-    ledger().end(state, solve_->work(), held, report);
-    return true;
+    return finish_guarded(state, h, 1.0, report);
   }
 
  private:
@@ -142,13 +207,13 @@ class Newmark : public ImplicitMethod {
                                     .kappa = 2.0 / h,
                                     .x0 = &state.x,
                                     .x_hat = &x_hat_,
-                                    .v_hat = &v_hat_};
+                                    .v_hat = &v_hat_,
+                                    .share = 0.5};
     if (!solve_->solve(equation, x1_, false, report)) return false;
     v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
     a_ = (4.0 / (h * h)) * (x1_ - x_hat_);
     known_ = true;
-    finish(state, h, report);
-    return true;
+    return finish_guarded(state, h, 0.5, report);
   }
 
  private:
@@ -171,7 +236,8 @@ class Bdf2 : public ImplicitMethod {
   bool advance(NodalState& state, double h, NodalReport& report) override {
     keep_x_ = state.x;
     keep_v_ = state.v;
-    if (last_step_ == h) {
+    const bool begins = last_step_ != h;
+    if (!begins) {
       x_hat_ = (4.0 * state.x - x_last_) / 3.0;
       v_hat_ = (1.5 / h) * (state.x - x_hat_);
       far_ = x_hat_ + (2.0 * h / 9.0) * (4.0 * state.v - v_last_);
@@ -182,13 +248,14 @@ class Bdf2 : public ImplicitMethod {
                                       .kappa = 1.5 / h,
                                       .x0 = &state.x,
                                       .x_hat = &far_,
-                                      .v_hat = &v_hat_};
+                                      .v_hat = &v_hat_,
+                                      .share = 2.0 / 3.0};
       if (!solve_->solve(equation, x1_, false, report)) return false;
       v1_ = (1.5 / h) * (x1_ - x_hat_);
     } else {
       if (!first(state, h, report)) return false;
     }
-    finish(state, h, report);
+    if (!finish_guarded(state, h, begins ? 1.0 : 2.0 / 3.0, report)) return false;
     x_last_.swap(keep_x_);
     v_last_.swap(keep_v_);
     last_step_ = h;

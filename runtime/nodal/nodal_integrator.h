@@ -36,7 +36,10 @@ struct NodalState {
 // tolerance: of Newton's residual, a share of NodalSystem::load_size(). factor: whether Newton's
 // systems are solved by a factor, or by conjugate gradients; automatic by size. halvings: how often
 // a step that fails is halved before it is given up. account: whether reports tell the energies,
-// which costs two evaluations a step; else they are 0 there.
+// which costs two evaluations a step; else they are 0 there. guard: midpoint, newmark and bdf2,
+// which add energy where stiff springs turn in long steps, take those steps by the rule of `energy`
+// in which they would have added more, since they last had taken as much, than a hundredth of what
+// the nodes' energy was at most; only if `account`.
 enum class NodalSolver { kAutomatic, kCholesky, kConjugateGradients };
 struct NodalOptions {
   double step = 1.0 / 60.0;  // s
@@ -45,13 +48,15 @@ struct NodalOptions {
   NodalSolver solver = NodalSolver::kAutomatic;
   int halvings = 6;
   bool account = true;
+  bool guard = true;
 };
 
 // H is the potential and the kinetic energy of the nodes that are not held. made: the step was
 // made. parts: into how many it was cut. iterations: Newton's. residual: the largest at the end, as
 // the tolerance is. held_work: what held nodes that move gave, J. damped, driven: as StepWork.
-// numerical: what the method itself added to the energy, J: H1 - H0 less all that is told; zero to
-// rounding for `energy`.
+// pressed: what reactions (NodalContact) did. numerical: what the method itself added to the
+// energy, J: H1 - H0 less all that is told; zero to rounding for `energy`. guarded: parts that were
+// taken by the rule of `energy`.
 struct NodalReport {
   bool made = false;
   int parts = 1;
@@ -60,7 +65,9 @@ struct NodalReport {
   double held_work = 0.0;
   double damped = 0.0;
   double driven = 0.0;
+  double pressed = 0.0;
   double numerical = 0.0;
+  int guarded = 0;
 };
 
 class NodalIntegrator {

@@ -25,6 +25,27 @@ struct StepWork {
   double driven = 0.0;
 };
 
+// What stands in the way of nodes: reactions at the end x1 of a step, which are found together with
+// it. However the method weighs other forces, these act at x1 alone. Vectors as above; nothing is
+// allocated.
+class NodalContact {
+ public:
+  virtual ~NodalContact() = default;
+  // Before a solve.
+  virtual void start() = 0;
+  // Told where a solve from x0 has ended: chooses anew what presses and where. True if that moves
+  // x1: the solve then goes on. share: as of keep().
+  virtual bool revise(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double share) = 0;
+  // f += the reactions at x1.
+  virtual void add_force(const Eigen::VectorXd& x1, Eigen::VectorXd& f) const = 0;
+  // a += -df/dx1 of them.
+  virtual void add_tangent(BlockMatrix& a) const = 0;
+  // J, over a step: share f.(x1 - x0).
+  virtual double work(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double share) const = 0;
+  // Told that a step of h, s, or a part of one, was made: each reaction's impulse was share h f.
+  virtual void keep(const Eigen::VectorXd& x1, double h, double share) = 0;
+};
+
 class NodalSystem {
  public:
   virtual ~NodalSystem() = default;
@@ -68,6 +89,19 @@ class NodalSystem {
   // a += -df/dx1 of it, nearly.
   virtual void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                                 BlockMatrix& a) const = 0;
+
+  // The same with what makes them indefinite, for steps that are tried first; they are symmetric.
+  virtual void add_full_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
+                                double position, double velocity, BlockMatrix& a) const {
+    add_tangent(x, v, part, position, velocity, a);
+  }
+  virtual void add_full_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
+                                     BlockMatrix& a) const {
+    add_step_tangent(x0, x1, h, a);
+  }
+
+  // None where nothing stands in the way. Methods that solve nothing do not ask.
+  virtual NodalContact* contact() const { return nullptr; }
 };
 
 }  // namespace tremolo

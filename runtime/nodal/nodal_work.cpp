@@ -1,5 +1,7 @@
 #include "runtime/nodal/nodal_work.h"
 
+#include <cmath>
+
 namespace tremolo {
 
 double free_kinetic(const NodalSystem& system, const Eigen::VectorXd& v) {
@@ -51,7 +53,7 @@ bool StepLedger::held_nodes_move(const Eigen::VectorXd& x1) const {
   return false;
 }
 
-void StepLedger::end(const NodalState& state, double h, NodalReport& report) {
+void StepLedger::end(const NodalState& state, double h, double share, NodalReport& report) {
   if (!asked_) return;
   x_ = 0.5 * (x0_ + state.x);
   v_ = (state.x - x0_) / h;
@@ -63,19 +65,28 @@ void StepLedger::end(const NodalState& state, double h, NodalReport& report) {
     system_.force(x_, v_, ForcePart::kAll, f_);
     held = held_work(system_, f_, x0_, state.x);
   }
-  end(state, work, held, report);
+  const NodalContact* contact = system_.contact();
+  tell(state, work, held, contact ? contact->work(x0_, state.x, share) : 0.0, report);
 }
 
 void StepLedger::end(const NodalState& state, const StepWork& work, double held,
                      NodalReport& report) {
   if (!asked_) return;
+  const NodalContact* contact = system_.contact();
+  tell(state, work, held, contact ? contact->work(x0_, state.x, 1.0) : 0.0, report);
+}
+
+void StepLedger::tell(const NodalState& state, const StepWork& work, double held, double pressed,
+                      NodalReport& report) {
   x0_ = state.x;
+  const double before = potential_, kinetic = free_kinetic(system_, state.v);
   potential_ = system_.potential(state.x);
-  const double energy = potential_ + free_kinetic(system_, state.v);
+  turnover_ = kinetic + std::abs(potential_ - before);
   report.damped += work.damped;
   report.driven += work.driven;
   report.held_work += held;
-  report.numerical += energy - energy_ - held - work.driven + work.damped;
+  report.pressed += pressed;
+  report.numerical += potential_ + kinetic - energy_ - held - pressed - work.driven + work.damped;
 }
 
 }  // namespace tremolo

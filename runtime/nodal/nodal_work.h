@@ -25,17 +25,22 @@ class StepLedger {
   StepLedger(const NodalSystem& system, bool asked);
   void begin(const NodalState& state);
   // Of a method whose step is not told by step_force(): damping and wind by their power in the
-  // middle of the step, what held nodes give by the force there.
-  void end(const NodalState& state, double h, NodalReport& report);
+  // middle of the step, what held nodes give by the force there. share: as of NodalContact.
+  void end(const NodalState& state, double h, double share, NodalReport& report);
   // Of one whose step is.
   void end(const NodalState& state, const StepWork& work, double held, NodalReport& report);
+  // The kinetic energy at the last end, and how much the potential changed in that step, J.
+  double turnover() const { return turnover_; }
 
  private:
+  void tell(const NodalState& state, const StepWork& work, double held, double pressed,
+            NodalReport& report);
   bool held_nodes_move(const Eigen::VectorXd& x1) const;
 
   const NodalSystem& system_;
   bool asked_;
   double energy_ = 0.0;
+  double turnover_ = 0.0;
   double potential_ = 0.0;                // at x0_
   std::optional<std::uint64_t> version_;  // of potential_
   Eigen::VectorXd x0_, x_, v_, f_;

@@ -5,6 +5,8 @@
 
 #include <Eigen/LU>
 
+#include "common/clones.h"
+
 namespace tremolo {
 namespace {
 
@@ -18,12 +20,12 @@ constexpr size_t kBlock = 12;  // floats
 // Floats resolve no more of a residual.
 constexpr double kLeastInside = 1e-4;
 
-Four& four_at(AlignedFloats& list, size_t node) {
-  return *reinterpret_cast<Four*>(list.data() + 4 * node);
+[[gnu::always_inline]] inline Four& four_at(float* list, size_t node) {
+  return *reinterpret_cast<Four*>(list + 4 * node);
 }
 
 // A block times a vector.
-Four block_times(const float* block, Four x) {
+[[gnu::always_inline]] inline Four block_times(const float* block, Four x) {
   const Four* column = reinterpret_cast<const Four*>(block);
   return column[0] * x[0] + column[1] * x[1] + column[2] * x[2];
 }
@@ -34,12 +36,71 @@ void store_block(const Eigen::Matrix3d& block, double scale, float* at) {
 }
 
 // A sum of products in doubles: one in floats loses digits as it grows.
-struct Sum {
-  FourDoubles lanes = {};
+[[gnu::always_inline]] inline void add_product(FourDoubles& sum, Four a, Four b) {
+  sum += __builtin_convertvector(a * b, FourDoubles);
+}
+[[gnu::always_inline]] inline double total(const FourDoubles& sum) {
+  return sum[0] + sum[1] + sum[2];
+}
 
-  void add(Four a, Four b) { lanes += __builtin_convertvector(a * b, FourDoubles); }
-  double total() const { return lanes[0] + lanes[1] + lanes[2]; }
+// What the loops below read and write; names as in the class.
+struct CgView {
+  size_t n;
+  const std::uint32_t* first;
+  const std::uint32_t* column;
+  const float* blocks;
+  const float* inverse;
+  float *r, *z, *p, *q, *d;
 };
+
+// q = A p; returns p.q.
+TREMOLO_CLONES
+double multiply_direction(const CgView& g) {
+  FourDoubles sum = {};
+  for (size_t i = 0; i < g.n; ++i) {
+    Four even = {}, odd = {};
+    const size_t end = g.first[i + 1];
+    size_t k = g.first[i];
+    for (; k + 1 < end; k += 2) {
+      even += block_times(g.blocks + kBlock * k, four_at(g.p, g.column[k]));
+      odd += block_times(g.blocks + kBlock * (k + 1), four_at(g.p, g.column[k + 1]));
+    }
+    if (k < end) even += block_times(g.blocks + kBlock * k, four_at(g.p, g.column[k]));
+    even += odd;
+    four_at(g.q, i) = even;
+    add_product(sum, four_at(g.p, i), even);
+  }
+  return total(sum);
+}
+
+// r.r and r.z.
+struct CgSizes {
+  double square = 0.0, product = 0.0;
+};
+
+// d += alpha p, r -= alpha q, z = the diagonal's inverse times r.
+TREMOLO_CLONES
+CgSizes advance_along(const CgView& g, float alpha) {
+  FourDoubles square = {}, product = {};
+  const Four step = Four{} + alpha;
+  for (size_t i = 0; i < g.n; ++i) {
+    four_at(g.d, i) += step * four_at(g.p, i);
+    const Four r = four_at(g.r, i) - step * four_at(g.q, i);
+    const Four z = block_times(g.inverse + kBlock * i, r);
+    four_at(g.r, i) = r;
+    four_at(g.z, i) = z;
+    add_product(square, r, r);
+    add_product(product, r, z);
+  }
+  return {total(square), total(product)};
+}
+
+// p = z + beta p.
+TREMOLO_CLONES
+void turn_direction(const CgView& g, float beta) {
+  const Four share = Four{} + beta;
+  for (size_t i = 0; i < g.n; ++i) four_at(g.p, i) = four_at(g.z, i) + share * four_at(g.p, i);
+}
 
 }  // namespace
 
@@ -98,58 +159,23 @@ bool ConjugateGradients::take(const BlockMatrix& a) {
   return true;
 }
 
-// q = A p.
-void ConjugateGradients::multiply() {
-  for (size_t i = 0; i < n_; ++i) {
-    Four even = {}, odd = {};
-    size_t k = first_[i];
-    for (; k + 1 < first_[i + 1]; k += 2) {
-      even += block_times(blocks_.data() + kBlock * k, four_at(p_, column_[k]));
-      odd += block_times(blocks_.data() + kBlock * (k + 1), four_at(p_, column_[k + 1]));
-    }
-    if (k < first_[i + 1])
-      even += block_times(blocks_.data() + kBlock * k, four_at(p_, column_[k]));
-    four_at(q_, i) = even + odd;
-  }
-}
-
-// z = the diagonal's inverse times r; returns r.z.
-double ConjugateGradients::precondition() {
-  Sum sum;
-  for (size_t i = 0; i < n_; ++i) {
-    const Four r = four_at(r_, i);
-    const Four z = block_times(inverse_.data() + kBlock * i, r);
-    four_at(z_, i) = z;
-    sum.add(r, z);
-  }
-  return sum.total();
-}
-
 // d = A^-1 r nearly, until the residual is `tolerance` of what it was, from |r| = 1 on. Returns the
 // residual; report.positive is false where the direction p_ has p.A p <= 0.
 double ConjugateGradients::search(double tolerance, int most, CgReport& report) {
-  double rz = precondition(), size = 1.0;
-  std::copy(z_.begin(), z_.end(), p_.begin());
-  std::fill(d_.begin(), d_.end(), 0.0F);
+  const CgView view{n_,        first_.data(), column_.data(), blocks_.data(), inverse_.data(),
+                    r_.data(), z_.data(),     p_.data(),      q_.data(),      d_.data()};
+  for (AlignedFloats* list : {&d_, &p_, &q_}) std::fill(list->begin(), list->end(), 0.0F);
+  double rz = advance_along(view, 0.0F).product, size = 1.0;
+  turn_direction(view, 0.0F);
   while (size > tolerance && report.iterations < most) {
     ++report.iterations;
-    multiply();
-    Sum curvature;
-    for (size_t i = 0; i < n_; ++i) curvature.add(four_at(p_, i), four_at(q_, i));
-    report.positive = curvature.total() > 0.0;
+    const double curvature = multiply_direction(view);
+    report.positive = curvature > 0.0;
     if (!report.positive) return size;
-    const Four alpha = Four{} + static_cast<float>(rz / curvature.total());
-    Sum square;
-    for (size_t i = 0; i < n_; ++i) {
-      four_at(d_, i) += alpha * four_at(p_, i);
-      const Four r = four_at(r_, i) -= alpha * four_at(q_, i);
-      square.add(r, r);
-    }
-    size = std::sqrt(square.total());
-    const double before = rz;
-    rz = precondition();
-    const Four beta = Four{} + static_cast<float>(rz / before);
-    for (size_t i = 0; i < n_; ++i) four_at(p_, i) = four_at(z_, i) + beta * four_at(p_, i);
+    const CgSizes next = advance_along(view, static_cast<float>(rz / curvature));
+    size = std::sqrt(next.square);
+    turn_direction(view, static_cast<float>(next.product / rz));
+    rz = next.product;
   }
   return size;
 }
@@ -171,8 +197,12 @@ CgReport ConjugateGradients::solve(const BlockMatrix& a, const Eigen::VectorXd& 
     return report;
   }
   for (double before = -1.0;; before = report.residual) {
-    a.multiply(x, image_);
-    rest_ = b - image_;
+    if (before < 0.0 && x.isZero(0.0)) {
+      rest_ = b;
+    } else {
+      a.multiply(x, image_);
+      rest_ = b - image_;
+    }
     report.residual = rest_.norm();
     report.converged = report.residual <= residual;
     if (report.converged || report.iterations >= max_iterations) return report;

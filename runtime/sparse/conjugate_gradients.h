@@ -38,8 +38,6 @@ class ConjugateGradients {
 
  private:
   bool take(const BlockMatrix& a);
-  void multiply();
-  double precondition();
   double search(double tolerance, int most, CgReport& report);
   bool is_positive(const BlockMatrix& a);
 

@@ -1,0 +1,148 @@
+// Before and after the solves of an implicit step: what particles press on (ClothReactions), what
+// balls feel of it, friction and restitution, and that contact gives no energy.
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/cloth/cloth_world_inside.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d ball_velocity_at(const MovingBall& ball, const Vector3d& x) {
+  return ball.now.velocity + ball.now.spin.cross(x - ball.now.position);
+}
+
+bool stands(const PlacedCollider& collider) {
+  return collider.start.position == collider.end.position &&
+         collider.start.rotation.coeffs() == collider.end.rotation.coeffs();
+}
+
+}  // namespace
+
+bool ClothWorld::Inside::solves_steps() const {
+  return std::isinf(stability_number(scene.integrator)) || scene.integrator == "imex";
+}
+
+void ClothWorld::Inside::begin_contact(double t, double h) {
+  around.h = h;
+  around.colliders = colliders.placed();
+  for (std::size_t b = 0; b < balls.size(); ++b) {
+    MovingBall moved = balls[b];
+    move_ball(gravity, t, h, moved);
+    BallInStep& way = around.ways[b];
+    way.start = balls[b].now.position;
+    way.free_end = moved.now.position;
+    way.give = 0.5 * h * h * balls[b].inverse_mass;
+    way.missed = false;
+    way.end = way.give > 0.0
+                  ? clear_of(around.colliders, balls[b].radius, way.free_end + way.give * way.push)
+                  : way.free_end;
+  }
+  for (const auto& cloth : cloths) cloth->reactions->begin(cloth->state);
+}
+
+// The reactions' impulses on balls. Their places are those of the mean of their velocities.
+void ClothWorld::Inside::push_balls(double h) {
+  for (const auto& cloth : cloths)
+    for (const ClothReaction& r : cloth->reactions->all()) {
+      if (r.touch.ball == ParticleTouch::kNone || r.impulse == 0.0) continue;
+      MovingBall& ball = balls[r.touch.ball];
+      if (ball.inverse_mass == 0.0) continue;
+      const Vector3d change = -ball.inverse_mass * r.impulse * r.normal;
+      const Vector3d x = cloth->state.x.segment<3>(3 * static_cast<Eigen::Index>(r.particle));
+      const Vector3d arm = x - around.ways[r.touch.ball].end;
+      ball.now.velocity += change;
+      ball.now.position -= 0.5 * h * change;
+      ball.now.spin -= ball.inverse_inertia * r.impulse * arm.cross(r.normal);
+    }
+}
+
+// Along the normal what pressed stays, or leaves as restitution has it; across it friction.
+void ClothWorld::Inside::settle(WorldCloth& cloth, const ClothReaction& r, double h) {
+  const auto at = static_cast<Eigen::Index>(r.particle);
+  const Vector3d x = cloth.state.x.segment<3>(3 * at);
+  Vector3d v = cloth.state.v.segment<3>(3 * at), surface = Vector3d::Zero();
+  ContactSide particle{.inverse_mass = 1.0 / cloth.model.mass()[at], .velocity = &v}, other;
+  double friction = 0.0, restitution = 0.0;
+  Vector3d normal = r.normal;
+  if (r.touch.ball != ParticleTouch::kNone) {
+    MovingBall& ball = balls[r.touch.ball];
+    normal = (x - ball.now.position).normalized();
+    other = ball_side(ball, x);
+    surface = ball_velocity_at(ball, x);
+    friction = ball.friction;
+    restitution = ball.restitution;
+  } else {
+    const PlacedCollider& collider = colliders.placed()[r.touch.collider];
+    normal = distance_at_end(collider, x).normal.normalized();
+    surface = other.surface = surface_velocity(collider, x, h);
+    friction = collider.friction;
+    restitution = collider.restitution;
+  }
+  const double arrival = -normal.dot(cloth.before.v.segment<3>(3 * at) - surface);
+  const double rebound = arrival > 2.0 * h * gravity.norm()
+                             ? arrival * std::sqrt(restitution * cloth.scene.restitution)
+                             : 0.0;
+  settle_sides(normal, rebound, r.impulse, std::sqrt(friction * cloth.scene.friction), particle,
+               other);
+  cloth.state.v.segment<3>(3 * at) = v;
+  cloth.touched = true;
+}
+
+// True if anything pressed.
+bool ClothWorld::Inside::settle_all(double h) {
+  bool any = false;
+  for (std::size_t c = 0; c < cloths.size(); ++c) {
+    for (const ClothReaction& r : cloths[c]->reactions->all())
+      if (r.impulse > 0.0) settle(*cloths[c], r, h);
+    any = any || cloths[c]->touched;
+  }
+  return any;
+}
+
+// Whether nothing moves but cloths and balls that are free: what is moved may do work.
+bool ClothWorld::Inside::stands_still() const {
+  for (std::size_t b = 0; b < balls.size(); ++b)
+    if (balls[b].inverse_mass == 0.0 && around.ways[b].start != around.ways[b].end) return false;
+  return std::ranges::all_of(colliders.placed(), stands);
+}
+
+// Where a step in which something touched ends with more than it began with and was given, the rest
+// is taken from the motion of the cloths that touched, about their own mean velocity. Returns
+// what was taken, J.
+double ClothWorld::Inside::take_excess(double excess) {
+  double motion = 0.0;
+  const auto mean_velocity = [](const WorldCloth& cloth) -> Vector3d {
+    Vector3d momentum = Vector3d::Zero();
+    double mass = 0.0;
+    for (std::size_t i = 0; i < cloth.model.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      if (cloth.model.held()[i] != 0) continue;
+      mass += cloth.model.mass()[at];
+      momentum += cloth.model.mass()[at] * cloth.state.v.segment<3>(3 * at);
+    }
+    return mass > 0.0 ? Vector3d(momentum / mass) : momentum;
+  };
+  const auto each_free = [&](auto&& act) {
+    for (std::size_t c = 0; c < cloths.size(); ++c) {
+      if (!cloths[c]->touched) continue;
+      WorldCloth& cloth = *cloths[c];
+      const Vector3d mean = mean_velocity(cloth);
+      for (std::size_t i = 0; i < cloth.model.size(); ++i)
+        if (cloth.model.held()[i] == 0)
+          act(cloth.model.mass()[static_cast<Eigen::Index>(i)], mean,
+              cloth.state.v.segment<3>(3 * static_cast<Eigen::Index>(i)));
+    }
+  };
+  each_free([&](double mass, const Vector3d& mean, const auto& v) {
+    motion += 0.5 * mass * (v - mean).squaredNorm();
+  });
+  if (!(motion > 0.0)) return 0.0;
+  const double left = std::sqrt(std::max(0.0, 1.0 - excess / motion));
+  each_free([&](double, const Vector3d& mean, auto&& v) { v = mean + left * (v - mean); });
+  return std::min(excess, motion);
+}
+
+}  // namespace tremolo
