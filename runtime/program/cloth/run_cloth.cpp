@@ -14,6 +14,7 @@
 #include "formats/file/atomic_file.h"
 #include "runtime/cloth/cloth_model.h"
 #include "runtime/program/cloth/cloth_log.h"
+#include "runtime/program/output/plot.h"
 #include "runtime/program/output/statistics.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/interruption.h"
