@@ -3,7 +3,7 @@
 # and the programs. All of it may be moved afterwards. Components of `cmake --install --component`:
 # development, shared, programs.
 set(tremolo_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tremolo)
-set(tremolo_rooms tremolo_common tremolo_formats tremolo_runtime tremolo_nodal tremolo_cloth tremolo_tets)
+set(tremolo_rooms tremolo_common tremolo_formats tremolo_runtime tremolo_c tremolo_nodal tremolo_cloth tremolo_tets)
 install(TARGETS ${tremolo_rooms} EXPORT tremolo-targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 install(EXPORT tremolo-targets NAMESPACE tremolo:: DESTINATION ${tremolo_cmake_dir}
