@@ -3,7 +3,7 @@
 # and the programs. All of it may be moved afterwards. Components of `cmake --install --component`:
 # development, shared, programs.
 set(tremolo_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tremolo)
-set(tremolo_rooms tremolo_common tremolo_formats tremolo_runtime tremolo_nodal tremolo_cloth)
+set(tremolo_rooms tremolo_common tremolo_formats tremolo_runtime tremolo_c tremolo_nodal tremolo_cloth tremolo_tets)
 install(TARGETS ${tremolo_rooms} EXPORT tremolo-targets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 install(EXPORT tremolo-targets NAMESPACE tremolo:: DESTINATION ${tremolo_cmake_dir}
@@ -28,7 +28,7 @@ function(tremolo_install_if_built target component)
     endif()" COMPONENT ${component})
 endfunction()
 
-foreach(program tremolo tremolo-lab tremolo-view tremolo-precompute tremolo-mesh)
+foreach(program tremolo tremolo-nodal tremolo-lab tremolo-view tremolo-precompute tremolo-mesh)
   if(TARGET ${program})
     tremolo_install_if_built(${program} programs)
   endif()

@@ -10,15 +10,16 @@ set_target_properties(tremolo_shared PROPERTIES
   VERSION ${PROJECT_VERSION} SOVERSION ${tremolo_abi}
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
 # All of the two that have functions of the headers, once each, though one comes by the other too.
-set(tremolo_whole $<TARGET_FILE:tremolo_runtime> $<TARGET_FILE:tremolo_cloth>)
+set(tremolo_whole $<TARGET_FILE:tremolo_c> $<TARGET_FILE:tremolo_cloth>)
 target_link_libraries(tremolo_shared PRIVATE
   $<BUILD_INTERFACE:-Wl,--whole-archive> "$<BUILD_INTERFACE:${tremolo_whole}>"
   $<BUILD_INTERFACE:-Wl,--no-whole-archive> $<BUILD_INTERFACE:$<TARGET_FILE:tremolo_nodal>>
+  $<BUILD_INTERFACE:$<TARGET_FILE:tremolo_runtime>>
   $<BUILD_INTERFACE:tremolo_formats> $<BUILD_INTERFACE:tremolo_common>
   $<BUILD_INTERFACE:Threads::Threads> $<BUILD_INTERFACE:tremolo_flags>)
-add_dependencies(tremolo_shared tremolo_runtime tremolo_cloth tremolo_nodal)
+add_dependencies(tremolo_shared tremolo_c tremolo_runtime tremolo_cloth tremolo_nodal)
 set_property(TARGET tremolo_shared PROPERTY LINK_DEPENDS
-  "${tremolo_whole};$<TARGET_FILE:tremolo_nodal>")
+  "${tremolo_whole};$<TARGET_FILE:tremolo_nodal>;$<TARGET_FILE:tremolo_runtime>")
 target_include_directories(tremolo_shared INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/runtime> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 set(tremolo_map ${PROJECT_BINARY_DIR}/tremolo.map)

@@ -11,7 +11,7 @@ function(tremolo_light target)
   if(EMSCRIPTEN)
     return()
   endif()
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O2>)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 if(TREMOLO_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstring>
 #include <optional>
 
@@ -33,7 +32,10 @@ double ply_value(const char* bytes, bool swap) {
   std::array<char, sizeof(T)> raw;
   std::memcpy(raw.data(), bytes, sizeof(T));
   if (swap) std::reverse(raw.begin(), raw.end());
-  return static_cast<double>(std::bit_cast<T>(raw));
+  // The compiler for pages has no std::bit_cast.
+  T value;
+  std::memcpy(&value, raw.data(), sizeof(T));
+  return static_cast<double>(value);
 }
 
 class HeaderParser {

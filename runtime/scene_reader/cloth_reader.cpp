@@ -151,17 +151,6 @@ Status read_all(TomlKeys& keys, const char* key, const std::string& path,
 
 }  // namespace
 
-Result<bool> is_cloth_scene(std::string_view text, const std::string& path) {
-  const Result<toml::table> table = parse_toml(text, path);
-  if (!table) return table.error();
-  if (!table->contains(kClothTables)) return false;
-  if (table->contains("bodies"))
-    return error_at(path, table->find(kClothTables)->second.source(),
-                    "[[bodies]] and [[cloths]] do not go together: a scene has the ones or the "
-                    "others; take them apart into two files");
-  return true;
-}
-
 Result<ClothFile> parse_cloths(std::string_view text, const std::string& path) {
   const Result<toml::table> table = parse_toml(text, path);
   if (!table) return table.error();

@@ -19,10 +19,6 @@ struct ClothFile {
   std::vector<std::string> files;
 };
 
-// Whether the scene file has [[cloths]]. Errors as parse_cloths; kContent for one that has
-// [[bodies]] too.
-Result<bool> is_cloth_scene(std::string_view text, const std::string& path);
-
 // Meshes and CSV files are relative to the scene file. Errors: kSystem if a file is unreadable;
 // kContent with file, line and key for a key that is unknown or whose value is wrong, and for what
 // check_scene finds.

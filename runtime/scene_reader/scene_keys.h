@@ -12,7 +12,8 @@ namespace tremolo {
 
 // What a run of the scene writes. out: a folder; empty: nothing. every: a CSV row every so many
 // steps. surfaces: so many of each body, evenly spaced in time, as ply, obj or inc. save: the file
-// of the world at the end; restore: of the one at which it begins; empty: none.
+// of the world at the end; restore: of the one at which it begins; wav: its sound; empty: none.
+// listen: of --listen.
 struct SceneOutputs {
   std::string out;
   int every = 1;
@@ -21,6 +22,8 @@ struct SceneOutputs {
   bool plot = false;
   std::string save;
   std::string restore;
+  std::string wav;
+  std::string listen;
 };
 
 void read_outputs(TomlKeys& keys, SceneOutputs& outputs);

@@ -14,11 +14,6 @@ namespace {
 
 constexpr std::string_view kTets = "tets";
 
-bool is_tets_body(const toml::node& node) {
-  const toml::table* table = node.as_table();
-  return table != nullptr && (*table)["kind"].value_or(std::string_view()) == kTets;
-}
-
 void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
   constexpr DegreeKind kKinds[] = {DegreeKind::kLinear, DegreeKind::kQuadratic,
                                    DegreeKind::kAdaptive};
@@ -107,18 +102,6 @@ void read_tets_outputs(TomlKeys& keys, SceneOutputs& outputs) {
 }
 
 }  // namespace
-
-Result<bool> is_tets_scene(std::string_view text, const std::string& path) {
-  const Result<toml::table> table = parse_toml(text, path);
-  if (!table) return table.error();
-  const toml::array* bodies = (*table)["bodies"].as_array();
-  if (bodies == nullptr) return false;
-  const std::ptrdiff_t count = std::count_if(bodies->begin(), bodies->end(), is_tets_body);
-  if (count == 0) return false;
-  if (static_cast<std::size_t>(count) == bodies->size() && !table->contains("cloths")) return true;
-  return error_at(path, bodies->source(),
-                  "bodies of kind \"tets\" and others do not meet in one scene: take two scenes");
-}
 
 Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path) {
   const Result<toml::table> table = parse_toml(text, path);

@@ -39,9 +39,6 @@ struct TetScene {
   SceneOutputs outputs;
 };
 
-// Whether the scene's bodies are of this kind. Errors (kContent): some are and others are not.
-Result<bool> is_tets_scene(std::string_view text, const std::string& path);
-
 // Errors (kContent) with file, line and key; for a collider that moves or comes from a file.
 Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path);
 

@@ -130,6 +130,35 @@ double strength(const std::vector<double>& sound, double rate, double frequency)
   return std::hypot(re, im);
 }
 
+// The samples of a file of --wav from `from` seconds on.
+std::vector<double> sound_of(const std::string& path, double from) {
+  const std::string bytes = testing::slurp(path);
+  std::vector<double> sound;
+  for (std::size_t at = 44 + 2 * static_cast<std::size_t>(48'000.0 * from); at + 1 < bytes.size();
+       at += 2)
+    sound.push_back(static_cast<std::int16_t>(
+        static_cast<unsigned char>(bytes[at]) |
+        static_cast<unsigned>(static_cast<unsigned char>(bytes[at + 1])) << 8));
+  return sound;
+}
+
+// The sound has a peak within 1 Hz of the model's frequency that is nearest to `near`.
+void expect_ringing(const std::vector<double>& sound, const Model& model, double near) {
+  double mode = 0.0, best = 0.0, loudest = 0.0;
+  for (const double f : model.frequencies_hz())
+    if (std::abs(f - near) < std::abs(mode - near)) mode = f;
+  ASSERT_NEAR(mode, near, 0.5);
+  for (double f = mode - 4.0; f <= mode + 4.0; f += 0.125) {
+    const double here = strength(sound, 48'000.0, f);
+    if (here > loudest) {
+      loudest = here;
+      best = f;
+    }
+  }
+  EXPECT_NEAR(best, mode, 1.0);
+  EXPECT_GT(loudest, 5.0 * strength(sound, 48'000.0, mode + 8.0)) << mode;
+}
+
 // A bell and a bar that are struck ring with their frequencies, within 1 Hz.
 TEST(Sound, RingsWithTheModes) {
   struct Ring {
@@ -143,6 +172,7 @@ TEST(Sound, RingsWithTheModes) {
                         {"beam", "--scale 0.05 --listen near:100%,50%,100%", {9.66, 47.25}}};
   const testing::TemporaryFolder folder;
   for (const Ring& ring : rings) {
+    SCOPED_TRACE(ring.name);
     const std::string path = std::string(TREMOLO_MODEL_DIR "/") + ring.name + ".tremolo";
     const auto model = Model::load(path);
     ASSERT_TRUE(model) << model.error().message;
@@ -152,30 +182,33 @@ TEST(Sound, RingsWithTheModes) {
                            "/assets/scenes/hammer.csv "
                            "--duration 1.5 --wav sound.wav");
     ASSERT_EQ(ran.code, 0) << ran.err;
-    const std::string bytes = testing::slurp(folder.file("sound.wav"));
-    std::vector<double> sound;
-    for (std::size_t at = 44 + 2 * 480; at + 1 < bytes.size(); at += 2)
-      sound.push_back(static_cast<std::int16_t>(
-          static_cast<unsigned char>(bytes[at]) |
-          static_cast<unsigned>(static_cast<unsigned char>(bytes[at + 1])) << 8));
+    const std::vector<double> sound = sound_of(folder.file("sound.wav"), 0.01);
     ASSERT_GT(sound.size(), 70'000U);
-    const Eigen::VectorXd modes = (*model)->frequencies_hz();
-    for (const double near : ring.heard) {
-      double mode = 0.0, best = 0.0, loudest = 0.0;
-      for (const double f : modes)
-        if (std::abs(f - near) < std::abs(mode - near)) mode = f;
-      ASSERT_NEAR(mode, near, 0.5) << ring.name;
-      for (double f = mode - 4.0; f <= mode + 4.0; f += 0.125) {
-        const double here = strength(sound, 48'000.0, f);
-        if (here > loudest) {
-          loudest = here;
-          best = f;
-        }
-      }
-      EXPECT_NEAR(best, mode, 1.0) << ring.name;
-      EXPECT_GT(loudest, 5.0 * strength(sound, 48'000.0, mode + 8.0)) << ring.name << mode;
-    }
+    for (const double near : ring.heard) expect_ringing(sound, **model, near);
   }
+}
+
+// No blow is told here: three balls fly at the bells, contact strikes them.
+TEST(Sound, BellsOfASceneRingWhenBallsHitThem) {
+  const testing::TemporaryFolder folder;
+  const auto model = Model::load(TREMOLO_MODEL_DIR "/bell.tremolo");
+  ASSERT_TRUE(model) << model.error().message;
+  const std::string command = TREMOLO_BIN_DIR "/tremolo run " TREMOLO_SOURCE_DIR
+                                              "/assets/scenes/bells.toml --duration 0.8 ";
+  const testing::ProgramResult bells = testing::run_program(
+      folder.path(), command + "--wav bells.wav --listen bell:near:0%,50%,20%");
+  ASSERT_EQ(bells.code, 0) << bells.err;
+  const std::vector<double> sound = sound_of(folder.file("bells.wav"), 0.3);
+  ASSERT_EQ(sound.size(), 24'000U - 1U);
+  for (const double near : {55.5, 94.2}) expect_ringing(sound, **model, near);
+  const testing::ProgramResult nobody =
+      testing::run_program(folder.path(), command + "--wav all.wav --listen drum:near:0%,50%,20%");
+  EXPECT_EQ(nobody.code, 2) << nobody.err;
+  EXPECT_NE(nobody.err.find("drum"), std::string::npos) << nobody.err;
+  const testing::ProgramResult slow =
+      testing::run_program(folder.path(), command + "--wav all.wav --step 0.001");
+  EXPECT_EQ(slow.code, 3) << slow.err;
+  EXPECT_NE(slow.err.find("samples a second"), std::string::npos) << slow.err;
 }
 
 }  // namespace

@@ -41,7 +41,8 @@ Measured measure(const Options& options, std::vector<SampleModel> models) {
     return options.only.empty() || options.only == part;
   };
   Measured measured;
-  if (wanted("speed") || options.only == "hand") measured.speed = measure_speed(options);
+  if (wanted("speed") || options.only == "hand" || options.only == "frames")
+    measured.speed = measure_speed(options);
   if (wanted("precision")) measured.precision = measure_precision(options, models, store);
   if (wanted("stability")) {
     std::vector<Subject> subjects;
@@ -65,9 +66,10 @@ std::vector<Criterion> criteria_of(const Measured& measured) {
 std::string write_report(const Options& options, const Measured& measured,
                          const std::vector<Criterion>& criteria) {
   Report report(options.out,
-                options.only == "stability"                         ? "Where each method survives"
-                : options.only == "speed" || options.only == "hand" ? "Speed"
-                                                                    : "Run time against error",
+                options.only == "stability" ? "Where each method survives"
+                : options.only == "speed" || options.only == "hand" || options.only == "frames"
+                    ? "Speed"
+                    : "Run time against error",
                 fmt::format("tremolo bench, {} methods", options.integrators.size()));
   if (!criteria.empty()) {
     report.section("What was promised");

@@ -26,7 +26,8 @@ void add_bench_flags(CLI::App& bench, bench::Options& o, bool& quick) {
   bench.add_option("--duration", o.duration, "simulated time, s")->capture_default_str();
   bench.add_flag("--quick", quick,
                  "beam and horse, square load, two amplitudes, fewer steps: minutes, not hours");
-  bench.add_option("--only", o.only, "precision, stability, speed or hand (a part of speed)");
+  bench.add_option("--only", o.only,
+                   "precision, stability, speed, or hand or frames (parts of speed)");
   bench.add_option("--out", o.out, "directory for the page and the CSVs")->capture_default_str();
   bench.add_option("--threads", o.threads, "for all but the timing; 0: one a core");
   bench.add_flag("--json", o.json, "print one JSON object on stdout");

@@ -8,20 +8,14 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "common/mesh/selector.h"
 #include "formats/file/output_guard.h"
 #include "runtime/exchange/glb_writer.h"
 #include "runtime/exchange/point_cache.h"
 #include "runtime/exchange/surface_series.h"
 #include "runtime/exchange/usda_writer.h"
-#include "runtime/program/cloth/run_cloth.h"
-#include "runtime/program/export/animate.h"
-#include "runtime/program/export/animate_cloth.h"
 #include "runtime/program/output/energy_page.h"
 #include "runtime/program/output/tell.h"
-#include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
-#include "runtime/program/world/run_world.h"
 
 namespace tremolo {
 namespace {
@@ -36,42 +30,12 @@ GlbTexture texture_of_flag(const std::string& text) {
 }
 
 std::vector<NamedFile> sources_of(const MotionOutputs& outputs, const MotionSource& source) {
-  std::vector<NamedFile> files;
-  if (const auto* bodies = std::get_if<std::vector<RunOptions>>(&source)) {
-    for (const RunOptions& body : *bodies)
-      for (NamedFile& file : inputs_of(body)) files.push_back(std::move(file));
-  } else if (const auto* cloths = std::get_if<ClothFile>(&source)) {
-    files = inputs_of(*cloths);
-  } else {
-    const auto& scene = std::get<SceneFile>(source);
-    files = inputs_of(scene);
-    std::vector<std::string> selectors;
-    for (const SceneBody& body : scene.scene.bodies)
-      for (const SceneLoad& load : body.loads) selectors.push_back(load.at);
-    for (const SceneHand& hand : scene.scene.hands) selectors.push_back(hand.at);
-    for (const std::string& selector : selectors)
-      for (const std::string& ids : files_of_selector(selector))
-        files.push_back({ids, "the ids of a selector"});
-  }
+  std::vector<NamedFile> files = source.inputs();
   for (const std::string& text : outputs.textures)
     files.push_back({texture_of_flag(text).path, "--texture"});
   for (const PlotSource& run : plot_sources(outputs.extras.runs))
     files.push_back({run.csv, "--runs"});
   return files;
-}
-
-std::vector<std::string> body_names(const MotionSource& source) {
-  std::vector<std::string> names;
-  if (const auto* bodies = std::get_if<std::vector<RunOptions>>(&source)) {
-    for (const RunOptions& body : *bodies) names.push_back(body.name);
-    return names;
-  }
-  if (const auto* file = std::get_if<ClothFile>(&source)) {
-    for (const SceneCloth& cloth : file->scene.cloths) names.push_back(cloth.name);
-    return names;
-  }
-  for (const SceneBody& body : std::get<SceneFile>(source).scene.bodies) names.push_back(body.name);
-  return names;
 }
 
 // The files that are asked for by name, endings included, and those beside point caches. A series'
@@ -93,7 +57,7 @@ Status check_paths(const MotionOutputs& outputs, const MotionSource& source) {
     return usage_error("--runs, --note and --live are of --page");
   std::vector<std::string> paths = {glb, pvd, usda, outputs.page};
   if (!series.empty()) paths.push_back(without_ending(series) + ".csv");
-  const std::vector<std::string> names = body_names(source);
+  const std::vector<std::string> names = source.names();
   std::vector<std::string> shapes;
   for (const std::string& name : names)
     for (const auto& [cache, ending] : {std::pair{&pc2, ".pc2"}, {&mdd, ".mdd"}}) {
@@ -107,32 +71,6 @@ Status check_paths(const MotionOutputs& outputs, const MotionSource& source) {
   shapes.erase(std::unique(shapes.begin(), shapes.end()), shapes.end());
   paths.insert(paths.end(), shapes.begin(), shapes.end());
   return keep_apart(paths, sources_of(outputs, source));
-}
-
-Result<RecordedMotion> record(const MotionOutputs& outputs, const MotionSource& source) {
-  if (const auto* bodies = std::get_if<std::vector<RunOptions>>(&source))
-    return animate_bodies(*bodies, outputs.range);
-  if (const auto* cloths = std::get_if<ClothFile>(&source))
-    return animate_cloths(*cloths, outputs.range, !outputs.no_colliders);
-  return animate_world(std::get<SceneFile>(source), outputs.range, !outputs.no_colliders);
-}
-
-// "imexv in steps of 3 ms, 30 s" of what moves.
-std::string told_motion(const MotionSource& source) {
-  const auto* bodies = std::get_if<std::vector<RunOptions>>(&source);
-  if (const auto* cloths = std::get_if<ClothFile>(&source))
-    return fmt::format("{:.4g} s by `{}` in steps of {:.4g} ms", cloths->scene.duration,
-                       cloths->scene.integrator, 1e3 * cloths->scene.options.step);
-  if (bodies == nullptr) {
-    const Scene& scene = std::get<SceneFile>(source).scene;
-    return fmt::format("{:.4g} s in steps of {:.4g} ms", scene.duration, 1e3 * scene.step);
-  }
-  std::vector<std::string> methods;
-  for (const RunOptions& body : *bodies)
-    if (std::find(methods.begin(), methods.end(), body.integrator) == methods.end())
-      methods.push_back(body.integrator);
-  return fmt::format("{:.4g} s by `{}` in steps of {:.4g} ms", bodies->front().duration,
-                     fmt::join(methods, "`, `"), 1e3 * bodies->front().step);
 }
 
 Json file_json(const WrittenFile& file, const char* format) {
@@ -268,26 +206,15 @@ void tell_motion(const MotionOutputs& outputs, const RecordedMotion& motion, dou
     tell("  without triangles of their own and left out: {}\n", fmt::join(motion.left_out, ", "));
 }
 
-// Those that know modes only; asked before the run.
-Status check_cloth_formats(const MotionOutputs& outputs, const MotionSource& source) {
-  if (!std::holds_alternative<ClothFile>(source)) return Success{};
-  if (!outputs.glb.empty() || !outputs.page.empty())
-    return usage_error(std::string(outputs.glb.empty() ? "--page" : "--glb") +
-                       " moves vertices by a few modes or bones, and cloth has neither: --usda, "
-                       "--pc2, --mdd, --pvd and --series write each particle's place");
-  if (outputs.modes > 0) return usage_error("--modes is of bodies: a cloth has none");
-  return Success{};
-}
-
 Status export_motion(const MotionOutputs& outputs, const MotionSource& source) {
-  if (Status s = check_cloth_formats(outputs, source); !s) return s;
+  if (Status s = source.check(outputs); !s) return s;
   if (Status s = check_paths(outputs, source); !s) return s;
-  Result<RecordedMotion> motion = record(outputs, source);
+  Result<RecordedMotion> motion = source.record(outputs.range, !outputs.no_colliders);
   if (!motion) return motion.error();
   double left_out = 0.0;
   if (outputs.modes > 0)
     if (Status s = take(left_out, keep_coordinates(motion->animation, outputs.modes)); !s) return s;
-  const Result<Json> files = write_motion_files(outputs, motion->animation, told_motion(source));
+  const Result<Json> files = write_motion_files(outputs, motion->animation, source.told());
   if (!files) return files.error();
   tell_motion(outputs, *motion, left_out);
   if (!outputs.json) {

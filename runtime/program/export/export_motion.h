@@ -3,14 +3,11 @@
 
 #include <cstddef>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "runtime/program/export/export_page.h"
 #include "runtime/program/export/frame_steps.h"
-#include "runtime/program/run/run_options.h"
-#include "runtime/scene_reader/cloth_reader.h"
-#include "runtime/scene_reader/scene_reader.h"
+#include "runtime/program/export/motion_source.h"
 
 namespace tremolo {
 
@@ -34,9 +31,6 @@ struct MotionOutputs {
            !series.empty() || !page.empty();
   }
 };
-
-// Bodies as `tremolo run` takes them, or a scene with [[bodies]] or [[cloths]].
-using MotionSource = std::variant<std::vector<RunOptions>, SceneFile, ClothFile>;
 
 // Runs and writes. What was written stands on stdout. Returns the exit code; errors are printed,
 // and no file is then there that was not there before, but for complete ones of a series.

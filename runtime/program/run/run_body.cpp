@@ -100,7 +100,7 @@ Status check_run(const RunOptions& options) {
   if (options.every < 1) return content_error("--every must be at least 1");
   if (options.surfaces < 0) return content_error("--surfaces must not be negative");
   if (!std::isfinite(options.scale)) return content_error("--scale must be finite");
-  if (Status status = check_sound(options); !status) return status;
+  if (Status status = check_sound(options.wav, options.step); !status) return status;
   return check_combinations(options);
 }
 

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kLoudest = 0.9;
 
-Result<std::vector<VertexId>> listened_to(const RunOptions& options, const Model& model) {
-  if (!options.listen.empty()) return vertices_of(options.listen, model);
+Result<std::vector<VertexId>> listened_to(const std::string& listen, const Model& model) {
+  if (!listen.empty()) return vertices_of(listen, model);
   if (model.default_load().vertices.empty())
     return content_error("--wav: the model has no default load: say where to --listen");
   return model.default_load().vertices;
@@ -26,21 +26,21 @@ Result<std::vector<VertexId>> listened_to(const RunOptions& options, const Model
 
 }  // namespace
 
-Status check_sound(const RunOptions& options) {
-  if (options.wav.empty()) return Success{};
-  if (std::filesystem::path(options.wav).extension() != ".wav")
-    return usage_error("--wav " + options.wav + ": the file's name must end with .wav");
-  const double rate = 1.0 / options.step;
+Status check_sound(const std::string& path, double step) {
+  if (path.empty()) return Success{};
+  if (std::filesystem::path(path).extension() != ".wav")
+    return usage_error("--wav " + path + ": the file's name must end with .wav");
+  const double rate = 1.0 / step;
   if (!(rate > 7999.5 && rate < 192000.5) || std::abs(rate - std::round(rate)) > 1e-6 * rate)
     return content_error(
         fmt::format("--wav: a step of {:.6g} s is {:.6g} samples a second; it must be a whole "
                     "number from 8000 to 192000",
-                    options.step, rate));
+                    step, rate));
   return Success{};
 }
 
-Result<SoundTrack> SoundTrack::create(const RunOptions& options, const Model& model) {
-  const Result<std::vector<VertexId>> vertices = listened_to(options, model);
+Result<Ear> Ear::create(const std::string& listen, const Model& model) {
+  const Result<std::vector<VertexId>> vertices = listened_to(listen, model);
   if (!vertices) return vertices.error();
   const std::vector<Eigen::Vector3d> normals =
       vertex_normals({model.surface().rest, model.triangles()});
@@ -56,24 +56,23 @@ Result<SoundTrack> SoundTrack::create(const RunOptions& options, const Model& mo
   }
   if (along.isZero(0.0))
     return content_error("--wav: what is listened to does not move along its normal");
-  return SoundTrack(along / static_cast<double>(vertices->size()));
+  return Ear(along / static_cast<double>(vertices->size()));
 }
 
-Status SoundTrack::write(const RunOptions& options) const {
+Status SoundTrack::write(const std::string& path, double step) const {
   if (places_.size() < 3) return content_error("--wav: the run has less than three steps");
-  const double h = options.step;
   std::vector<double> samples(places_.size() - 2);
   double most = 0.0;
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    samples[k] = (places_[k + 2] - 2.0 * places_[k + 1] + places_[k]) / (h * h);
+    samples[k] = (places_[k + 2] - 2.0 * places_[k + 1] + places_[k]) / (step * step);
     most = std::max(most, std::abs(samples[k]));
   }
   if (!(most > 0.0)) return content_error("--wav: nothing moved: there is no sound to write");
   for (double& sample : samples) sample *= kLoudest / most;
-  const auto rate = static_cast<std::uint32_t>(std::llround(1.0 / h));
-  if (Status status = write_wav(options.wav, rate, samples); !status) return status;
-  tell("{}: {:.6g} s of sound, {} samples a second, full scale {:.4g} m/s^2\n", options.wav,
-       static_cast<double>(samples.size()) * h, rate, most / kLoudest);
+  const auto rate = static_cast<std::uint32_t>(std::llround(1.0 / step));
+  if (Status status = write_wav(path, rate, samples); !status) return status;
+  tell("{}: {:.6g} s of sound, {} samples a second, full scale {:.4g} m/s^2\n", path,
+       static_cast<double>(samples.size()) * step, rate, most / kLoudest);
   return Success{};
 }
 

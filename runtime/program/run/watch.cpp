@@ -58,7 +58,7 @@ Result<Watch> Watch::create(const RunOptions& options, const Body& body, const i
     watch.probe_ = std::move(rows->rows);
   }
   if (!options.wav.empty())
-    if (Status s = take(watch.sound_, SoundTrack::create(options, body.model())); !s)
+    if (Status s = take(watch.ear_, Ear::create(options.listen, body.model())); !s)
       return s.error();
   return watch;
 }
@@ -97,7 +97,7 @@ Result<bool> Watch::observe(const Moment& moment) {
     note_shape(moment);
   if (probe_.cols() > 0)
     report_->largest_probe = std::max(report_->largest_probe, (probe_ * moment.state.q).norm());
-  if (sound_) sound_->add(moment.state.q);
+  if (ear_) sound_.add(ear_->place(moment.state.q));
   last_ = moment;
   return inside;
 }
@@ -140,8 +140,8 @@ Status Watch::finish() {
   report_->iterations_per_step = static_cast<double>(last_.iterations) /
                                  static_cast<double>(std::max<std::int64_t>(last_.steps, 1));
   report_->energy_drift_max = drift_.worst();
-  if (sound_)
-    if (Status status = sound_->write(*options_); !status) return status;
+  if (ear_)
+    if (Status status = sound_.write(options_->wav, options_->step); !status) return status;
   if (options_->out.empty()) return Success{};
   if (Status status = frames_.finish(seen_.model()); !status) return status;
   report_->files = frames_.files();

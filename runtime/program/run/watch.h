@@ -46,7 +46,8 @@ class Watch {
   Frames frames_;
   std::unique_ptr<SurfaceStretch> stretch_;
   Eigen::Matrix<double, 3, Eigen::Dynamic> probe_;
-  std::optional<SoundTrack> sound_;
+  std::optional<Ear> ear_;  // of --wav
+  SoundTrack sound_;
   DriftMeter drift_;
   bool was_loaded_ = false;
   std::int64_t shape_every_;      // steps

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "runtime/program/run/run_files.h"
 #include "runtime/program/run/run_progress.h"
 #include "runtime/program/world/body_log.h"
+#include "runtime/program/world/world_sound.h"
 
 namespace tremolo {
 namespace {
@@ -152,9 +154,10 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
 
 // Refuses a run that would write over its own input.
 Status keep_world_apart(const SceneFile& file) {
-  if (file.outputs.out.empty() && file.outputs.save.empty()) return Success{};
   const std::vector<NamedFile> inputs = inputs_of(file);
-  std::vector<std::string> outputs{file.outputs.save};
+  std::vector<std::string> outputs;
+  for (const std::string& output : {file.outputs.save, file.outputs.wav})
+    if (!output.empty()) outputs.push_back(output);
   if (file.outputs.out.empty()) return keep_apart(outputs, inputs);
   outputs.push_back((fs::path(file.outputs.out) / kReportName).string());
   for (const SceneBody& body : file.scene.bodies)
@@ -183,21 +186,24 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
   }
 }
 
-// Steps the world to the end of its time. An orbit or a step that breaks off ends the run.
+// Steps the world to the end of its time. sound: null where nobody listens. An orbit or a step that
+// breaks off ends the run.
 Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
-                                 std::vector<BodyLog>& logs) {
+                                 std::vector<BodyLog>& logs, WorldSound* sound) {
   const Interruption interruption;
   ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
   const std::int64_t before_it = world.steps();
   WorldEnding ending;
   Result<bool> inside = observe_all(world, logs);
+  if (sound != nullptr) sound->add(world);
   while (inside && *inside && world.steps() < steps && ending.exit_code == 0) {
     const double before = processor_seconds();
     const auto failures = world.step();
     ending.seconds += processor_seconds() - before;
     for (const auto& [body, report] : failures) logs[body].give_up(report, world.body(body).time());
     inside = observe_all(world, logs);
+    if (sound != nullptr) sound->add(world);
     tell_end(logs, ending);
     progress.reached(world.time());
     if (ending.signal = interruption.signal(); ending.signal != 0) {
@@ -279,12 +285,18 @@ Result<WorldRun> run_world(const SceneFile& file) {
     if (!log) return told(i, log.error());
     logs.push_back(std::move(*log));
   }
-  Result<WorldEnding> ending = follow_world(file, *world, logs);
+  std::optional<WorldSound> sound;
+  if (!file.outputs.wav.empty())
+    if (Status s = take(sound, WorldSound::create(file.outputs.listen, *world)); !s)
+      return error_of_file(file.path, s.error());
+  Result<WorldEnding> ending = follow_world(file, *world, logs, sound ? &*sound : nullptr);
   if (!ending) return ending.error();
   for (BodyLog& log : logs)
     if (Status s = log.finish(*world); !s) return s.error();
   tell_end(logs, *ending);
   if (Status s = save_end(file, *world, *ending); !s) return s.error();
+  if (sound && (ending->exit_code == 0 || ending->signal != 0))
+    if (Status s = sound->write(file.outputs.wav, world->step_size()); !s) return s.error();
   tell("{}: {} bodies reached {:.6g} of {:.6g} s in steps of {:.4g} s, {:.2f} us each\n",
        fs::path(file.path).stem().string(), world->size(), world->time(), file.scene.duration,
        world->step_size(), 1e6 * ending->seconds / static_cast<double>(ending->steps));

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "runtime/integrator.h"
+#include "runtime/program/run/sound.h"
 #include "runtime/program/world/run_world.h"
 #include "runtime/split.h"
 
@@ -48,8 +49,8 @@ Status apply_to_body(const RunOptions& flags, const std::function<bool(const cha
 
 Status apply_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
                    SceneFile& file) {
-  for (const char* flag : {"--load", "--signal", "--at", "--force", "--scale", "--deflect",
-                           "--start", "--wav", "--listen"})
+  for (const char* flag :
+       {"--load", "--signal", "--at", "--force", "--scale", "--deflect", "--start"})
     if (told(flag))
       return usage_error(
           fmt::format("{} is of one body: say it in the scene, where {} has a table of its own",
@@ -69,6 +70,10 @@ Status apply_flags(const RunOptions& flags, const std::function<bool(const char*
   if (told("--surfaces")) outputs.surfaces = flags.surfaces;
   if (told("--surface-format")) outputs.surface_format = flags.surface_format;
   if (told("--plot")) outputs.plot = flags.plot;
+  if (told("--wav")) outputs.wav = flags.wav;
+  if (told("--listen")) outputs.listen = flags.listen;
+  if (!outputs.wav.empty() && !told("--step")) file.scene.step = kSoundStep;
+  if (Status s = check_sound(outputs.wav, file.scene.step); !s) return s;
   if ((outputs.surfaces > 0 || outputs.plot) && outputs.out.empty())
     return usage_error("--surfaces and --plot need --out DIR");
   if (outputs.every < 1) return content_error("--every must be at least 1");

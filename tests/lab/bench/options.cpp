@@ -59,9 +59,10 @@ Status settle(Options& options) {
   if (Status s = check_names("load", options.loads, std::span(kLoads)); !s) return s;
   if (options.loads.empty()) return Error{ErrorKind::kUsage, "--loads names nothing"};
   if (!options.only.empty() && options.only != "precision" && options.only != "stability" &&
-      options.only != "speed" && options.only != "hand")
-    return Error{ErrorKind::kUsage,
-                 "--only '" + options.only + "': there are precision, stability, speed and hand"};
+      options.only != "speed" && options.only != "hand" && options.only != "frames")
+    return Error{
+        ErrorKind::kUsage,
+        "--only '" + options.only + "': there are precision, stability, speed, hand and frames"};
   if (Status s = check_values("--amplitudes", options.amplitudes); !s) return s;
   if (Status s = check_values("--steps-ms", options.steps_ms); !s) return s;
   for (const double step : options.steps_ms) {

@@ -66,6 +66,7 @@ SpeedSection measure_kernel_speed(const Options& options, const MachineProbe& pr
 SpeedSection measure_step_speed(const Options& options, const MachineProbe& probe);
 SpeedSection measure_world_speed(const Options& options, const MachineProbe& probe);
 SpeedSection measure_surface_speed(const Options& options, const MachineProbe& probe);
+SpeedSection measure_frames_speed(const Options& options, const MachineProbe& probe);
 SpeedSection measure_hand_speed(const Options& options, const MachineProbe& probe);
 SpeedSection measure_savings_speed(const Options& options, const MachineProbe& probe);
 
@@ -75,7 +76,7 @@ struct Speed {
   std::vector<SpeedSection> sections;
 };
 
-// All sections, or that of a hand where --only says "hand". Takes two or three minutes and prints
+// All sections, or the one that --only names: "hand", "frames". Takes two or three minutes and prints
 // each row on stderr. Throws as the sections do.
 Speed measure_speed(const Options& options);
 

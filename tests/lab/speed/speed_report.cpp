@@ -12,8 +12,8 @@ using OrderedJson = nlohmann::ordered_json;
 
 // The sections in the order of the report.
 constexpr SpeedSection (*kSections[])(const Options&, const MachineProbe&) = {
-    measure_kernel_speed,  measure_step_speed, measure_world_speed,
-    measure_surface_speed, measure_hand_speed, measure_savings_speed};
+    measure_kernel_speed, measure_step_speed, measure_world_speed,  measure_surface_speed,
+    measure_frames_speed, measure_hand_speed, measure_savings_speed};
 
 std::string machine_text(const MachineProbe& probe) {
   return fmt::format(
@@ -71,6 +71,7 @@ Speed measure_speed(const Options& options) {
   speed.machine = probe_machine();
   for (const auto measure : kSections) {
     if (options.only == "hand" && measure != measure_hand_speed) continue;
+    if (options.only == "frames" && measure != measure_frames_speed) continue;
     speed.sections.push_back(measure(options, speed.machine));
     tell("{}\n", speed.sections.back().title);
     for (const SpeedRow& row : speed.sections.back().rows)

@@ -1,4 +1,4 @@
-#include "runtime/program/export/animate_cloth.h"
+#include "runtime/program/cloth/cloth_motion.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,9 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "runtime/cloth/cloth_parts.h"
 #include "runtime/cloth/cloth_world.h"
 #include "runtime/exchange/collider_shape.h"
+#include "runtime/program/cloth/run_cloth.h"
+#include "runtime/program/export/export_motion.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_progress.h"
 
@@ -113,8 +117,6 @@ void record_cloths(const ClothWorld& world, const Scenery& scenery, Animation& a
     animation.bodies[next++].poses.push_back(world.collider_pose(k));
 }
 
-}  // namespace
-
 Result<RecordedMotion> animate_cloths(const ClothFile& file, const FrameRange& range,
                                       bool colliders) {
   const ClothScene& scene = file.scene;
@@ -137,6 +139,46 @@ Result<RecordedMotion> animate_cloths(const ClothFile& file, const FrameRange& r
     progress.reached(world->time());
   }
   return motion;
+}
+
+class ClothMotion : public MotionSource {
+ public:
+  explicit ClothMotion(ClothFile file) : file_(std::move(file)) {}
+
+  std::vector<std::string> names() const override {
+    std::vector<std::string> names;
+    for (const SceneCloth& cloth : file_.scene.cloths) names.push_back(cloth.name);
+    return names;
+  }
+
+  std::vector<NamedFile> inputs() const override { return inputs_of(file_); }
+
+  std::string told() const override {
+    return fmt::format("{:.4g} s by `{}` in steps of {:.4g} ms", file_.scene.duration,
+                       file_.scene.integrator, 1e3 * file_.scene.options.step);
+  }
+
+  Status check(const MotionOutputs& outputs) const override {
+    if (!outputs.glb.empty() || !outputs.page.empty())
+      return usage_error(std::string(outputs.glb.empty() ? "--page" : "--glb") +
+                         " moves vertices by a few modes or bones, and cloth has neither: --usda, "
+                         "--pc2, --mdd, --pvd and --series write each particle's place");
+    if (outputs.modes > 0) return usage_error("--modes is of bodies: a cloth has none");
+    return Success{};
+  }
+
+  Result<RecordedMotion> record(const FrameRange& range, bool colliders) const override {
+    return animate_cloths(file_, range, colliders);
+  }
+
+ private:
+  ClothFile file_;
+};
+
+}  // namespace
+
+std::unique_ptr<MotionSource> cloth_motion(ClothFile file) {
+  return std::make_unique<ClothMotion>(std::move(file));
 }
 
 }  // namespace tremolo

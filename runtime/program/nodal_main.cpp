@@ -1,0 +1,46 @@
+// tremolo-nodal: `tremolo run` and `tremolo export` of scenes of cloth and of bodies of tetrahedra.
+// A program of its own, which `tremolo` starts: who runs bases only need not build it.
+#include "runtime/program/cloth/cloth_motion.h"
+#include "runtime/program/cloth/run_cloth.h"
+#include "runtime/program/command_line.h"
+#include "runtime/program/output/tell.h"
+#include "runtime/program/tets/run_tets.h"
+
+namespace tremolo {
+namespace {
+
+Result<ClothFile> cloths_of(const std::string& text, const SceneCommand& command) {
+  Result<ClothFile> file = parse_cloths(text, command.file);
+  if (!file) return file.error();
+  if (Status s = apply_cloth_flags(command.flags, command.told, *file); !s) return s.error();
+  return file;
+}
+
+int run_cloth_scene(const std::string& text, const SceneCommand& command) {
+  const Result<ClothFile> file = cloths_of(text, command);
+  return file ? run_cloth_command(*file, command.json) : report_error(file.error());
+}
+
+int run_tets_scene(const std::string& text, const SceneCommand& command) {
+  Result<TetScene> scene = parse_tets_scene(text, command.file);
+  if (!scene) return report_error(scene.error());
+  if (Status s = apply_tets_flags(command.flags, command.degree, command.told, *scene); !s)
+    return report_error(s.error());
+  return run_tets_command(*scene, command.json);
+}
+
+Result<std::unique_ptr<MotionSource>> cloth_source(const std::string& text,
+                                                   const SceneCommand& command) {
+  Result<ClothFile> file = cloths_of(text, command);
+  if (!file) return file.error();
+  return cloth_motion(std::move(*file));
+}
+
+}  // namespace
+}  // namespace tremolo
+
+int main(int count, char** words) {
+  using namespace tremolo;
+  const NodalScenes nodal = {run_cloth_scene, run_tets_scene, cloth_source};
+  return run_command_line(count, words, &nodal);
+}
