@@ -128,7 +128,7 @@ void ClothReactions::begin(const NodalState& state) {
     return true;
   });
   for (ClothReaction& r : reactions_) {
-    r.impulse = 0.0;
+    r.impulse.setZero();
     aim(r, particle_at(state.x, r.particle), particle_at(ahead_, r.particle));
   }
   add_what_is_inside(state.x, ahead_);
@@ -187,6 +187,7 @@ bool ClothReactions::revise(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1
     return false;
   }
   ++round_;
+  for (ClothReaction& r : reactions_) r.solved_normal = r.normal;
   bool changed = let_go();
   changed = move_balls(share) || changed;
   for (ClothReaction& r : reactions_)
@@ -195,7 +196,11 @@ bool ClothReactions::revise(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1
           std::abs(aim(r, particle_at(x0, r.particle), particle_at(x1, r.particle))) > kThere ||
           changed;
   if (round_ <= kAddingRounds) changed = add_what_is_inside(x0, x1) || changed;
-  if (!changed) settle();
+  if (!changed) {
+    // What was solved for had the normals of before.
+    for (ClothReaction& r : reactions_) r.normal = r.solved_normal;
+    settle();
+  }
   return changed;
 }
 
@@ -221,8 +226,13 @@ double ClothReactions::work(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1
 }
 
 void ClothReactions::keep(const Eigen::VectorXd& x1, double h, double share) {
-  for (ClothReaction& r : reactions_)
-    if (r.presses) r.impulse += share * h * r.force_at(x1);
+  pressed_last_ = false;
+  for (ClothReaction& r : reactions_) {
+    if (!r.presses) continue;
+    const double force = r.force_at(x1);
+    r.impulse += share * h * force * r.normal;
+    pressed_last_ = pressed_last_ || force != 0.0;
+  }
 }
 
 }  // namespace tremolo

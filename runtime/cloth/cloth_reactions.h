@@ -51,15 +51,17 @@ struct ClothSurroundings {
   double h = 0.0;
 };
 
-// normal: m. place: p. stiffness: k, N/m. force: l, N. impulse: N s, along m, of the step so far.
+// normal: m. place: p. stiffness: k, N/m. force: l, N. impulse: N s, on the particle, of the step
+// so far, in whose parts m may have been another one.
 struct ClothReaction {
   std::size_t particle = 0;
   ParticleTouch touch;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d solved_normal = Eigen::Vector3d::UnitZ();  // of the solve before the last look
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
   double stiffness = 0.0;
   double force = 0.0;
-  double impulse = 0.0;
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
   bool presses = true;
 
   double force_at(const Eigen::VectorXd& x) const {
@@ -85,6 +87,7 @@ class ClothReactions : public NodalContact {
   void add_tangent(BlockMatrix& a) const override;
   double work(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double share) const override;
   void keep(const Eigen::VectorXd& x1, double h, double share) override;
+  bool pressed() const override { return pressed_last_; }
 
   // Of the step so far; those that press no more have an impulse all the same.
   std::span<const ClothReaction> all() const { return reactions_; }
@@ -110,6 +113,7 @@ class ClothReactions : public NodalContact {
   std::vector<Eigen::Vector3d> pushes_;  // on balls, N
   Eigen::VectorXd ahead_;
   int round_ = 0;
+  bool pressed_last_ = false;
 };
 
 // The place of a ball that is at x, out of what does not move.

@@ -47,15 +47,15 @@ void ClothWorld::Inside::begin_contact(double t, double h) {
 void ClothWorld::Inside::push_balls(double h) {
   for (const auto& cloth : cloths)
     for (const ClothReaction& r : cloth->reactions->all()) {
-      if (r.touch.ball == ParticleTouch::kNone || r.impulse == 0.0) continue;
+      if (r.touch.ball == ParticleTouch::kNone || r.impulse.isZero(0.0)) continue;
       MovingBall& ball = balls[r.touch.ball];
       if (ball.inverse_mass == 0.0) continue;
-      const Vector3d change = -ball.inverse_mass * r.impulse * r.normal;
+      const Vector3d change = -ball.inverse_mass * r.impulse;
       const Vector3d x = cloth->state.x.segment<3>(3 * static_cast<Eigen::Index>(r.particle));
       const Vector3d arm = x - around.ways[r.touch.ball].end;
       ball.now.velocity += change;
       ball.now.position -= 0.5 * h * change;
-      ball.now.spin -= ball.inverse_inertia * r.impulse * arm.cross(r.normal);
+      ball.now.spin -= ball.inverse_inertia * arm.cross(r.impulse);
     }
 }
 
@@ -85,8 +85,8 @@ void ClothWorld::Inside::settle(WorldCloth& cloth, const ClothReaction& r, doubl
   const double rebound = arrival > 2.0 * h * gravity.norm()
                              ? arrival * std::sqrt(restitution * cloth.scene.restitution)
                              : 0.0;
-  settle_sides(normal, rebound, r.impulse, std::sqrt(friction * cloth.scene.friction), particle,
-               other);
+  settle_sides(normal, rebound, r.impulse.norm(), std::sqrt(friction * cloth.scene.friction),
+               particle, other);
   cloth.state.v.segment<3>(3 * at) = v;
   cloth.touched = true;
 }
@@ -96,7 +96,7 @@ bool ClothWorld::Inside::settle_all(double h) {
   bool any = false;
   for (std::size_t c = 0; c < cloths.size(); ++c) {
     for (const ClothReaction& r : cloths[c]->reactions->all())
-      if (r.impulse > 0.0) settle(*cloths[c], r, h);
+      if (!r.impulse.isZero(0.0)) settle(*cloths[c], r, h);
     any = any || cloths[c]->touched;
   }
   return any;

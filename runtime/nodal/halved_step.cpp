@@ -23,6 +23,8 @@ NodalReport HalvedIntegrator::step(NodalState& state) {
     if (part <= left && advance(state, h, report)) {
       left -= part;
       ++parts;
+      // Reactions act in their part alone: no method carries them into the next.
+      if (const NodalContact* contact = system_.contact(); contact && contact->pressed()) reset();
       continue;
     }
     if (++level > options_.halvings) {

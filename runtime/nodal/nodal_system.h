@@ -44,6 +44,8 @@ class NodalContact {
   virtual double work(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double share) const = 0;
   // Told that a step of h, s, or a part of one, was made: each reaction's impulse was share h f.
   virtual void keep(const Eigen::VectorXd& x1, double h, double share) = 0;
+  // Whether any reaction had an impulse then.
+  virtual bool pressed() const = 0;
 };
 
 class NodalSystem {
