@@ -39,7 +39,7 @@ struct NodalState {
 // which costs two evaluations a step; else they are 0 there. guard: midpoint, newmark and bdf2,
 // which add energy where stiff springs turn in long steps, take those steps by the rule of `energy`
 // in which they would have added more, since they last had taken as much, than a hundredth of what
-// the nodes' energy was at most; only if `account`.
+// the nodes' energy was at most, and implicit-euler-linear by Newton's method; only if `account`.
 enum class NodalSolver { kAutomatic, kCholesky, kConjugateGradients };
 struct NodalOptions {
   double step = 1.0 / 60.0;  // s
