@@ -185,8 +185,8 @@ Stage<ModalDerivatives> derivatives_stage(const Run& run, const Solved& on, cons
                 ModalDerivatives derivatives = modal_derivatives(solid, result.local, on.pencil,
                                                                  on.solver, modes.vectors, psi);
                 if (run.request.derivatives > 2)
-                  add_third_derivatives(solid, result.map, result.local, on.pencil, on.solver, psi,
-                                        leading_modes(modes.squared_frequencies), derivatives);
+                  add_third_derivatives({solid, result.map, result.local, on.pencil, on.solver},
+                                        psi, leading_modes(modes.squared_frequencies), derivatives);
                 return derivatives;
               },
           .outcome =

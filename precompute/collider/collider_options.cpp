@@ -11,26 +11,9 @@
 #include "precompute/system/option_checks.h"
 
 namespace tremolo {
-namespace {
-
-// The words that decide what the file holds: the same work gives the same file wherever it goes.
-std::string settings_of(int count, char** words) {
-  std::string settings = "collider";
-  for (int i = 1; i < count; ++i) {
-    const std::string word = words[i];
-    if (word == "-o" || word == "--output" || word == "--threads")
-      ++i;  // and its value
-    else if (word != "--json" && !word.starts_with("--output=") && !word.starts_with("--threads="))
-      settings += " " + word;
-  }
-  return settings;
-}
-
-}  // namespace
-
 std::variant<ColliderOptions, int> parse_collider_line(int count, char** words) {
   ColliderOptions options;
-  options.command_line = settings_of(count, words);
+  options.command_line = settings_text("collider", count, words);
   options.threads = std::max(1U, std::thread::hardware_concurrency());
 
   CLI::App app{

@@ -25,6 +25,21 @@ CLI::Validator refinements() {
       "");
 }
 
+void add_support_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts) {
+  app.add_option("--fix", request.fix,
+                 "vertices that do not move: x<0.01, y>=90%, box:x0,y0,z0,x1,y1,z1, "
+                 "sphere:x,y,z,r, plane:x,y,z,nx,ny,nz, near:x,y,z,k, vertex:ID, file:ids.txt, "
+                 "colour:red, a set of the mesh, or none for a free body; may be repeated");
+  constexpr const char* kAxes[] = {"x", "y", "z"};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    app.add_option(std::string("--fix-") + kAxes[axis], request.fix_axis[axis],
+                   std::string("vertices that do not move along ") + kAxes[axis] +
+                       " (selector); may be repeated");
+  app.add_option("--load-at", request.load_at, "vertices that the default load acts on (selector)");
+  app.add_option("--load-force", texts.force, "the default load, X,Y,Z in N, shared among them")
+      ->needs("--load-at");
+}
+
 }  // namespace
 
 bool parse_vector(const std::string& text, Eigen::Vector3d& vector) {
@@ -76,18 +91,7 @@ void add_solid_options(CLI::App& app, ProblemRequest& request, SolidTexts& texts
           kMaterialGrammar);
   app.add_option("--point-mass", request.point_masses,
                  "SELECTOR=KG: a mass shared by the selected vertices; may be repeated");
-  app.add_option("--fix", request.fix,
-                 "vertices that do not move: x<0.01, y>=90%, box:x0,y0,z0,x1,y1,z1, "
-                 "sphere:x,y,z,r, plane:x,y,z,nx,ny,nz, near:x,y,z,k, vertex:ID, file:ids.txt, "
-                 "colour:red, a set of the mesh, or none for a free body; may be repeated");
-  constexpr const char* kAxes[] = {"x", "y", "z"};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    app.add_option(std::string("--fix-") + kAxes[axis], request.fix_axis[axis],
-                   std::string("vertices that do not move along ") + kAxes[axis] +
-                       " (selector); may be repeated");
-  app.add_option("--load-at", request.load_at, "vertices that the default load acts on (selector)");
-  app.add_option("--load-force", texts.force, "the default load, X,Y,Z in N, shared among them")
-      ->needs("--load-at");
+  add_support_options(app, request, texts);
   app.add_option("--mass", texts.mass,
                  "consistent or lumped; with --import-basis: the basis is made orthonormal in it")
       ->check(CLI::IsMember({"consistent", "lumped"}))

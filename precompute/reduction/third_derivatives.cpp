@@ -37,9 +37,9 @@ int leading_modes(const Eigen::VectorXd& squared_frequencies) {
       (squared_frequencies.head(count).array() <= kAsSoft * squared_frequencies[0]).count());
 }
 
-void add_third_derivatives(const Solid& solid, const DofMap& map, const LocalDofs& local,
-                           const Pencil& pencil, const ShiftedSolver& solver, const BasisRows& psi,
-                           int leading, ModalDerivatives& derivatives) {
+void add_third_derivatives(const BodyAtRest& body, const BasisRows& psi, int leading,
+                           ModalDerivatives& derivatives) {
+  const LocalDofs& local = body.local;
   const auto k = static_cast<int>(psi.cols());
   const std::vector<std::array<int, 3>> orders = third_orders(k, leading);
   const Eigen::Index before = derivatives.columns.cols(), count = orders.size();
@@ -51,7 +51,7 @@ void add_third_derivatives(const Solid& solid, const DofMap& map, const LocalDof
       along.col(a * k + l) =
           derivatives.columns.col(k + pair_index(std::min(a, l), std::max(a, l)));
   BasisRows fields(psi.rows(), k + along.cols());
-  fields << psi, expand_to_vertices(map, local, along);
+  fields << psi, expand_to_vertices(body.map, local, along);
   const auto phi = [k](int a, int l) { return k + a * k + l; };
 
   const auto fill = [&](Eigen::Index first, Columns& loads) {
@@ -60,7 +60,7 @@ void add_third_derivatives(const Solid& solid, const DofMap& map, const LocalDof
     const auto subtract = [&](const auto& pair_of) {
       std::vector<ColumnPair> pairs;
       std::transform(begin, end, std::back_inserter(pairs), pair_of);
-      subtract_second_derivatives(solid, local.elements, fields, pairs, local.row_of_vertex,
+      subtract_second_derivatives(body.solid, local.elements, fields, pairs, local.row_of_vertex,
                                   loads.data(), loads.rows());
     };
     using Order = std::array<int, 3>;
@@ -71,15 +71,15 @@ void add_third_derivatives(const Solid& solid, const DofMap& map, const LocalDof
     for (Eigen::Index column = 0; column < loads.cols(); ++column) {
       const auto& [i, j, l] = orders[first + column];
       cubic.setZero();
-      add_third_derivative(solid, local.elements, {psi.col(i), psi.col(j), psi.col(l)},
+      add_third_derivative(body.solid, local.elements, {psi.col(i), psi.col(j), psi.col(l)},
                            local.row_of_vertex, cubic.data());
       loads.col(column) -= cubic;
     }
   };
   derivatives.columns.conservativeResize(Eigen::NoChange, before + count);
-  const Eigen::Index block = 1 + (count - 1) / std::max(1u, pencil.threads);
+  const Eigen::Index block = 1 + (count - 1) / std::max(1u, body.pencil.threads);
   const double residual =
-      solve_at_rest(pencil, solver, block, fill, derivatives.columns.rightCols(count));
+      solve_at_rest(body.pencil, body.solver, block, fill, derivatives.columns.rightCols(count));
   derivatives.residual = std::max(derivatives.residual, residual);
 }
 

@@ -26,10 +26,18 @@ std::vector<std::array<int, 3>> third_orders_of(Eigen::Index modes, Eigen::Index
 // three at most. Of those that a symmetric body has twice none is preferred.
 int leading_modes(const Eigen::VectorXd& squared_frequencies);
 
-// Appends Xi_ijl for third_orders(k, leading) to the columns. psi: the modes at
-// all vertices, 3n x k. solver: prepared. Throws Failure as solve_at_rest. Collective.
-void add_third_derivatives(const Solid& solid, const DofMap& map, const LocalDofs& local,
-                           const Pencil& pencil, const ShiftedSolver& solver, const BasisRows& psi,
-                           int leading, ModalDerivatives& derivatives);
+// The body whose derivatives are solved for, its unknowns, and the factor. solver: prepared.
+struct BodyAtRest {
+  const Solid& solid;
+  const DofMap& map;
+  const LocalDofs& local;
+  const Pencil& pencil;
+  const ShiftedSolver& solver;
+};
+
+// Appends Xi_ijl for third_orders(k, leading) to the columns. psi: the modes at all vertices, 3n x
+// k. Throws Failure as solve_at_rest. Collective.
+void add_third_derivatives(const BodyAtRest& body, const BasisRows& psi, int leading,
+                           ModalDerivatives& derivatives);
 
 }  // namespace tremolo

@@ -54,6 +54,20 @@ inline CLI::Validator byte_count() {
       "BYTES");
 }
 
+// The words of a command line that decide what the file of a `command` holds: the same work gives
+// the same text wherever the file goes.
+inline std::string settings_text(const std::string& command, int count, char** words) {
+  std::string settings = command;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = words[i];
+    if (word == "-o" || word == "--output" || word == "--threads")
+      ++i;  // and its value
+    else if (word != "--json" && !word.starts_with("--output=") && !word.starts_with("--threads="))
+      settings += " " + word;
+  }
+  return settings;
+}
+
 // Returns the error message on one line.
 inline std::string one_line_message(const CLI::App* app, const CLI::Error& error) {
   return app->get_name() + ": " + error.what() + " (--help lists the options)\n";

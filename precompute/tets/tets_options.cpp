@@ -9,26 +9,9 @@
 #include "precompute/system/option_checks.h"
 
 namespace tremolo {
-namespace {
-
-// The words that decide what the file holds.
-std::string settings_of_tets(int count, char** words) {
-  std::string settings = "tets";
-  for (int i = 1; i < count; ++i) {
-    const std::string word = words[i];
-    if (word == "-o" || word == "--output" || word == "--threads")
-      ++i;  // and its value
-    else if (word != "--json" && !word.starts_with("--output=") && !word.starts_with("--threads="))
-      settings += " " + word;
-  }
-  return settings;
-}
-
-}  // namespace
-
 std::variant<TetsOptions, int> parse_tets_line(int count, char** words) {
   TetsOptions options;
-  options.command_line = settings_of_tets(count, words);
+  options.command_line = settings_text("tets", count, words);
   CLI::App app{
       "Writes a mesh of tetrahedra for the engine, whose elements are moved themselves: "
       "mesh, materials, held vertices, the drawn surface. Units are SI."};

@@ -15,7 +15,6 @@ namespace {
 
 using nlohmann::json;
 using testing::kBar;
-using testing::skin;
 
 constexpr const char* kPython = "/usr/bin/python3";
 const std::string kReader =
@@ -28,11 +27,7 @@ class ExportProgram : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = testing::fresh_folder();
-    testing::write_veg(folder_ + "/bar.veg", box_mesh({8, 2, 2}, {0.4, 0.05, 0.06}));
-    std::ofstream(folder_ + "/skin.obj") << skin();
-    made_ = run_program(folder_, kPrecompute + kBar +
-                                     "-o bar.tremolo --render skin.obj --unit cm --fix foot "
-                                     "--load-at 'tip and z>99%' --load-force 0,0,-1");
+    made_ = testing::make_drawn_bar(folder_);
     if (made_.code == 0)
       made_ = run_program(folder_, kPrecompute + kBar + "-o free.tremolo --fix none");
     std::ofstream(folder_ + "/world.toml") << kWorld;

@@ -16,7 +16,6 @@ namespace {
 using nlohmann::json;
 using testing::kBar;
 using testing::lines_with;
-using testing::skin;
 
 std::vector<Eigen::Vector3d> points(const std::string& obj) {
   std::vector<Eigen::Vector3d> found;
@@ -32,11 +31,7 @@ class RenderProgram : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = testing::fresh_folder();
-    testing::write_veg(folder_ + "/bar.veg", box_mesh({8, 2, 2}, {0.4, 0.05, 0.06}));
-    std::ofstream(folder_ + "/skin.obj") << skin();
-    made_ = run_program(folder_, kPrecompute + kBar +
-                                     "-o bar.tremolo --render skin.obj --unit cm --fix foot "
-                                     "--load-at 'tip and z>99%' --load-force 0,0,-1");
+    made_ = testing::make_drawn_bar(folder_);
   }
   void SetUp() override { ASSERT_EQ(made_.code, 0) << made_.err; }
 

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/basis/basis_writer.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/tremolo.h"
+#include "tests/support/c_models.h"
 #include "tests/support/frame_models.h"
 
 namespace tremolo {
@@ -20,13 +20,8 @@ using Eigen::Vector3d;
 class CApiContact : public ::testing::Test {
  protected:
   void SetUp() override {
-    const testing::StrainModel strain =
-        testing::random_strain_model(testing::spread_omega(4, 60.0, 300.0), 0.2, 3);
-    const auto bytes =
-        encode_basis(testing::basis_of(testing::random_cloud(4, true, 3), strain, true));
-    ASSERT_TRUE(bytes);
-    ASSERT_EQ(tremolo_model_load_memory(bytes->data(), bytes->size(), 0, &model_), TREMOLO_OK)
-        << tremolo_last_error();
+    model_ = testing::load_cloud_model();
+    ASSERT_NE(model_, nullptr) << tremolo_last_error();
     tremolo_body_options options;
     tremolo_body_options_init(&options);
     options.frame = TREMOLO_FREE;

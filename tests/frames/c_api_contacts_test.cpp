@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/basis/basis_writer.h"
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact/solve/make_joint.h"
 #include "runtime/tremolo.h"
+#include "tests/support/c_models.h"
 #include "tests/support/frame_models.h"
 
 namespace tremolo {
@@ -25,12 +25,8 @@ const Vector3d kAt[kBodies] = {{0.0, 0.0, 2.0}, {0.3, 0.2, 4.0}, {3.0, 0.0, 2.5}
 class CApiContacts : public ::testing::Test {
  protected:
   void SetUp() override {
-    const testing::StrainModel strain =
-        testing::random_strain_model(testing::spread_omega(4, 60.0, 300.0), 0.2, 3);
-    const auto bytes =
-        encode_basis(testing::basis_of(testing::random_cloud(4, true, 3), strain, true));
-    ASSERT_TRUE(bytes);
-    ASSERT_EQ(tremolo_model_load_memory(bytes->data(), bytes->size(), 0, &model_), TREMOLO_OK);
+    model_ = testing::load_cloud_model();
+    ASSERT_NE(model_, nullptr) << tremolo_last_error();
     ASSERT_EQ(tremolo_collider_plane(&floor_), TREMOLO_OK);
     ASSERT_EQ(tremolo_collider_sphere(kRadius, &ball_), TREMOLO_OK);
     ASSERT_EQ(tremolo_contacts_create(1, &contacts_), TREMOLO_OK);

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/basis/basis_writer.h"
 #include "runtime/tremolo.h"
+#include "tests/support/c_models.h"
 #include "tests/support/frame_models.h"
 
 namespace tremolo {
@@ -17,13 +17,8 @@ using Eigen::Vector3d;
 class CApiHold : public ::testing::Test {
  protected:
   void SetUp() override {
-    const testing::StrainModel strain =
-        testing::random_strain_model(testing::spread_omega(4, 60.0, 300.0), 0.2, 3);
-    const auto bytes =
-        encode_basis(testing::basis_of(testing::random_cloud(4, true, 3), strain, true));
-    ASSERT_TRUE(bytes);
-    ASSERT_EQ(tremolo_model_load_memory(bytes->data(), bytes->size(), 0, &model_), TREMOLO_OK)
-        << tremolo_last_error();
+    model_ = testing::load_cloud_model();
+    ASSERT_NE(model_, nullptr) << tremolo_last_error();
     body_ = make();
     ASSERT_NE(body_, nullptr);
   }

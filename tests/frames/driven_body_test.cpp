@@ -136,17 +136,8 @@ TEST(DrivenBody, BalanceClosesWithDampingLoadGravityAndATurningFrame) {
     ASSERT_TRUE(body.set_pose(path.pose(0.0)));
     ASSERT_TRUE(body.set_gravity({0.0, 2.0, -9.81}));
     ASSERT_TRUE(body.add_load({.kind = SignalKind::kSine}, 5, {3.0, 1.0, -2.0}));
-    double most = 0.0, worst = 0.0;
-    for (int k = 0; k < 2000; ++k) {
-      ASSERT_TRUE(step_along(path, body).converged);
-      const double energy = body.energy().total();
-      most = std::max(most, energy);
-      worst = std::max(worst, std::abs(energy - body.work() + body.dissipated()));
-    }
-    std::printf("%s: balance %.1e of %.3g J\n", method, worst / most, most);
-    EXPECT_GT(std::abs(body.support_work()), 0.1 * most) << method;
-    EXPECT_GT(std::abs(body.gravity_work()), 1e-3 * most) << method;
-    EXPECT_LE(worst, 1e-12 * most) << method;
+    const auto balance = testing::balance_of(body, 2000, [&] { return step_along(path, body); });
+    testing::expect_balance(balance, body, method);
   }
 }
 

@@ -251,8 +251,9 @@ TEST_P(BlockDerivatives, OfThirdOrderFollowTheStaticPath) {
   constexpr int kModes = 3;
   DerivedBlock derived(GetParam(), kModes);
   const Block& block = derived.block;
-  add_third_derivatives(block.solid, block.map, block.local, derived.solved.pencil,
-                        *derived.solved.solver, derived.psi, kModes, derived.derivatives);
+  add_third_derivatives(
+      {block.solid, block.map, block.local, derived.solved.pencil, *derived.solved.solver},
+      derived.psi, kModes, derived.derivatives);
   EXPECT_LE(derived.derivatives.residual, 1e-9);
   const Columns& columns = derived.derivatives.columns;
   const auto orders = third_orders_of(kModes, columns.cols());

@@ -1,8 +1,11 @@
 // A bar and the surface that is drawn for it, for tests that start the programs.
 #pragma once
 
+#include <fstream>
 #include <sstream>
 #include <string>
+
+#include "tests/support/programs.h"
 
 namespace tremolo::testing {
 
@@ -32,6 +35,16 @@ inline std::string skin() {
   text << "o foot\nusemtl steel\nf 1/1/5 2/1/5 3/1/5 4/1/5\n";
   text << "o tip\nusemtl steel\nf 8/1/6 7/1/6 6/1/6 5/1/6\n";
   return text.str();
+}
+
+// Writes bar.veg, skin.obj and, by the precompute, bar.tremolo into the folder: held at its foot,
+// loaded at the upper edge of its tip.
+inline ProgramResult make_drawn_bar(const std::string& folder) {
+  write_veg(folder + "/bar.veg", box_mesh({8, 2, 2}, {0.4, 0.05, 0.06}));
+  std::ofstream(folder + "/skin.obj") << skin();
+  return run_program(folder, kPrecompute + kBar +
+                                 "-o bar.tremolo --render skin.obj --unit cm --fix foot "
+                                 "--load-at 'tip and z>99%' --load-force 0,0,-1");
 }
 
 }  // namespace tremolo::testing

@@ -2,7 +2,10 @@
 // is orthonormal in their masses, so that all integrals belong to one body.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <random>
 #include <utility>
 #include <vector>
@@ -160,6 +163,33 @@ inline Body make_framed(const Model::Pointer& model, FrameKind kind,
   Result<Body> body = Body::create(model, method, options, kind);
   EXPECT_TRUE(body) << (body ? "" : body.error().message);
   return std::move(*body);
+}
+
+// How well an account closes: the largest energy that was there, and the most by which energy, work
+// and what was damped away missed each other, J.
+struct Balance {
+  double most = 0.0, worst = 0.0;
+};
+
+// The account of `count` steps that begin at rest; step(): makes one of the body's.
+template <class Step>
+Balance balance_of(Body& body, int count, const Step& step) {
+  Balance balance;
+  for (int k = 0; k < count; ++k) {
+    EXPECT_TRUE(step().converged) << k;
+    const double energy = body.energy().total();
+    balance.most = std::max(balance.most, energy);
+    balance.worst = std::max(balance.worst, std::abs(energy - body.work() + body.dissipated()));
+  }
+  return balance;
+}
+
+// The account closes to rounding although support and gravity did work.
+inline void expect_balance(const Balance& balance, const Body& body, const char* method) {
+  std::printf("%s: balance %.1e of %.3g J\n", method, balance.worst / balance.most, balance.most);
+  EXPECT_GT(std::abs(body.support_work()), 0.1 * balance.most) << method;
+  EXPECT_GT(std::abs(body.gravity_work()), 1e-3 * balance.most) << method;
+  EXPECT_LE(balance.worst, 1e-12 * balance.most) << method;
 }
 
 inline void steps_of(Body& body, int count) {

@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/processor_time.h"
 #include "formats/file/atomic_file.h"
 #include "runtime/cloth/cloth_model.h"
 #include "runtime/program/cloth/cloth_log.h"
+#include "runtime/program/output/json_values.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/output/statistics.h"
 #include "runtime/program/output/tell.h"
@@ -21,6 +21,7 @@
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
 #include "runtime/program/run/run_progress.h"
+#include "runtime/program/world/scene_ending.h"
 
 namespace tremolo {
 namespace {
@@ -29,26 +30,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 // How a run ended. each: processor time of every step, us.
-struct ClothEnding {
+struct ClothEnding : SceneEnding {
   std::vector<double> each;
-  int exit_code = 0;
-  int signal = 0;
-  std::string reason;
 };
-
-double cloth_processor_time() {
-  std::timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-// JSON knows no infinity: what has no limit is null.
-Json number_or_null(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-Json vector_json(const Eigen::Vector3d& v) {
-  return {number_or_null(v.x()), number_or_null(v.y()), number_or_null(v.z())};
-}
 
 std::size_t all_particles(const ClothWorld& world) {
   std::size_t count = 0;
@@ -149,13 +133,13 @@ Result<ClothEnding> follow_cloths(const ClothFile& file, ClothWorld& world, Clot
   ClothEnding ending;
   Result<bool> inside = log.observe(world);
   while (inside && *inside && world.steps() < steps && ending.signal == 0) {
-    const double before = cloth_processor_time();
+    const double before = processor_time();
     const Status made = world.step();
     if (!made) {
       log.give_up(made.error());
       break;
     }
-    ending.each.push_back(1e6 * (cloth_processor_time() - before));
+    ending.each.push_back(1e6 * (processor_time() - before));
     inside = log.observe(world);
     progress.reached(world.time());
     if (ending.signal = interruption.signal(); ending.signal != 0) {
@@ -222,15 +206,7 @@ std::vector<NamedFile> inputs_of(const ClothFile& file) {
 int run_cloth_command(const ClothFile& file, bool json) {
   const Result<ClothRun> run = run_cloths(file);
   if (!run) return report_error(run.error());
-  if (!file.outputs.out.empty()) {
-    const std::string path = (fs::path(file.outputs.out) / kReportName).string();
-    if (Status s = write_file(path, json_text(run->json)); !s) return report_error(s.error());
-  }
-  if (run->ending.exit_code != 0) tell("tremolo: {}\n", run->ending.reason);
-  if (json) print_json(run->json);
-  const Status printed = flush_standard_output();
-  if (run->ending.signal != 0) ::raise(run->ending.signal);
-  return printed ? run->ending.exit_code : report_error(printed.error());
+  return end_scene_run(file.outputs, run->json, run->ending, json);
 }
 
 }  // namespace tremolo

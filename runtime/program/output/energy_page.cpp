@@ -16,6 +16,7 @@
 #include "formats/file/whole_file.h"
 #include "runtime/page/document.h"
 #include "runtime/program/output/chart.h"
+#include "runtime/program/output/csv_cells.h"
 
 namespace tremolo {
 namespace {
@@ -24,21 +25,6 @@ namespace fs = std::filesystem;
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::size_t kBuckets = 2500;  // of a curve: what a wide screen can show, and some zoom
-
-std::string_view without_return(std::string_view line) {
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  return line;
-}
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t at = 0; at <= line.size();) {
-    const std::size_t end = std::min(line.find(',', at), line.size());
-    cells.push_back(line.substr(at, end - at));
-    at = end + 1;
-  }
-  return cells;
-}
 
 Result<double> cell_value(std::string_view cell, const std::string& where) {
   if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();

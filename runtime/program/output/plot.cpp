@@ -10,6 +10,7 @@
 #include "formats/file/mapped_file.h"
 #include "formats/file/output_guard.h"
 #include "formats/file/text_scanner.h"
+#include "runtime/program/output/csv_cells.h"
 #include "runtime/program/output/gnuplot.h"
 #include "runtime/program/output/tell.h"
 
@@ -19,12 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool has_column(std::string_view header, std::string_view name) {
-  for (std::size_t at = 0; at <= header.size();) {
-    const std::size_t end = std::min(header.find(',', at), header.size());
-    if (header.substr(at, end - at) == name) return true;
-    at = end + 1;
-  }
-  return false;
+  const std::vector<std::string_view> names = cells_of(header);
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 // The line of column names.

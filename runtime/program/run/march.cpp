@@ -1,18 +1,10 @@
 #include "runtime/program/run/march.h"
 
 #include <algorithm>
-#include <ctime>
+
+#include "common/processor_time.h"
 
 namespace tremolo {
-namespace {
-
-double processor_time() {
-  std::timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-}  // namespace
 
 void look_at(const Body& body, Moment& moment) {
   moment.steps = body.steps();

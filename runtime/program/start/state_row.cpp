@@ -7,19 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "runtime/program/output/csv_cells.h"
+
 namespace tremolo {
 namespace {
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  std::vector<std::string_view> cells;
-  for (std::size_t at = 0; at <= line.size();) {
-    const std::size_t end = std::min(line.find(',', at), line.size());
-    cells.push_back(line.substr(at, end - at));
-    at = end + 1;
-  }
-  return cells;
-}
 
 bool to_number(std::string_view cell, double& value) {
   const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);

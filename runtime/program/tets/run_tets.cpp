@@ -2,22 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/file/atomic_file.h"
+#include "common/processor_time.h"
 #include "formats/file/output_guard.h"
+#include "runtime/program/output/json_values.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/interruption.h"
 #include "runtime/program/run/run_files.h"
 #include "runtime/program/run/run_progress.h"
 #include "runtime/program/tets/tets_log.h"
+#include "runtime/program/world/scene_ending.h"
 
 namespace tremolo {
 namespace {
@@ -25,29 +25,16 @@ namespace {
 using TetsJson = nlohmann::ordered_json;
 
 // How a run ended. seconds: processor time of the steps; drawing: of placing the surfaces.
-struct TetsEnding {
+struct TetsEnding : SceneEnding {
   double seconds = 0.0, drawing = 0.0, reached = 0.0;
   std::int64_t steps = 0;
-  int exit_code = 0;
-  int signal = 0;
-  std::string reason;
 };
 
-double tets_clock() {
-  std::timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-TetsJson tets_number(double value) {
-  return std::isfinite(value) ? TetsJson(value) : TetsJson(nullptr);
-}
-
 TetsJson energies_json(const TetsEnergies& e) {
-  return {{"kinetic", tets_number(e.kinetic)},
-          {"elastic", tets_number(e.elastic)},
-          {"gravity", tets_number(e.gravity)},
-          {"total", tets_number(e.total())}};
+  return {{"kinetic", number_or_null(e.kinetic)},
+          {"elastic", number_or_null(e.elastic)},
+          {"gravity", number_or_null(e.gravity)},
+          {"total", number_or_null(e.total())}};
 }
 
 const char* degree_name(DegreeKind kind) {
@@ -66,19 +53,19 @@ TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const T
           {"mass", body.model().mass()},
           {"steps", body.steps()},
           {"reached", body.time()},
-          {"quadratic_edges_share", tets_number(report.share)},
+          {"quadratic_edges_share", number_or_null(report.share)},
           {"edges_switched", report.switched},
-          {"energy_of_switches", tets_number(report.end.switches)},
-          {"iterations_per_step",
-           tets_number(static_cast<double>(report.iterations) / static_cast<double>(body.steps()))},
+          {"energy_of_switches", number_or_null(report.end.switches)},
+          {"iterations_per_step", number_or_null(static_cast<double>(report.iterations) /
+                                                 static_cast<double>(body.steps()))},
           {"steps_in_parts", report.in_parts},
           {"steps_linearised", report.linearised},
-          {"momentum_error", tets_number(report.momentum_error)},
-          {"speed_final", tets_number(body.momentum().norm() / body.model().mass())},
+          {"momentum_error", number_or_null(report.momentum_error)},
+          {"speed_final", number_or_null(body.momentum().norm() / body.model().mass())},
           {"contact_points_final", contact.touching},
-          {"contact_energy_final", tets_number(contact.energy)},
-          {"penetration_final", tets_number(contact.depth)},
-          {"largest_displacement", tets_number(report.displacement)},
+          {"contact_energy_final", number_or_null(contact.energy)},
+          {"penetration_final", number_or_null(contact.depth)},
+          {"largest_displacement", number_or_null(report.displacement)},
           {"energies_initial", energies_json(report.start)},
           {"energies_final", energies_json(report.end)},
           {"files", report.files}};
@@ -116,9 +103,9 @@ class TetsRun {
 };
 
 Status TetsRun::observe(std::size_t i, const TetStepReport& step) {
-  const double before = tets_clock();
+  const double before = processor_time();
   bodies_.kind(i).surface->place(bodies_.bodies[i].positions(), vertices_[i], normals_[i]);
-  ending_.drawing += tets_clock() - before;
+  ending_.drawing += processor_time() - before;
   return logs_[i].observe(bodies_.bodies[i], step, vertices_[i], normals_[i]);
 }
 
@@ -129,7 +116,7 @@ TetContact::Look TetsRun::contact(std::size_t i) const {
 
 // False: a step could not be made, and why is known.
 bool TetsRun::step_all(std::vector<TetStepReport>& steps) {
-  const double before = tets_clock();
+  const double before = processor_time();
   for (std::size_t i = 0; i < logs_.size() && ending_.exit_code == 0; ++i) {
     steps[i] = bodies_.bodies[i].step(bodies_.contacts.empty() ? nullptr : &bodies_.contacts[i]);
     if (steps[i].converged) continue;
@@ -137,7 +124,7 @@ bool TetsRun::step_all(std::vector<TetStepReport>& steps) {
     ending_.reason = fmt::format("body '{}': the step from t = {:.6g} s could not be solved",
                                  scene_.bodies[i].name, bodies_.bodies[i].time());
   }
-  ending_.seconds += tets_clock() - before;
+  ending_.seconds += processor_time() - before;
   return ending_.exit_code == 0;
 }
 
@@ -189,13 +176,13 @@ TetsJson TetsRun::json() const {
   json["steps"] = ending_.steps;
   json["reached"] = ending_.reached;
   json["elements"] = bodies_.elements();
-  json["quadratic_edges_share"] = tets_number(share / edges);
-  json["microseconds_per_step"] = tets_number(1e6 * ending_.seconds / steps);
-  json["microseconds_per_surface"] = tets_number(1e6 * ending_.drawing / steps);
-  json["frames_per_second"] = tets_number(steps / (ending_.seconds + ending_.drawing));
-  json["real_time_factor"] = tets_number(scene_.step * steps / ending_.seconds);
+  json["quadratic_edges_share"] = number_or_null(share / edges);
+  json["microseconds_per_step"] = number_or_null(1e6 * ending_.seconds / steps);
+  json["microseconds_per_surface"] = number_or_null(1e6 * ending_.drawing / steps);
+  json["frames_per_second"] = number_or_null(steps / (ending_.seconds + ending_.drawing));
+  json["real_time_factor"] = number_or_null(scene_.step * steps / ending_.seconds);
   json["memory_bytes"] = bodies_.bytes();
-  json["momentum_error"] = tets_number(momentum);
+  json["momentum_error"] = number_or_null(momentum);
   json["energies_initial"] = energies_json(start);
   json["energies_final"] = energies_json(end);
   json["exit_code"] = ending_.exit_code;
@@ -261,16 +248,7 @@ int run_tets_command(const TetScene& scene, bool json) {
   const Result<TetsRun> run = run_tets(scene);
   if (!run) return report_error(run.error());
   run->print();
-  const TetsEnding& ending = run->ending();
-  if (!scene.outputs.out.empty()) {
-    const std::string path = (std::filesystem::path(scene.outputs.out) / kReportName).string();
-    if (Status s = write_file(path, json_text(run->json())); !s) return report_error(s.error());
-  }
-  if (ending.exit_code != 0) tell("tremolo: {}\n", ending.reason);
-  if (json) print_json(run->json());
-  const Status printed = flush_standard_output();
-  if (ending.signal != 0) ::raise(ending.signal);
-  return printed ? ending.exit_code : report_error(printed.error());
+  return end_scene_run(scene.outputs, run->json(), run->ending(), json);
 }
 
 }  // namespace tremolo

@@ -1,8 +1,8 @@
-#include <cmath>
 
 #include <fmt/format.h>
 
 #include "runtime/program/tets/run_tets.h"
+#include "runtime/program/world/scene_ending.h"
 
 namespace tremolo {
 namespace {
@@ -32,18 +32,8 @@ Status apply_tets_flags(const RunOptions& flags, const std::string& degree,
     if (told(flag)) return usage_error(fmt::format("{} is not of bodies of kind \"tets\"", flag));
   if (told("--step")) scene.step = flags.step;
   if (told("--duration")) scene.duration = flags.duration;
-  SceneOutputs& outputs = scene.outputs;
-  if (told("--out")) outputs.out = flags.out;
-  if (told("--every")) outputs.every = flags.every;
-  if (told("--surfaces")) outputs.surfaces = flags.surfaces;
-  if (told("--surface-format")) outputs.surface_format = flags.surface_format;
-  if (outputs.surfaces > 0 && outputs.out.empty()) return usage_error("--surfaces needs --out DIR");
-  if (outputs.every < 1) return content_error("--every must be at least 1");
-  if (outputs.surfaces < 0) return content_error("--surfaces must not be negative");
-  for (const auto& [flag, value] :
-       {std::pair{"--step", scene.step}, {"--duration", scene.duration}})
-    if (!(value > 0.0 && std::isfinite(value)))
-      return content_error(fmt::format("{} must be positive and finite (s)", flag));
+  if (Status s = apply_output_flags(flags, told, scene.outputs); !s) return s;
+  if (Status s = check_times(told, scene.step, scene.duration); !s) return s;
   for (TetSceneBody& body : scene.bodies) {
     if (Status s = apply_tets_method(flags, degree, told, body.options); !s) return s;
     body.options.step = scene.step;

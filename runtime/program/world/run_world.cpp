@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -13,7 +11,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/processor_time.h"
 #include "formats/file/atomic_file.h"
+#include "runtime/program/output/json_values.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/interruption.h"
@@ -21,6 +21,7 @@
 #include "runtime/program/run/run_files.h"
 #include "runtime/program/run/run_progress.h"
 #include "runtime/program/world/body_log.h"
+#include "runtime/program/world/scene_ending.h"
 #include "runtime/program/world/world_sound.h"
 
 namespace tremolo {
@@ -32,28 +33,14 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 // How a run of a world ended.
-struct WorldEnding {
+struct WorldEnding : SceneEnding {
   double seconds = 0.0;    // processor time of the steps
   std::int64_t steps = 0;  // that this run made
-  int exit_code = 0;
-  int signal = 0;
-  std::string reason;
 };
 
-double processor_seconds() {
-  std::timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-Json finite_number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-Json json_vector(const Eigen::Vector3d& v) {
-  return {finite_number(v.x()), finite_number(v.y()), finite_number(v.z())};
-}
 Json json_quaternion(const Eigen::Quaterniond& q) {
-  return {finite_number(q.w()), finite_number(q.x()), finite_number(q.y()), finite_number(q.z())};
+  return {number_or_null(q.w()), number_or_null(q.x()), number_or_null(q.y()),
+          number_or_null(q.z())};
 }
 
 const char* kind_name(FrameKind kind) {
@@ -62,15 +49,15 @@ const char* kind_name(FrameKind kind) {
 }
 
 Json json_causes(const EnergyAccount& account) {
-  return {{"load", finite_number(account.load)},
-          {"support", finite_number(account.support)},
-          {"gravity", finite_number(account.gravity)},
-          {"contact", finite_number(account.contact_given)},
-          {"friction", finite_number(account.friction)},
-          {"restitution", finite_number(account.restitution)},
-          {"damping", finite_number(account.damping)},
-          {"hand", finite_number(account.hand)},
-          {"joint", finite_number(account.joint)}};
+  return {{"load", number_or_null(account.load)},
+          {"support", number_or_null(account.support)},
+          {"gravity", number_or_null(account.gravity)},
+          {"contact", number_or_null(account.contact_given)},
+          {"friction", number_or_null(account.friction)},
+          {"restitution", number_or_null(account.restitution)},
+          {"damping", number_or_null(account.damping)},
+          {"hand", number_or_null(account.hand)},
+          {"joint", number_or_null(account.joint)}};
 }
 
 Json body_json(const SceneBody& body, const BodyReport& report, double step) {
@@ -82,33 +69,33 @@ Json body_json(const SceneBody& body, const BodyReport& report, double step) {
   json["steps"] = report.steps;
   json["reached"] = static_cast<double>(report.steps) * step;
   json["iterations_per_step"] =
-      finite_number(static_cast<double>(report.iterations) / static_cast<double>(report.steps));
+      number_or_null(static_cast<double>(report.iterations) / static_cast<double>(report.steps));
   json["halved_steps"] = report.halved_steps;
   const std::pair<const char*, const BodyPlace&> places[] = {{"_initial", report.start},
                                                              {"_final", report.end}};
   for (const auto& [when, place] : places) {
     const std::string ending = when;
-    json["position" + ending] = json_vector(place.pose.position);
+    json["position" + ending] = vector_json(place.pose.position);
     json["quaternion" + ending] = json_quaternion(place.pose.rotation);
-    json["linear_momentum" + ending] = json_vector(place.momenta.linear);
-    json["angular_momentum" + ending] = json_vector(place.momenta.angular);
+    json["linear_momentum" + ending] = vector_json(place.momenta.linear);
+    json["angular_momentum" + ending] = vector_json(place.momenta.angular);
   }
   const EnergyAccount& account = report.account;
-  json["energy_initial"] = finite_number(account.at_start);
-  json["energy_final"] = finite_number(account.total());
-  json["energy_max"] = finite_number(report.energy_max);
+  json["energy_initial"] = number_or_null(account.at_start);
+  json["energy_final"] = number_or_null(account.total());
+  json["energy_max"] = number_or_null(report.energy_max);
   json["energy_by_cause"] = json_causes(account);
-  json["energy_balance_error"] = finite_number(report.balance_error());
-  json["high_band_final"] = finite_number(report.high_band_final);
-  json["work"] = finite_number(account.given() - account.damping);
-  json["dissipated"] = finite_number(-account.damping);
-  json["size"] = finite_number(report.size);
-  json["largest_displacement"] = finite_number(report.largest_displacement);
-  json["largest_displacement_share"] = finite_number(report.largest_displacement / report.size);
+  json["energy_balance_error"] = number_or_null(report.balance_error());
+  json["high_band_final"] = number_or_null(report.high_band_final);
+  json["work"] = number_or_null(account.given() - account.damping);
+  json["dissipated"] = number_or_null(-account.damping);
+  json["size"] = number_or_null(report.size);
+  json["largest_displacement"] = number_or_null(report.largest_displacement);
+  json["largest_displacement_share"] = number_or_null(report.largest_displacement / report.size);
   json["contacts"] = report.contacts;
-  json["contact_energy"] = finite_number(account.contact);
-  json["contact_error"] = finite_number(account.contact_error);
-  json["penetration_max"] = finite_number(report.penetration_max);
+  json["contact_energy"] = number_or_null(account.contact);
+  json["contact_error"] = number_or_null(account.contact_error);
+  json["penetration_max"] = number_or_null(report.penetration_max);
   json["asleep"] = report.asleep;
   json["exit_code"] = report.exit_code;
   json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
@@ -122,9 +109,9 @@ Json joint_json(const SceneJoint& wanted, const Joint* joint) {
   return {{"body", wanted.body},
           {"to", wanted.to},
           {"holds", joint != nullptr},
-          {"force", json_vector(now.force)},
-          {"energy", finite_number(now.energy)},
-          {"damped", finite_number(now.damped)}};
+          {"force", vector_json(now.force)},
+          {"energy", number_or_null(now.energy)},
+          {"damped", number_or_null(now.damped)}};
 }
 
 Json world_json(const SceneFile& file, const SceneWorld& world, const std::vector<BodyLog>& logs,
@@ -136,11 +123,11 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   json["steps"] = world.steps();
   json["reached"] = world.time();
   const double each = 1e6 * ending.seconds / static_cast<double>(ending.steps);
-  json["microseconds_per_step"] = finite_number(each);
-  json["real_time_factor"] = finite_number(world.step_size() * 1e6 / each);
+  json["microseconds_per_step"] = number_or_null(each);
+  json["real_time_factor"] = number_or_null(world.step_size() * 1e6 / each);
   double worst = 0.0;
   for (const BodyLog& log : logs) worst = std::max(worst, log.report().balance_error());
-  json["energy_balance_error"] = finite_number(worst);
+  json["energy_balance_error"] = number_or_null(worst);
   json["exit_code"] = ending.exit_code;
   json["reason"] = ending.reason.empty() ? Json(nullptr) : Json(ending.reason);
   json["bodies"] = Json::array();
@@ -198,9 +185,9 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
   Result<bool> inside = observe_all(world, logs);
   if (sound != nullptr) sound->add(world);
   while (inside && *inside && world.steps() < steps && ending.exit_code == 0) {
-    const double before = processor_seconds();
+    const double before = processor_time();
     const auto failures = world.step();
-    ending.seconds += processor_seconds() - before;
+    ending.seconds += processor_time() - before;
     for (const auto& [body, report] : failures) logs[body].give_up(report, world.body(body).time());
     inside = observe_all(world, logs);
     if (sound != nullptr) sound->add(world);
@@ -319,15 +306,7 @@ std::vector<NamedFile> inputs_of(const SceneFile& file) {
 int run_world_command(const SceneFile& file, bool json) {
   const Result<WorldRun> run = run_world(file);
   if (!run) return report_error(run.error());
-  if (!file.outputs.out.empty()) {
-    const std::string path = (fs::path(file.outputs.out) / kReportName).string();
-    if (Status s = write_file(path, json_text(run->json)); !s) return report_error(s.error());
-  }
-  if (run->ending.exit_code != 0) tell("tremolo: {}\n", run->ending.reason);
-  if (json) print_json(run->json);
-  const Status printed = flush_standard_output();
-  if (run->ending.signal != 0) ::raise(run->ending.signal);
-  return printed ? run->ending.exit_code : report_error(printed.error());
+  return end_scene_run(file.outputs, run->json, run->ending, json);
 }
 
 }  // namespace tremolo

@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,6 +7,7 @@
 #include "runtime/integrator.h"
 #include "runtime/program/run/sound.h"
 #include "runtime/program/world/run_world.h"
+#include "runtime/program/world/scene_ending.h"
 #include "runtime/split.h"
 
 namespace tremolo {
@@ -65,23 +64,12 @@ Status apply_flags(const RunOptions& flags, const std::function<bool(const char*
   if (told("--step")) file.scene.step = flags.step;
   if (told("--duration")) file.scene.duration = flags.duration;
   SceneOutputs& outputs = file.outputs;
-  if (told("--out")) outputs.out = flags.out;
-  if (told("--every")) outputs.every = flags.every;
-  if (told("--surfaces")) outputs.surfaces = flags.surfaces;
-  if (told("--surface-format")) outputs.surface_format = flags.surface_format;
-  if (told("--plot")) outputs.plot = flags.plot;
   if (told("--wav")) outputs.wav = flags.wav;
   if (told("--listen")) outputs.listen = flags.listen;
   if (!outputs.wav.empty() && !told("--step")) file.scene.step = kSoundStep;
   if (Status s = check_sound(outputs.wav, file.scene.step); !s) return s;
-  if ((outputs.surfaces > 0 || outputs.plot) && outputs.out.empty())
-    return usage_error("--surfaces and --plot need --out DIR");
-  if (outputs.every < 1) return content_error("--every must be at least 1");
-  if (outputs.surfaces < 0) return content_error("--surfaces must not be negative");
-  for (const auto& [flag, value] :
-       {std::pair{"--step", file.scene.step}, {"--duration", file.scene.duration}})
-    if (told(flag) && !(value > 0.0 && std::isfinite(value)))
-      return content_error(fmt::format("{} must be positive and finite (s)", flag));
+  if (Status s = apply_output_flags(flags, told, outputs); !s) return s;
+  if (Status s = check_times(told, file.scene.step, file.scene.duration); !s) return s;
   return check_scene(file.scene);
 }
 

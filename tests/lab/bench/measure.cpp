@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include "common/hash.h"
+#include "common/processor_time.h"
 #include "formats/file/checksum.h"
 #include "runtime/body.h"
 #include "tests/lab/work/failure.h"
-#include "tests/lab/work/processor_time.h"
 
 namespace tremolo::bench {
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "common/processor_time.h"
 #include "runtime/cloth/cloth_stability.h"
 #include "runtime/nodal/nodal_integrator.h"
 #include "runtime/program/output/statistics.h"
@@ -12,7 +13,6 @@
 #include "tests/lab/cloth/cloth_sections.h"
 #include "tests/lab/cloth/cloth_study.h"
 #include "tests/lab/work/failure.h"
-#include "tests/lab/work/processor_time.h"
 
 namespace tremolo::cloth_study {
 namespace {

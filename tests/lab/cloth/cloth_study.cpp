@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "common/processor_time.h"
 #include "runtime/nodal/nodal_integrator.h"
 #include "tests/lab/work/failure.h"
-#include "tests/lab/work/processor_time.h"
 
 namespace tremolo::cloth_study {
 namespace {

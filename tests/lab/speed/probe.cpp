@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/clones.h"
+#include "common/processor_time.h"
 #include "tests/lab/speed/speed.h"
-#include "tests/lab/work/processor_time.h"
 
 namespace tremolo::bench {
 namespace {

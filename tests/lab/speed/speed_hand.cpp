@@ -11,11 +11,11 @@
 
 #include <fmt/format.h>
 
+#include "common/processor_time.h"
 #include "runtime/body.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "tests/lab/speed/speed.h"
 #include "tests/lab/work/failure.h"
-#include "tests/lab/work/processor_time.h"
 
 namespace tremolo::bench {
 namespace {

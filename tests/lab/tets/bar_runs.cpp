@@ -4,10 +4,10 @@
 
 #include <Eigen/LU>
 
+#include "common/processor_time.h"
 #include "runtime/tets/tet_body.h"
 #include "runtime/tets/tet_surface.h"
 #include "tests/lab/work/failure.h"
-#include "tests/lab/work/processor_time.h"
 #include "tests/support/box_mesh.h"
 
 namespace tremolo::tets {

@@ -1,0 +1,48 @@
+#include "runtime/program/world/scene_ending.h"
+
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <utility>
+
+#include "formats/file/atomic_file.h"
+#include "runtime/program/output/tell.h"
+#include "runtime/program/run/run_files.h"
+
+namespace tremolo {
+
+Status apply_output_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
+                          SceneOutputs& outputs) {
+  if (told("--out")) outputs.out = flags.out;
+  if (told("--every")) outputs.every = flags.every;
+  if (told("--surfaces")) outputs.surfaces = flags.surfaces;
+  if (told("--surface-format")) outputs.surface_format = flags.surface_format;
+  if (told("--plot")) outputs.plot = flags.plot;
+  if ((outputs.surfaces > 0 || outputs.plot) && outputs.out.empty())
+    return usage_error("--surfaces and --plot need --out DIR");
+  if (outputs.every < 1) return content_error("--every must be at least 1");
+  if (outputs.surfaces < 0) return content_error("--surfaces must not be negative");
+  return Success{};
+}
+
+Status check_times(const std::function<bool(const char*)>& told, double step, double duration) {
+  for (const auto& [flag, value] : {std::pair{"--step", step}, {"--duration", duration}})
+    if (told(flag) && !(value > 0.0 && std::isfinite(value)))
+      return content_error(fmt::format("{} must be positive and finite (s)", flag));
+  return Success{};
+}
+
+int end_scene_run(const SceneOutputs& outputs, const nlohmann::ordered_json& json,
+                  const SceneEnding& ending, bool print) {
+  if (!outputs.out.empty()) {
+    const std::string path = (std::filesystem::path(outputs.out) / kReportName).string();
+    if (Status s = write_file(path, json_text(json)); !s) return report_error(s.error());
+  }
+  if (ending.exit_code != 0) tell("tremolo: {}\n", ending.reason);
+  if (print) print_json(json);
+  const Status printed = flush_standard_output();
+  if (ending.signal != 0) ::raise(ending.signal);
+  return printed ? ending.exit_code : report_error(printed.error());
+}
+
+}  // namespace tremolo
