@@ -13,7 +13,7 @@
 
 #include "precompute/pipeline.h"
 #include "precompute/reduction/basis.h"
-#include "precompute/reference/step_equation.h"
+#include "precompute/reference/full/step_equation.h"
 
 namespace tremolo {
 

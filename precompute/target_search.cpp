@@ -7,7 +7,7 @@
 #include "common/format_text.h"
 #include "precompute/ranks/halo.h"
 #include "precompute/reduction/coefficients.h"
-#include "precompute/reference/full_order_solver.h"
+#include "precompute/reference/full/full_order_solver.h"
 #include "precompute/reference/reduced_model.h"
 #include "precompute/system/failure.h"
 #include "precompute/target_error.h"

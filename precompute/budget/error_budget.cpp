@@ -8,7 +8,7 @@
 #include "precompute/fem/control_values.h"
 #include "precompute/problem/element_order.h"
 #include "precompute/reference/comparison.h"
-#include "precompute/reference/full_order_solver.h"
+#include "precompute/reference/full/full_order_solver.h"
 #include "precompute/solver/solver_choice.h"
 #include "precompute/system/failure.h"
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "formats/basis/basis_data.h"
-#include "precompute/reference/full_order_solver.h"
+#include "precompute/reference/full/full_order_solver.h"
 #include "precompute/reference/reduced_model.h"
 
 namespace tremolo {

@@ -3,7 +3,7 @@
 // to about sixty.
 #pragma once
 
-#include "precompute/reference/step_equation.h"
+#include "precompute/reference/full/step_equation.h"
 
 namespace tremolo {
 

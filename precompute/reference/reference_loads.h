@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/load_signal.h"
-#include "precompute/reference/full_order.h"
+#include "precompute/reference/full/full_order.h"
 #include "precompute/reference/reference_options.h"
 
 namespace tremolo {

@@ -5,7 +5,7 @@
 
 #include "common/energy_drift.h"
 #include "precompute/reference/comparison.h"
-#include "precompute/reference/statics.h"
+#include "precompute/reference/full/statics.h"
 #include "precompute/reference/time_integration.h"
 
 namespace tremolo {

@@ -10,7 +10,7 @@
 
 #include <cstdint>
 
-#include "precompute/reference/step_equation.h"
+#include "precompute/reference/full/step_equation.h"
 
 namespace tremolo {
 

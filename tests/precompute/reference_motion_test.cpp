@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/energy_drift.h"
-#include "precompute/reference/statics.h"
+#include "precompute/reference/full/statics.h"
 #include "precompute/reference/time_integration.h"
 #include "tests/support/reference_body.h"
 

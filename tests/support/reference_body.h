@@ -4,7 +4,7 @@
 #include <memory>
 #include <random>
 
-#include "precompute/reference/full_order_solver.h"
+#include "precompute/reference/full/full_order_solver.h"
 #include "precompute/system/failure.h"
 #include "tests/support/box_mesh.h"
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "precompute/fem/assembly.h"
-#include "precompute/reference/full_order_solver.h"
+#include "precompute/reference/full/full_order_solver.h"
 #include "precompute/reference/world/pose_path.h"
 
 namespace tremolo {

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "precompute/fem/stvk.h"
-#include "precompute/reference/step_equation.h"
+#include "precompute/reference/full/step_equation.h"
 
 namespace tremolo {
 

@@ -1,4 +1,4 @@
-#include "precompute/reference/step_equation.h"
+#include "precompute/reference/full/step_equation.h"
 
 #include <algorithm>
 #include <cmath>

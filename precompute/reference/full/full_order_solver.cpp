@@ -1,10 +1,10 @@
-#include "precompute/reference/full_order_solver.h"
+#include "precompute/reference/full/full_order_solver.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "precompute/reference/secant_updates.h"
+#include "precompute/reference/full/secant_updates.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {

@@ -5,7 +5,7 @@
 #include "precompute/dense/sparse_rows.h"
 #include "precompute/fem/stvk.h"
 #include "precompute/problem/problem.h"
-#include "precompute/reference/unknowns.h"
+#include "precompute/reference/full/unknowns.h"
 #include "precompute/system/petsc.h"
 
 namespace tremolo {

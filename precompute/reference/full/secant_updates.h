@@ -4,7 +4,7 @@
 
 #include <deque>
 
-#include "precompute/reference/step_equation.h"
+#include "precompute/reference/full/step_equation.h"
 
 namespace tremolo {
 

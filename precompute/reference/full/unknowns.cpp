@@ -1,4 +1,4 @@
-#include "precompute/reference/unknowns.h"
+#include "precompute/reference/full/unknowns.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // Static equilibrium f(u) = load of the full mesh or of the reduced model.
 #pragma once
 
-#include "precompute/reference/step_equation.h"
+#include "precompute/reference/full/step_equation.h"
 
 namespace tremolo {
 

@@ -1,4 +1,4 @@
-#include "precompute/reference/secant_updates.h"
+#include "precompute/reference/full/secant_updates.h"
 
 #include <utility>
 

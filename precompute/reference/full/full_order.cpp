@@ -1,11 +1,11 @@
-#include "precompute/reference/full_order.h"
+#include "precompute/reference/full/full_order.h"
 
 #include <algorithm>
 
 #include "common/parallel.h"
 #include "precompute/problem/point_mass.h"
 #include "precompute/problem/rigid_motion.h"
-#include "precompute/reference/segment_elements.h"
+#include "precompute/reference/full/segment_elements.h"
 #include "precompute/system/failure.h"
 
 namespace tremolo {

@@ -6,8 +6,8 @@
 
 #include <memory>
 
-#include "precompute/reference/full_order.h"
-#include "precompute/reference/statics.h"
+#include "precompute/reference/full/full_order.h"
+#include "precompute/reference/full/statics.h"
 #include "precompute/solver/sparse_cholesky.h"
 
 namespace tremolo {

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "precompute/fem/dof_map.h"
-#include "precompute/reference/step_equation.h"
+#include "precompute/reference/full/step_equation.h"
 
 namespace tremolo {
 

@@ -1,4 +1,4 @@
-#include "precompute/reference/statics.h"
+#include "precompute/reference/full/statics.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "precompute/reference/segment_elements.h"
+#include "precompute/reference/full/segment_elements.h"
 
 #include <numbers>
 
