@@ -1,6 +1,9 @@
 #include "runtime/frames/driven_frame.h"
 
+#include <array>
 #include <utility>
+
+#include "runtime/kernels/tall_product.h"
 
 namespace tremolo {
 namespace {
@@ -31,9 +34,10 @@ DrivenFrame::DrivenFrame(const std::vector<std::shared_ptr<const FrameInertia>>&
     : step_(step) {
   for (const auto& share : shares) bones_.emplace_back().inertia = share;
   const Index r = shares.front()->modes();
-  for (VectorXd* v : {&push_, &gravity_push_, &q0_, &x_, &stiff_}) v->setZero(r);
-  stiffness_.setZero(r, r);
-  gyro_.setZero(r, r);
+  for (VectorXd* v : {&push_, &gravity_push_, &q0_, &x_}) v->setZero(r);
+  for (VectorXd* v : {&stiff_, &whirl_}) v->setZero(tall_rows(r));
+  stiffness_.setZero(tall_rows(r), r);
+  gyro_.setZero(tall_rows(r), r);
   turn_.setIdentity(r, r);
   turn_factor_.compute(turn_);
 }
@@ -102,45 +106,46 @@ Eigen::VectorXd DrivenFrame::gravity_force(const Vector3d& gravity) const {
 // The constant parts go to push_, what is linear in q and v to stiffness_ and gyro_.
 void DrivenFrame::add_turn(const Bone& bone) {
   const FrameInertia& inertia = *bone.inertia;
-  const Index r = inertia.modes();
   const Vector3d& w = bone.motion.spin;
   const Vector3d& rate = bone.motion.spin_rate;
-  push_.noalias() -= inertia.a.transpose() * rate;
+  const Vector3d whirl = -2.0 * w;
+  // Of the blocks of `pairs`: c_x c_y c_z, and the six of sym(B).
+  std::array<double, 9> weights = {-rate.x(), -rate.y(), -rate.z()};
+  Eigen::Matrix<double, 6, 1> constant;
+  for (Index e = 0; e < 6; ++e) {
+    const auto& [k, l] = kSymmetricEntries[static_cast<std::size_t>(e)];
+    const double ww = w[k] * w[l] * (k == l ? 1.0 : 2.0);
+    weights[static_cast<std::size_t>(3 + e)] = ww;
+    constant[e] = 0.5 * ((k == l ? w.squaredNorm() : 0.0) - ww);
+  }
   // The traces of the B_ij are those of the identity where one bone carries all.
   if (bones_.size() == 1) {
     stiffness_.diagonal().setConstant(-w.squaredNorm());
   } else {
-    for (Index e = 0; e < 3; ++e)
-      stiffness_ -= w.squaredNorm() * inertia.pairs.middleRows((3 + e) * r, r);
+    for (std::size_t e = 3; e < 6; ++e) weights[e] -= w.squaredNorm();
   }
-  for (Index m = 0; m < 3; ++m) {
-    const auto c = inertia.pairs.middleRows(m * r, r);
-    stiffness_ -= rate[m] * c;
-    gyro_ -= (2.0 * w[m]) * c;
-  }
-  for (Index e = 0; e < 6; ++e) {
-    const auto& [k, l] = kSymmetricEntries[static_cast<std::size_t>(e)];
-    const double ww = w[k] * w[l] * (k == l ? 1.0 : 2.0);
-    stiffness_ += ww * inertia.pairs.middleRows((3 + e) * r, r);
-    push_ += 0.5 * ((k == l ? w.squaredNorm() : 0.0) - ww) * inertia.P_linear.col(e);
-  }
+  add_blocks(inertia.pairs, weights, stiffness_);
+  add_blocks(inertia.pairs, {whirl.data(), 3}, gyro_);
+  push_.noalias() -= inertia.a.transpose() * rate;
+  push_.noalias() += inertia.P_linear * constant;
 }
 
 void DrivenFrame::half_turn(bool first, State& state) {
   const double h = step_;
+  const auto gyro = gyro_.topRows(state.p.size());
   if (first) {
-    turn_ = (0.25 * h) * gyro_;
+    turn_ = (0.25 * h) * gyro;
     turn_.diagonal().array() += 1.0;
     turn_factor_.compute(turn_);
   }
   const auto turn = [&] {
     x_ = state.p;
-    x_.noalias() -= (0.25 * h) * gyro_ * state.p;
+    x_.noalias() -= (0.25 * h) * gyro * state.p;
     state.p.noalias() = turn_factor_.solve(x_);
   };
   if (first) turn();
   const double before = state.p.squaredNorm();
-  state.p.noalias() -= (0.5 * h) * stiffness_ * state.q;
+  state.p.noalias() -= (0.5 * h) * stiffness_.topRows(state.q.size()) * state.q;
   turned_work_ += 0.5 * (state.p.squaredNorm() - before);
   if (!first) turn();
 }
@@ -151,14 +156,15 @@ void DrivenFrame::begin(double h, const VectorXd& q0, const VectorXd&) {
 }
 
 void DrivenFrame::evaluate(const VectorXd& d, const VectorXd&, VectorXd&, VectorXd& force) {
+  const Index r = d.size();
   x_ = q0_ + 0.5 * d;
-  stiff_.noalias() = stiffness_ * x_;
-  force += stiff_;
-  force.noalias() += (1.0 / h_) * gyro_ * d;
+  multiply_tall(stiffness_, r, x_, stiff_);
+  multiply_tall(gyro_, r, d, whirl_);
+  force += stiff_.head(r) + (1.0 / h_) * whirl_.head(r);
 }
 
 bool DrivenFrame::finish(const VectorXd& d, double, VectorXd&) {
-  turned_work_ -= stiff_.dot(d);
+  turned_work_ -= stiff_.head(d.size()).dot(d);
   return false;
 }
 

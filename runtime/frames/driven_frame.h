@@ -103,6 +103,7 @@ class DrivenFrame final : public StepCoupling {
   void begin(double h, const Eigen::VectorXd& q0, const Eigen::VectorXd& v0) override;
   void evaluate(const Eigen::VectorXd& d, const Eigen::VectorXd& S, Eigen::VectorXd& dp,
                 Eigen::VectorXd& force) override;
+  bool changes_momentum() const override { return false; }
   double force_scale() const override { return push_norm_; }
   bool finish(const Eigen::VectorXd& d, double defect, Eigen::VectorXd& v) override;
 
@@ -128,12 +129,14 @@ class DrivenFrame final : public StepCoupling {
   bool turning_ = false;
   Eigen::VectorXd push_, gravity_push_;
   double push_norm_ = 0.0;
-  Eigen::MatrixXd stiffness_;  // of E and grad Phi, r x r, not symmetric, 1/s^2
-  Eigen::MatrixXd gyro_;       // 2 G, r x r, skew, 1/s
+  // Of E and grad Phi, not symmetric, 1/s^2, and 2 G, skew, 1/s: r x r, below which there are rows
+  // of no meaning.
+  Eigen::MatrixXd stiffness_, gyro_;
   Eigen::MatrixXd turn_;       // I + (h/4) 2 G, and its factor
   Eigen::PartialPivLU<Eigen::MatrixXd> turn_factor_;
   double h_ = 0.0;
-  Eigen::VectorXd q0_, x_, stiff_;
+  Eigen::VectorXd q0_, x_;
+  Eigen::VectorXd stiff_, whirl_;  // their products with q and d, tall_rows(r)
   double turned_work_ = 0.0;  // of stiffness_ in this step
   double support_work_ = 0.0, gravity_work_ = 0.0;
 };

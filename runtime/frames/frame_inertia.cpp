@@ -1,6 +1,7 @@
 #include "runtime/frames/frame_inertia.h"
 
 #include "common/packed_index.h"
+#include "runtime/kernels/tall_product.h"
 
 namespace tremolo {
 namespace {
@@ -30,7 +31,7 @@ FrameInertia::FrameInertia(const InertiaIntegrals& integrals, const Eigen::Vecto
        mass * centre * centre.transpose();
   a.resize(3, r);
   P_linear.resize(r, 6);
-  pairs.resize(9 * r, r);
+  pairs.setZero(tall_rows(9 * r), r);
   const Eigen::MatrixXd A = integrals.linear.bottomRows<9>();
   for (Index j = 0; j < r; ++j) {
     const Eigen::Matrix3d A_j = matrix_at(A, j) - centre * s.col(j).transpose();
@@ -55,7 +56,7 @@ FrameInertia::FrameInertia(const InertiaIntegrals& integrals, const Eigen::Vecto
   }
 }
 
-InertiaAt::InertiaAt(Index modes) : products(9 * modes), C(3, modes) {
+InertiaAt::InertiaAt(Index modes) : products(tall_rows(9 * modes)), C(3, modes) {
   products.setZero();
   C.setZero();
   J.setIdentity();
@@ -63,13 +64,13 @@ InertiaAt::InertiaAt(Index modes) : products(9 * modes), C(3, modes) {
 
 void InertiaAt::compute(const FrameInertia& inertia, const Eigen::VectorXd& q) {
   const Index r = q.size();
-  products.noalias() = inertia.pairs * q;
+  multiply_tall(inertia.pairs, 9 * r, q, products);
   // (c_m q)_i = sum_j c_ij q_j, so C_j = sum_i q_i c_ij is its negative.
   for (Index m = 0; m < 3; ++m) C.row(m) = -products.segment(m * r, r).transpose();
   Eigen::Matrix3d P = inertia.P0;
   for (Index e = 0; e < 6; ++e) {
     const auto& [k, l] = kSymmetricEntries[static_cast<std::size_t>(e)];
-    P(k, l) += q.dot(inertia.P_linear.col(e)) + q.dot(products.segment((3 + e) * r, r));
+    P(k, l) += q.dot(inertia.P_linear.col(e) + products.segment((3 + e) * r, r));
     P(l, k) = P(k, l);
   }
   J = -P;

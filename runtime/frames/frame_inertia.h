@@ -34,8 +34,9 @@ struct FrameInertia {
   Eigen::Matrix3Xd a;            // 3 x r, kg^1/2 m
   Eigen::MatrixXd P_linear;      // r x 6: entries of A_i + A_i^T
   // Rows m r + i: (c_m)_ij, skew for each of the three components; behind them rows 3 r + e r + i:
-  // the entry e of sym(B_ij), symmetric for each of the six. One product with q gives all.
-  Eigen::MatrixXd pairs;  // 9r x r
+  // the entry e of sym(B_ij), symmetric for each of the six; zeros below. One product with q gives
+  // all (runtime/kernels/tall_product.h).
+  Eigen::MatrixXd pairs;  // tall_rows(9r) x r
 };
 
 // P and C at one q and what their derivatives need. Nothing is allocated after construction.
@@ -47,7 +48,7 @@ struct InertiaAt {
   // sum_j of C_j v_j.
   Eigen::Vector3d couple(const Eigen::VectorXd& v) const { return C * v; }
 
-  Eigen::VectorXd products;  // 9r: pairs q
+  Eigen::VectorXd products;  // tall_rows(9r): pairs q
   Eigen::Matrix3Xd C;        // 3 x r
   Eigen::Matrix3d J;         // about the centre, kg m^2
 };

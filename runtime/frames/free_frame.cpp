@@ -5,6 +5,8 @@
 
 #include <Eigen/LU>
 
+#include "runtime/kernels/tall_product.h"
+
 namespace tremolo {
 namespace {
 
@@ -13,7 +15,10 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kSpinIterations = 12;  // Newton's; four are usual
+constexpr int kSpinIterations = 12;  // Newton's; two are usual
+// A move that is shorter, relative to omega1, leaves less than rounding: the next would be about its
+// square.
+constexpr double kLastMove = 1e-9;
 
 }  // namespace
 
@@ -24,8 +29,8 @@ FreeFrame::FreeFrame(std::shared_ptr<const FrameInertia> inertia)
       scratch_(inertia_->modes()) {
   const Index r = inertia_->modes();
   for (VectorXd* v : {&q0_, &q1_, &v0_, &v1_, &m_, &kick0_, &kappa_, &added_}) v->setZero(r);
-  bend0_.setZero(3 * r);
-  bend1_.setZero(3 * r);
+  bend0_.setZero(tall_rows(3 * r));
+  bend1_.setZero(tall_rows(3 * r));
   rigid_.centre = inertia_->centre;
 }
 
@@ -71,9 +76,13 @@ void FreeFrame::begin(double h, const VectorXd& q0, const VectorXd& v0) {
   h_ = h;
   q0_ = q0;
   v0_ = v0;
-  at0_.compute(*inertia_, q0_);
+  if (at_end_ && q1_ == q0_)
+    std::swap(at0_, at1_);
+  else
+    at0_.compute(*inertia_, q0_);
+  at_end_ = false;
   kick0_.noalias() = at0_.C.transpose() * rigid_.spin;
-  bend0_.noalias() = inertia_->pairs.topRows(3 * r) * v0_;
+  multiply_tall(inertia_->pairs, 3 * r, v0_, bend0_);
   momentum0_ = rigid_.rotation.conjugate() * rigid_.momentum;
   spin1_ = rigid_.spin;
   torque_.setZero();
@@ -102,8 +111,9 @@ FreeFrame::SpinTrial FreeFrame::spin_equation(const Matrix3d& inertia, const Vec
   if (!forces_.empty()) torque_ += torque(0.5 * (Matrix3d::Identity() + trial.turn));
   const Vector3d l1 = momentum0_ + h_ * torque_;
   momentum1_ = trial.turn.transpose() * l1;
-  const Matrix3d half = Matrix3d::Identity() + 0.5 * cross_matrix(phi);
-  trial.jacobian = inertia - (0.25 * h_) * half.inverse() * cross_matrix(momentum1_ + l1);
+  // (1 + [phi]/2)^-1 = (1 + turn^T)/2.
+  const Matrix3d half = 0.5 * (Matrix3d::Identity() + trial.turn.transpose());
+  trial.jacobian = inertia - (0.25 * h_) * half * cross_matrix(momentum1_ + l1);
   trial.residual = inertia * w + coupled - momentum1_;
   return trial;
 }
@@ -136,7 +146,7 @@ void FreeFrame::find_spin(const VectorXd& S, const VectorXd& dp) {
     spin1_ += move;
     const double size = move.norm();
     // At rounding the moves stop falling.
-    if (size <= 1e-16 * spin1_.norm() || size >= last) break;
+    if (size <= kLastMove * spin1_.norm() || size >= last) break;
     last = size;
   }
   end_spin(S, dp);
@@ -167,6 +177,7 @@ void FreeFrame::set_contact(const Vector3d& force, const Vector3d& torque) {
 void FreeFrame::set_end(const VectorXd& d) {
   q1_ = q0_ + d;
   at1_.compute(*inertia_, q1_);
+  at_end_ = true;
   m_ = q0_ + 0.5 * d;
   for (std::size_t i = 0; i < forces_.size(); ++i) {
     const VertexRows& place = *forces_[i].place;
@@ -186,7 +197,7 @@ void FreeFrame::add_forces(VectorXd& dp, VectorXd& force) {
   const Index r = inertia_->modes();
   dp = v1_ - v0_ + kappa_;
   const Vector3d& w0 = rigid_.spin;
-  bend1_.noalias() = inertia_->pairs.topRows(3 * r) * v1_;
+  multiply_tall(inertia_->pairs, 3 * r, v1_, bend1_);
   added_.setZero();
   for (Index m = 0; m < 3; ++m)
     added_ -= 0.5 * (w0[m] * bend1_.segment(m * r, r) + spin1_[m] * bend0_.segment(m * r, r));

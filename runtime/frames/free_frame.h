@@ -109,6 +109,7 @@ class FreeFrame final : public StepCoupling {
   void begin(double h, const Eigen::VectorXd& q0, const Eigen::VectorXd& v0) override;
   void evaluate(const Eigen::VectorXd& d, const Eigen::VectorXd& S, Eigen::VectorXd& dp,
                 Eigen::VectorXd& force) override;
+  bool changes_momentum() const override { return true; }
   double force_scale() const override { return force_norm_; }
   bool finish(const Eigen::VectorXd& d, double defect, Eigen::VectorXd& v) override;
 
@@ -133,6 +134,7 @@ class FreeFrame final : public StepCoupling {
   double h_ = 0.0;
   Eigen::VectorXd q0_, q1_, v0_, v1_, m_;
   InertiaAt at0_, at1_;
+  bool at_end_ = false;  // at1_ is that of q1_
   mutable InertiaAt scratch_;
   Eigen::VectorXd kick0_;                                    // C0^T omega0
   Eigen::VectorXd bend0_, bend1_;                            // 3r: rows m r + j: sum_k (c_m)_jk v_k

@@ -22,6 +22,9 @@ class StepCoupling {
   virtual void evaluate(const Eigen::VectorXd& d, const Eigen::VectorXd& S, Eigen::VectorXd& dp,
                         Eigen::VectorXd& force) = 0;
 
+  // False: evaluate() leaves dp as it is, whatever it is.
+  virtual bool changes_momentum() const = 0;
+
   // The norm of a force by which a residual is judged besides those of R and f.
   virtual double force_scale() const = 0;
 

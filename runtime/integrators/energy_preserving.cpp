@@ -187,16 +187,18 @@ class EnergyPreserving final : public Integrator {
     dp_hat_ = d_hat_ / h;
     N_.apply(dp_hat_);
     dp_hat_ += b_hat_;
-    if (damped_ || coupling != nullptr) {
+    const bool coupled_momentum = coupling != nullptr && coupling->changes_momentum();
+    if (damped_ || coupled_momentum) {
       N_.from_basis(dp_hat_);
       dp_hat_.array() *= S_.array();
-      if (coupling != nullptr) {
-        coupling->evaluate(d_, S_, dp_hat_, x_);
-        f_norm = std::max(f_norm, coupling->force_scale());
-      }
+      if (coupled_momentum) coupling->evaluate(d_, S_, dp_hat_, x_);
       N_.to_basis(dp_hat_);
     } else {
       dp_hat_ *= 2.0;
+    }
+    if (coupling != nullptr) {
+      if (!coupled_momentum) coupling->evaluate(d_, S_, dp_hat_, x_);
+      f_norm = std::max(f_norm, coupling->force_scale());
     }
     g_hat_ = dp_hat_;
     N_.apply(g_hat_);

@@ -52,9 +52,9 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
   law_.rebound_speed = 0.01 * law_.margin / h;
   law_.slip_speed = 0.01 * law_.margin / h;
   const Index r = model_->modes(), n = r + 6;
-  for (VectorXd* v : {&q0_, &v0_, &q1_, &G_, &dp_, &force_, &middle_, &contact_push_})
+  for (VectorXd* v : {&q0_, &v0_, &q1_, &G_, &dp_, &force_, &own_force_, &middle_, &contact_push_})
     v->setZero(r);
-  for (VectorXd* v : {&z_, &z_before_, &residual_, &move_}) v->setZero(n);
+  for (VectorXd* v : {&z_, &known_z_, &z_before_, &residual_, &move_}) v->setZero(n);
   scale_rows();
   if (shape_) u0_ = u1_ = VectorXd::Zero(points_->axis_rows.rows());
   K_.setZero(r, r);
@@ -131,6 +131,7 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   load_ = &load;
   free_ = free;
   in_island_ = true;
+  known_ = false;
   q0_ = state.q;
   v0_ = state.p;
   if (load.coupling != nullptr) load.coupling->begin(h, q0_, v0_);
@@ -244,41 +245,51 @@ void ContactStep::add_geometry_of_other(const Vector3d& force, const Vector3d& b
 }
 
 void ContactStep::evaluate(double renew) {
+  // Between a trial and a renewal only the contact changes.
+  if (!known_ || z_ != known_z_) evaluate_body();
+  add_contact(renew);
+}
+
+// All that depends on z_ but the forces on places.
+void ContactStep::evaluate_body() {
   const double h = options_.step;
   const Index r = model_->modes();
   const auto d = z_.head(r);
+  known_ = true;
+  known_z_ = z_;
   q1_ = q0_ + d;
   if (in_island_ && shape_) points_->displacement(q1_, u1_);
   model_->potential().averaged_gradient(q0_, q1_, workspace_, G_, nullptr);
   dp_ = S_.cwiseProduct(damping_.n.cwiseProduct(d) / h - v0_);
-  force_ = G_ - load_->average;
+  own_force_ = G_ - load_->average;
   middle_ = d;
   if (free_ != nullptr) {
-    const FreeFrame::SpinTrial trial = free_->try_spin(middle_, S_, z_.segment<3>(r), dp_, force_);
+    const FreeFrame::SpinTrial trial =
+        free_->try_spin(middle_, S_, z_.segment<3>(r), dp_, own_force_);
     spin_jacobian_ = trial.jacobian;
     motion_.set_turn(trial.turn);
     const Vector3d phi = (0.5 * h) * (free_->rigid().spin + z_.segment<3>(r));
     motion_.phi = phi;
     motion_.turned = (0.5 * h / (1.0 + 0.25 * phi.squaredNorm())) *
                      (Matrix3d::Identity() - 0.5 * cross_matrix(phi));
-    residual_.segment<3>(r) = trial.residual;
-    residual_.tail<3>() = free_->centre_residual(z_.tail<3>());
+    own_spin_residual_ = trial.residual;
+    own_centre_residual_ = free_->centre_residual(z_.tail<3>());
     motion_.c1 = motion_.c0 + z_.tail<3>();
   } else if (load_->coupling != nullptr) {
-    load_->coupling->evaluate(middle_, S_, dp_, force_);
+    load_->coupling->evaluate(middle_, S_, dp_, own_force_);
   }
-  add_contact(renew);
 }
 
 double ContactStep::close() {
   const double h = options_.step;
   const Index r = model_->modes();
-  force_ -= contact_push_;
+  force_ = own_force_ - contact_push_;
   residual_.head(r) = (0.5 * h) * damping_.n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
                       (0.5 * h) * damping_.D.cwiseProduct(z_.head(r));
   if (free_ != nullptr) {
-    residual_.segment<3>(r) -= h * (motion_.turn.transpose() * contact_torque_);
-    residual_.tail<3>() -= contact_force_;
+    residual_.segment<3>(r) =
+        own_spin_residual_ - h * (motion_.turn.transpose() * contact_torque_);
+    residual_.tail<3>() = own_centre_residual_ - contact_force_;
   }
   return size_of_residual();
 }

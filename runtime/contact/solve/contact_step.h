@@ -168,6 +168,7 @@ class ContactStep {
                       double reach);
   ContactTouch touch_at(const Eigen::Vector3d& rest, const PlaceRows& rows) const;
   void add_grips();
+  void evaluate_body();
   void add_contact(double renew);
   double size_of_residual() const;
   double size_of_motion() const;
@@ -206,6 +207,10 @@ class ContactStep {
   FreeFrame* free_ = nullptr;
 
   Eigen::VectorXd u0_, u1_, q0_, v0_, q1_, G_, dp_, force_, middle_, contact_push_;
+  // What evaluate_body() found at known_z_: of the residual, without places.
+  bool known_ = false;
+  Eigen::VectorXd known_z_, own_force_;
+  Eigen::Vector3d own_spin_residual_, own_centre_residual_;
   Eigen::MatrixXd K_;
   Eigen::VectorXd z_, z_before_, residual_, row_scale_, move_;
   Eigen::MatrixXd jacobian_;
