@@ -447,6 +447,10 @@ typedef struct tremolo_contacts tremolo_contacts;
 tremolo_status tremolo_contacts_create(int32_t sleep, tremolo_contacts** contacts);
 void tremolo_contacts_destroy(tremolo_contacts* contacts);
 
+/* How many threads step the bodies, the caller's included; 0: one a core; at first one. No bit
+ * depends on it. TREMOLO_SYSTEM, and nothing changes, where they cannot be had. */
+tremolo_status tremolo_contacts_set_threads(tremolo_contacts* contacts, uint32_t threads);
+
 /* The body is stepped by tremolo_contacts_step from now on; it must outlive the contacts. number
  * (may be NULL): its own here, from 0; the order decides that of sums. TREMOLO_USAGE without
  * tremolo_body_set_contact, for a step other than the others', or a body that is there. */

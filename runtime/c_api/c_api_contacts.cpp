@@ -101,6 +101,11 @@ void tremolo_contacts_destroy(tremolo_contacts* contacts) {
   delete contacts;
 }
 
+tremolo_status tremolo_contacts_set_threads(tremolo_contacts* contacts, uint32_t threads) {
+  return with(contacts,
+              [&](tremolo_contacts& known) -> Status { return known.group.set_threads(threads); });
+}
+
 tremolo_status tremolo_contacts_add(tremolo_contacts* contacts, tremolo_body* body,
                                     uint32_t* number) {
   return with(contacts, {{body, "the body"}}, [&](tremolo_contacts& known) -> Status {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "runtime/crowd/lane_group.h"
-#include "runtime/crowd/thread_pool.h"
+#include "runtime/threads/thread_pool.h"
 #include "runtime/display/surface.h"
 #include "runtime/kernels/aligned.h"
 #include "runtime/world.h"

@@ -108,6 +108,7 @@ struct Request {
   std::string select;
   bool json = false;
   std::string save, restore;
+  std::optional<unsigned> threads;
   std::string degree;
   std::vector<std::string> directories;
   std::string picture;
@@ -139,6 +140,8 @@ struct Parser {
     run->add_flag("--json", request.json, "print one JSON object on stdout");
     run->add_option("--save", request.save, "of a scene with [[bodies]]: its state at the end");
     run->add_option("--restore", request.restore, "likewise: begin with what --save has written");
+    run->add_option("--threads", request.threads,
+                    "likewise: how many threads step its bodies, 0: one a core (1)");
     run->add_option("--degree", request.degree,
                     "of bodies of kind tets: linear, quadratic or adaptive");
     add_run_flags(*run, options);
@@ -201,6 +204,8 @@ std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flag
 
 // Of runs that are no world.
 Status check_not_saved(const Request& request) {
+  if (request.threads)
+    return usage_error("--threads is of a scene with [[bodies]]: one body is stepped by one thread");
   if (request.save.empty() && request.restore.empty()) return Success{};
   return usage_error(
       "--save and --restore are of a scene with [[bodies]]; of a run of one body --coordinate all "
@@ -232,7 +237,7 @@ int run_world_scene(const std::string& text, const Request& request, const Scene
   if (!file) return report_error(file.error());
   file->outputs.save = request.save;
   file->outputs.restore = request.restore;
-  return run_world_command(*file, request.json);
+  return run_world_command(*file, request.threads.value_or(1), request.json);
 }
 
 // What a scene with one table a body and the flags say.

@@ -97,6 +97,10 @@ class SceneWorld {
   Status set_method(std::size_t i, std::string_view integrator);
   Status set_step(double step);
 
+  // As BodyGroup::set_threads: how many threads step the bodies, the caller's included; 0: one a
+  // core. No bit depends on it.
+  Status set_threads(unsigned threads) { return group_->set_threads(threads); }
+
   // One step of all bodies that have not failed. The bodies that failed in this step are returned,
   // valid until the next one. Nothing is allocated but for bodies that touch each other.
   struct Failure {

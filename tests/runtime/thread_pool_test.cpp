@@ -1,4 +1,4 @@
-#include "runtime/crowd/thread_pool.h"
+#include "runtime/threads/thread_pool.h"
 
 #include <atomic>
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace tremolo {
 namespace {
@@ -46,6 +45,15 @@ void BodyGroup::begin(std::size_t i) {
   }
   near_[i] = body.near_something(colliders_) ? 1 : 0;
   begun_[i] = 1;
+}
+
+// Of the step to come: also of one that sleeps, what may wake it.
+void BodyGroup::begin_or_sleep(std::size_t i) {
+  reports_[i] = {};
+  reports_[i].converged = true;
+  if (bodies_[i] == nullptr) return;
+  if (rest_[i].asleep && has_to_wake(i)) rest_[i] = {};
+  if (!rest_[i].asleep) begin(i);
 }
 
 std::size_t BodyGroup::join(std::size_t a, std::size_t b, Joint joint) {
@@ -155,101 +163,6 @@ void BodyGroup::find_pairs() {
             [](const Pair& x, const Pair& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
 }
 
-std::size_t BodyGroup::root(std::size_t i) {
-  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-  return i;
-}
-
-// islands_: the bodies under way, those of an island next to each other, by their numbers.
-void BodyGroup::make_islands() {
-  parent_.resize(bodies_.size());
-  std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  const auto unite = [this](std::size_t a, std::size_t b) {
-    if (begun_[a] == 0 || begun_[b] == 0) return;
-    const std::size_t first = root(a), second = root(b);
-    parent_[std::max(first, second)] = std::min(first, second);
-  };
-  for (const Pair& pair : pairs_) unite(pair.a, pair.b);
-  for (const Link& link : links_) unite(link.a, link.b);
-  islands_.clear();
-  for (std::size_t i = 0; i < bodies_.size(); ++i)
-    if (begun_[i] != 0) islands_.push_back(i);
-  std::sort(islands_.begin(), islands_.end(), [this](std::size_t a, std::size_t b) {
-    const std::size_t x = root(a), y = root(b);
-    return x < y || (x == y && a < b);
-  });
-}
-
-void BodyGroup::step_island(std::size_t first, std::size_t count) {
-  const std::span<const std::size_t> who(islands_.data() + first, count);
-  if (count == 1) {
-    Body& body = *bodies_[who[0]];
-    StepReport report;
-    if (near_[who[0]] != 0) {
-      report = body.contact_->step(body.state_, body.step_load_, body.free_.get());
-      if (report.converged) body.end_contact();
-    } else {
-      if (body.contact_) body.contact_->reset();
-      report = body.advance();
-    }
-    reports_[who[0]] = body.end_step(report);
-    return;
-  }
-  members_.clear();
-  for (std::size_t m = 0; m < count; ++m) {
-    Body& body = *bodies_[who[m]];
-    members_.push_back({body.contact_.get(), &body.state_, &body.step_load_, body.free_.get()});
-    member_of_[who[m]] = m;
-  }
-  std::size_t used = 0;
-  const std::size_t root_here = root(who[0]);
-  for (const Pair& pair : pairs_) {
-    if (begun_[pair.a] == 0 || begun_[pair.b] == 0 || root(pair.a) != root_here) continue;
-    for (std::size_t k = pair.first; k < pair.first + pair.count; ++k, ++used) {
-      if (used == island_points_.size()) island_points_.emplace_back();
-      std::swap(island_points_[used], points_[k]);
-      island_points_[used].a = member_of_[island_points_[used].a];
-      island_points_[used].b = member_of_[island_points_[used].b];
-    }
-  }
-  gather_joints(root_here);
-  const std::span<PairPoint> points(island_points_.data(), used);
-  island_reports_.resize(count);
-  island_.step(members_, points, island_joints_, bodies_[who[0]]->options_.step, island_reports_);
-  if (island_reports_[0].converged) note_touches(points, who);
-  for (std::size_t m = 0; m < count; ++m) {
-    Body& body = *bodies_[who[m]];
-    if (island_reports_[m].converged) body.end_contact();
-    reports_[who[m]] = body.end_step(island_reports_[m]);
-  }
-}
-
-// Those of the island whose members member_of_ tells.
-void BodyGroup::gather_joints(std::size_t root_here) {
-  island_joints_.clear();
-  for (Link& link : links_) {
-    if (begun_[link.a] == 0 || begun_[link.b] == 0 || root(link.a) != root_here) continue;
-    const std::size_t a = member_of_[link.a], b = member_of_[link.b];
-    island_joints_.push_back({&link.joint, link.turned ? b : a, link.turned ? a : b});
-  }
-}
-
-void BodyGroup::note_touches(std::span<const PairPoint> points, std::span<const std::size_t> who) {
-  for (const PairPoint& point : points) {
-    if (point.now.pressure == 0.0) continue;
-    const std::size_t a = std::min(who[point.a], who[point.b]);
-    const std::size_t b = std::max(who[point.a], who[point.b]);
-    const double impulse = bodies_[a]->options_.step * point.now.force.norm();
-    const auto found = std::find_if(touches_.begin(), touches_.end(), [&](const Touch& touch) {
-      return touch.a == a && touch.b == b;
-    });
-    if (found != touches_.end())
-      found->impulse += impulse;
-    else
-      touches_.push_back({a, b, impulse});
-  }
-}
-
 // What has been quiet for long falls asleep with its whole island. A body that is held, that is
 // loaded or that nothing can wake does not.
 void BodyGroup::put_to_sleep() {
@@ -268,45 +181,13 @@ void BodyGroup::put_to_sleep() {
     rest.gravity = body.gravity();
     rest.alpha = body.alpha();
     rest.beta = body.beta();
-    if (!(rest.quiet >= kQuiet)) restless_[root(i)] = 1;
+    if (!(rest.quiet >= kQuiet)) restless_[parent_[i]] = 1;
   }
   for (const std::size_t i : islands_) {
-    if (restless_[root(i)] != 0) continue;
+    if (restless_[parent_[i]] != 0) continue;
     bodies_[i]->fall_asleep();
     rest_[i].asleep = true;
   }
-}
-
-void BodyGroup::step(std::span<Body* const> bodies, std::span<const PlacedCollider> colliders,
-                     std::span<StepReport> reports) {
-  bodies_ = bodies;
-  colliders_ = colliders;
-  reports_ = reports;
-  rest_.resize(bodies.size());
-  begun_.assign(bodies.size(), 0);
-  near_.assign(bodies.size(), 0);
-  member_of_.resize(bodies.size());
-  touches_.clear();
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    reports[i] = {};
-    reports[i].converged = true;
-    if (bodies[i] == nullptr) continue;
-    if (rest_[i].asleep && has_to_wake(i)) rest_[i] = {};
-    if (!rest_[i].asleep) begin(i);
-  }
-  find_pairs();
-  make_islands();
-  for (std::size_t first = 0; first < islands_.size();) {
-    std::size_t last = first + 1;
-    while (last < islands_.size() && root(islands_[last]) == root(islands_[first])) ++last;
-    step_island(first, last - first);
-    first = last;
-  }
-  std::sort(touches_.begin(), touches_.end(),
-            [](const Touch& x, const Touch& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
-  for (std::size_t i = 0; i < bodies.size(); ++i)
-    if (bodies[i] != nullptr && rest_[i].asleep) bodies[i]->sleep_a_step();
-  if (options_.sleep) put_to_sleep();
 }
 
 }  // namespace tremolo

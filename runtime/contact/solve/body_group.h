@@ -6,9 +6,13 @@
 // all that it touches: it costs nothing, and wakes when something that is awake comes near, a load
 // or a hand begins, gravity changes, or a collider moves beside it. Its motion is booked as taken
 // by contact.
+//
+// Islands, and bodies by themselves, are shared by threads, as many as are asked for: each is
+// stepped by one, from its own bodies alone, so that no bit depends on the number of threads.
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -17,6 +21,7 @@
 #include "runtime/body.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact/solve/contact_island.h"
+#include "runtime/threads/thread_pool.h"
 
 namespace tremolo {
 
@@ -30,6 +35,11 @@ class BodyGroup {
 
   BodyGroup() = default;
   explicit BodyGroup(const Options& options) : options_(options) {}
+
+  // How many threads work in step(), the caller's included; 0: one a core. At first it is one.
+  // kSystem, and nothing changes, where the threads cannot be had.
+  Status set_threads(unsigned threads);
+  unsigned threads() const { return pool_ ? pool_->threads() : 1; }
 
   // One step of all bodies, which have one step size; a null is left out. Body i is the same in
   // each call. The order of the bodies decides the order of sums: let it be one that does not
@@ -82,6 +92,22 @@ class BodyGroup {
     std::size_t first = 0, count = 0;
   };
 
+  // Bodies that are solved for at once: `count` of islands_ from `first` on, and `pairs` of
+  // by_island_ from `first_pair` on.
+  struct Island {
+    std::size_t first = 0, count = 0;
+    std::size_t first_pair = 0, pairs = 0;
+  };
+  // What a thread needs for the island at hand, and the touches of those that it has stepped.
+  struct Worker {
+    std::vector<PairPoint> points;
+    std::vector<IslandJoint> joints;
+    std::vector<IslandMember> members;
+    std::vector<StepReport> reports;
+    std::vector<Touch> touches;
+    ContactIsland island;
+  };
+
   // A joint, a < b; turned: b has its first place.
   struct Link {
     std::size_t a = 0, b = 0;
@@ -94,15 +120,22 @@ class BodyGroup {
   bool wake_pair(std::size_t a, std::size_t b);
   bool may_touch(std::size_t a, std::size_t b) const;
   bool is_joined(std::size_t i) const;
-  void gather_joints(std::size_t root_here);
+  void gather_joints(std::size_t root_here, std::vector<IslandJoint>& joints);
   void begin(std::size_t i);
+  void begin_or_sleep(std::size_t i);
   void find_pairs();
   void look_at(std::size_t a, std::size_t b);
   std::size_t root(std::size_t i);
   void make_islands();
-  void step_island(std::size_t first, std::size_t count);
-  void note_touches(std::span<const PairPoint> points, std::span<const std::size_t> who);
+  void list_islands();
+  void step_alone(std::size_t i);
+  void step_island(const Island& island, Worker& worker);
+  void step_islands();
+  void note_touches(std::span<const PairPoint> points, std::span<const std::size_t> who,
+                    std::vector<Touch>& touches) const;
   void put_to_sleep();
+  template <class Work>
+  void share(std::size_t count, Work&& work);
 
   Options options_;
   std::span<Body* const> bodies_;
@@ -111,19 +144,20 @@ class BodyGroup {
   std::vector<Rest> rest_;
   std::vector<char> begun_;  // the body's step is under way
   std::vector<char> near_;   // it may touch a collider, or a hand holds it
+  // parent_: once islands are made the lowest body of each one's island.
   std::vector<std::size_t> by_place_, parent_, islands_;
+  std::vector<Island> listed_;
+  std::vector<std::size_t> by_island_;  // of pairs_, those of an island next to each other
   std::vector<std::size_t> member_of_;  // the body's number in its island
   std::vector<char> restless_;          // of an island, by its root
   std::vector<Pair> pairs_;
   std::vector<Link> links_;  // by a, b and number
   std::size_t next_joint_ = 0;
-  std::vector<IslandJoint> island_joints_;
-  std::vector<PairPoint> points_, island_points_;
+  std::vector<PairPoint> points_;
   std::size_t used_ = 0;
-  std::vector<IslandMember> members_;
-  std::vector<StepReport> island_reports_;
   std::vector<Touch> touches_;
-  ContactIsland island_;
+  std::unique_ptr<ThreadPool> pool_;  // null: the caller alone
+  std::vector<Worker> workers_;       // one a thread
 };
 
 }  // namespace tremolo

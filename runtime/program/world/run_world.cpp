@@ -1,6 +1,7 @@
 #include "runtime/program/world/run_world.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -34,9 +35,14 @@ using Json = nlohmann::ordered_json;
 
 // How a run of a world ended.
 struct WorldEnding : SceneEnding {
-  double seconds = 0.0;    // processor time of the steps
+  double seconds = 0.0;    // of the steps: processor time, with several threads by the clock
   std::int64_t steps = 0;  // that this run made
 };
+
+double wall_time() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count();
+}
 
 Json json_quaternion(const Eigen::Quaterniond& q) {
   return {number_or_null(q.w()), number_or_null(q.x()), number_or_null(q.y()),
@@ -173,10 +179,10 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
   }
 }
 
-// Steps the world to the end of its time. sound: null where nobody listens. An orbit or a step that
+// Steps the world to the end of its time. clock: s, of the steps. sound: null where nobody listens. An orbit or a step that
 // breaks off ends the run.
 Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
-                                 std::vector<BodyLog>& logs, WorldSound* sound) {
+                                 std::vector<BodyLog>& logs, WorldSound* sound, double (*clock)()) {
   const Interruption interruption;
   ToldProgress progress(fs::path(file.path).stem().string(), file.scene.duration);
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
@@ -185,9 +191,9 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
   Result<bool> inside = observe_all(world, logs);
   if (sound != nullptr) sound->add(world);
   while (inside && *inside && world.steps() < steps && ending.exit_code == 0) {
-    const double before = processor_time();
+    const double before = clock();
     const auto failures = world.step();
-    ending.seconds += processor_time() - before;
+    ending.seconds += clock() - before;
     for (const auto& [body, report] : failures) logs[body].give_up(report, world.body(body).time());
     inside = observe_all(world, logs);
     if (sound != nullptr) sound->add(world);
@@ -256,9 +262,10 @@ struct WorldRun {
   WorldEnding ending;
 };
 
-Result<WorldRun> run_world(const SceneFile& file) {
+Result<WorldRun> run_world(const SceneFile& file, unsigned threads) {
   Result<SceneWorld> world = SceneWorld::create(file.scene);
   if (!world) return error_of_file(file.path, value_error(world.error()));
+  if (Status s = world->set_threads(threads); !s) return s.error();
   if (Status s = keep_world_apart(file); !s) return s.error();
   if (Status s = begin_where_saved(file, *world); !s) return s.error();
   const auto told = [&](std::size_t i, const Error& error) {
@@ -276,7 +283,8 @@ Result<WorldRun> run_world(const SceneFile& file) {
   if (!file.outputs.wav.empty())
     if (Status s = take(sound, WorldSound::create(file.outputs.listen, *world)); !s)
       return error_of_file(file.path, s.error());
-  Result<WorldEnding> ending = follow_world(file, *world, logs, sound ? &*sound : nullptr);
+  const auto clock = threads == 1 ? processor_time : wall_time;
+  Result<WorldEnding> ending = follow_world(file, *world, logs, sound ? &*sound : nullptr, clock);
   if (!ending) return ending.error();
   for (BodyLog& log : logs)
     if (Status s = log.finish(*world); !s) return s.error();
@@ -303,8 +311,8 @@ std::vector<NamedFile> inputs_of(const SceneFile& file) {
   return inputs;
 }
 
-int run_world_command(const SceneFile& file, bool json) {
-  const Result<WorldRun> run = run_world(file);
+int run_world_command(const SceneFile& file, unsigned threads, bool json) {
+  const Result<WorldRun> run = run_world(file, threads);
   if (!run) return report_error(run.error());
   return end_scene_run(file.outputs, run->json, run->ending, json);
 }

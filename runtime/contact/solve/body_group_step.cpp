@@ -1,0 +1,188 @@
+// BodyGroup: islands, and who steps them.
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <system_error>
+#include <thread>
+
+#include "runtime/contact/solve/body_group.h"
+
+namespace tremolo {
+
+Status BodyGroup::set_threads(unsigned threads) {
+  if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
+  if (threads == this->threads()) return Success{};
+  try {
+    pool_ = threads > 1 ? std::make_unique<ThreadPool>(threads) : nullptr;
+  } catch (const std::system_error& error) {
+    return system_error(std::string("threads cannot be had: ") + error.what());
+  }
+  return Success{};
+}
+
+// work(index, thread) for each index below count.
+template <class Work>
+void BodyGroup::share(std::size_t count, Work&& work) {
+  if (pool_) return pool_->run(count, work);
+  for (std::size_t i = 0; i < count; ++i) work(i, 0U);
+}
+
+std::size_t BodyGroup::root(std::size_t i) {
+  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+  return i;
+}
+
+// islands_: the bodies under way, those of an island next to each other, by their numbers.
+void BodyGroup::make_islands() {
+  parent_.resize(bodies_.size());
+  std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  const auto unite = [this](std::size_t a, std::size_t b) {
+    if (begun_[a] == 0 || begun_[b] == 0) return;
+    const std::size_t first = root(a), second = root(b);
+    parent_[std::max(first, second)] = std::min(first, second);
+  };
+  for (const Pair& pair : pairs_) unite(pair.a, pair.b);
+  for (const Link& link : links_) unite(link.a, link.b);
+  // Parents are lower: theirs are roots already.
+  for (std::size_t i = 0; i < parent_.size(); ++i) parent_[i] = parent_[parent_[i]];
+  islands_.clear();
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    if (begun_[i] != 0) islands_.push_back(i);
+  const auto before = [this](std::size_t a, std::size_t b) {
+    return parent_[a] < parent_[b] || (parent_[a] == parent_[b] && a < b);
+  };
+  std::sort(islands_.begin(), islands_.end(), before);
+  by_island_.clear();
+  for (std::size_t k = 0; k < pairs_.size(); ++k)
+    if (begun_[pairs_[k].a] != 0 && begun_[pairs_[k].b] != 0) by_island_.push_back(k);
+  std::sort(by_island_.begin(), by_island_.end(), [this](std::size_t k, std::size_t l) {
+    const std::size_t x = parent_[pairs_[k].a], y = parent_[pairs_[l].a];
+    return x < y || (x == y && k < l);
+  });
+  list_islands();
+}
+
+void BodyGroup::list_islands() {
+  listed_.clear();
+  std::size_t pair = 0;
+  for (std::size_t first = 0; first < islands_.size();) {
+    Island island{first, 1, pair, 0};
+    const std::size_t here = parent_[islands_[first]];
+    while (first + island.count < islands_.size() &&
+           parent_[islands_[first + island.count]] == here)
+      ++island.count;
+    while (pair < by_island_.size() && parent_[pairs_[by_island_[pair]].a] == here) ++pair;
+    island.pairs = pair - island.first_pair;
+    listed_.push_back(island);
+    first += island.count;
+  }
+}
+
+// A body that touches no other one.
+void BodyGroup::step_alone(std::size_t i) {
+  Body& body = *bodies_[i];
+  StepReport report;
+  if (near_[i] != 0) {
+    report = body.contact_->step(body.state_, body.step_load_, body.free_.get());
+    if (report.converged) body.end_contact();
+  } else {
+    if (body.contact_) body.contact_->reset();
+    report = body.advance();
+  }
+  reports_[i] = body.end_step(report);
+}
+
+void BodyGroup::step_island(const Island& island, Worker& worker) {
+  const std::span<const std::size_t> who(islands_.data() + island.first, island.count);
+  if (island.count == 1) return step_alone(who[0]);
+  worker.members.clear();
+  for (std::size_t m = 0; m < island.count; ++m) {
+    Body& body = *bodies_[who[m]];
+    worker.members.push_back(
+        {body.contact_.get(), &body.state_, &body.step_load_, body.free_.get()});
+    member_of_[who[m]] = m;
+  }
+  std::size_t used = 0;
+  for (std::size_t p = island.first_pair; p < island.first_pair + island.pairs; ++p) {
+    const Pair& pair = pairs_[by_island_[p]];
+    for (std::size_t k = pair.first; k < pair.first + pair.count; ++k, ++used) {
+      if (used == worker.points.size()) worker.points.emplace_back();
+      PairPoint& point = worker.points[used];
+      std::swap(point, points_[k]);
+      point.a = member_of_[point.a];
+      point.b = member_of_[point.b];
+    }
+  }
+  gather_joints(parent_[who[0]], worker.joints);
+  const std::span<PairPoint> points(worker.points.data(), used);
+  std::vector<StepReport>& reports = worker.reports;
+  reports.resize(island.count);
+  worker.island.step(worker.members, points, worker.joints, bodies_[who[0]]->options_.step,
+                     reports);
+  if (reports[0].converged) note_touches(points, who, worker.touches);
+  for (std::size_t m = 0; m < island.count; ++m) {
+    Body& body = *bodies_[who[m]];
+    if (reports[m].converged) body.end_contact();
+    reports_[who[m]] = body.end_step(reports[m]);
+  }
+}
+
+// Those of the island whose members member_of_ tells.
+void BodyGroup::gather_joints(std::size_t root_here, std::vector<IslandJoint>& joints) {
+  joints.clear();
+  for (Link& link : links_) {
+    if (begun_[link.a] == 0 || begun_[link.b] == 0 || parent_[link.a] != root_here) continue;
+    const std::size_t a = member_of_[link.a], b = member_of_[link.b];
+    joints.push_back({&link.joint, link.turned ? b : a, link.turned ? a : b});
+  }
+}
+
+void BodyGroup::note_touches(std::span<const PairPoint> points, std::span<const std::size_t> who,
+                             std::vector<Touch>& touches) const {
+  for (const PairPoint& point : points) {
+    if (point.now.pressure == 0.0) continue;
+    const std::size_t a = std::min(who[point.a], who[point.b]);
+    const std::size_t b = std::max(who[point.a], who[point.b]);
+    const double impulse = bodies_[a]->options_.step * point.now.force.norm();
+    const auto found = std::find_if(touches.begin(), touches.end(), [&](const Touch& touch) {
+      return touch.a == a && touch.b == b;
+    });
+    if (found != touches.end())
+      found->impulse += impulse;
+    else
+      touches.push_back({a, b, impulse});
+  }
+}
+
+// The touches of a pair are those of one island, so that who stepped it does not matter.
+void BodyGroup::step_islands() {
+  workers_.resize(threads());
+  for (Worker& worker : workers_) worker.touches.clear();
+  share(listed_.size(),
+        [this](std::size_t k, unsigned thread) { step_island(listed_[k], workers_[thread]); });
+  touches_.clear();
+  for (const Worker& worker : workers_)
+    touches_.insert(touches_.end(), worker.touches.begin(), worker.touches.end());
+  std::sort(touches_.begin(), touches_.end(),
+            [](const Touch& x, const Touch& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
+}
+
+void BodyGroup::step(std::span<Body* const> bodies, std::span<const PlacedCollider> colliders,
+                     std::span<StepReport> reports) {
+  bodies_ = bodies;
+  colliders_ = colliders;
+  reports_ = reports;
+  rest_.resize(bodies.size());
+  begun_.assign(bodies.size(), 0);
+  near_.assign(bodies.size(), 0);
+  member_of_.resize(bodies.size());
+  share(bodies.size(), [this](std::size_t i, unsigned) { begin_or_sleep(i); });
+  find_pairs();
+  make_islands();
+  step_islands();
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (bodies[i] != nullptr && rest_[i].asleep) bodies[i]->sleep_a_step();
+  if (options_.sleep) put_to_sleep();
+}
+
+}  // namespace tremolo
