@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/contact/passage.h"
+
 namespace tremolo {
 namespace {
 
@@ -33,6 +35,81 @@ MeanForce mean_force(double k, double a, double b) {
   return {third * a * a * a / way, third * a * a * a / (way * way)};
 }
 
+MeanForce mean_of(const ContactLaw& law, const ContactGap& gap) {
+  return mean_force(law.stiffness, law.margin - gap.d0, law.margin - gap.d1);
+}
+
+// c, and 1/(|p|^2 + |w|^2), 0 where the change of distance is rounding.
+struct Correction {
+  double c = 0.0;
+  double shorter2 = 0.0;
+};
+
+Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
+                   const Vector3d& normal) {
+  const double length2 = way.path.squaredNorm() + way.bend.squaredNorm();
+  if (!(length2 > 1e-18 * law.margin * law.margin)) return {};
+  const double shorter2 = 1.0 / length2;
+  return {(gap.d1 - gap.d0 - normal.dot(way.path - way.bend)) * shorter2, shorter2};
+}
+
+// The share of the mean force that pushes, and how it falls with d1.
+struct Outgoing {
+  double share = 1.0;
+  double fall = 0.0;
+};
+
+Outgoing outgoing(const ContactLaw& law, const ContactGap& gap, double h) {
+  const double speed = (gap.d1 - gap.d0) / h;
+  const double taken = 1.0 - law.restitution * law.restitution;
+  const double along = std::clamp(speed / law.rebound_speed, 0.0, 1.0);
+  return {1.0 - taken * along * along * (3.0 - 2.0 * along),
+          taken * 6.0 * along * (1.0 - along) / (law.rebound_speed * h)};
+}
+
+// s, and how it falls with d1.
+struct Pressure {
+  double value = 0.0;
+  double fall = 0.0;
+};
+
+Pressure pressure_of(const ContactLaw& law, const ContactGap& gap, double h) {
+  const MeanForce mean = mean_of(law, gap);
+  const Outgoing out = outgoing(law, gap, h);
+  return {out.share * mean.value, out.share * mean.fall + mean.value * out.fall};
+}
+
+// The part of the way across the normal, m, its length, and friction over it, N/m: below the slip
+// speed friction is in proportion to the slip.
+struct Slip {
+  Vector3d way;
+  double length = 0.0;
+  bool slides = false;
+  double rubbing = 0.0;
+};
+
+Slip slip_of(const ContactLaw& law, const ContactWay& way, double h, const ContactHeld& held) {
+  const Vector3d over = way.path - way.bend;
+  const Vector3d& n = held.normal;
+  Slip slip{over - (n.dot(over) / n.squaredNorm()) * n};
+  slip.length = slip.way.norm();
+  const double whole = h * law.slip_speed;
+  slip.slides = slip.length > whole;
+  slip.rubbing =
+      held.grinding * (slip.slides ? 1.0 / slip.length : (2.0 - slip.length / whole) / whole);
+  return slip;
+}
+
+// How friction falls with the way. whole: m, at which it is whole.
+Matrix3d drag_of(const Slip& slip, const Vector3d& n, double grinding, double whole) {
+  Matrix3d drag = slip.rubbing * (Matrix3d::Identity() - n * n.transpose() / n.squaredNorm());
+  if (slip.length > 0.0) {
+    const double shorter = slip.slides ? 1.0 / (slip.length * slip.length) : 1.0 / (whole * whole);
+    drag -= (grinding * shorter / slip.length) * slip.way * slip.way.transpose();
+  }
+  return drag;
+}
+
 // The mean rotation of the collider's frame in the step.
 Eigen::Quaterniond mid_rotation(const PlacedCollider& collider) {
   Eigen::Quaterniond end = collider.end.rotation;
@@ -53,59 +130,48 @@ ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider
   return start;
 }
 
-ContactForce contact_force(const ContactLaw& law, double d0, double e0, double d1,
-                           const ContactWay& way, double h, const ContactHeld& held) {
+ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
+                           double h, double renew, ContactHeld& held) {
   ContactForce contact;
-  contact.distance = d1;
-  contact.energy = law.energy(d1);
-  const MeanForce mean = mean_force(law.stiffness, law.margin - d0, law.margin - d1);
+  contact.distance = gap.d1;
+  contact.energy = law.energy(gap.d1);
+  const MeanForce mean = mean_of(law, gap);
   if (mean.value == 0.0 && held.grinding == 0.0) return contact;
   contact.acts = true;
-
-  const Vector3d &n = held.normal, &p = way.path, &w = way.bend, over = p - w;
-  // The correction c, and what it changes by. Below this length the change of distance is rounding.
-  const double length2 = p.squaredNorm() + w.squaredNorm();
-  const bool moves = length2 > 1e-18 * law.margin * law.margin;
-  const double shorter2 = moves ? 1.0 / length2 : 0.0;
-  const double c = (d1 - d0 - n.dot(over)) * shorter2;
-  const Vector3d point_normal = n + c * p, bend_normal = n - c * w;
-  const Vector3d by_path = shorter2 * (n + 2.0 * c * p), by_bend = shorter2 * (n - 2.0 * c * w);
-
-  const double speed = (d1 - d0) / h;
-  const double least = law.restitution * law.restitution;
-  const double along = std::clamp(speed / law.rebound_speed, 0.0, 1.0);
-  const double share = 1.0 - (1.0 - least) * along * along * (3.0 - 2.0 * along);
+  const Correction correction = correct(law, gap, way, held.normal);
+  const Outgoing out = outgoing(law, gap, h);
   contact.pressure = mean.value;
-  contact.lost = (1.0 - share) * std::max(0.0, e0 - contact.energy);
-  const double s = share * mean.value;
-  const double fall = share * mean.fall + mean.value * (1.0 - least) * 6.0 * along * (1.0 - along) /
-                                              (law.rebound_speed * h);
+  contact.lost = (1.0 - out.share) * std::max(0.0, gap.e0 - contact.energy);
+  const double s = out.share * mean.value;
+  const Vector3d point_normal = held.normal + correction.c * way.path;
   contact.grinding = law.friction * s * point_normal.norm();
-
-  // Across the normal; below the slip speed in proportion to the slip.
-  const Matrix3d across = Matrix3d::Identity() - n * n.transpose() / n.squaredNorm();
-  const Vector3d slip = across * over;
-  const double length = slip.norm(), whole = h * law.slip_speed;
-  const bool slides = length > whole;
-  const double rubbing = held.grinding * (slides ? 1.0 / length : (2.0 - length / whole) / whole);
-  contact.rubbed = rubbing * slip.squaredNorm();
-  Matrix3d drag = rubbing * across;
-  if (length > 0.0) {
-    const double shorter = slides ? 1.0 / (length * length) : 1.0 / (whole * whole);
-    drag -= (held.grinding * shorter / length) * slip * slip.transpose();
-  }
-
-  contact.force = s * point_normal - rubbing * slip;
-  contact.slope.by_distance = fall * point_normal - (s * shorter2) * p;
-  contact.slope.by_path = drag + s * p * by_path.transpose();
-  contact.slope.by_path.diagonal().array() -= s * c;
-  contact.slope.by_bend = -drag - s * p * by_bend.transpose();
-  contact.bend_force = s * bend_normal - rubbing * slip;
-  contact.bend_slope.by_distance = fall * bend_normal + (s * shorter2) * w;
-  contact.bend_slope.by_path = drag - s * w * by_path.transpose();
-  contact.bend_slope.by_bend = -drag + s * w * by_bend.transpose();
-  contact.bend_slope.by_bend.diagonal().array() += s * c;
+  if (renew > 0.0) held.grinding += renew * (contact.grinding - held.grinding);
+  const Slip slip = slip_of(law, way, h, held);
+  contact.rubbed = slip.rubbing * slip.way.squaredNorm();
+  contact.force = s * point_normal - slip.rubbing * slip.way;
+  contact.bend_force = s * (held.normal - correction.c * way.bend) - slip.rubbing * slip.way;
   return contact;
+}
+
+ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
+                             double h, const ContactHeld& held) {
+  const auto& [p, w] = way;
+  const Vector3d& n = held.normal;
+  const auto [c, shorter2] = correct(law, gap, way, n);
+  const Pressure pressure = pressure_of(law, gap, h);
+  const double s = pressure.value;
+  const Matrix3d drag = drag_of(slip_of(law, way, h, held), n, held.grinding, h * law.slip_speed);
+  const Vector3d by_path = shorter2 * (n + 2.0 * c * p), by_bend = shorter2 * (n - 2.0 * c * w);
+  ContactSlopes slopes;
+  slopes.point.by_distance = pressure.fall * (n + c * p) - (s * shorter2) * p;
+  slopes.point.by_path = drag + s * p * by_path.transpose();
+  slopes.point.by_path.diagonal().array() -= s * c;
+  slopes.point.by_bend = -drag - s * p * by_bend.transpose();
+  slopes.bend.by_distance = pressure.fall * (n - c * w) + (s * shorter2) * w;
+  slopes.bend.by_path = drag - s * w * by_path.transpose();
+  slopes.bend.by_bend = -drag + s * w * by_bend.transpose();
+  slopes.bend.by_bend.diagonal().array() += s * c;
+  return slopes;
 }
 
 ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
@@ -118,21 +184,36 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
     apart.distance = found.distance;
     return apart;
   }
-  const ContactWay way{end - start.place};
   if (renew > 0.0) held.normal = signed_distance(collider.shape, 0.5 * (start.place + end)).normal;
-  ContactForce contact =
-      contact_force(law, start.distance, start.energy, found.distance, way, h, held);
-  if (renew > 0.0) {
-    held.grinding += renew * (contact.grinding - held.grinding);
-    contact = contact_force(law, start.distance, start.energy, found.distance, way, h, held);
-  }
-  if (!contact.acts) return contact;
-  const Matrix3d turn = mid_rotation(collider).toRotationMatrix();
-  contact.force = turn * contact.force;
-  Matrix3d& slope = contact.slope.by_path;
-  slope += contact.slope.by_distance * found.normal.transpose();
-  slope = turn * slope * collider.end.rotation.toRotationMatrix().transpose();
+  const ContactGap gap{start.distance, start.energy, found.distance};
+  ContactForce contact = contact_force(law, gap, {end - start.place}, h, renew, held);
+  if (contact.acts) contact.force = mid_rotation(collider).toRotationMatrix() * contact.force;
   return contact;
+}
+
+double contact_passage(const PlacedCollider& collider, const ContactStart& start,
+                       const Vector3d& x1, bool& through) {
+  const Vector3d end = into_frame(collider.end, x1);
+  const double way = (end - start.place).norm();
+  through = false;
+  if (std::holds_alternative<PlaneShape>(collider.shape) || way <= start.distance) return way;
+  const CollisionDistance found = signed_distance(collider.shape, end);
+  through = goes_through(collider.shape, {start.place, start.distance, start.normal},
+                         {end, found.distance, found.normal});
+  return way;
+}
+
+Matrix3d contact_stiffness(const ContactLaw& law, const PlacedCollider& collider,
+                           const ContactStart& start, const Vector3d& x1, double h,
+                           const ContactHeld& held) {
+  const Vector3d end = into_frame(collider.end, x1);
+  const CollisionDistance found = signed_distance(collider.shape, end);
+  const ContactWay way{end - start.place};
+  const ContactGap gap{start.distance, start.energy, found.distance};
+  const ContactSlope slope = contact_slopes(law, gap, way, h, held).point;
+  const Matrix3d by_end = slope.by_path + slope.by_distance * found.normal.transpose();
+  return mid_rotation(collider).toRotationMatrix() * by_end *
+         collider.end.rotation.toRotationMatrix().transpose();
 }
 
 }  // namespace tremolo

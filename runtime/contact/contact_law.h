@@ -60,22 +60,25 @@ struct ContactStart {
 
 // By how much a force falls with the distance d1, N/m, with p and with w, N/m.
 struct ContactSlope {
-  Eigen::Vector3d by_distance = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d by_path = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d by_bend = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d by_distance;
+  Eigen::Matrix3d by_path;
+  Eigen::Matrix3d by_bend;
+};
+
+// Of the force on the point and of what bends that which is touched.
+struct ContactSlopes {
+  ContactSlope point, bend;
 };
 
 // Over the step. acts: there is a force. force: on the point, N, world; the opposite of bend_force
 // is what bends that which is touched. pressure: s n's length before restitution's share and
-// friction, N. grinding: mu |s| |n| as it is, N. slope: of a collider, which does not bend, all is
-// in by_path, by the end of the point's way. energy: psi(d1), J. lost: what restitution took,
+// friction, N. grinding: mu |s| |n| as it is, N. energy: psi(d1), J. lost: what restitution took,
 // rubbed: what friction took, J. distance: d1, m.
 struct ContactForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), bend_force = force;
   bool acts = false;
   double pressure = 0.0;
   double grinding = 0.0;
-  ContactSlope slope, bend_slope;
   double energy = 0.0;
   double lost = 0.0;
   double rubbed = 0.0;
@@ -104,10 +107,19 @@ struct ContactWay {
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
 };
 
-// The force of a contact whose distance goes from d0, with the energy e0, to d1. h: the step, s.
-// Vectors in any one frame.
-ContactForce contact_force(const ContactLaw& law, double d0, double e0, double d1,
-                           const ContactWay& way, double h, const ContactHeld& held);
+// A distance that goes from d0, with the energy e0, to d1 in a step, m and J.
+struct ContactGap {
+  double d0 = 0.0, e0 = 0.0, d1 = 0.0;
+};
+
+// The force of a contact. h: the step, s. renew: by this share what friction is held at goes to
+// what it is, 0 to 1. Vectors in any one frame.
+ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
+                           double h, double renew, ContactHeld& held);
+
+// How that force, which acts, falls with what is held as it is.
+ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
+                             double h, const ContactHeld& held);
 
 // x: world, m.
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
@@ -118,5 +130,15 @@ ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider
 ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
                            const ContactStart& start, const Eigen::Vector3d& x1, double h,
                            double renew, ContactHeld& held);
+
+// How far the point went relative to the collider, m; through: whether it went through it
+// (passage.h). A plane has no other side.
+double contact_passage(const PlacedCollider& collider, const ContactStart& start,
+                       const Eigen::Vector3d& x1, bool& through);
+
+// By how much that force, which acts, falls with x1, N/m.
+Eigen::Matrix3d contact_stiffness(const ContactLaw& law, const PlacedCollider& collider,
+                                  const ContactStart& start, const Eigen::Vector3d& x1, double h,
+                                  const ContactHeld& held);
 
 }  // namespace tremolo

@@ -38,21 +38,24 @@ struct StepPoses {
 // to the body, or to the motion of a driven one relative to its frame. lost, rubbed: taken by
 // restitution and friction. given: by colliders and supports that move. surplus: contact energy
 // that was there at the start and not at the end of the step before. penetration: deepest of a
-// point behind a surface, m. impulse: sum of |F| h, N s.
+// point behind a surface, m. impulse: sum of |F| h, N s. way: farthest that a point near something
+// went relative to it, m.
 struct ContactAccount {
   double energy = 0.0, work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, surplus = 0.0;
   double hand_work = 0.0, hand_damped = 0.0;
   double joint_work = 0.0;
   double penetration = 0.0;
   double impulse = 0.0;
+  double way = 0.0;
   int active = 0;  // points that push
+  int passed = 0;  // points that went through what they should bump into (contact/passage.h)
 };
 
 inline void carry(StateStream& stream, ContactAccount& account) {
   stream(account.energy, account.work, account.lost, account.rubbed, account.given);
   stream(account.surplus, account.hand_work, account.hand_damped, account.penetration);
   stream(account.joint_work);
-  stream(account.impulse, account.active);
+  stream(account.impulse, account.active, account.way, account.passed);
 }
 
 // A hand on a vertex, or in a triangle near it (not at_vertex): a spring of `stiffness` (N/m) and a

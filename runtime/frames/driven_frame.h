@@ -132,12 +132,12 @@ class DrivenFrame final : public StepCoupling {
   // Of E and grad Phi, not symmetric, 1/s^2, and 2 G, skew, 1/s: r x r, below which there are rows
   // of no meaning.
   Eigen::MatrixXd stiffness_, gyro_;
-  Eigen::MatrixXd turn_;       // I + (h/4) 2 G, and its factor
+  Eigen::MatrixXd turn_;  // I + (h/4) 2 G, and its factor
   Eigen::PartialPivLU<Eigen::MatrixXd> turn_factor_;
   double h_ = 0.0;
   Eigen::VectorXd q0_, x_;
   Eigen::VectorXd stiff_, whirl_;  // their products with q and d, tall_rows(r)
-  double turned_work_ = 0.0;  // of stiffness_ in this step
+  double turned_work_ = 0.0;       // of stiffness_ in this step
   double support_work_ = 0.0, gravity_work_ = 0.0;
 };
 

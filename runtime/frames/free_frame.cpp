@@ -16,8 +16,8 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr int kSpinIterations = 12;  // Newton's; two are usual
-// A move that is shorter, relative to omega1, leaves less than rounding: the next would be about its
-// square.
+// A move that is shorter, relative to omega1, leaves less than rounding: the next would be about
+// its square.
 constexpr double kLastMove = 1e-9;
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -205,7 +206,8 @@ std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flag
 // Of runs that are no world.
 Status check_not_saved(const Request& request) {
   if (request.threads)
-    return usage_error("--threads is of a scene with [[bodies]]: one body is stepped by one thread");
+    return usage_error(
+        "--threads is of a scene with [[bodies]]: one body is stepped by one thread");
   if (request.save.empty() && request.restore.empty()) return Success{};
   return usage_error(
       "--save and --restore are of a scene with [[bodies]]; of a run of one body --coordinate all "

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <string>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "common/number_text.h"
+#include "runtime/contact/passage.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/frames/frame_inertia.h"
 #include "runtime/scene/scene_start.h"
@@ -266,6 +268,18 @@ bool SceneWorld::passes_through(std::size_t a, std::size_t b) const {
   });
 }
 
+double SceneWorld::contact_speed_limit() const {
+  double least = std::numeric_limits<double>::infinity();
+  const auto look_at = [&least](const Collider& shape) {
+    if (const double way = least_passage(shape); way > 0.0) least = std::min(least, way);
+  };
+  for (const PlacedCollider& collider : colliders_.placed()) look_at(collider.shape);
+  for (const Actor& actor : actors_)
+    if (actor.body.contact() != nullptr && actor.body.contact()->shape() != nullptr)
+      look_at(*actor.body.contact()->shape());
+  return least / scene_.step;
+}
+
 std::optional<std::size_t> SceneWorld::find(std::string_view name) const {
   for (std::size_t i = 0; i < size(); ++i)
     if (scene_.bodies[i].name == name) return i;
@@ -322,9 +336,11 @@ void SceneWorld::note_contact(std::size_t i) {
     actor.contact_at_start = actor.body.contact_error();
   }
   if (asleep(i)) return;
+  const ContactAccount account = actor.body.contact_account();
   if (actor.size > 0.0)
-    actor.penetration =
-        std::max(actor.penetration, actor.body.contact_account().penetration / actor.size);
+    actor.penetration = std::max(actor.penetration, account.penetration / actor.size);
+  actor.speed = std::max(actor.speed, account.way / scene_.step);
+  actor.passed += account.passed;
   const std::span<const double> impulses = actor.body.contact()->impulses();
   for (std::size_t c = 0; c < std::min(impulses.size(), felt_by(i).size()); ++c) {
     Touching& touching = touching_[i * colliders_.placed().size() + c];

@@ -118,6 +118,13 @@ class SceneWorld {
   // surface at most at the end of any step, as a share of the body's size (0: never).
   std::int64_t contacts(std::size_t i) const { return actors_[i].contacts; }
   double penetration_max(std::size_t i) const { return actors_[i].penetration; }
+  // How fast a point of the body near something went relative to it at most, m/s, and how often one
+  // went through it within a step, so that it was not pushed back (runtime/contact/passage.h).
+  double contact_speed_max(std::size_t i) const { return actors_[i].speed; }
+  std::int64_t passed_through(std::size_t i) const { return actors_[i].passed; }
+  // Below this speed, m/s, no point goes through a collider or a body's shape that is a sphere,
+  // capsule, box or cylinder; infinite if there is none.
+  double contact_speed_limit() const;
   // Where they were in the last step, in the scene's order.
   std::span<const PlacedCollider> colliders() const { return colliders_.placed(); }
   // In the scene's order.
@@ -168,6 +175,8 @@ class SceneWorld {
     double contact_at_start = 0.0;  // J
     double size = 0.0;              // m, of the contact points
     double penetration = 0.0;       // share of the size
+    double speed = 0.0;             // m/s
+    std::int64_t passed = 0;
     std::int64_t contacts = 0;
     std::optional<BonePaths> bones = {};
   };

@@ -139,6 +139,84 @@ TEST(BodiesInContact, ExchangeTheirMomentum) {
   EXPECT_NEAR(right.rigid_state().velocity.x(), 1.0, 0.01);
 }
 
+// A bar of 0.04 x 0.04 x length m and 1000 kg/m^3 along z, its middle at the mesh's origin, in
+// which waves run at 31.6 m/s. cells: along it.
+Model::Pointer bar(double length, int cells) {
+  static const std::string folder = fresh_folder();
+  const std::string name = "bar-" + std::to_string(cells);
+  TetMesh mesh = box_mesh({2, 2, cells}, {0.04, 0.04, length});
+  for (Vector3d& x : mesh.vertices) x -= 0.5 * Vector3d(0.04, 0.04, length);
+  testing::write_veg(folder + "/" + name + ".veg", mesh);
+  const ProgramResult made =
+      run_program(folder, kPrecompute + name +
+                              ".veg --threads 1 --order 2 --young 1e6 --poisson 0 --density 1000 "
+                              "--fix none --linear-modes 70 --linear -o " +
+                              name + ".tremolo");
+  EXPECT_EQ(made.code, 0) << made.err;
+  Result<Model::Pointer> model = Model::load(folder + "/" + name + ".tremolo");
+  EXPECT_TRUE(model) << model.error().message;
+  return *model;
+}
+
+Body free_bar(const Model::Pointer& model, double length, double middle) {
+  Result<Body> body = Body::create(model, "ep4", {.step = 5e-5}, FrameKind::kFree);
+  EXPECT_TRUE(body) << body.error().message;
+  ContactOptions contact;
+  contact.shape = BoxShape{{0.02, 0.02, 0.5 * length}};
+  contact.friction = 0.0;
+  contact.restitution = 1.0;
+  EXPECT_TRUE(body->set_contact(contact));
+  EXPECT_TRUE(body->set_pose(at({0, 0, middle})));
+  return std::move(*body);
+}
+
+// How long two bars touch, s, of which the lower one comes with `speed`, m/s, until both have been
+// apart for a while.
+double time_of_impact(Body& lower, Body& upper, double speed) {
+  EXPECT_TRUE(lower.set_motion({0, 0, speed}, Vector3d::Zero()));
+  const std::array<Body*, 2> bodies = {&lower, &upper};
+  std::array<StepReport, 2> reports;
+  BodyGroup group;
+  double begin = 0.0, end = 0.0;
+  for (int i = 0; i < 1'600; ++i) {
+    group.step(bodies, {}, reports);
+    EXPECT_TRUE(reports[0].converged && reports[1].converged) << i;
+    if (group.touches().empty()) continue;
+    if (begin == 0.0) begin = lower.time();
+    end = lower.time();
+  }
+  return end - begin;
+}
+
+// St. Venant's impact of two equal bars: they touch for 2 L/c, the one that came stands, the other
+// goes on with its speed, and neither vibrates.
+TEST(BodiesInContact, EqualBarsExchangeTheirMotionInTwoRunsOfTheWave) {
+  const double length = 0.4, speed = 0.1, c = std::sqrt(1e6 / 1000.0);
+  const Model::Pointer model = bar(length, 24);
+  Body lower = free_bar(model, length, 0.0), upper = free_bar(model, length, length + 0.004);
+  const double touched = time_of_impact(lower, upper, speed);
+  EXPECT_NEAR(touched, 2.0 * length / c, 0.05 * 2.0 * length / c);
+  EXPECT_NEAR(lower.rigid_state().velocity.z(), 0.0, 0.03 * speed);
+  EXPECT_NEAR(upper.rigid_state().velocity.z(), speed, 0.03 * speed);
+  const double whole = 0.5 * 1000.0 * 0.04 * 0.04 * length * speed * speed;
+  EXPECT_LT(lower.energy().total(), 0.06 * whole);
+}
+
+// The same of a bar that hits one of twice its length: it stands after 2 L/c, the long one goes on
+// with half of the speed, and half of the energy vibrates in it.
+TEST(BodiesInContact, AShortBarStandsAndALongOneKeepsHalfOfTheEnergyAsVibration) {
+  const double length = 0.4, speed = 0.1;
+  Body lower = free_bar(bar(length, 24), length, 0.0);
+  Body upper = free_bar(bar(2.0 * length, 48), 2.0 * length, 1.5 * length + 0.004);
+  (void)time_of_impact(lower, upper, speed);
+  EXPECT_NEAR(lower.rigid_state().velocity.z(), 0.0, 0.03 * speed);
+  EXPECT_NEAR(upper.rigid_state().velocity.z(), 0.5 * speed, 0.03 * speed);
+  const double mass = 1000.0 * 0.04 * 0.04 * length, whole = 0.5 * mass * speed * speed;
+  EXPECT_LT(lower.energy().total(), 0.06 * whole);
+  const double v = upper.rigid_state().velocity.z();
+  EXPECT_NEAR(upper.energy().total() - mass * v * v, 0.5 * whole, 0.05 * whole);
+}
+
 TEST(BodiesInContact, AStackOfTenStandsForAMinuteAndSleeps) {
   const Kind kind{.step = 3e-3, .restitution = 0.2, .friction = 0.5, .alpha = 0.2, .beta = 1e-3};
   const Model::Pointer model = box("1e6");

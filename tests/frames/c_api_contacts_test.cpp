@@ -100,6 +100,9 @@ TEST_F(CApiContacts, BodiesFallOnAFloorAndOnEachOtherAndHangTogetherAsInCpp) {
                  *make_joint(others[2], 2, others[0], 1,
                              {.stiffness = 40.0, .damping = 0.5, .length = 1.0, .touch = true}));
 
+  // Its own group is stepped by one thread.
+  ASSERT_EQ(tremolo_contacts_set_threads(contacts_, 2), TREMOLO_OK) << tremolo_last_error();
+
   tremolo_placed_collider placed;
   tremolo_placed_collider_init(&placed, floor_);
   const PlacedCollider floor[] = {{.shape = PlaneShape{}, .start = {}, .end = {}}};

@@ -52,11 +52,12 @@ TEST(ContactParts, ThePairGivesWhatItStored) {
   int pushed = 0;
   for (int i = 0; i < 2000; ++i) {
     const double d0 = numbers.one(4e-4), d1 = d0 + numbers.one(2e-4);
-    const ContactHeld held{Vector3d(0.1, 0.2, 1.0) + numbers.vector(0.1), 0.5};
+    ContactHeld held{Vector3d(0.1, 0.2, 1.0) + numbers.vector(0.1), 0.5};
     // Now and then the point sticks to what bends under it.
     const Vector3d bend = numbers.vector(2e-4);
     const ContactWay way{i % 3 == 0 ? bend : numbers.vector(2e-4), bend};
-    const ContactForce contact = contact_force(law, d0, law.energy(d0), d1, way, kStep, held);
+    const ContactForce contact =
+        contact_force(law, {d0, law.energy(d0), d1}, way, kStep, 0.0, held);
     const double work = contact.force.dot(way.path) - contact.bend_force.dot(way.bend);
     const double given = law.energy(d0) - law.energy(d1) - contact.lost - contact.rubbed;
     EXPECT_NEAR(work, given, 1e-12 * (law.energy(d0) + law.energy(d1) + contact.rubbed)) << i;
@@ -73,24 +74,24 @@ TEST(ContactParts, TheSlopesAreDerivatives) {
   const ContactLaw law = pair_law();
   for (int i = 0; i < 200; ++i) {
     const double d0 = numbers.one(2e-4), d1 = d0 + numbers.one(1e-4);
-    const ContactHeld held{Vector3d(0.1, 0.2, 1.0), 0.5};
+    ContactHeld held{Vector3d(0.1, 0.2, 1.0), 0.5};
     const ContactWay way{numbers.vector(1e-4), numbers.vector(1e-4)};
     const double d_distance = numbers.one(1.0);
     const Vector3d d_path = numbers.vector(1.0), d_bend = numbers.vector(1.0);
     const auto at = [&](double t) {
-      return contact_force(law, d0, law.energy(d0), d1 + t * d_distance,
-                           {way.path + t * d_path, way.bend + t * d_bend}, kStep, held);
+      return contact_force(law, {d0, law.energy(d0), d1 + t * d_distance},
+                           {way.path + t * d_path, way.bend + t * d_bend}, kStep, 0.0, held);
     };
     const double t = 1e-10;
-    const ContactForce now = at(0.0), before = at(-t), after = at(t);
+    const ContactForce before = at(-t), after = at(t);
+    const auto [point, bend] = contact_slopes(law, {d0, law.energy(d0), d1}, way, kStep, held);
     const auto fall = [&](const ContactSlope& slope) {
       return Vector3d(slope.by_distance * d_distance + slope.by_path * d_path +
                       slope.by_bend * d_bend);
     };
-    const double size = now.slope.by_distance.norm() + now.slope.by_path.norm();
-    EXPECT_LT(((before.force - after.force) / (2 * t) - fall(now.slope)).norm(), 2e-5 * size) << i;
-    EXPECT_LT(((before.bend_force - after.bend_force) / (2 * t) - fall(now.bend_slope)).norm(),
-              2e-5 * size)
+    const double size = point.by_distance.norm() + point.by_path.norm();
+    EXPECT_LT(((before.force - after.force) / (2 * t) - fall(point)).norm(), 2e-5 * size) << i;
+    EXPECT_LT(((before.bend_force - after.bend_force) / (2 * t) - fall(bend)).norm(), 2e-5 * size)
         << i;
   }
 }

@@ -326,6 +326,79 @@ TEST(SceneContact, OrderOfCollidersAndHandsAndOtherBodiesChangeNoBitOfAccounts) 
   }
 }
 
+// A ball of a point cloud shot at a plate, so fast that it is behind it a step later.
+Scene shot(double speed) {
+  Scene scene = dropped();
+  scene.gravity = {};
+  scene.bodies[0].velocity = {0.0, 0.0, -speed};
+  scene.bodies[0].spin.setZero();
+  scene.bodies[0].contact.restitution = 0.0;
+  scene.bodies[0].contact.points = 12;
+  SceneCollider& plate = scene.colliders[0];
+  plate.name = "plate";
+  plate.shape = BoxShape{{3.0, 3.0, 0.01}};
+  return scene;
+}
+
+TEST(SceneContact, PointsThatGoThroughAColliderWithinAStepAreCounted) {
+  Result<SceneWorld> slow = SceneWorld::create(shot(2.0), cloud_model);
+  Result<SceneWorld> fast = SceneWorld::create(shot(100.0), cloud_model);
+  ASSERT_TRUE(slow && fast);
+  EXPECT_DOUBLE_EQ(slow->contact_speed_limit(), 10.0);
+  for (int k = 0; k < 500; ++k) {
+    ASSERT_TRUE(slow->step().empty());
+    ASSERT_TRUE(fast->step().empty());
+  }
+  EXPECT_GT(slow->contacts(0), 0);
+  EXPECT_EQ(slow->passed_through(0), 0);
+  EXPECT_LT(slow->contact_speed_max(0), slow->contact_speed_limit());
+  EXPECT_GT(slow->body(0).pose().position.z(), -0.1);
+  EXPECT_GT(fast->passed_through(0), 0);
+  EXPECT_GT(fast->contact_speed_max(0), fast->contact_speed_limit());
+  EXPECT_LT(fast->body(0).pose().position.z(), -1.0);
+}
+
+// Neither the one that is pulled out of all numbers nor what it touches has moved.
+TEST(SceneContact, AnIslandThatIsNotSolvedStaysWhereItWas) {
+  Scene scene = dropped();
+  scene.bodies[0].spin.setZero();
+  scene.bodies[0].pose.rotation.setIdentity();
+  scene.bodies[0].pose.position = {0.0, 0.0, 0.0};
+  scene.bodies[0].contact.shape = BoxShape{{0.4, 0.25, 0.15}};
+  SceneBody other = scene.bodies[0];
+  other.name = "other";
+  other.pose.position.z() = 0.5;
+  scene.bodies.push_back(other);
+  other.name = "far";
+  other.pose.position = {5.0, 0.0, 1.0};
+  scene.bodies.push_back(other);
+  Result<SceneWorld> world = SceneWorld::create(scene, cloud_model);
+  ASSERT_TRUE(world) << world.error().message;
+  const auto touch = [&] {
+    for (const ContactEvent& event : world->events())
+      if (event.collider == ContactEvent::kNone && event.kind == ContactEvent::Kind::kBegin)
+        return true;
+    return false;
+  };
+  int k = 0;
+  for (; k < 1'000 && !touch(); ++k) ASSERT_TRUE(world->step().empty()) << k;
+  ASSERT_LT(k, 1'000);
+  const auto thrown = *world->find("thrown"), above = *world->find("other");
+  const State one = world->body(thrown).state(), two = world->body(above).state();
+  const Pose pose = world->body(above).pose();
+  const double energy = world->account(above).total();
+  ASSERT_TRUE(world->body(thrown).apply_force(5, {1e150, 0.0, 0.0}));
+  EXPECT_EQ(world->step().size(), 2U);
+  EXPECT_EQ(world->body(thrown).state().q, one.q);
+  EXPECT_EQ(world->body(thrown).state().p, one.p);
+  EXPECT_EQ(world->body(above).state().q, two.q);
+  EXPECT_EQ(world->body(above).state().p, two.p);
+  EXPECT_EQ(world->body(above).pose().position, pose.position);
+  EXPECT_EQ(world->account(above).total(), energy);
+  EXPECT_FALSE(world->failed(*world->find("far")));
+  EXPECT_TRUE(world->step().empty());
+}
+
 TEST(SceneContact, RefusesCollidersThatAreNone) {
   const auto with = [](const auto& change) {
     Scene scene = dropped();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "runtime/contact/solve/line_search.h"
 
@@ -9,7 +10,6 @@ namespace tremolo {
 namespace {
 
 using Eigen::Index;
-using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 120;
@@ -22,52 +22,7 @@ struct Attempt {
 };
 constexpr Attempt kAttempts[] = {{3, 3}, {8, 8}, {0, 0}, {30, 2}};
 
-// The law of a point of `first` and the shape of `second`: stiffness in proportion to the reduced
-// mass; friction and restitution are geometric means.
-ContactLaw law_between(const ContactStep& first, const ContactStep& second) {
-  ContactLaw law = first.law();
-  if (second.can_move()) law.stiffness *= second.mass() / (first.mass() + second.mass());
-  law.friction = std::sqrt(first.law().friction * second.law().friction);
-  law.restitution = std::sqrt(first.law().restitution * second.law().restitution);
-  return law;
-}
-
 }  // namespace
-
-std::size_t add_pair_points(const ContactStep& first, const ContactStep& second, std::size_t a,
-                            std::size_t b, std::vector<PairPoint>& points, std::size_t count) {
-  const Collider* shape = second.shape();
-  if (shape == nullptr) return count;
-  const ContactPoints& on = first.points();
-  const Pose from = first.poses().start, into = second.poses().start;
-  const ContactLaw law = law_between(first, second);
-  const double reach = law.margin + 2.0 * (first.ball().travel + second.ball().travel);
-  const double bent = second.ball().deformed;
-  const auto place = [&](const Vector3d& x) {
-    return Vector3d(into.rotation.conjugate() * (x - into.position));
-  };
-  for (const PointGroup& group : on.groups) {
-    const double far = group.radius + first.ball().deformed + bent + reach;
-    if (signed_distance(*shape, place(from * group.centre)).distance > far) continue;
-    for (std::size_t i = group.first; i < group.first + group.count; ++i) {
-      const Vector3d y = place(from * on.place(i, first.q_start()));
-      if (signed_distance(*shape, y).distance > reach + bent) continue;
-      if (count == points.size()) points.emplace_back();
-      PairPoint& pair = points[count];
-      const double distance = bent_distance(second.shape_at_start(), y);
-      if (distance > reach) continue;
-      pair.place_at_start = y;
-      pair.distance = distance;
-      pair.energy = law.energy(distance);
-      pair.a = a;
-      pair.b = b;
-      pair.point = i;
-      pair.law = law;
-      ++count;
-    }
-  }
-  return count;
-}
 
 ContactIsland::Coupling& ContactIsland::add_coupling(std::size_t low, std::size_t high) {
   if (coupled_ == couplings_.size()) couplings_.emplace_back();
@@ -249,68 +204,17 @@ bool ContactIsland::find_groups() {
 }
 
 // What is needed of the start of the step where the pair acts.
-void ContactIsland::find_start(PairPoint& pair) {
-  const BentShape shape = members_[pair.b].contact->shape_at_start();
-  bent_rows(shape, pair.place_at_start, scratch_, pair.rows);
-  pair.gradient = bent_gradient(shape, pair.place_at_start);
-  pair.fresh = false;
-}
-
-// What the pair feels at the members' z, for those that are looked at.
-void ContactIsland::evaluate(PairPoint& pair, double renew) {
-  ContactStep& first = *members_[pair.a].contact;
-  ContactStep& second = *members_[pair.b].contact;
-  const Vector3d x1 = first.end_of_point(pair.point);
-  pair.place = second.motion().into_rest(x1, true);
-  const bool acts = pair.distance < pair.law.margin || pair.held.grinding != 0.0;
-  // Too far for d1 to be within the margin, if its gradient is shorter than 2.
-  const double nearer = 2.0 * ((pair.place - pair.place_at_start).norm() + bends_[pair.b]);
-  if (!acts && pair.distance - nearer > pair.law.margin) return pair.now.clear(pair.distance);
-  const BentShape shape = second.shape_at_end();
-  const double distance = bent_distance(shape, pair.place);
-  if (!acts && distance >= pair.law.margin) return pair.now.clear(distance);
-  pair.touch_a = first.touch_at_point(pair.point);
-  const bool fresh = pair.fresh;
-  if (fresh) find_start(pair);
-  pair.touch_b = second.motion().touch_by_other(x1, first.motion().middle_of(pair.touch_a));
-  pair.way.path = x1 - pair.touch_a.x0 - second.motion().way_under(pair.touch_b);
-  pair.way.bend = second.bend_under(pair.rows);
-  if (renew > 0.0 || fresh)
-    pair.held.normal =
-        second.motion().turn_out(0.5 * (pair.gradient + bent_gradient(shape, pair.place)));
-  const auto force = [&] {
-    return contact_force(pair.law, pair.distance, pair.energy, distance, pair.way, h_, pair.held);
-  };
-  pair.now = force();
-  if (renew > 0.0) {
-    pair.held.grinding += renew * (pair.now.grinding - pair.held.grinding);
-    pair.now = force();
-  }
+// What a pair or a joint does to those of its members that are looked at.
+void ContactIsland::push(const PairPoint& pair) {
   if (!pair.now.acts) return;
-  if (looked_[pair.a] != 0) first.push_point(pair.now.force, pair.touch_a, pair.point);
+  if (looked_[pair.a] != 0) body(pair.a).push_point(pair.now.force, pair.touch_a, pair.point);
   if (looked_[pair.b] != 0)
-    second.push(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
+    body(pair.b).push(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
 }
 
-// Forces and arms along the straight means of the places, for which both momenta stay.
-void ContactIsland::evaluate(IslandJoint& link) {
-  ContactStep& first = *members_[link.a].contact;
-  ContactStep& second = *members_[link.b].contact;
-  const StepMotion &one = first.motion(), &two = second.motion();
-  link.touch_a = first.straight_touch_at(link.joint->first);
-  link.touch_b = second.straight_touch_at(link.joint->second);
-  const Vector3d s0 = link.touch_a.x0 - link.touch_b.x0, s1 = link.touch_a.x1 - link.touch_b.x1;
-  const Vector3d turn = 0.5 * (one.R0 * one.phi + two.R0 * two.phi);
-  link.now = joint_force(*link.joint, s0, s1, turn, h_);
-  const Vector3d force = link.now.force;
-  if (looked_[link.a] != 0) {
-    first.push(force, one.straight_bend(force), link.touch_a, place_rows(link.joint->first));
-    first.push_turn(link.now.torque);
-  }
-  if (looked_[link.b] != 0) {
-    second.push(-force, -two.straight_bend(force), link.touch_b, place_rows(link.joint->second));
-    second.push_turn(link.now.torque);
-  }
+void ContactIsland::push(const IslandJoint& link) {
+  if (looked_[link.a] != 0) push_first(link, body(link.a));
+  if (looked_[link.b] != 0) push_second(link, body(link.b));
 }
 
 // The residuals of those that are looked at at the members' z; returns the size of those that move
@@ -318,113 +222,62 @@ void ContactIsland::evaluate(IslandJoint& link) {
 double ContactIsland::evaluate(double renew) {
   bends_.resize(members_.size());
   for (const std::size_t i : looked_at_) {
-    members_[i].contact->evaluate(renew);
-    bends_[i] = members_[i].contact->bend_in_step();
+    body(i).evaluate(renew);
+    bends_[i] = body(i).bend_in_step();
   }
   for (const std::size_t k : seen_) {
     Coupling& coupling = couplings_[k];
     coupling.touches = coupling.joints != 0;
     for (PairPoint& pair : points_.subspan(coupling.first, coupling.count)) {
-      evaluate(pair, renew);
+      evaluate_pair(pair, {body(pair.a), body(pair.b)}, bends_[pair.b], h_, renew, scratch_);
+      push(pair);
       coupling.touches = coupling.touches || pair.now.acts;
     }
-    for (IslandJoint& link : joints_.subspan(coupling.first_joint, coupling.joints)) evaluate(link);
+    for (IslandJoint& link : joints_.subspan(coupling.first_joint, coupling.joints)) {
+      evaluate_joint(link, body(link.a), body(link.b), h_);
+      push(link);
+    }
   }
   double square = 0.0;
   for (const std::size_t i : looked_at_) {
-    sizes_[i] = members_[i].contact->close();
+    sizes_[i] = body(i).close();
     const double share = sizes_[i] / enough_[i];
     if (moves(i)) square += share * share;
   }
   return std::sqrt(square);
 }
 
-// How the pair's forces fall with the unknowns of its bodies, by d1, the path and the bending.
-void ContactIsland::find_changes(const PairPoint& pair) {
-  ContactStep& first = *members_[pair.a].contact;
-  ContactStep& second = *members_[pair.b].contact;
-  const Index n = second.unknowns();
-  const Index r = second.turns() ? n - 6 : n;
-  const Vector3d gradient = second.motion().turn_out_at_end(
-      bent_change(second.shape_at_end(), pair.place, scratch_, by_q_));
-  const Eigen::Matrix3Xd& way =
-      second.lever().change_of_way(second.motion(), pair.touch_b, pair.rows);
-  const auto find = [&](const ContactSlope& slope, Eigen::Matrix3Xd& by_a, Eigen::Matrix3Xd& by_b) {
-    const Eigen::Matrix3d by_end = slope.by_distance * gradient.transpose() + slope.by_path;
-    by_a.noalias() = by_end * first.lever().way();
-    by_b.resize(3, n);
-    by_b.leftCols(r).noalias() = slope.by_bend * way.leftCols(r);
-    by_b.leftCols(r).noalias() += slope.by_distance * by_q_.transpose();
-    if (!second.turns()) return;
-    by_b.rightCols<6>().noalias() = -slope.by_path * way.middleCols<6>(r);
-    by_b.rightCols<6>().noalias() -=
-        slope.by_distance * (gradient.transpose() * second.lever().way().rightCols<6>());
+// How the members' residuals change with their own unknowns and with the other's.
+void ContactIsland::make_links(Coupling& coupling) {
+  coupling.ab.setZero();
+  coupling.ba.setZero();
+  const auto blocks = [&coupling](std::size_t first, std::size_t second) {
+    return first < second ? std::tie(coupling.ab, coupling.ba) : std::tie(coupling.ba, coupling.ab);
   };
-  find(pair.now.slope, change_a_, change_b_);
-  find(pair.now.bend_slope, bend_change_a_, bend_change_b_);
-}
-
-void ContactIsland::add_pair(const PairPoint& pair, Coupling& coupling) {
-  ContactStep& first = *members_[pair.a].contact;
-  ContactStep& second = *members_[pair.b].contact;
-  first.lever().make(first.motion(), pair.touch_a, first.point_rows(pair.point));
-  second.lever().make(second.motion(), pair.touch_b, pair.rows);
-  find_changes(pair);
-  const bool forward = pair.a < pair.b;
-  first.lever().add_pushed(change_a_, change_a_, 1.0, first.own_block());
-  first.lever().add_pushed(change_b_, change_b_, 1.0, forward ? coupling.ab : coupling.ba);
-  second.lever().add_pushed(change_b_, bend_change_b_, -1.0, second.own_block());
-  second.lever().add_pushed(change_a_, bend_change_a_, -1.0, forward ? coupling.ba : coupling.ab);
-  first.add_geometry_at_point(pair.now.force, pair.touch_a, pair.point);
-  second.add_geometry_of_other(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
-  // The torque on the second acts where the first's point is.
-  if (!second.turns()) return;
-  const Index turn = second.unknowns() - 6;
-  (forward ? coupling.ba : coupling.ab).middleRows<3>(turn).noalias() +=
-      second.motion().turn_of_arm(-pair.now.force) * second.motion().R0.transpose() *
-      first.lever().path_of_middle(first.motion()).leftCols(first.unknowns());
-}
-
-// Without what turns the damper's force.
-void ContactIsland::add_joint(const IslandJoint& link, Coupling& coupling) {
-  const double signs[] = {1.0, -1.0};
-  ContactStep* const bodies[] = {members_[link.a].contact, members_[link.b].contact};
-  const VertexRows* const places[] = {&link.joint->first, &link.joint->second};
-  const ContactTouch* const touches[] = {&link.touch_a, &link.touch_b};
-  for (int k = 0; k < 2; ++k) {
-    ContactStep& body = *bodies[k];
-    const PlaceRows rows = place_rows(*places[k]);
-    const Vector3d force = signs[k] * link.now.force;
-    PlaceLever& lever = body.lever();
-    lever.make(body.motion(), *touches[k], rows);
-    lever.add_tangent(link.now.slope, body.whole_block());
-    lever.make_straight_swing(body.motion());
-    body.add_geometry(force, body.motion().straight_bend(force), *touches[k], rows);
+  for (const PairPoint& pair : points_.subspan(coupling.first, coupling.count)) {
+    if (!pair.now.acts) continue;
+    const auto [ab, ba] = blocks(pair.a, pair.b);
+    add_pair_slopes(pair, {body(pair.a), body(pair.b)}, h_, scratch_, ab, ba);
   }
-  PlaceLever &one = bodies[0]->lever(), &two = bodies[1]->lever();
-  const bool forward = link.a < link.b;
-  (forward ? coupling.ab : coupling.ba).noalias() -= one.push() * link.now.slope * two.way();
-  (forward ? coupling.ba : coupling.ab).noalias() -= two.push() * link.now.slope * one.way();
+  for (const IslandJoint& link : joints_.subspan(coupling.first_joint, coupling.joints)) {
+    const auto [ab, ba] = blocks(link.a, link.b);
+    add_joint_slopes(link, body(link.a), body(link.b), ab, ba);
+  }
 }
 
 void ContactIsland::make_jacobian(double heavier) {
-  for (const std::size_t i : moving_) members_[i].contact->make_jacobian(heavier);
+  for (const std::size_t i : moving_) body(i).make_jacobian(heavier);
   links_.clear();
   for (const std::size_t k : seen_) {
     Coupling& coupling = couplings_[k];
     if (!coupling.touches || !(moves(coupling.a) || moves(coupling.b))) continue;
-    coupling.ab.setZero();
-    coupling.ba.setZero();
-    for (const PairPoint& pair : points_.subspan(coupling.first, coupling.count))
-      if (pair.now.acts) add_pair(pair, coupling);
-    for (const IslandJoint& link : joints_.subspan(coupling.first_joint, coupling.joints))
-      add_joint(link, coupling);
+    make_links(coupling);
     if (moves(coupling.a) && moves(coupling.b))
       links_.push_back({place_[coupling.a], place_[coupling.b], &coupling.ab, &coupling.ba});
   }
   for (std::size_t k = 0; k < moving_.size(); ++k)
     residual_.segment(first_[k], first_[k + 1] - first_[k]) =
-        members_[moving_[k]].contact->residual().head(first_[k + 1] - first_[k]);
+        body(moving_[k]).residual().head(first_[k + 1] - first_[k]);
 }
 
 bool ContactIsland::solve_for_move() {
@@ -436,7 +289,7 @@ bool ContactIsland::solve_for_move() {
 double ContactIsland::measure() {
   double square = 0.0;
   for (const std::size_t i : looked_at_) {
-    enough_[i] = members_[i].contact->enough();
+    enough_[i] = body(i).enough();
     const double share = sizes_[i] / enough_[i];
     if (moves(i)) square += share * share;
   }
@@ -455,16 +308,16 @@ ContactIsland::Outcome ContactIsland::move(int iteration, double& heavier) {
     return all.segment(first_[k], first_[k + 1] - first_[k]);
   };
   for (std::size_t k = 0; k < moving_.size(); ++k)
-    of(z_before_, k) = members_[moving_[k]].contact->z().head(first_[k + 1] - first_[k]);
+    of(z_before_, k) = body(moving_[k]).z().head(first_[k + 1] - first_[k]);
   const auto slope = [&] {
     double work = 0.0;
     for (std::size_t k = 0; k < moving_.size(); ++k)
-      work += members_[moving_[k]].contact->work_along(of(move_, k));
+      work += body(moving_[k]).work_along(of(move_, k));
     return -work;
   };
   const auto go = [&](double length) {
     for (std::size_t k = 0; k < moving_.size(); ++k)
-      members_[moving_[k]].contact->z().head(first_[k + 1] - first_[k]) =
+      body(moving_[k]).z().head(first_[k + 1] - first_[k]) =
           of(z_before_, k) - length * of(move_, k);
     const double next = evaluate(0.0);
     return LineTrial{next, slope()};
@@ -522,58 +375,22 @@ bool ContactIsland::solve(int relaxed, int alone, int& iterations) {
   return false;
 }
 
-// Books what each joint did to its bodies, to a driven one relative to its frame.
-void ContactIsland::settle_joints() {
-  for (IslandJoint& link : joints_) {
-    link.joint->force = link.now.force;
-    link.joint->energy = link.now.energy;
-    link.joint->damped += link.now.damped;
-    const auto work = [&](std::size_t member, const ContactTouch& touch, const VertexRows& place,
-                          const Vector3d& force) {
-      const ContactStep& body = *members_[member].contact;
-      const StepMotion& motion = body.motion();
-      const Vector3d bend = body.bend_under(place_rows(place));
-      if (!body.turns()) return motion.straight_bend(force).dot(bend);
-      return force.dot(touch.x1 - touch.x0) + link.now.torque.dot(motion.R0 * motion.phi);
-    };
-    accounts_[link.a].joint_work += work(link.a, link.touch_a, link.joint->first, link.now.force);
-    accounts_[link.b].joint_work += work(link.b, link.touch_b, link.joint->second, -link.now.force);
-  }
-}
-
 void ContactIsland::settle() {
   std::fill(accounts_.begin(), accounts_.end(), ContactAccount{});
   std::fill(starts_.begin(), starts_.end(), 0.0);
   for (const PairPoint& pair : points_) {
-    ContactAccount& a = accounts_[pair.a];
-    ContactAccount& b = accounts_[pair.b];
     starts_[pair.a] += pair.energy;
-    a.energy += pair.now.energy;
-    a.lost += pair.now.lost;
-    a.rubbed += pair.now.rubbed;
-    a.penetration = std::max(a.penetration, -pair.now.distance);
-    if (!pair.now.acts) continue;
-    a.work += pair.now.force.dot(pair.touch_a.x1 - pair.touch_a.x0);
-    b.work -= pair.now.force.dot(pair.touch_a.x1 - pair.touch_a.x0 - pair.way.path) +
-              pair.now.bend_force.dot(pair.way.bend);
-    const double impulse = h_ * pair.now.force.norm();
-    a.impulse += impulse;
-    b.impulse += impulse;
-    ++a.active;
-    ++b.active;
+    settle_pair(pair, body(pair.b), h_, accounts_[pair.a], accounts_[pair.b]);
   }
-  settle_joints();
+  for (const IslandJoint& link : joints_)
+    settle_joint(link, body(link.a), body(link.b), accounts_[link.a], accounts_[link.b]);
 }
 
 // Where the bodies would go without forces, with nothing held.
 void ContactIsland::begin() {
   for (const IslandMember& member : members_)
     member.contact->begin(*member.state, *member.load, member.free);
-  for (PairPoint& pair : points_) {
-    pair.now = {};
-    pair.held = {};
-    pair.fresh = true;
-  }
+  for (PairPoint& pair : points_) begin_pair(pair);
   for (const IslandJoint& link : joints_) {
     const Joint& joint = *link.joint;
     members_[link.a].contact->hold_at(joint.first, joint.stiffness + 2.0 * joint.damping / h_);

@@ -18,9 +18,10 @@
 #include <span>
 #include <vector>
 
-#include "runtime/contact/joint.h"
 #include "runtime/contact/solve/block_solver.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/contact/solve/island_joint.h"
+#include "runtime/contact/solve/pair_point.h"
 
 namespace tremolo {
 
@@ -31,36 +32,6 @@ struct IslandMember {
   const StepLoad* load = nullptr;
   FreeFrame* free = nullptr;
 };
-
-// A point of the member a near the shape of the member b at the start of the step, and what it
-// feels in it. distance: d0, m; energy: e0, J. Once it acts, at the start: rows: of U of b nearby,
-// transposed, r x 3; gradient: of d.
-struct PairPoint {
-  std::size_t a = 0, b = 0, point = 0;
-  ContactLaw law;
-  Eigen::MatrixX3d rows;
-  double distance = 0.0, energy = 0.0;
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), place_at_start = gradient;  // y
-  ContactHeld held;   // along the world's axes
-  bool fresh = true;  // it has not acted
-  ContactForce now;
-  ContactTouch touch_a, touch_b;
-  ContactWay way;
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // y at the end
-};
-
-// A joint of the members a and b in a step.
-struct IslandJoint {
-  Joint* joint = nullptr;
-  std::size_t a = 0, b = 0;
-  ContactTouch touch_a = {}, touch_b = {};
-  JointForce now = {};
-};
-
-// The points of a (its body is `first`) that may touch b in the step are added to `points`, whose
-// first `count` entries are used; the number of them then. Both must have gathered.
-std::size_t add_pair_points(const ContactStep& first, const ContactStep& second, std::size_t a,
-                            std::size_t b, std::vector<PairPoint>& points, std::size_t count);
 
 class ContactIsland {
  public:
@@ -105,19 +76,16 @@ class ContactIsland {
   Outcome move(int iteration, double& heavier);
   void relax(std::span<const std::size_t> group, int iteration, int times);
   bool moves(std::size_t member) const { return place_[member] != kStill; }
-  void evaluate(PairPoint& pair, double renew);
-  void evaluate(IslandJoint& link);
-  void find_start(PairPoint& pair);
+  ContactStep& body(std::size_t member) const { return *members_[member].contact; }
+  void push(const PairPoint& pair);
+  void push(const IslandJoint& link);
   double evaluate(double renew);
   void make_jacobian(double heavier);
-  void add_pair(const PairPoint& pair, Coupling& coupling);
-  void add_joint(const IslandJoint& link, Coupling& coupling);
-  void find_changes(const PairPoint& pair);
+  void make_links(Coupling& coupling);
   bool solve_for_move();
   bool solve(int relaxed, int alone, int& iterations);
   void begin();
   void settle();
-  void settle_joints();
 
   static constexpr std::size_t kStill = static_cast<std::size_t>(-1);
 
@@ -142,11 +110,7 @@ class ContactIsland {
   // The couplings of each member, one member after the other.
   std::vector<std::size_t> first_coupling_, coupling_of_;
   std::vector<ContactAccount> accounts_;
-  // How a pair's force, and what bends its second body, fall with the unknowns of its bodies, 3 x n
-  // each.
-  Eigen::Matrix3Xd change_a_, change_b_, bend_change_a_, bend_change_b_;
-  Eigen::VectorXd by_q_;
-  BentScratch scratch_;
+  PairScratch scratch_;
   std::vector<double> starts_;
   Eigen::VectorXd residual_, move_, z_before_, scale_;
   std::vector<const Eigen::MatrixXd*> diagonal_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "runtime/contact/solve/line_search.h"
 
@@ -15,7 +14,6 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr int kNewtonIterations = 100;  // Newton's, with the line search
-constexpr double kTolerance = 1e-10;    // of the momenta in a step
 constexpr int kShorter = 12;            // halvings of a move
 constexpr int kRenewals = 20;           // iterations in which normals and friction are renewed,
 constexpr int kFullRenewals = 6;        // of them not by halves,
@@ -117,7 +115,7 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
     if (signed_distance(collider.shape, centre).distance > group.radius + deformed + reach)
       continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
-      Candidate candidate{i, index, law, {}, {}, {}, {}};
+      Candidate candidate{i, index, law, Vector3d::Zero(), {}, {}, {}, {}};
       candidate.start = contact_start(law, collider, poses_.start * points_->place(i, q));
       candidate.held.normal = candidate.start.normal;
       if (candidate.start.distance <= reach) candidates_.push_back(candidate);
@@ -140,7 +138,10 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   motion_.origin = free_ != nullptr ? free_->mesh_centre() : Vector3d(Vector3d::Zero());
   motion_.c0 = free_ != nullptr ? free_->rigid().centre : poses_.start.position;
   z_.head(r) = h * v0_;
-  for (Candidate& candidate : candidates_) candidate.held = {candidate.start.normal};
+  for (Candidate& candidate : candidates_) {
+    candidate.held = {candidate.start.normal};
+    candidate.y0 = place_in_body(candidate.point, q0_);
+  }
   pairs_ = {};
   pairs_start_ = 0.0;
   joints_rounding_ = 0.0;
@@ -161,8 +162,14 @@ ContactTouch ContactStep::touch_at(const Vector3d& rest, const PlaceRows& rows) 
   return motion_.touch(from + rows.transpose() * q0_, from + rows.transpose() * q1_);
 }
 
+// From c along the body's axes.
+Vector3d ContactStep::place_in_body(std::size_t point, const VectorXd& q) const {
+  const Vector3d from = points_->rest[point] - motion_.origin;
+  return from + point_rows(point).transpose() * q;
+}
+
 ContactTouch ContactStep::touch_at_point(std::size_t point) const {
-  return touch_at(points_->rest[point], point_rows(point));
+  return motion_.touch(place_in_body(point, q0_), place_in_body(point, q1_));
 }
 
 ContactTouch ContactStep::straight_touch_at(const VertexRows& place) const {
@@ -171,8 +178,7 @@ ContactTouch ContactStep::straight_touch_at(const VertexRows& place) const {
 }
 
 Vector3d ContactStep::end_of_point(std::size_t point) const {
-  const Vector3d from = points_->rest[point] - motion_.origin;
-  return motion_.c1 + motion_.R1 * (from + point_rows(point).transpose() * q1_);
+  return motion_.c1 + motion_.R1 * place_in_body(point, q1_);
 }
 
 Vector3d ContactStep::bend_under(const PlaceRows& rows) const {
@@ -213,7 +219,7 @@ void ContactStep::add_contact(double renew) {
   contact_torque_.setZero();
   contact_push_.setZero();
   for (Candidate& candidate : candidates_) {
-    candidate.touch = touch_at_point(candidate.point);
+    candidate.touch = motion_.touch(candidate.y0, place_in_body(candidate.point, q1_));
     candidate.now = contact_force(candidate.law, colliders_[candidate.collider], candidate.start,
                                   candidate.touch.x1, options_.step, renew, candidate.held);
     if (candidate.now.acts) push_point(candidate.now.force, candidate.touch, candidate.point);
@@ -232,6 +238,7 @@ void ContactStep::add_geometry(const Vector3d& force, const Vector3d& bend_force
 
 void ContactStep::add_geometry_at_point(const Vector3d& force, const ContactTouch& touch,
                                         std::size_t point) {
+  if (free_ == nullptr) return;
   lever_.make_swing(motion_, touch, point_rows(point));
   add_geometry(force, force, touch, point_rows(point));
 }
@@ -287,8 +294,7 @@ double ContactStep::close() {
   residual_.head(r) = (0.5 * h) * damping_.n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
                       (0.5 * h) * damping_.D.cwiseProduct(z_.head(r));
   if (free_ != nullptr) {
-    residual_.segment<3>(r) =
-        own_spin_residual_ - h * (motion_.turn.transpose() * contact_torque_);
+    residual_.segment<3>(r) = own_spin_residual_ - h * (motion_.turn.transpose() * contact_torque_);
     residual_.tail<3>() = own_centre_residual_ - contact_force_;
   }
   return size_of_residual();
@@ -319,7 +325,10 @@ void ContactStep::make_jacobian(double heavier) {
   for (const Candidate& candidate : candidates_) {
     if (!candidate.now.acts) continue;
     lever_.make(motion_, candidate.touch, point_rows(candidate.point));
-    lever_.add_tangent(candidate.now.slope.by_path, jacobian_);
+    const PlacedCollider& collider = colliders_[candidate.collider];
+    lever_.add_tangent(contact_stiffness(candidate.law, collider, candidate.start,
+                                         candidate.touch.x1, h, candidate.held),
+                       jacobian_);
     add_geometry_at_point(candidate.now.force, candidate.touch, candidate.point);
   }
   for (std::size_t i = 0; i < grips_.size(); ++i) {
@@ -327,73 +336,10 @@ void ContactStep::make_jacobian(double heavier) {
     const PlaceRows rows = place_rows(grips_[i].place);
     lever_.make(motion_, held_[i], rows);
     lever_.add_tangent(stiffness * Matrix3d::Identity(), jacobian_);
+    if (free_ == nullptr) continue;
     lever_.make_swing(motion_, held_[i], rows);
     add_geometry(grips_[i].force, grips_[i].force, held_[i], rows);
   }
-}
-
-// All rows as momenta, kg^1/2 m/s.
-double ContactStep::size_of_residual() const {
-  const Index n = unknowns();
-  return row_scale_.head(n).cwiseProduct(residual_.head(n)).norm();
-}
-
-double ContactStep::work_along(const Eigen::Ref<const VectorXd>& move) const {
-  const double h = options_.step;
-  const Index r = model_->modes();
-  double work = 2.0 / (h * h) * residual_.head(r).dot(move.head(r));
-  if (free_ != nullptr) {
-    work += 0.5 * residual_.segment<3>(r).dot(move.segment<3>(r));
-    work += residual_.segment<3>(r + 3).dot(move.segment<3>(r + 3));
-  }
-  return work;
-}
-
-// What size_of_residual() is measured by: momenta, and forces times h.
-double ContactStep::size_of_motion() const {
-  const double h = options_.step;
-  double size = v0_.norm() + h * (G_.norm() + load_->average.norm() + contact_push_.norm());
-  if (free_ == nullptr) return size;
-  const RigidState& rigid = free_->rigid();
-  const double root = std::sqrt(mass_);
-  size += root * (rigid.velocity.norm() + points_->radius * rigid.spin.norm());
-  size += h / root * (contact_force_.norm() + contact_torque_.norm() / points_->radius);
-  return size;
-}
-
-// What rounding of a place, which is `far` from the world's origin, leaves of the momenta.
-double ContactStep::held_rounding(const VertexRows& place, double stiffness, double far) const {
-  const double lightness = place.rows.norm() + (free_ != nullptr ? 1.0 / std::sqrt(mass_) : 0.0);
-  return 4.0 * std::numeric_limits<double>::epsilon() * options_.step * stiffness * lightness *
-         (far + points_->extent);
-}
-
-double ContactStep::grips_rounding() const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < grips_.size(); ++i) {
-    const Grip& grip = grips_[i];
-    const double stiffness = 0.5 * grip.stiffness + grip.damping / options_.step;
-    sum += held_rounding(grip.place, stiffness, held_[i].x1.norm() + grip.end.norm());
-  }
-  return sum;
-}
-
-void ContactStep::hold_at(const VertexRows& place, double stiffness) {
-  joints_rounding_ += held_rounding(place, 0.5 * stiffness, 2.0 * motion_.c0.norm());
-}
-
-// By how much move_ moves any point at most, m.
-double ContactStep::way_of_move() const {
-  const Index r = model_->modes();
-  const double way = move_.head(r).cwiseAbs().dot(points_->reach);
-  if (free_ == nullptr) return way;
-  const double turned = options_.step * points_->radius * move_.segment<3>(r).norm();
-  return way + turned + move_.segment<3>(r + 3).norm();
-}
-
-double ContactStep::enough() const {
-  return std::max({kTolerance * size_of_motion(), grips_rounding() + joints_rounding_,
-                   std::numeric_limits<double>::min()});
 }
 
 double renewal(int iteration, double size) {
@@ -482,73 +428,6 @@ void ContactStep::finish(State& state, StepReport& report) {
     state.p += dp_;
     give_back(defect, 0.5 * state.p.squaredNorm(), state.p);
   }
-}
-
-// A hand's work, on a driven body that on its motion relative to the frame.
-void ContactStep::settle_grips() {
-  for (std::size_t i = 0; i < grips_.size(); ++i) {
-    Grip& grip = grips_[i];
-    const ContactTouch& touch = held_[i];
-    const Vector3d way = touch.x1 - touch.x0 - (grip.end - grip.start);
-    grip.damped = grip.damping / options_.step * way.squaredNorm();
-    const Vector3d mean_force = 0.5 * (motion_.R0 + motion_.R1).transpose() * grip.force;
-    grip.work = free_ != nullptr ? grip.force.dot(touch.x1 - touch.x0)
-                                 : (grip.place.rows * z_.head(model_->modes())).dot(mean_force);
-    account_.hand_work += grip.work;
-    account_.hand_damped += grip.damped;
-  }
-}
-
-void ContactStep::settle_account() {
-  const double before = account_.energy;
-  reset();
-  account_ = pairs_;
-  double start = pairs_start_;
-  for (const Candidate& candidate : candidates_) {
-    const ContactForce& now = candidate.now;
-    start += candidate.start.energy;
-    account_.energy += now.energy;
-    account_.lost += now.lost;
-    account_.rubbed += now.rubbed;
-    account_.work += now.force.dot(candidate.touch.x1 - candidate.touch.x0);
-    account_.penetration = std::max(account_.penetration, -now.distance);
-    if (now.pressure == 0.0) continue;
-    const double impulse = options_.step * now.force.norm();
-    impulses_[candidate.collider] += impulse;
-    account_.impulse += impulse;
-    ++account_.active;
-  }
-  settle_grips();
-  if (free_ == nullptr)
-    account_.work =
-        contact_push_.dot(z_.head(model_->modes())) - account_.hand_work - account_.joint_work;
-  account_.surplus = start - before;
-  account_.given = account_.work + account_.energy - start + account_.lost + account_.rubbed;
-}
-
-void ContactStep::set_damping(double alpha, double beta) {
-  options_.alpha = alpha;
-  options_.beta = beta;
-  damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
-  S_ = (0.5 + options_.step * damping_.theta.array() * damping_.D.array()).inverse();
-}
-
-void ContactStep::scale_rows() {
-  const Index r = model_->modes();
-  row_scale_.setConstant(r + 6, 2.0 / options_.step);
-  row_scale_.segment<3>(r).setConstant(1.0 / (std::sqrt(mass_) * points_->radius));
-  row_scale_.tail<3>().setConstant(options_.step / std::sqrt(mass_));
-}
-
-void ContactStep::set_step(double step) {
-  const double longer = step / options_.step;
-  options_.step = motion_.h = step;
-  damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
-  S_ = (0.5 + step * damping_.theta.array() * damping_.D.array()).inverse();
-  law_.stiffness /= longer * longer;
-  law_.rebound_speed /= longer;
-  law_.slip_speed /= longer;
-  scale_rows();
 }
 
 void ContactStep::carry(StateStream& stream) {

@@ -158,6 +158,7 @@ class ContactStep {
     std::size_t point;
     std::size_t collider;
     ContactLaw law;
+    Eigen::Vector3d y0;  // from c along the body's axes, at the start, m
     ContactStart start;
     ContactHeld held;
     ContactForce now;
@@ -166,6 +167,7 @@ class ContactStep {
 
   void add_candidates(const PlacedCollider& collider, std::size_t index, const Eigen::VectorXd& q,
                       double reach);
+  Eigen::Vector3d place_in_body(std::size_t point, const Eigen::VectorXd& q) const;
   ContactTouch touch_at(const Eigen::Vector3d& rest, const PlaceRows& rows) const;
   void add_grips();
   void evaluate_body();

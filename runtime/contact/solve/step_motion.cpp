@@ -42,8 +42,10 @@ void PlaceLever::make(const StepMotion& motion, const ContactTouch& touch, const
   const double h = motion.h;
   const Index r = motion.modes;
   n_ = motion.unknowns();
-  way_.leftCols(r).noalias() = motion.R1 * rows.transpose();
-  push_.topRows(r).noalias() = (0.5 * h * h) * rows * (motion.R0 * motion.mean).transpose();
+  // Products of so few columns are not worth the packing of a large one's.
+  way_.leftCols(r).noalias() = motion.R1.lazyProduct(rows.transpose());
+  const Matrix3d into_body = (0.5 * h * h) * (motion.R0 * motion.mean).transpose();
+  push_.topRows(r).noalias() = rows.lazyProduct(into_body);
   if (!motion.turns) return;
   const Vector3d y1 = motion.R1.transpose() * (touch.x1 - motion.c1);
   way_.middleCols<3>(r) = -motion.R1 * cross_matrix(y1) * motion.turned;
@@ -54,8 +56,12 @@ void PlaceLever::make(const StepMotion& motion, const ContactTouch& touch, const
 }
 
 void PlaceLever::add_tangent(const Matrix3d& stiffness, Eigen::MatrixXd& jacobian) {
-  pushed_.topRows(n_).noalias() = push_.topRows(n_) * stiffness;
-  jacobian.topLeftCorner(n_, n_).noalias() += pushed_.topRows(n_) * way_.leftCols(n_);
+  pushed_.topRows(n_).noalias() = push_.topRows(n_).lazyProduct(stiffness);
+  // Column by column: three multiply-adds along each.
+  for (Index j = 0; j < n_; ++j)
+    jacobian.col(j).head(n_) += pushed_.col(0).head(n_) * way_(0, j) +
+                                pushed_.col(1).head(n_) * way_(1, j) +
+                                pushed_.col(2).head(n_) * way_(2, j);
 }
 
 void PlaceLever::add_pushed(const Eigen::Matrix3Xd& change, const Eigen::Matrix3Xd& bend_change,

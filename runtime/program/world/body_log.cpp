@@ -223,6 +223,8 @@ Status BodyLog::finish(const SceneWorld& world) {
   report_.iterations = body.iterations();
   report_.halved_steps = body.halved_steps();
   report_.penetration_max = world.penetration_max(body_);
+  report_.contact_speed_max = world.contact_speed_max(body_);
+  report_.passed_through = world.passed_through(body_);
   report_.contacts = world.contacts(body_);
   report_.asleep = world.asleep(body_);
   judge_balance(world.scene().bodies[body_].integrator);

@@ -39,10 +39,12 @@ struct BodyReport {
   std::int64_t steps = 0;             // that this body made
   std::int64_t iterations = 0;
   std::int64_t halved_steps = 0;
-  std::int64_t contacts = 0;     // how often it began to touch something
-  bool asleep = false;           // at the end
-  double penetration_max = 0.0;  // of the size
-  int exit_code = 0;             // 0, 4 or 5
+  std::int64_t contacts = 0;       // how often it began to touch something
+  bool asleep = false;             // at the end
+  double penetration_max = 0.0;    // of the size
+  double contact_speed_max = 0.0;  // m/s
+  std::int64_t passed_through = 0;
+  int exit_code = 0;  // 0, 4 or 5
   std::string reason;
   std::vector<std::string> files;
 

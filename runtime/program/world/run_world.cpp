@@ -102,6 +102,8 @@ Json body_json(const SceneBody& body, const BodyReport& report, double step) {
   json["contact_energy"] = number_or_null(account.contact);
   json["contact_error"] = number_or_null(account.contact_error);
   json["penetration_max"] = number_or_null(report.penetration_max);
+  json["contact_speed_max"] = number_or_null(report.contact_speed_max);
+  json["passed_through"] = report.passed_through;
   json["asleep"] = report.asleep;
   json["exit_code"] = report.exit_code;
   json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
@@ -134,6 +136,7 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   double worst = 0.0;
   for (const BodyLog& log : logs) worst = std::max(worst, log.report().balance_error());
   json["energy_balance_error"] = number_or_null(worst);
+  json["contact_speed_limit"] = number_or_null(world.contact_speed_limit());
   json["exit_code"] = ending.exit_code;
   json["reason"] = ending.reason.empty() ? Json(nullptr) : Json(ending.reason);
   json["bodies"] = Json::array();
@@ -179,8 +182,8 @@ void tell_end(const std::vector<BodyLog>& logs, WorldEnding& ending) {
   }
 }
 
-// Steps the world to the end of its time. clock: s, of the steps. sound: null where nobody listens. An orbit or a step that
-// breaks off ends the run.
+// Steps the world to the end of its time. clock: s, of the steps. sound: null where nobody listens.
+// An orbit or a step that breaks off ends the run.
 Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
                                  std::vector<BodyLog>& logs, WorldSound* sound, double (*clock)()) {
   const Interruption interruption;
@@ -235,6 +238,12 @@ void print_bodies(const SceneFile& file, const SceneWorld& world,
     if (!report.files.empty())
       tell("    wrote into {}: {}\n", logs[i].options().out, list_files(report.files));
   }
+  std::int64_t passed = 0;
+  for (const BodyLog& log : logs) passed += log.report().passed_through;
+  if (passed > 0)
+    tell(
+        "  {} times a contact point went through what it met within a step: say a shorter --step\n",
+        passed);
   if (told < logs.size()) tell("  and {} bodies more, of which --json tells\n", logs.size() - told);
 }
 

@@ -1,0 +1,155 @@
+// ContactStep: what a residual is measured by, and what is booked of a step.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "runtime/contact/solve/contact_step.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kMomentaTolerance = 1e-10;  // of the momenta in a step
+
+}  // namespace
+
+// All rows as momenta, kg^1/2 m/s.
+double ContactStep::size_of_residual() const {
+  const Index n = unknowns();
+  return row_scale_.head(n).cwiseProduct(residual_.head(n)).norm();
+}
+
+double ContactStep::work_along(const Eigen::Ref<const VectorXd>& move) const {
+  const double h = options_.step;
+  const Index r = model_->modes();
+  double work = 2.0 / (h * h) * residual_.head(r).dot(move.head(r));
+  if (free_ != nullptr) {
+    work += 0.5 * residual_.segment<3>(r).dot(move.segment<3>(r));
+    work += residual_.segment<3>(r + 3).dot(move.segment<3>(r + 3));
+  }
+  return work;
+}
+
+// What size_of_residual() is measured by: momenta, and forces times h.
+double ContactStep::size_of_motion() const {
+  const double h = options_.step;
+  double size = v0_.norm() + h * (G_.norm() + load_->average.norm() + contact_push_.norm());
+  if (free_ == nullptr) return size;
+  const RigidState& rigid = free_->rigid();
+  const double root = std::sqrt(mass_);
+  size += root * (rigid.velocity.norm() + points_->radius * rigid.spin.norm());
+  size += h / root * (contact_force_.norm() + contact_torque_.norm() / points_->radius);
+  return size;
+}
+
+// What rounding of a place, which is `far` from the world's origin, leaves of the momenta.
+double ContactStep::held_rounding(const VertexRows& place, double stiffness, double far) const {
+  const double lightness = place.rows.norm() + (free_ != nullptr ? 1.0 / std::sqrt(mass_) : 0.0);
+  return 4.0 * std::numeric_limits<double>::epsilon() * options_.step * stiffness * lightness *
+         (far + points_->extent);
+}
+
+double ContactStep::grips_rounding() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < grips_.size(); ++i) {
+    const Grip& grip = grips_[i];
+    const double stiffness = 0.5 * grip.stiffness + grip.damping / options_.step;
+    sum += held_rounding(grip.place, stiffness, held_[i].x1.norm() + grip.end.norm());
+  }
+  return sum;
+}
+
+void ContactStep::hold_at(const VertexRows& place, double stiffness) {
+  joints_rounding_ += held_rounding(place, 0.5 * stiffness, 2.0 * motion_.c0.norm());
+}
+
+// By how much move_ moves any point at most, m.
+double ContactStep::way_of_move() const {
+  const Index r = model_->modes();
+  const double way = move_.head(r).cwiseAbs().dot(points_->reach);
+  if (free_ == nullptr) return way;
+  const double turned = options_.step * points_->radius * move_.segment<3>(r).norm();
+  return way + turned + move_.segment<3>(r + 3).norm();
+}
+
+double ContactStep::enough() const {
+  return std::max({kMomentaTolerance * size_of_motion(), grips_rounding() + joints_rounding_,
+                   std::numeric_limits<double>::min()});
+}
+
+// A hand's work, on a driven body that on its motion relative to the frame.
+void ContactStep::settle_grips() {
+  for (std::size_t i = 0; i < grips_.size(); ++i) {
+    Grip& grip = grips_[i];
+    const ContactTouch& touch = held_[i];
+    const Vector3d way = touch.x1 - touch.x0 - (grip.end - grip.start);
+    grip.damped = grip.damping / options_.step * way.squaredNorm();
+    const Vector3d mean_force = 0.5 * (motion_.R0 + motion_.R1).transpose() * grip.force;
+    grip.work = free_ != nullptr ? grip.force.dot(touch.x1 - touch.x0)
+                                 : (grip.place.rows * z_.head(model_->modes())).dot(mean_force);
+    account_.hand_work += grip.work;
+    account_.hand_damped += grip.damped;
+  }
+}
+
+void ContactStep::settle_account() {
+  const double before = account_.energy;
+  reset();
+  account_ = pairs_;
+  double start = pairs_start_;
+  for (const Candidate& candidate : candidates_) {
+    const ContactForce& now = candidate.now;
+    start += candidate.start.energy;
+    account_.energy += now.energy;
+    account_.lost += now.lost;
+    account_.rubbed += now.rubbed;
+    account_.work += now.force.dot(candidate.touch.x1 - candidate.touch.x0);
+    account_.penetration = std::max(account_.penetration, -now.distance);
+    bool through = false;
+    const double way = contact_passage(colliders_[candidate.collider], candidate.start,
+                                       candidate.touch.x1, through);
+    account_.way = std::max(account_.way, way);
+    account_.passed += through ? 1 : 0;
+    if (now.pressure == 0.0) continue;
+    const double impulse = options_.step * now.force.norm();
+    impulses_[candidate.collider] += impulse;
+    account_.impulse += impulse;
+    ++account_.active;
+  }
+  settle_grips();
+  if (free_ == nullptr)
+    account_.work =
+        contact_push_.dot(z_.head(model_->modes())) - account_.hand_work - account_.joint_work;
+  account_.surplus = start - before;
+  account_.given = account_.work + account_.energy - start + account_.lost + account_.rubbed;
+}
+
+void ContactStep::set_damping(double alpha, double beta) {
+  options_.alpha = alpha;
+  options_.beta = beta;
+  damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
+  S_ = (0.5 + options_.step * damping_.theta.array() * damping_.D.array()).inverse();
+}
+
+void ContactStep::scale_rows() {
+  const Index r = model_->modes();
+  row_scale_.setConstant(r + 6, 2.0 / options_.step);
+  row_scale_.segment<3>(r).setConstant(1.0 / (std::sqrt(mass_) * points_->radius));
+  row_scale_.tail<3>().setConstant(options_.step / std::sqrt(mass_));
+}
+
+void ContactStep::set_step(double step) {
+  const double longer = step / options_.step;
+  options_.step = motion_.h = step;
+  damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
+  S_ = (0.5 + step * damping_.theta.array() * damping_.D.array()).inverse();
+  law_.stiffness /= longer * longer;
+  law_.rebound_speed /= longer;
+  law_.slip_speed /= longer;
+  scale_rows();
+}
+
+}  // namespace tremolo
