@@ -120,11 +120,14 @@ FreeFrame::SpinTrial FreeFrame::spin_equation(const Matrix3d& inertia, const Vec
 
 // Returns the inertia of spin_equation(), and leaves v1 without the part that omega1 gives it.
 Matrix3d FreeFrame::begin_spin(const VectorXd& S, const VectorXd& dp) {
-  kappa_ = 1.0 - 0.5 * S.array();  // theta h D S; zero without damping
+  kappa_ = 1.0 - 0.5 * S.array();  // theta h D S
   Matrix3d inertia = at1_.J;
+  v1_ = v0_ + dp;
+  // Without damping omega1 gives v1 nothing.
+  if (kappa_.isZero(0.0)) return inertia;
   for (Index j = 0; j < S.size(); ++j)
     inertia -= kappa_[j] * at1_.C.col(j) * at1_.C.col(j).transpose();
-  v1_ = v0_ + dp + kappa_.cwiseProduct(kick0_);
+  v1_ += kappa_.cwiseProduct(kick0_);
   return inertia;
 }
 

@@ -89,8 +89,10 @@ TEST(SceneThreads, MayChangeInARunningWorld) {
   const Scene scene = many_islands();
   SceneWorld one = world_with(scene, 1), other = world_with(scene, 3);
   for (int k = 0; k < 150; ++k) {
-    if (k == 50) ASSERT_TRUE(other.set_threads(1));
-    if (k == 100) ASSERT_TRUE(other.set_threads(2));
+    if (k == 50 || k == 100) {
+      const Status set = other.set_threads(k == 50 ? 1 : 2);
+      ASSERT_TRUE(set) << set.error().message;
+    }
     (void)one.step();
     (void)other.step();
   }
