@@ -1,5 +1,6 @@
 // Vectors of eight doubles for the kernels, whatever the registers: one of AVX-512, two of AVX2,
-// four of SSE2 or NEON. lanes.inc has the operations.
+// four of SSE2 or NEON. lanes.inc has the operations. In WebAssembly a vector is one register: its
+// compilers are left with sixteen, and longer vectors make twice the code that takes longer.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,11 @@
 
 namespace tremolo {
 
+#if defined(__wasm__)
+inline constexpr std::size_t kVectorLanes = 2;
+#else
 inline constexpr std::size_t kVectorLanes = 8;
+#endif
 
 // The next multiple of a vector's length.
 constexpr std::size_t padded(std::size_t count) {

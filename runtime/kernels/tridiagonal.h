@@ -42,10 +42,11 @@ class Tridiagonal {
   mutable AlignedDoubles vector_;
 };
 
-// Eight complex numbers.
+// Complex numbers side by side.
 struct alignas(kCacheLine) ComplexLanes {
-  double re[8] = {};
-  double im[8] = {};
+  static constexpr std::size_t kCount = 8;  // whole vectors
+  double re[kCount] = {};
+  double im[kCount] = {};
   void set(std::size_t lane, std::complex<double> value) {
     re[lane] = value.real();
     im[lane] = value.imag();
@@ -53,7 +54,8 @@ struct alignas(kCacheLine) ComplexLanes {
 };
 
 inline void carry(StateStream& stream, ComplexLanes& lanes) {
-  for (std::size_t lane = 0; lane < 8; ++lane) stream(lanes.re[lane], lanes.im[lane]);
+  for (std::size_t lane = 0; lane < ComplexLanes::kCount; ++lane)
+    stream(lanes.re[lane], lanes.im[lane]);
 }
 
 // sum_k c_k (T - z_k)^-1 x for eight poles z_k side by side in the lanes of one vector: a solve for

@@ -5,9 +5,11 @@ import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
+import { gzipSync } from 'node:zlib';
 
 const [packagePath, program, modelPath, folder] = process.argv.slice(2);
 const bytes = readFileSync(modelPath);
+const kCoreBytes = 265000;
 const kVertex = 1045, kForce = [0.05, 0.4, -0.2], kSteps = 1000, kStep = 0.003;
 
 function nativeState(integrator) {
@@ -66,6 +68,13 @@ for (const file of ['tremolo.mjs', 'tremolo.single.mjs']) {
   // A free body falls on a floor and stays above it.
   body.release();
   model.release();
+  // The wrapper gives structs the room that they take: their first number is their size.
+  for (const [name, bytes] of [['body', 80], ['contact', 48]]) {
+    const at = tremolo.engine._malloc(256);
+    tremolo.engine[`_tremolo_${name}_options_init`](at);
+    assert.equal(new DataView(tremolo.engine.HEAPU8.buffer).getUint32(at, true), bytes, `tremolo_${name}_options`);
+    tremolo.engine._free(at);
+  }
   // Memory is given back: as much again fits into what there is.
   const grown = () => tremolo.engine.HEAPU8.length;
   const cycle = () => {
@@ -78,4 +87,24 @@ for (const file of ['tremolo.mjs', 'tremolo.single.mjs']) {
   for (let k = 0; k < 10; ++k) cycle();
   assert.equal(grown(), size);
 }
+
+// The core is small, and what is left out of it is in the full module: bodies on
+// bones, bodies against bodies, joints. A body of both moves alike, to the bit.
+const sizeOf = (...names) => names.reduce((sum, name) =>
+  sum + gzipSync(readFileSync(join(packagePath, name)), { level: 9 }).length, 0);
+const core = sizeOf('engine.wasm', 'engine.mjs', 'tremolo.mjs'), whole = sizeOf('engine-full.wasm');
+console.log(`gzip -9: core with both scripts ${core} bytes, full module ${whole} bytes`);
+assert.ok(core <= kCoreBytes, `the core has grown to ${core} bytes`);
+const { loadTremolo } = await import(pathToFileURL(join(packagePath, 'tremolo.mjs')));
+const small = await loadTremolo(), full = await loadTremolo({ full: true });
+for (const name of ['_tremolo_contacts_step', '_tremolo_contacts_join', '_tremolo_body_create_on_bones'])
+  assert.deepEqual([typeof small.engine[name], typeof full.engine[name]], ['undefined', 'function']);
+const states = [small, full].map((tremolo) => {
+  const body = tremolo.loadModel(bytes).createBody({ step: kStep });
+  body.applyForce(kVertex, kForce, 1);
+  body.step(100);
+  return body.state().q;
+});
+assert.deepEqual(states[0], states[1]);
+full.make((out) => full.engine._tremolo_contacts_create(0, out));
 console.log('1 passed, 0 failed');

@@ -98,6 +98,18 @@ for (const name of await page.$$eval('#model option', (all) => all.map((one) => 
   assert.ok(shown.share > 0.01 && shown.share < 0.6, `${name} covers ${shown.share} of the picture`);
 }
 
+// The browser takes the context away and gives it back.
+await page.evaluate(() => {
+  const lose = document.getElementById('scene').getContext('webgl2').getExtension('WEBGL_lose_context');
+  lose.loseContext();
+  return new Promise((resolve) => setTimeout(() => {
+    lose.restoreContext();
+    setTimeout(resolve, 800);
+  }, 200));
+});
+const again = await body();
+assert.ok(again.share > 0.01, `after the context came back the body covers ${again.share} of the picture`);
+
 // A file that is none.
 const wrong = join(photos, 'wrong.tremolo');
 writeFileSync(wrong, 'this is no basis file, though it is long enough to be looked at closely');

@@ -28,9 +28,7 @@ node "$work/engine_test.mjs" "$build/web/package" "$build/bin/tremolo" "$build/m
 # basis files, where it has run.
 cmake --build "$build" --target web_engine_unchecked
 mkdir -p "$work/unchecked"
-sed 's/tremolo_engine.wasm/engine.wasm/g' "$build/web/engine-unchecked/bin/tremolo_engine.mjs" >"$work/unchecked/engine.mjs"
-cp "$build/web/engine-unchecked/bin/tremolo_engine.wasm" "$work/unchecked/engine.wasm"
-cp "$build/web/package/tremolo.mjs" "$work/unchecked"
+cp "$build/web/engine-unchecked/bin/engine.wasm" "$build"/web/package/{tremolo,engine}.mjs "$work/unchecked"
 node "$work/corpus_test.mjs" "$work/unchecked" "$here/../formats/golden" "$build"/fuzz/learned*/model
 node "$work/page_test.mjs" "$build/web/index.html" "$chromium" "$work/photos"
 # The page of ./demo --live.

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <complex>
+#include <numbers>
 #include <vector>
-
-#include <Eigen/Eigenvalues>
 
 namespace tremolo {
 namespace {
@@ -33,22 +32,39 @@ Polynomial derivative(const Polynomial& p) {
   return result;
 }
 
-// The roots with imaginary part >= 0: eigenvalues of the companion matrix and two Newton steps.
+// The roots with imaginary part >= 0, of real coefficients, by Weierstrass' iteration (Durand and
+// Kerner): each root's estimate is corrected by p over the product of its distances to the others.
+// It converges for the denominators of filters, whose roots lie apart.
 std::vector<Number> upper_roots(const Polynomial& p) {
-  const auto degree = static_cast<Eigen::Index>(p.size()) - 1;
-  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(degree, degree);
-  for (Eigen::Index i = 0; i < degree; ++i) {
-    if (i + 1 < degree) companion(i + 1, i) = 1.0;
-    companion(i, degree - 1) = -p[static_cast<std::size_t>(i)] / p.back();
+  constexpr int kIterations = 200;
+  constexpr double kMoved = 1e-12;  // of the bound; its square, what is left then, is rounding
+  constexpr double kReal = 1e-12;   // an imaginary part of this share is rounding
+  const std::size_t degree = p.size() - 1;
+  double bound = 0.0;  // Cauchy's, of all roots
+  for (std::size_t i = 0; i < degree; ++i) bound = std::max(bound, 1.0 + std::abs(p[i] / p.back()));
+  std::vector<Number> all(degree);
+  for (std::size_t i = 0; i < degree; ++i)
+    all[i] = std::polar(0.5 * bound, 0.4 + 2.0 * std::numbers::pi * static_cast<double>(i) /
+                                               static_cast<double>(degree));
+  double moved = bound;
+  for (int k = 0; k < kIterations && moved > kMoved * bound; ++k) {
+    moved = 0.0;
+    for (Number& root : all) {
+      Number apart = p.back();
+      for (const Number& other : all)
+        if (&other != &root) apart *= root - other;
+      const Number move = value(p, root) / apart;
+      moved = std::max(moved, std::abs(move));
+      root -= move;
+    }
   }
-  const Polynomial slope = derivative(p);
-  std::vector<Number> roots;
-  for (Number root : companion.eigenvalues()) {
-    if (root.imag() < 0.0) continue;
-    for (int k = 0; k < 2; ++k) root -= value(p, root) / value(slope, root);
-    roots.push_back(root);
+  std::vector<Number> upper;
+  for (Number root : all) {
+    if (std::abs(root.imag()) <= kReal * std::abs(root)) root = root.real();
+    if (root.imag() >= 0.0) upper.push_back(root);
   }
-  return roots;
+  std::sort(upper.begin(), upper.end(), [](Number a, Number b) { return a.imag() < b.imag(); });
+  return upper;
 }
 
 // b1 and b2 as the header has them.

@@ -8,7 +8,10 @@ export class TremoloError extends Error {
   kind: 'system' | 'usage' | 'content' | 'solver' | 'bound' | 'unknown';
 }
 
-export function loadTremolo(options?: { wasmBinary?: Uint8Array | ArrayBuffer }): Promise<Tremolo>;
+export function loadTremolo(options?: {
+  wasmBinary?: Uint8Array | ArrayBuffer;
+  full?: boolean;
+}): Promise<Tremolo>;
 
 export class Tremolo {
   readonly engine: Record<string, (...values: (number | bigint)[]) => number> & { HEAPU8: Uint8Array };

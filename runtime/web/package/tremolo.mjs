@@ -14,15 +14,10 @@ export class TremoloError extends Error {
   }
 }
 
-// wasmBinary: the bytes of engine.wasm; without, it is read from beside this module.
-export async function loadTremolo({ wasmBinary } = {}) {
-  const inNode = typeof process === 'object' && process.versions?.node && !wasmBinary;
-  if (inNode) {
-    // node fetches no files.
-    const { readFile } = await import('node:fs/promises');
-    wasmBinary = await readFile(new URL('./engine.wasm', import.meta.url));
-  }
-  return new Tremolo(await createEngine(wasmBinary ? { wasmBinary } : {}));
+// wasmBinary: the bytes of a module; without, it is read from beside this one: engine.wasm, or with
+// `full` engine-full.wasm, which has bodies on bones, bodies against bodies and joints besides.
+export async function loadTremolo({ wasmBinary, full = false } = {}) {
+  return new Tremolo(await createEngine({ wasmBinary, file: full ? './engine-full.wasm' : './engine.wasm' }));
 }
 
 // Memory that a call needs, given back in the end.
@@ -344,7 +339,7 @@ export class Body {
   setContact({ points, margin, stiffness } = {}) {
     this.tremolo.with((s) => {
       const { engine } = this.tremolo;
-      const at = s.bytes(24);
+      const at = s.bytes(48);
       engine._tremolo_contact_options_init(at);
       const view = new DataView(engine.HEAPU8.buffer);
       if (points !== undefined) view.setInt32(at + 4, points, true);
