@@ -31,6 +31,19 @@ struct SpringView {
   double k, d;
 };
 
+// Of each spring, places as of BlockPattern::find().
+struct SpringPlaces {
+  const std::uint32_t* a;
+  const std::uint32_t* b;
+  const std::uint32_t* between;
+};
+
+// What tangents are multiplied with; full: as of SpringSet::add_tangent().
+struct SpringWeights {
+  double position, velocity;
+  bool full;
+};
+
 // x_a - x_b.
 [[gnu::always_inline]] inline void spring_differences(const SpringView& s, const SpringChunk& chunk,
                                                       const double* x, double* r) {
@@ -233,6 +246,53 @@ double SpringSet::add_step_force(const Eigen::VectorXd& x0, const Eigen::VectorX
   return spring_step_forces(view, x0.data(), x1.data(), h, f.data());
 }
 
+namespace {
+
+// The block of spring i: added at its particles' places, subtracted between them.
+[[gnu::always_inline]] inline void add_spring_block(const SpringPlaces& places, std::size_t i,
+                                                    const double* block, double* blocks) {
+  double* a = blocks + 9 * std::size_t{places.a[i]};
+  double* b = blocks + 9 * std::size_t{places.b[i]};
+  double* between = blocks + 9 * std::size_t{places.between[i]};
+  for (int k = 0; k < 9; ++k) a[k] += block[k];
+  for (int k = 0; k < 9; ++k) b[k] += block[k];
+  for (int k = 0; k < 9; ++k) between[k] -= block[k];
+}
+
+TREMOLO_CLONES
+void add_spring_tangents(const SpringView& s, const SpringPlaces& places, const double* x,
+                         const double* v, const SpringWeights& weights, double* blocks) {
+  ChunkVectors r, w;
+  ChunkNumbers squares, speeds, across;
+  for (const SpringChunk& chunk : s.chunks) {
+    const double* rest = s.rest + chunk.first;
+    spring_differences(s, chunk, x, r.data());
+    spring_squares(r.data(), r.data(), chunk.count, squares.data());
+    for (std::uint32_t i = 0; i < chunk.count; ++i) {
+      const double square = squares[i] > kNoSquare ? squares[i] : kNoSquare;
+      squares[i] = 1.0 / square;
+      across[i] = s.k * (1.0 - rest[i] * std::sqrt(square) * squares[i]);
+    }
+    if (s.d != 0.0) {
+      spring_differences(s, chunk, v, w.data());
+      spring_squares(r.data(), w.data(), chunk.count, speeds.data());
+      for (std::uint32_t i = 0; i < chunk.count; ++i) across[i] += s.d * speeds[i] * squares[i];
+    }
+    for (std::uint32_t i = 0; i < chunk.count; ++i) {
+      const double aside = weights.position * (weights.full || across[i] > 0.0 ? across[i] : 0.0);
+      const double along = (weights.position * s.k + weights.velocity * s.d - aside) * squares[i];
+      const double* e = r.data() + 3 * i;
+      double block[9];
+      for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l) block[3 * k + l] = along * e[k] * e[l];
+      for (int k = 0; k < 9; k += 4) block[k] += aside;
+      add_spring_block(places, chunk.first + i, block, blocks);
+    }
+  }
+}
+
+}  // namespace
+
 void SpringSet::add_block(std::size_t spring, const Matrix3d& block, BlockMatrix& a) const {
   a.block(place_a_[spring]) += block;
   a.block(place_b_[spring]) += block;
@@ -241,18 +301,10 @@ void SpringSet::add_block(std::size_t spring, const Matrix3d& block, BlockMatrix
 
 void SpringSet::add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
                             double velocity, bool full, BlockMatrix& a) const {
-  const double k = law_.stiffness, d = law_.damping;
-  for (std::size_t i = 0; i < size(); ++i) {
-    const Vector3d r = x.segment<3>(3 * a_[i]) - x.segment<3>(3 * b_[i]);
-    const double square = std::max(r.squaredNorm(), kNoSquare);
-    double across = k * (1.0 - rest_[i] / std::sqrt(square));
-    if (d != 0.0) across += d / square * r.dot(v.segment<3>(3 * a_[i]) - v.segment<3>(3 * b_[i]));
-    across = position * (full ? across : std::max(across, 0.0));
-    const double along = position * k + velocity * d - across;
-    Matrix3d block = (along / square * r) * r.transpose();
-    block.diagonal().array() += across;
-    add_block(i, block, a);
-  }
+  if (size() == 0) return;
+  const SpringView view{a_.data(), b_.data(), rest_.data(), chunks_, law_.stiffness, law_.damping};
+  add_spring_tangents(view, {place_a_.data(), place_b_.data(), place_ab_.data()}, x.data(),
+                      v.data(), {position, velocity, full}, a.block(0).data());
 }
 
 double SpringSet::energy(const Eigen::VectorXd& x) const {

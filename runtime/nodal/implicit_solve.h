@@ -72,8 +72,7 @@ class ImplicitSolve {
   std::optional<ConjugateGradients> gradients_;
   // Conjugate gradients are given up after so many iterations: a factor takes less then.
   int worth_ = kMostCgIterations;
-  int factored_ = 0;     // systems that the factor still solves before they are tried again
-  double shrunk_ = 1.0;  // the residual over that before the last step
+  int factored_ = 0;  // systems that the factor still solves before they are tried again
   // Residual from which on the full tangent is tried: below that at which it was indefinite.
   double full_limit_ = 0.0;
   bool full_ = false;  // the direction is of the full tangent

@@ -43,9 +43,11 @@ class ConjugateGradients {
 
   std::size_t n_ = 0;
   double scale_ = 1.0;  // of the matrix in floats
-  // Rows of the whole matrix; where each stored block goes, and where its transpose.
+  // Rows of the whole matrix, in pairs of blocks; where each stored block goes, and where its
+  // transpose.
   std::vector<std::uint32_t> first_, column_, place_, turned_;
-  // Blocks, three columns of four floats each; of the diagonal's inverses likewise.
+  // Blocks, three columns of four floats each, those of a pair side by side; the diagonal's
+  // inverses, each by itself.
   AlignedFloats blocks_, inverse_;
   // Four floats a node: r, r preconditioned, the direction, A p, d.
   AlignedFloats r_, z_, p_, q_, d_;

@@ -9,6 +9,8 @@
 
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run_flags.h"
+#include "runtime/viewer/cloth/cloth_scenes.h"
+#include "runtime/viewer/cloth/cloth_window.h"
 #include "runtime/viewer/live/viewed_scene.h"
 #include "runtime/viewer/offscreen/offscreen.h"
 #include "runtime/viewer/setup/viewer_options.h"
@@ -34,6 +36,7 @@ void add_picture_flags(CLI::App& app, ViewerOptions& o) {
   app.add_option("--paint", o.paints, "[BODY=]#rrggbb: a body's colour; may be repeated");
   app.add_option("--texture", o.textures,
                  "[MATERIAL=]FILE.png for bodies with texture coordinates; may be repeated");
+  app.add_option("--beside", o.beside, "of cloth: a second scene, shown beside the first");
   app.add_flag("--wire", o.wire, "show the triangles");
   app.add_flag("--no-colliders", o.no_colliders, "do not show colliders, but for the ground");
   app.add_option("--lights", o.lights,
@@ -106,6 +109,9 @@ int view(int count, char** words) {
                           onto.app.parse(count, words);  // cannot fail: it has been parsed before
                           body = again.body;
                         }};
+  if (is_cloth_file(options.file)) return view_cloth_command(options, flags);
+  if (!options.beside.empty())
+    return report_error(usage_error("--beside is of scenes of cloth"));
   const Result<ViewedScene> viewed = read_viewed_scene(options.file, flags);
   if (!viewed) return report_error(viewed.error());
   return options.offscreen ? offscreen_command(options, *viewed) : window_command(options, *viewed);

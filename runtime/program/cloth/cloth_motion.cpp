@@ -159,11 +159,9 @@ class ClothMotion : public MotionSource {
   }
 
   Status check(const MotionOutputs& outputs) const override {
-    if (!outputs.glb.empty() || !outputs.page.empty())
-      return usage_error(std::string(outputs.glb.empty() ? "--page" : "--glb") +
-                         " moves vertices by a few modes or bones, and cloth has neither: --usda, "
-                         "--pc2, --mdd, --pvd and --series write each particle's place");
     if (outputs.modes > 0) return usage_error("--modes is of bodies: a cloth has none");
+    if (!outputs.extras.live.empty())
+      return usage_error("--live is of bodies: a page's engine moves no cloth");
     return Success{};
   }
 

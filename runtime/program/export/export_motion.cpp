@@ -11,6 +11,7 @@
 #include "formats/file/output_guard.h"
 #include "runtime/exchange/glb_writer.h"
 #include "runtime/exchange/point_cache.h"
+#include "runtime/exchange/recorded_modes.h"
 #include "runtime/exchange/surface_series.h"
 #include "runtime/exchange/usda_writer.h"
 #include "runtime/program/output/energy_page.h"
@@ -21,6 +22,11 @@ namespace tremolo {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// Of motion that no modes describe: so many modes of what was recorded, or as many as keep it to
+// this share of the size.
+constexpr std::size_t kMostRecorded = 160;
+constexpr double kRecordedError = 1e-3;
 
 GlbTexture texture_of_flag(const std::string& text) {
   const std::size_t equals = text.find('=');
@@ -119,19 +125,41 @@ Result<Json> write_as_page(const MotionOutputs& outputs, const Animation& animat
   return json;
 }
 
+// Page and glb, which move vertices by few numbers a frame: what has none gets the modes of its
+// recorded motion.
+Status write_by_modes(const MotionOutputs& outputs, const Animation& recorded,
+                      const std::string& subtitle, Json& files) {
+  if (outputs.page.empty() && outputs.glb.empty()) return Success{};
+  const bool free =
+      std::any_of(recorded.bodies.begin(), recorded.bodies.end(),
+                  [](const AnimatedBody& body) { return !body.displacements.empty(); });
+  Animation described;
+  double error = 0.0;
+  if (free) {
+    described = recorded;
+    if (Status s = take(error, describe_by_modes(described, kMostRecorded, kRecordedError)); !s)
+      return s;
+  }
+  const Animation& animation = free ? described : recorded;
+  const auto add = [&](Result<Json> json) -> Status {
+    if (!json) return json.error();
+    if (free) {
+      (*json)["recorded_modes"] = animation.shapes.front().modes.cols();
+      (*json)["recorded_modes_error"] = error;
+    }
+    files.push_back(std::move(*json));
+    return Success{};
+  };
+  if (!outputs.page.empty())
+    if (Status s = add(write_as_page(outputs, animation, subtitle)); !s) return s;
+  if (outputs.glb.empty()) return Success{};
+  return add(write_as_glb(outputs, animation));
+}
+
 Result<Json> write_motion_files(const MotionOutputs& outputs, const Animation& animation,
                                 const std::string& subtitle) {
   Json files = Json::array();
-  if (!outputs.page.empty()) {
-    Result<Json> page = write_as_page(outputs, animation, subtitle);
-    if (!page) return page.error();
-    files.push_back(std::move(*page));
-  }
-  if (!outputs.glb.empty()) {
-    Result<Json> glb = write_as_glb(outputs, animation);
-    if (!glb) return glb.error();
-    files.push_back(std::move(*glb));
-  }
+  if (Status s = write_by_modes(outputs, animation, subtitle, files); !s) return s.error();
   if (!outputs.usda.empty()) {
     const Result<WrittenFile> usda = write_usda(outputs.usda, animation, outputs.up == "z");
     if (!usda) return usda.error();
@@ -176,6 +204,10 @@ void print_files(const Json& files) {
           file["normal_error_mean"].get<double>());
     if (format == "page")
       fmt::print(", positions to {:.1e} of the size", file["position_error"].get<double>());
+    if (file.contains("recorded_modes"))
+      fmt::print("; {} modes of the recorded motion, to {:.1e} of the size",
+                 file["recorded_modes"].get<std::int64_t>(),
+                 file["recorded_modes_error"].get<double>());
     fmt::print("\n");
     if (file.contains("four_bones_error") && file["four_bones_error"] > 0.0)
       fmt::print(

@@ -13,6 +13,7 @@ namespace tremolo {
 // takes it.
 struct ViewerOptions {
   std::string file;
+  std::string beside;  // of cloth: a second scene, shown beside the first
   RunOptions body;
   bool offscreen = false;
   int frames = 1;

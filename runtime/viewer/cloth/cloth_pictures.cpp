@@ -1,0 +1,139 @@
+#include "runtime/viewer/cloth/cloth_pictures.h"
+
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/program/output/tell.h"
+#include "runtime/program/run/interruption.h"
+#include "runtime/viewer/cloth/cloth_stage.h"
+#include "runtime/viewer/offscreen/egl_context.h"
+#include "runtime/viewer/offscreen/picture_target.h"
+#include "runtime/viewer/picture/picture_series.h"
+#include "runtime/viewer/setup/frame_times.h"
+
+namespace tremolo {
+namespace {
+
+constexpr LightCounts kClothLights{12, 36, 1024};
+
+// Everything that draws; the context must go last.
+struct ClothStudio {
+  std::unique_ptr<EglContext> context;
+  std::unique_ptr<Renderer> renderer;
+  std::unique_ptr<ClothStage> stage;
+  std::optional<PictureTarget> target;
+};
+
+Result<ClothStudio> open_cloth_studio(const ViewerOptions& options, const ViewSetup& setup,
+                                      const ClothScenes& scenes) {
+  ClothStudio studio;
+  if (Status s = take(studio.context, EglContext::create()); !s) return s.error();
+  if (Status s = take(studio.renderer, Renderer::create()); !s) return s.error();
+  studio.stage = std::make_unique<ClothStage>(scenes, setup.paints, !options.no_colliders);
+  Result<PictureTarget> target = PictureTarget::create(setup.size);
+  if (!target) return target.error();
+  studio.target.emplace(std::move(*target));
+  return studio;
+}
+
+struct ClothShots {
+  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+  FrameTimes times;
+  int signal = 0;
+};
+
+Status shoot_all(const ViewerOptions& options, const ViewSetup& setup, ClothScenes& scenes,
+                 ClothStudio& studio, PictureSeries& series, ClothShots& shots) {
+  const Interruption interruption;
+  ClothStage& stage = *studio.stage;
+  PictureLook look;
+  look.lights = options.lights > 0 ? light_counts(options.lights, kClothLights.side) : kClothLights;
+  look.light_azimuth = setup.camera.azimuth;
+  look.wire = options.wire;
+  look.background = setup.background;
+  look.ground = stage.ground();
+  look.has_ground = stage.has_ground();
+  Camera camera;
+  Picture picture;
+  for (int k = 0; k < options.frames && shots.signal == 0; ++k) {
+    const double due = options.from + k / options.rate;
+    while (scenes.time() < due - 1e-9 * scenes.step_size())
+      if (Status s = scenes.step(); !s) return s;
+    shots.times.begin();
+    stage.pose(scenes);
+    if (k == 0) camera = camera_of_cloth(setup, stage.points());
+    shots.times.prepared();
+    stage.upload();
+    if (Status s = studio.renderer->draw(stage.things(), stage.ball(), camera, setup.size, look,
+                                         studio.target->framebuffer());
+        !s)
+      return s;
+    studio.target->read(picture);
+    shots.times.drawn();
+    if (Status s = series.add(picture); !s) return s;
+    nlohmann::ordered_json frame{{"time", scenes.time()}};
+    if (!options.out.empty()) frame["file"] = series.files().back();
+    shots.frames.push_back(std::move(frame));
+    shots.signal = interruption.signal();
+  }
+  return Success{};
+}
+
+}  // namespace
+
+Scene names_of(const ClothScenes& scenes) {
+  Scene names;
+  names.gravity = scenes.shown().front().file.scene.gravity;
+  for (const ClothScenes::Shown& shown : scenes.shown()) {
+    for (const SceneCloth& cloth : shown.file.scene.cloths)
+      names.bodies.emplace_back().name = cloth.name;
+    for (const SceneBall& ball : shown.file.scene.balls)
+      names.bodies.emplace_back().name = ball.name;
+  }
+  return names;
+}
+
+Camera camera_of_cloth(const ViewSetup& setup, const std::vector<double>& points) {
+  Camera camera;
+  camera.up = setup.up;
+  camera.azimuth = setup.camera.azimuth;
+  camera.elevation = setup.camera.elevation;
+  frame_points(points, setup.size.aspect(), camera);
+  camera.distance /= setup.camera.zoom;
+  return camera;
+}
+
+Result<int> photograph_cloth(const ViewerOptions& options, ClothScenes& scenes) {
+  if (options.out.empty() && options.video.empty())
+    return usage_error("--offscreen needs --out DIR, --video FILE.mp4|.webm, or both");
+  const Result<ViewSetup> setup = make_setup(options, names_of(scenes));
+  if (!setup) return setup.error();
+  Result<ClothStudio> studio = open_cloth_studio(options, *setup, scenes);
+  if (!studio) return studio.error();
+  Result<PictureSeries> series = PictureSeries::create(options.out, options.video, options.rate,
+                                                       setup->size.width, setup->size.height);
+  if (!series) return series.error();
+  ClothShots shots;
+  if (Status s = shoot_all(options, *setup, scenes, *studio, *series, shots); !s) return s.error();
+  if (Status s = series->finish(); !s) return s.error();
+  const int code = shots.signal != 0 ? 128 + shots.signal : 0;
+  tell("{}: {} pictures of {}x{}, {:.1f} ms each to pose them and {:.0f} ms to draw{}\n",
+       options.file, shots.frames.size(), setup->size.width, setup->size.height,
+       shots.times.prepare_ms(), shots.times.draw_ms(),
+       studio->renderer->is_software() ? " (by software)" : "");
+  if (!options.json) return code;
+  const nlohmann::ordered_json json{{"file", options.file},
+                                    {"width", setup->size.width},
+                                    {"height", setup->size.height},
+                                    {"prepare_ms", shots.times.prepare_ms()},
+                                    {"draw_ms", shots.times.draw_ms()},
+                                    {"software", studio->renderer->is_software()},
+                                    {"steps", scenes.shown().front().world.steps()},
+                                    {"frames", shots.frames},
+                                    {"exit_code", code}};
+  print_json(json);
+  return code;
+}
+
+}  // namespace tremolo

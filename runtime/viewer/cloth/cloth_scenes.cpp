@@ -1,0 +1,150 @@
+#include "runtime/viewer/cloth/cloth_scenes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "formats/file/whole_file.h"
+#include "runtime/program/cloth/run_cloth.h"
+#include "runtime/program/run/run_body.h"
+#include "runtime/scene_reader/scene_kind.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kRoom = 1.25;  // from a scene to the next, in its width
+
+// Where the ray meets the triangle: how far along the ray's direction, by Möller and Trumbore
+// (1997); nothing where it passes by.
+std::optional<double> meets(const CameraRay& ray, const Vector3d& a, const Vector3d& b,
+                            const Vector3d& c) {
+  const Vector3d ab = b - a, ac = c - a, normal = ray.direction.cross(ac);
+  const double size = ab.dot(normal);
+  if (size == 0.0) return std::nullopt;
+  const Vector3d from = ray.origin - a, turned = from.cross(ab);
+  const double u = from.dot(normal) / size, v = ray.direction.dot(turned) / size;
+  const double far = ac.dot(turned) / size;
+  if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0 && far > 0.0)) return std::nullopt;
+  return far;
+}
+
+// The extent of a scene's cloths along x at their start.
+std::pair<double, double> extent(const ClothWorld& world) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t i = 0; i < world.cloths(); ++i)
+    for (Eigen::Index k = 0; k < world.positions(i).size(); k += 3) {
+      low = std::min(low, world.positions(i)[k]);
+      high = std::max(high, world.positions(i)[k]);
+    }
+  return {low, high};
+}
+
+}  // namespace
+
+bool is_cloth_file(const std::string& file) {
+  if (!file.ends_with(".toml")) return false;
+  const Result<std::string> text = read_whole_file(file);
+  if (!text) return false;
+  const Result<SceneKind> kind = scene_kind(*text, file);
+  return kind && *kind == SceneKind::kCloth;
+}
+
+Result<ClothFile> read_cloth_file(const std::string& file, const ViewFlags& flags) {
+  const Result<std::string> text = read_whole_file(file);
+  if (!text) return text.error();
+  Result<ClothFile> read = parse_cloths(*text, file);
+  if (!read) return read.error();
+  if (Status s = apply_cloth_flags(flags.flags, flags.told, *read); !s) return s.error();
+  return read;
+}
+
+Result<ClothScenes> ClothScenes::create(std::vector<ClothFile> files) {
+  ClothScenes scenes;
+  for (ClothFile& file : files) {
+    Result<ClothWorld> world = ClothWorld::create(file.scene);
+    if (!world) return error_of_file(file.path, value_error(world.error()));
+    if (file.scene.options.step != files.front().scene.options.step)
+      return content_error(file.path +
+                           ": scenes that are seen side by side have one step: say --step");
+    scenes.shown_.push_back({file, std::move(*world)});
+  }
+  scenes.place();
+  return scenes;
+}
+
+void ClothScenes::place() {
+  double next = 0.0;
+  for (std::size_t i = 0; i < shown_.size(); ++i) {
+    const auto [low, high] = extent(shown_[i].world);
+    const double width = kRoom * std::max(high - low, 1e-3);
+    shown_[i].aside = i == 0 ? Vector3d::Zero() : Vector3d(next - low, 0.0, 0.0);
+    next = shown_[i].aside.x() + low + width;
+  }
+}
+
+Status ClothScenes::step() {
+  if (hand_) {
+    if (Status s = shown_[hand_->scene].world.hold(hand_->cloth, hand_->particle, hand_->point); !s)
+      return s;
+  }
+  for (Shown& one : shown_)
+    if (Status s = one.world.step(); !s) return error_of_file(one.file.path, s.error());
+  return Success{};
+}
+
+Status ClothScenes::begin_again() {
+  hand_.reset();
+  for (Shown& one : shown_) {
+    Result<ClothWorld> world = ClothWorld::create(one.file.scene);
+    if (!world) return error_of_file(one.file.path, value_error(world.error()));
+    one.world = std::move(*world);
+  }
+  return Success{};
+}
+
+bool ClothScenes::take(const CameraRay& ray) {
+  let_go();
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < shown_.size(); ++i) {
+    const CameraRay into{ray.origin - shown_[i].aside, ray.direction};
+    const ClothWorld& world = shown_[i].world;
+    for (std::size_t cloth = 0; cloth < world.cloths(); ++cloth) {
+      const auto at = [&world, cloth](VertexId v) -> Vector3d {
+        return world.positions(cloth).segment<3>(3 * static_cast<Eigen::Index>(v));
+      };
+      for (const Triangle& t : world.triangles(cloth)) {
+        const auto far = meets(into, at(t[0]), at(t[1]), at(t[2]));
+        if (!far || *far >= nearest) continue;
+        nearest = *far;
+        const Vector3d place = into.origin + *far * into.direction;
+        const VertexId corner = *std::min_element(t.begin(), t.end(), [&](VertexId a, VertexId b) {
+          return (at(a) - place).squaredNorm() < (at(b) - place).squaredNorm();
+        });
+        hand_ = Hand{i, cloth, static_cast<std::size_t>(corner), at(corner)};
+      }
+    }
+  }
+  return hand_.has_value();
+}
+
+void ClothScenes::move_to(const Vector3d& point) {
+  if (hand_) hand_->point = point - shown_[hand_->scene].aside;
+}
+
+void ClothScenes::let_go() {
+  // The particle is one that was taken.
+  if (hand_) (void)shown_[hand_->scene].world.let_go(hand_->cloth, hand_->particle);
+  hand_.reset();
+}
+
+std::optional<Vector3d> ClothScenes::hand() const {
+  if (!hand_) return std::nullopt;
+  return Vector3d(hand_->point + shown_[hand_->scene].aside);
+}
+
+}  // namespace tremolo

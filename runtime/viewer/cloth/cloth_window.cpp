@@ -1,0 +1,284 @@
+#include "runtime/viewer/cloth/cloth_window.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <imgui.h>
+#include <numbers>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/program/output/tell.h"
+#include "runtime/program/run/interruption.h"
+#include "runtime/viewer/cloth/cloth_pictures.h"
+#include "runtime/viewer/cloth/cloth_stage.h"
+#include "runtime/viewer/window/glfw_window.h"
+
+namespace tremolo {
+namespace {
+
+using ClothClock = std::chrono::steady_clock;
+using Eigen::Vector3d;
+
+constexpr LightCounts kClothCard{8, 24, 1024}, kClothSoftware{2, 6, 512};
+constexpr int kLeftButton = 0, kRightButton = 1, kMiddleButton = 2;  // as GLFW counts
+constexpr double kTurnOver = std::numbers::pi;  // rad for a way over the whole window
+constexpr double kNearer = 0.88;                // of the distance, a turn of the wheel
+constexpr double kSteep = 0.495 * std::numbers::pi;
+constexpr double kBudget = 0.05;    // s of real time that the steps before a picture may take
+constexpr double kHiddenNap = 0.1;  // s between looks at a window that shows nothing
+
+double since(ClothClock::time_point then) {
+  return std::chrono::duration<double>(ClothClock::now() - then).count();
+}
+
+class ClothViewer {
+ public:
+  ClothViewer(const ViewerOptions& options, const ViewSetup& setup, ClothScenes& scenes)
+      : options_(options), setup_(setup), scenes_(scenes), paused_(options.paused) {}
+
+  Status open() {
+    const std::string name = std::filesystem::path(options_.file).filename().string();
+    if (Status s = take(window_, GlfwWindow::create("tremolo view: " + name, setup_.size)); !s)
+      return s;
+    if (Status s = take(renderer_, Renderer::create()); !s) return s;
+    stage_ = std::make_unique<ClothStage>(scenes_, setup_.paints, !options_.no_colliders);
+    camera_ = camera_of_cloth(setup_, stage_->points());
+    wire_ = options_.wire;
+    window_->listen(
+        {.button = [this](int button, bool down, bool shift) { press(button, down, shift); },
+         .move = [this](double x, double y) { move(x, y); },
+         .wheel = [this](double turns) { camera_.distance *= std::pow(kNearer, turns); },
+         .key = [this](int key) { press_key(key); }});
+    return Success{};
+  }
+
+  Status run() {
+    const Interruption interruption;
+    const ClothClock::time_point begun = ClothClock::now();
+    set_clock();
+    while (!window_->closed() && interruption.signal() == 0) {
+      if (options_.duration > 0.0 && since(begun) >= options_.duration) break;
+      const PictureSize size = window_->pixels();
+      const bool shows = size.width > 0 && size.height > 0;
+      window_->poll(shows ? 0.0 : kHiddenNap);
+      if (std::exchange(wants_reset_, false)) {
+        if (Status s = scenes_.begin_again(); !s) return s;
+        trouble_.clear();
+        set_clock();
+      }
+      follow_clock();
+      if (!shows) continue;
+      if (Status s = show_picture(size); !s) return s;
+    }
+    signal_ = interruption.signal();
+    return Success{};
+  }
+
+  int code() const { return signal_ != 0 ? 128 + signal_ : trouble_code_; }
+  nlohmann::ordered_json json() const {
+    return {{"file", options_.file},
+            {"pictures", pictures_},
+            {"software", renderer_->is_software()},
+            {"time", scenes_.time()},
+            {"steps", scenes_.shown().front().world.steps()},
+            {"pulls", pulls_},
+            {"longest_pull", longest_pull_},
+            {"trouble", trouble_},
+            {"exit_code", code()}};
+  }
+
+ private:
+  enum class Drag { kNone, kPull, kOrbit, kPan };
+
+  double aspect() const {
+    const PictureSize size = window_->pixels();
+    return size.height > 0 ? size.aspect() : 1.0;
+  }
+
+  void set_clock() {
+    clock_began_ = ClothClock::now();
+    clock_time_ = scenes_.time();
+  }
+
+  void press(int button, bool down, bool shift) {
+    if (!down) {
+      if (drag_ == Drag::kPull) scenes_.let_go();
+      drag_ = Drag::kNone;
+      return;
+    }
+    if (drag_ != Drag::kNone) return;
+    if (button == kMiddleButton || shift) {
+      drag_ = Drag::kPan;
+    } else if (button == kRightButton) {
+      drag_ = Drag::kOrbit;
+    } else if (button == kLeftButton) {
+      drag_ = scenes_.take(ray_through(camera_, aspect(), x_, y_)) ? Drag::kPull : Drag::kOrbit;
+      if (drag_ != Drag::kPull) return;
+      taken_ = *scenes_.hand();
+      ++pulls_;
+    }
+  }
+
+  void move(double x, double y) {
+    const double dx = x - std::exchange(x_, x), dy = y - std::exchange(y_, y);
+    const CameraAxes axes = axes_of(camera_);
+    if (drag_ == Drag::kOrbit) {
+      camera_.azimuth -= kTurnOver * dx * aspect();
+      camera_.elevation = std::clamp(camera_.elevation + kTurnOver * dy, -kSteep, kSteep);
+    } else if (drag_ == Drag::kPan) {
+      const double height = 2.0 * camera_.distance * std::tan(0.5 * camera_.view_angle);
+      camera_.target += height * (-dx * aspect() * axes.right + dy * axes.up);
+    } else if (drag_ == Drag::kPull) {
+      // In the plane through where it was taken that faces the camera.
+      const CameraRay ray = ray_through(camera_, aspect(), x_, y_);
+      const double along = axes.back.dot(taken_ - ray.origin) / axes.back.dot(ray.direction);
+      const Vector3d point = ray.origin + along * ray.direction;
+      longest_pull_ = std::max(longest_pull_, (point - taken_).norm());
+      scenes_.move_to(point);
+    }
+  }
+
+  void press_key(int key) {
+    if (key == GLFW_KEY_ESCAPE) window_->close();
+    if (key == GLFW_KEY_R) wants_reset_ = true;
+    if (key == GLFW_KEY_F) frame_points(stage_->points(), aspect(), camera_);
+    if (key == GLFW_KEY_W) wire_ = !wire_;
+    if (key == GLFW_KEY_SPACE) paused_ = !paused_;
+    if (key == GLFW_KEY_PERIOD) {
+      paused_ = true;
+      make_step();
+    }
+    set_clock();
+  }
+
+  void make_step() {
+    if (!trouble_.empty()) return;
+    const Status made = scenes_.step();
+    if (made) return;
+    trouble_ = made.error().message;
+    trouble_code_ = exit_code(made.error().kind);
+    tell("tremolo: {}\n", trouble_);
+  }
+
+  // What cannot be kept of the clock's pace is given up.
+  void follow_clock() {
+    if (paused_ || !trouble_.empty()) {
+      set_clock();
+      return;
+    }
+    const ClothClock::time_point begun = ClothClock::now();
+    const auto due = [this] { return clock_time_ + options_.slow * since(clock_began_); };
+    while (scenes_.time() + scenes_.step_size() <= due() && trouble_.empty()) {
+      make_step();
+      if (since(begun) < kBudget) continue;
+      set_clock();
+      break;
+    }
+  }
+
+  void build_panel() {
+    ImGui::Begin("cloth");
+    for (const ClothScenes::Shown& shown : scenes_.shown()) {
+      const ClothEnergy energy = shown.world.energy();
+      ImGui::Text("%s: %s", std::filesystem::path(shown.file.path).stem().c_str(),
+                  shown.file.scene.integrator.c_str());
+      ImGui::Text("  energy %.4g J, by the method itself %.3g J", energy.total(), energy.numerical);
+    }
+    ImGui::Text("%.2f s%s", scenes_.time(), paused_ ? ", paused" : "");
+    ImGui::TextUnformatted("left: pull; right: turn; space, . , R, F, W");
+    if (!trouble_.empty()) ImGui::TextWrapped("%s", trouble_.c_str());
+    ImGui::End();
+  }
+
+  Status show_picture(const PictureSize& size) {
+    stage_->pose(scenes_);
+    window_->begin_panel();
+    build_panel();
+    ImGui::Render();
+    stage_->upload();
+    PictureLook look;
+    const LightCounts usual = renderer_->is_software() ? kClothSoftware : kClothCard;
+    look.lights = options_.lights > 0 ? light_counts(options_.lights, usual.side) : usual;
+    look.light_azimuth = setup_.camera.azimuth;
+    look.wire = wire_;
+    look.coarser = renderer_->is_software() ? 2 : 1;
+    look.background = setup_.background;
+    look.ground = stage_->ground();
+    look.has_ground = stage_->has_ground();
+    if (Status s = renderer_->draw(stage_->things(), stage_->ball(), camera_, size, look, 0); !s)
+      return s;
+    window_->draw_panel();
+    window_->show();
+    ++pictures_;
+    return Success{};
+  }
+
+  const ViewerOptions& options_;
+  const ViewSetup& setup_;
+  ClothScenes& scenes_;
+  std::unique_ptr<GlfwWindow> window_;  // first: its context goes last
+  std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<ClothStage> stage_;
+  Camera camera_;
+  Drag drag_ = Drag::kNone;
+  double x_ = 0.5, y_ = 0.5;
+  Vector3d taken_ = Vector3d::Zero();
+  bool paused_ = false, wire_ = false, wants_reset_ = false;
+  ClothClock::time_point clock_began_;
+  double clock_time_ = 0.0, longest_pull_ = 0.0;  // s; m
+  std::int64_t pictures_ = 0, pulls_ = 0;
+  std::string trouble_;
+  int trouble_code_ = 0, signal_ = 0;
+};
+
+// What the viewer of bodies has and this one does not.
+Status refuse_flags(const ViewerOptions& options) {
+  if (!options.record_hand.empty())
+    return usage_error("--record-hand is of bodies: a scene of cloth has pins instead of hands");
+  if (options.colour != "body")
+    return usage_error("--colour " + options.colour + " is of bodies: cloth has its own colours");
+  if (!options.textures.empty())
+    return usage_error("--texture is of bodies: cloth has no texture coordinates");
+  if (!options.offscreen && !(options.out.empty() && options.video.empty()))
+    return usage_error("a window of cloth is not recorded: --offscreen writes --out and --video");
+  return Success{};
+}
+
+Result<int> view_cloth(const ViewerOptions& options, const ViewFlags& flags) {
+  if (Status s = refuse_flags(options); !s) return s.error();
+  std::vector<ClothFile> files;
+  for (const std::string& path : {options.file, options.beside}) {
+    if (path.empty()) continue;
+    Result<ClothFile> file = read_cloth_file(path, flags);
+    if (!file) return file.error();
+    files.push_back(std::move(*file));
+  }
+  Result<ClothScenes> scenes = ClothScenes::create(std::move(files));
+  if (!scenes) return scenes.error();
+  return options.offscreen ? photograph_cloth(options, *scenes) : show_cloth(options, *scenes);
+}
+
+}  // namespace
+
+Result<int> show_cloth(const ViewerOptions& options, ClothScenes& scenes) {
+  const Result<ViewSetup> setup = make_setup(options, names_of(scenes));
+  if (!setup) return setup.error();
+  ClothViewer viewer(options, *setup, scenes);
+  if (Status s = viewer.open(); !s) return s.error();
+  if (Status s = viewer.run(); !s) return s.error();
+  if (options.json) print_json(viewer.json());
+  return viewer.code();
+}
+
+int view_cloth_command(const ViewerOptions& options, const ViewFlags& flags) {
+  const Result<int> code = view_cloth(options, flags);
+  if (!code) return report_error(code.error());
+  return flushed(*code);
+}
+
+}  // namespace tremolo
