@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "common/format_text.h"
 #include "common/mesh/mesh_parts.h"
 #include "precompute/system/failure.h"
 
@@ -11,6 +12,9 @@ namespace {
 
 // Part of an edge's length by which its point may lie off its middle without a word.
 constexpr double kStraight = 1e-6;
+// The same of the most curved edge that is straightened: half a circle. What lies farther off is no
+// point of its edge.
+constexpr double kMostCurved = 0.5;
 
 // How many tetrahedra there will be.
 std::size_t refined_count(const ProblemRequest& request, const TetMesh& mesh) {
@@ -21,6 +25,29 @@ void merge_into(std::vector<VertexId>& ids, const std::vector<VertexId>& more) {
   std::vector<VertexId> merged;
   std::set_union(ids.begin(), ids.end(), more.begin(), more.end(), std::back_inserter(merged));
   ids = std::move(merged);
+}
+
+// The most curved edge of a file, and how far its point lies off the middle, in edge lengths.
+struct Curvature {
+  MeshEdge edge;
+  double share = 0;
+};
+Curvature most_curved(const TetMesh& mesh) {
+  Curvature most;
+  for (const MeshEdge& edge : mesh.edges) {
+    const Eigen::Vector3d &a = mesh.vertices[edge.a], &b = mesh.vertices[edge.b];
+    const double off = (mesh.vertices[edge.point] - 0.5 * (a + b)).norm() / (b - a).norm();
+    if (off > most.share) most = {edge, off};
+  }
+  return most;
+}
+
+void refuse_misplaced(const Curvature& most) {
+  if (most.share <= kMostCurved) return;
+  throw Failure(content_error(
+      text("vertex %d stands for the edge between vertices %d and %d, but lies %.3g of its lengths "
+           "off its middle: expected the points of edges on their edges, at most %g off",
+           most.edge.point, most.edge.a, most.edge.b, most.share, kMostCurved)));
 }
 
 }  // namespace
@@ -50,6 +77,7 @@ void prepare_edges(const ProblemRequest& request, Problem& problem) {
                             std::to_string(kMostAutomaticQuadratic) +
                             " tetrahedra; --order 2 makes them quadratic");
   if (mesh.edges.empty()) return;
+  const Curvature most = most_curved(mesh);
   const std::size_t curved = unwrap(straighten_edges(mesh, kStraight));
   if (problem.order == 1) {
     const std::size_t removed = remove_edge_points(mesh);
@@ -58,9 +86,11 @@ void prepare_edges(const ProblemRequest& request, Problem& problem) {
     problem.notes.push_back("--order 1: the file's " + std::to_string(removed) +
                             " edge points are left out, the other vertices are numbered anew");
   } else if (curved > 0) {
-    problem.notes.push_back(std::to_string(curved) + " of " + std::to_string(mesh.edges.size()) +
-                            " edges of the file are curved: they are straightened, as elements "
-                            "have straight edges here");
+    refuse_misplaced(most);
+    problem.notes.push_back(text(
+        "%zu of %zu edges of the file are curved, by up to %.2g %% of their length (vertex %d): "
+        "they are straightened, as elements have straight edges here",
+        curved, mesh.edges.size(), 100.0 * most.share, most.edge.point));
   }
 }
 

@@ -132,6 +132,12 @@ int modes_that_fit(const DofMap& map, const LocalDofs& local, SolverRequest requ
   return request.linear_modes;
 }
 
+// Returns a count as it is told: two digits.
+double rounded(double count) {
+  const double digit = std::pow(10.0, std::floor(std::log10(count)) - 1.0);
+  return digit < 1.0 ? std::round(count) : digit * std::round(count / digit);
+}
+
 [[noreturn]] void refuse(const DofMap& map, const LocalDofs& local, const SolverRequest& request,
                          const SolverChoice& choice) {
   const int fewer = modes_that_fit(map, local, request, choice.available);
@@ -141,8 +147,9 @@ int modes_that_fit(const DofMap& map, const LocalDofs& local, SolverRequest requ
   const double fit = choice.available / choice.estimate.iterative() *
                      static_cast<double>(local.tetrahedra.size() * mpi_ranks());
   if (request.order == 2 && fit >= 1)
-    cure =
-        text("About %.2g quadratic tetrahedra would fit, or linear ones, --order 1. ", fit) + cure;
+    cure = text("About %.0f quadratic tetrahedra would fit, or linear ones, --order 1. ",
+                rounded(fit)) +
+           cure;
   throw Failure(
       system_error("not enough memory: " + in_gigabytes(choice.estimate.direct()) +
                    " a rank with a factor, " + in_gigabytes(choice.estimate.iterative()) +

@@ -229,6 +229,48 @@ TEST_F(Quadratic, WhatDoesNotGoTogetherIsRefused) {
   EXPECT_NE(third.err.find("--order"), std::string::npos) << third.err;
 }
 
+// One tetrahedron whose first edge has its point at that place.
+std::string quadratic_msh(const std::string& first_middle) {
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 "
+         "1\n5 " +
+         first_middle +
+         "\n6 0.5 0.5 0\n7 0 0.5 0\n8 0 0 0.5\n9 0 0.5 0.5\n10 0.5 0 0.5\n$EndNodes\n$Elements\n1\n"
+         "1 11 2 1 1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n";
+}
+
+TEST_F(Quadratic, CurvedEdgesAreToldAndPointsOfNoEdgeRefused) {
+  const std::string options = " --fix 'x<0.1' --linear --linear-modes 2 ";
+  const auto with = [&](const std::string& middle, const std::string& order) {
+    std::ofstream(folder_ + "/one.msh") << quadratic_msh(middle);
+    std::filesystem::remove(folder_ + "/out.tremolo");
+    return run("one.msh --order " + order + options + "-o out.tremolo");
+  };
+  const ProgramResult straight = with("0.5 0 0", "2");
+  EXPECT_EQ(straight.code, 0) << straight.err;
+  EXPECT_EQ(straight.err.find("curved"), std::string::npos) << straight.err;
+  const ProgramResult curved = with("0.5 -0.1 0", "2");
+  EXPECT_EQ(curved.code, 0) << curved.err;
+  EXPECT_NE(curved.err.find("1 of 6 edges of the file are curved, by up to 10 % of their length "
+                            "(vertex 4): they are straightened"),
+            std::string::npos)
+      << curved.err;
+  const ProgramResult misplaced = with("0.5 -0.6 0", "2");
+  EXPECT_EQ(misplaced.code, 3);
+  EXPECT_NE(misplaced.err.find("vertex 4 stands for the edge between vertices 0 and 1"),
+            std::string::npos)
+      << misplaced.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "/out.tremolo"));
+  EXPECT_EQ(with("0.5 -0.6 0", "1").code, 0);
+}
+
+TEST_F(Quadratic, WhatDoesNotFitMemoryIsToldWithWhatWould) {
+  const ProgramResult refused = run(good() + "--memory 60MB -o out.tremolo");
+  EXPECT_EQ(refused.code, 1) << refused.err;
+  EXPECT_NE(refused.err.find("quadratic tetrahedra would fit, or linear ones, --order 1"),
+            std::string::npos)
+      << refused.err;
+}
+
 // Against a file that holds the refined mesh, whose held side the same selector finds.
 TEST_F(Quadratic, RefiningIsAFileOfTheRefinedMesh) {
   TetMesh fine = block_;

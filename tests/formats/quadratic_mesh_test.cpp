@@ -96,6 +96,17 @@ TEST(QuadraticMesh, CurvedEdgesAreCountedAndStraightened) {
   EXPECT_EQ(file->mesh.vertices[4], Eigen::Vector3d(0.5, 0, 0));
 }
 
+// Two corners change places, and the points of the edges go with their ends.
+TEST(QuadraticMesh, InvertedElementsAreTurnedByTheirCorners) {
+  const Result<MeshFile> file = read_text("a.msh", msh_text("2 1 3 4 5 7 6 9 10 8"));
+  ASSERT_TRUE(file) << file.error().message;
+  TetMesh mesh = file->mesh;
+  const Result<MeshReport> report = check_mesh(mesh);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->flipped, 1u);
+  expect_middles(file->mesh);
+}
+
 void expect_refusal(TetMesh mesh, const std::vector<std::string>& words) {
   const Result<std::size_t> straight = straighten_edges(mesh, 1e-6);
   std::string message;

@@ -181,6 +181,40 @@ TEST(QuadraticElement, HoldsTheLinearOneInItself) {
   EXPECT_LE((raise.transpose() * m2 * raise - m1).norm(), 1e-13 * m1.norm());
 }
 
+// Gradients of the nodal polynomials l_a (2 l_a - 1) and 4 l_a l_b at a place, from those of l.
+std::vector<Eigen::Vector3d> nodal_gradients(const Eigen::Matrix<double, 3, 4>& of_lambda,
+                                             const std::array<double, 4>& lambda) {
+  std::vector<Eigen::Vector3d> gradients;
+  for (int a = 0; a < 4; ++a) gradients.emplace_back((4.0 * lambda[a] - 1.0) * of_lambda.col(a));
+  for (const auto& [a, b] : kTetEdges)
+    gradients.emplace_back(4.0 * (lambda[a] * of_lambda.col(b) + lambda[b] * of_lambda.col(a)));
+  return gradients;
+}
+
+// Stiffness of one element of nodal quadratics, by the rule of four points that is exact for
+// products of linear gradients.
+Eigen::MatrixXd nodal_stiffness(const TetMesh& mesh, const Solid& solid) {
+  Eigen::Matrix4d places;  // rows: 1, x, y, z of the corners
+  for (int a = 0; a < 4; ++a) places.col(a) << 1.0, mesh.vertices[mesh.tetrahedra[0][a]];
+  const Eigen::Matrix4d inverse = places.inverse();
+  const Eigen::Matrix<double, 3, 4> of_lambda = inverse.rightCols<3>().transpose();
+  const double lame = lame_lambda(kQuadraticMaterial), mu = lame_mu(kQuadraticMaterial);
+  const double near = (5.0 + 3.0 * std::sqrt(5.0)) / 20.0, far = (5.0 - std::sqrt(5.0)) / 20.0;
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(30, 30);
+  for (std::size_t point = 0; point < 4; ++point) {
+    std::array<double, 4> lambda{far, far, far, far};
+    lambda[point] = near;
+    const std::vector<Eigen::Vector3d> g = nodal_gradients(of_lambda, lambda);
+    for (int i = 0; i < 10; ++i)
+      for (int j = 0; j < 10; ++j)
+        stiffness.block<3, 3>(3 * i, 3 * j) +=
+            0.25 * solid.elements[0].volume *
+            (lame * g[i] * g[j].transpose() + mu * g[j] * g[i].transpose() +
+             mu * g[i].dot(g[j]) * Eigen::Matrix3d::Identity());
+  }
+  return stiffness;
+}
+
 TEST(QuadraticElement, AgreesWithNodalQuadratics) {
   // Nodal polynomials: l_a (2 l_a - 1) and 4 l_a l_b; nodal values are T times control values.
   const TetMesh mesh = quadratic(uneven_mesh({1, 1, 1}));
@@ -190,8 +224,7 @@ TEST(QuadraticElement, AgreesWithNodalQuadratics) {
     nodal_of_control(4 + e, 4 + e) = 0.5;
     for (const int a : kTetEdges[e]) nodal_of_control(4 + e, a) = 0.25;
   }
-  // Mass of nodal quadratics from monomials, and the stiffness of two of them by Gauss points of
-  // twice the needed degree.
+  // Mass of nodal quadratics from monomials.
   const auto nodal_terms = [](int node) {
     std::vector<std::pair<double, Exponents>> terms;
     if (node < 4) {
@@ -218,6 +251,16 @@ TEST(QuadraticElement, AgreesWithNodalQuadratics) {
     }
   EXPECT_LE((nodal_of_control.transpose() * nodal * nodal_of_control - control).norm(),
             1e-13 * control.norm());
+  Eigen::MatrixXd nodal_of_control3 = Eigen::MatrixXd::Zero(30, 30);
+  for (int i = 0; i < 10; ++i)
+    for (int j = 0; j < 10; ++j)
+      nodal_of_control3.block<3, 3>(3 * i, 3 * j) =
+          nodal_of_control(i, j) * Eigen::Matrix3d::Identity();
+  const Eigen::MatrixXd stiffness = rest_stiffness(solid, 0);
+  EXPECT_LE(
+      (nodal_of_control3.transpose() * nodal_stiffness(mesh, solid) * nodal_of_control3 - stiffness)
+          .norm(),
+      1e-13 * stiffness.norm());
 }
 
 TEST(QuadraticElement, AFieldQuadraticInXIsExact) {
