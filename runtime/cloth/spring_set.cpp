@@ -89,25 +89,34 @@ struct SpringWeights {
     squares[i] = r[3 * i] * w[3 * i] + r[3 * i + 1] * w[3 * i + 1] + r[3 * i + 2] * w[3 * i + 2];
 }
 
+// Of each spring of the chunk: r = xa - xb (m), c so that the force on a is -c r (N/m), and
+// 1/|r|^2.
+[[gnu::always_inline]] inline void spring_factors(const SpringView& s, const SpringChunk& chunk,
+                                                  const double* x, const double* v, ChunkVectors& r,
+                                                  ChunkNumbers& c, ChunkNumbers& squares) {
+  const double* rest = s.rest + chunk.first;
+  spring_differences(s, chunk, x, r.data());
+  spring_squares(r.data(), r.data(), chunk.count, squares.data());
+  for (std::uint32_t i = 0; i < chunk.count; ++i) {
+    const double square = squares[i] > kNoSquare ? squares[i] : kNoSquare;
+    // One division serves both: 1/l is l/l^2.
+    squares[i] = 1.0 / square;
+    c[i] = s.k * (1.0 - rest[i] * std::sqrt(square) * squares[i]);
+  }
+  if (s.d == 0.0) return;
+  ChunkVectors w;
+  ChunkNumbers speeds;
+  spring_differences(s, chunk, v, w.data());
+  spring_squares(r.data(), w.data(), chunk.count, speeds.data());
+  for (std::uint32_t i = 0; i < chunk.count; ++i) c[i] += s.d * speeds[i] * squares[i];
+}
+
 TREMOLO_CLONES
 void spring_forces(const SpringView& s, const double* x, const double* v, double* f) {
-  ChunkVectors r, w;
-  ChunkNumbers squares, speeds, c;
+  ChunkVectors r;
+  ChunkNumbers squares, c;
   for (const SpringChunk& chunk : s.chunks) {
-    const double* rest = s.rest + chunk.first;
-    spring_differences(s, chunk, x, r.data());
-    spring_squares(r.data(), r.data(), chunk.count, squares.data());
-    for (std::uint32_t i = 0; i < chunk.count; ++i) {
-      const double square = squares[i] > kNoSquare ? squares[i] : kNoSquare;
-      // One division serves both: 1/l is l/l^2.
-      squares[i] = 1.0 / square;
-      c[i] = s.k * (1.0 - rest[i] * std::sqrt(square) * squares[i]);
-    }
-    if (s.d != 0.0) {
-      spring_differences(s, chunk, v, w.data());
-      spring_squares(r.data(), w.data(), chunk.count, speeds.data());
-      for (std::uint32_t i = 0; i < chunk.count; ++i) c[i] += s.d * speeds[i] * squares[i];
-    }
+    spring_factors(s, chunk, x, v, r, c, squares);
     spring_pulls(s, chunk, c.data(), r.data(), f);
   }
 }
@@ -262,22 +271,10 @@ namespace {
 TREMOLO_CLONES
 void add_spring_tangents(const SpringView& s, const SpringPlaces& places, const double* x,
                          const double* v, const SpringWeights& weights, double* blocks) {
-  ChunkVectors r, w;
-  ChunkNumbers squares, speeds, across;
+  ChunkVectors r;
+  ChunkNumbers squares, across;
   for (const SpringChunk& chunk : s.chunks) {
-    const double* rest = s.rest + chunk.first;
-    spring_differences(s, chunk, x, r.data());
-    spring_squares(r.data(), r.data(), chunk.count, squares.data());
-    for (std::uint32_t i = 0; i < chunk.count; ++i) {
-      const double square = squares[i] > kNoSquare ? squares[i] : kNoSquare;
-      squares[i] = 1.0 / square;
-      across[i] = s.k * (1.0 - rest[i] * std::sqrt(square) * squares[i]);
-    }
-    if (s.d != 0.0) {
-      spring_differences(s, chunk, v, w.data());
-      spring_squares(r.data(), w.data(), chunk.count, speeds.data());
-      for (std::uint32_t i = 0; i < chunk.count; ++i) across[i] += s.d * speeds[i] * squares[i];
-    }
+    spring_factors(s, chunk, x, v, r, across, squares);
     for (std::uint32_t i = 0; i < chunk.count; ++i) {
       const double aside = weights.position * (weights.full || across[i] > 0.0 ? across[i] : 0.0);
       const double along = (weights.position * s.k + weights.velocity * s.d - aside) * squares[i];

@@ -30,6 +30,27 @@ class ImplicitMethod : public HalvedIntegrator {
     x1_ = state.x + h * state.v;
     put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
   }
+  // The midpoint rule from the guess on: x1_ and v1_. False where its equation was not solved.
+  bool solve_middle(const NodalState& state, double h, NodalReport& report) {
+    x_hat_ = state.x + h * state.v;
+    v_hat_.setZero();
+    const ImplicitEquation equation{.mu = 2.0 / (h * h),
+                                    .theta = 0.5,
+                                    .kappa = 1.0 / h,
+                                    .x0 = &state.x,
+                                    .x_hat = &x_hat_,
+                                    .v_hat = &v_hat_};
+    if (!solve_->solve(equation, x1_, false, report)) return false;
+    v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
+    return true;
+  }
+  // Of held nodes v_hat is such that the velocity at the end is that of their way, whose share of
+  // it is `part` (1/s).
+  void hold_velocities(const NodalState& state, double part) {
+    for (Eigen::Index i = 0; i < system().mass().size(); ++i)
+      if (system().held()[i] != 0)
+        v_hat_.segment<3>(3 * i) = part * (x1_.segment<3>(3 * i) - state.x.segment<3>(3 * i));
+  }
   // v1 as set by the method, held nodes put; the step is made. share: as of NodalContact::keep().
   void finish(NodalState& state, double h, double share, NodalReport& report) {
     put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
@@ -165,17 +186,7 @@ class Middle : public ImplicitMethod {
   bool advance(NodalState& state, double h, NodalReport& report) override {
     guess(state, h);
     if (energy_) return balanced(state, h, report);
-    x_hat_ = state.x + h * state.v;
-    v_hat_.setZero();
-    const ImplicitEquation equation{.mu = 2.0 / (h * h),
-                                    .theta = 0.5,
-                                    .kappa = 1.0 / h,
-                                    .x0 = &state.x,
-                                    .x_hat = &x_hat_,
-                                    .v_hat = &v_hat_};
-    if (!solve_->solve(equation, x1_, false, report)) return false;
-    v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
-    return finish_guarded(state, h, 1.0, report);
+    return solve_middle(state, h, report) && finish_guarded(state, h, 1.0, report);
   }
 
  private:
@@ -198,10 +209,7 @@ class Newmark : public ImplicitMethod {
     x_hat_ = state.x + h * state.v + (0.25 * h * h) * a_;
     v_hat_ = -state.v;
     guess(state, h);
-    // Of held nodes the velocity at the end is that of their way.
-    for (Eigen::Index i = 0; i < system().mass().size(); ++i)
-      if (system().held()[static_cast<std::size_t>(i)] != 0)
-        v_hat_.segment<3>(3 * i) = -(x1_.segment<3>(3 * i) - state.x.segment<3>(3 * i)) / h;
+    hold_velocities(state, -1.0 / h);
     const ImplicitEquation equation{.mu = 4.0 / (h * h),
                                     .theta = 1.0,
                                     .kappa = 2.0 / h,
@@ -242,7 +250,7 @@ class Bdf2 : public ImplicitMethod {
       v_hat_ = (1.5 / h) * (state.x - x_hat_);
       far_ = x_hat_ + (2.0 * h / 9.0) * (4.0 * state.v - v_last_);
       guess(state, h);
-      hold_velocities(state, h);
+      hold_velocities(state, -0.5 / h);
       const ImplicitEquation equation{.mu = 2.25 / (h * h),
                                       .theta = 1.0,
                                       .kappa = 1.5 / h,
@@ -253,7 +261,9 @@ class Bdf2 : public ImplicitMethod {
       if (!solve_->solve(equation, x1_, false, report)) return false;
       v1_ = (1.5 / h) * (x1_ - x_hat_);
     } else {
-      if (!first(state, h, report)) return false;
+      // The first step is the midpoint rule's, which is of second order too.
+      guess(state, h);
+      if (!solve_middle(state, h, report)) return false;
     }
     if (!finish_guarded(state, h, begins ? 1.0 : 2.0 / 3.0, report)) return false;
     x_last_.swap(keep_x_);
@@ -263,29 +273,6 @@ class Bdf2 : public ImplicitMethod {
   }
 
  private:
-  // The first step is the midpoint rule's, which is of second order too.
-  bool first(const NodalState& state, double h, NodalReport& report) {
-    x_hat_ = state.x + h * state.v;
-    v_hat_.setZero();
-    guess(state, h);
-    const ImplicitEquation equation{.mu = 2.0 / (h * h),
-                                    .theta = 0.5,
-                                    .kappa = 1.0 / h,
-                                    .x0 = &state.x,
-                                    .x_hat = &x_hat_,
-                                    .v_hat = &v_hat_};
-    if (!solve_->solve(equation, x1_, false, report)) return false;
-    v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
-    return true;
-  }
-
-  // Held nodes have the velocity of their way.
-  void hold_velocities(const NodalState& state, double h) {
-    for (Eigen::Index i = 0; i < system().mass().size(); ++i)
-      if (system().held()[static_cast<std::size_t>(i)] != 0)
-        v_hat_.segment<3>(3 * i) = -0.5 / h * (x1_.segment<3>(3 * i) - state.x.segment<3>(3 * i));
-  }
-
   double last_step_ = 0.0;  // s; 0: there is none
   Eigen::VectorXd x_last_, v_last_, keep_x_, keep_v_, far_;
 };
