@@ -47,11 +47,7 @@ std::variant<ColliderOptions, int> parse_collider_line(int count, char** words) 
   app.add_flag("--json", options.json, "print one JSON object on stdout");
 
   const int usage = exit_code(ErrorKind::kUsage);
-  try {
-    app.parse(count, words);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : usage;
-  }
+  if (const std::optional<int> code = parse_words(app, count, words)) return *code;
   options.y_up = up == "y";
   if (options.unit.empty()) return options;
   if (const Result<double> metres = metres_per_unit(options.unit); !metres) {

@@ -4,9 +4,13 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <iostream>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
+
+#include "common/result.h"
 
 namespace tremolo {
 
@@ -71,6 +75,17 @@ inline std::string settings_text(const std::string& command, int count, char** w
 // Returns the error message on one line.
 inline std::string one_line_message(const CLI::App* app, const CLI::Error& error) {
   return app->get_name() + ": " + error.what() + " (--help lists the options)\n";
+}
+
+// Reads the command line into what the app's options are bound to. Returns the exit code where the
+// program ends with it: 0 after --help, that of wrong usage after a message.
+inline std::optional<int> parse_words(CLI::App& app, int count, char** words) {
+  try {
+    app.parse(count, words);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : exit_code(ErrorKind::kUsage);
+  }
+  return std::nullopt;
 }
 
 }  // namespace tremolo

@@ -36,11 +36,7 @@ std::variant<TetsOptions, int> parse_tets_line(int count, char** words) {
   app.add_flag("--json", options.json, "print one JSON object on stdout");
 
   const int usage = exit_code(ErrorKind::kUsage);
-  try {
-    app.parse(count, words);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : usage;
-  }
+  if (const std::optional<int> code = parse_words(app, count, words)) return *code;
   if (!finish_solid_options(texts, options.solid)) return usage;
   options.solid.order = 1;
   return options;

@@ -49,20 +49,10 @@ class HeldCloud {
       : cloud_(std::move(cloud)), strain_(std::move(strain)), path_(std::move(path)) {}
 
   State run(State s, const Vector3d& gravity, const VectorXd& damping, double time, int steps) {
-    const double h = time / steps;
-    for (int k = 0; k < steps; ++k) {
-      const double t = k * h;
-      const auto slope = [&](double at, const VectorXd& q, const VectorXd& v) {
-        return State{v, acceleration(at, q, v, gravity) - damping.cwiseProduct(v)};
-      };
-      const State k1 = slope(t, s.q, s.p);
-      const State k2 = slope(t + 0.5 * h, s.q + 0.5 * h * k1.q, s.p + 0.5 * h * k1.p);
-      const State k3 = slope(t + 0.5 * h, s.q + 0.5 * h * k2.q, s.p + 0.5 * h * k2.p);
-      const State k4 = slope(t + h, s.q + h * k3.q, s.p + h * k3.p);
-      s.q += h / 6.0 * (k1.q + 2.0 * k2.q + 2.0 * k3.q + k4.q);
-      s.p += h / 6.0 * (k1.p + 2.0 * k2.p + 2.0 * k3.p + k4.p);
-    }
-    return s;
+    return testing::runge_kutta(
+        std::move(s), time, steps, [&](double at, const VectorXd& q, const VectorXd& v) {
+          return State{v, acceleration(at, q, v, gravity) - damping.cwiseProduct(v)};
+        });
   }
 
  private:

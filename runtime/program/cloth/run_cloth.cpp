@@ -142,11 +142,7 @@ Result<ClothEnding> follow_cloths(const ClothFile& file, ClothWorld& world, Clot
     ending.each.push_back(1e6 * (processor_time() - before));
     inside = log.observe(world);
     progress.reached(world.time());
-    if (ending.signal = interruption.signal(); ending.signal != 0) {
-      ending.exit_code = 128 + ending.signal;
-      ending.reason = fmt::format("ended at t = {:.6g} s by signal {} ({})", world.time(),
-                                  ending.signal, ::strsignal(ending.signal));
-    }
+    ending.interrupted(interruption.signal(), world.time());
   }
   if (!inside) return inside.error();
   if (log.report().exit_code != 0) {

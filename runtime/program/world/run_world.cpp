@@ -202,11 +202,7 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
     if (sound != nullptr) sound->add(world);
     tell_end(logs, ending);
     progress.reached(world.time());
-    if (ending.signal = interruption.signal(); ending.signal != 0) {
-      ending.exit_code = 128 + ending.signal;
-      ending.reason = fmt::format("ended at t = {:.6g} s by signal {} ({})", world.time(),
-                                  ending.signal, ::strsignal(ending.signal));
-    }
+    ending.interrupted(interruption.signal(), world.time());
   }
   if (!inside) return inside.error();
   ending.steps = world.steps() - before_it;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <utility>
 
@@ -30,6 +31,15 @@ Status check_times(const std::function<bool(const char*)>& told, double step, do
     if (told(flag) && !(value > 0.0 && std::isfinite(value)))
       return content_error(fmt::format("{} must be positive and finite (s)", flag));
   return Success{};
+}
+
+bool SceneEnding::interrupted(int now, double time) {
+  signal = now;
+  if (signal == 0) return false;
+  exit_code = 128 + signal;
+  reason =
+      fmt::format("ended at t = {:.6g} s by signal {} ({})", time, signal, ::strsignal(signal));
+  return true;
 }
 
 int end_scene_run(const SceneOutputs& outputs, const nlohmann::ordered_json& json,

@@ -25,6 +25,9 @@ struct SceneEnding {
   int exit_code = 0;
   int signal = 0;
   std::string reason;
+
+  // Whether `now` is a signal: then it ended the run at that time (s).
+  bool interrupted(int now, double time);
 };
 
 // Writes report.json into the run's folder, tells why the run ended early, prints the JSON if the
