@@ -192,6 +192,46 @@ TEST_F(WorldProgram, TellsWhatContactAndHandsGaveAndTook) {
   EXPECT_NE(held["energy_by_cause"]["hand"], 0.0);
 }
 
+// A bar that is behind a plate a step later: 0.18 m at once.
+TEST_F(WorldProgram, TellsThatPointsWentThroughAThinPlate) {
+  const std::string plate =
+      "[[colliders]]\nname = \"plate\"\nshape = \"box\"\nhalf-extents = [2, 2, 0.003]\n";
+  const std::string place = "position = [0, 0, 0.3]\nvelocity = [0, 0, ";
+  for (const int speed : {1, 60}) {
+    const ProgramResult result = run(
+        "duration = 0.03\n" + body("shot", "free", place + std::to_string(-speed) + "]\n") + plate,
+        "--json");
+    ASSERT_EQ(result.code, 0) << result.err;
+    const json report = json::parse(result.out);
+    const json& shot = report["bodies"][0];
+    EXPECT_DOUBLE_EQ(report["contact_speed_limit"].get<double>(), 1.0);
+    const bool fast = speed > 1;
+    EXPECT_EQ(shot["passed_through"].get<int>() > 0, fast);
+    EXPECT_EQ(result.err.find("went through") != std::string::npos, fast) << result.err;
+    EXPECT_NEAR(shot["contact_speed_max"].get<double>(), speed, fast ? 1e-9 : 0.1);
+  }
+}
+
+TEST_F(WorldProgram, ThreadsChangeNoByte) {
+  std::string scene = "gravity = [0, 0, -9.81]\n" + std::string(kFloor);
+  for (int k = 0; k < 6; ++k)
+    scene += body("thrown-" + std::to_string(k), "free",
+                  "position = [" + std::to_string(k) + ", 0, 0.1]\nspin = [1, 2, 8]\n");
+  for (const char* threads : {"1", "2", "4"})
+    ASSERT_EQ(
+        run(scene, std::string("--duration 0.3 --save saved-") + threads + " --threads " + threads)
+            .code,
+        0);
+  const auto bytes = [this](const std::string& name) {
+    std::stringstream text;
+    text << std::ifstream(folder_ + "/" + name, std::ios::binary).rdbuf();
+    return text.str();
+  };
+  EXPECT_GT(bytes("saved-1").size(), 1000U);
+  EXPECT_EQ(bytes("saved-1"), bytes("saved-2"));
+  EXPECT_EQ(bytes("saved-1"), bytes("saved-4"));
+}
+
 TEST_F(WorldProgram, TellsWhichBodyBeginsInsideACollider) {
   const ProgramResult result = run(body("sunk", "free", "position = [0, 0, -0.02]\n") + kFloor);
   EXPECT_EQ(result.code, 3);
@@ -213,9 +253,9 @@ std::string shipped_scene(const std::string& name) {
 }
 
 TEST_F(WorldProgram, RunsTheScenesThatAreShipped) {
-  for (const char* name : {"tumbling", "shaken-tower", "stopped-horse", "dropped-heart",
-                           "pulled-horse", "bells", "walking-horse", "necklace",
-                           "stacked-baskets"}) {
+  for (const char* name :
+       {"tumbling", "shaken-tower", "stopped-horse", "dropped-heart", "pulled-horse", "bells",
+        "walking-horse", "necklace", "stacked-baskets"}) {
     const ProgramResult result = run(shipped_scene(name), "--json");
     ASSERT_EQ(result.code, 0) << name << result.err;
     const json report = json::parse(result.out);
