@@ -180,26 +180,16 @@ void TetSystem::assemble(const TetMatrixFactors& factors, BlockMatrix& a) const 
   }
 }
 
-void TetSystem::add_block(std::size_t i, std::size_t j, const Eigen::Matrix3d& block,
-                          BlockMatrix& a) const {
-  const auto targets = [&](std::size_t node) {
-    if (node < model_->vertices() || degrees_[node - model_->vertices()] > 1)
-      return FoldTargets{{node, 0}, 1, 1.0};
-    const MeshEdge& edge = model_->edge(node - model_->vertices());
-    return FoldTargets{
-        {static_cast<std::size_t>(edge.a), static_cast<std::size_t>(edge.b)}, 2, 0.5};
-  };
-  const FoldTargets rows = targets(i), columns = targets(j);
-  const double weight = rows.weight * columns.weight;
-  for (std::size_t r = 0; r < rows.count; ++r)
-    for (std::size_t c = 0; c < columns.count; ++c) {
-      const std::size_t row = rows.to[r], column = columns.to[c];
-      Eigen::Matrix3d& stored = a.block(model_->pattern()->find(row, column));
-      if (row == column)
-        stored += weight * (i == j ? block : Eigen::Matrix3d(block + block.transpose()));
-      else if (i != j || row > column)
-        stored += weight * (row > column ? block : Eigen::Matrix3d(block.transpose()));
+void TetSystem::fold_point(std::span<const std::uint32_t> nodes, std::span<double> shares) const {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i] < model_->vertices() || degrees_[nodes[i] - model_->vertices()] > 1) continue;
+    const MeshEdge& edge = model_->edge(nodes[i] - model_->vertices());
+    for (const VertexId end : {edge.a, edge.b}) {
+      const auto found = std::find(nodes.begin(), nodes.end(), static_cast<std::uint32_t>(end));
+      shares[static_cast<std::size_t>(found - nodes.begin())] += 0.5 * shares[i];
     }
+    shares[i] = 0.0;
+  }
 }
 
 void TetSystem::mass_times_folded(Eigen::VectorXd& y) const {
