@@ -2,7 +2,7 @@
 # mesh of tetrahedra that holds it. Both are a cube's grid, whose shells are blown up to spheres as those of
 # ball.awk and then out to the radius. x is ahead, z up.
 #
-#     awk -v part=surface -v n=30 -f assets/recipes/duck.awk > build/models/duck.obj      # 12 n^2 triangles
+#     awk -v part=surface -v n=30 -f assets/recipes/duck.awk > build/models/duck.ply      # 12 n^2 triangles
 #     awk -v part=mesh -v n=4 -f assets/recipes/duck.awk > assets/meshes/duck.msh         # 6 n^3 tetrahedra
 function vertex(i, j, k) { return (i * (n + 1) + j) * (n + 1) + k + 1 }
 
@@ -60,18 +60,21 @@ function direction(i, j, k, m,  length2) {
 
 function on_hull(i, j, k, m) { return i == 0 || j == 0 || k == 0 || i == m || j == m || k == m }
 
-function quad(a, b, c, d) { print "f", a, b, c; print "f", a, c, d }
+function quad(a, b, c, d) { triangles = triangles "3 " a " " b " " c "\n3 " a " " c " " d "\n" }
 
 function name(i, j, k) {
   if (!((i, j, k) in number)) {
     direction(i, j, k, n); r = radius(u, v, w)
-    printf "v %.7f %.7f %.7f\n", r * u, r * v, r * w
-    number[i, j, k] = ++points
+    printf "%.7f %.7f %.7f\n", r * u, r * v, r * w
+    number[i, j, k] = points++
   }
   return number[i, j, k]
 }
 
 function surface(  i, j) {
+  print "ply\nformat ascii 1.0\nelement vertex", 6 * n ^ 2 + 2
+  print "property float x\nproperty float y\nproperty float z\nelement face", 12 * n ^ 2
+  print "property list uchar int vertex_indices\nend_header"
   for (i = 0; i < n; ++i)
     for (j = 0; j < n; ++j) {
       quad(name(0, i, j), name(0, i, j + 1), name(0, i + 1, j + 1), name(0, i + 1, j))
@@ -81,6 +84,7 @@ function surface(  i, j) {
       quad(name(i, j, 0), name(i, j + 1, 0), name(i + 1, j + 1, 0), name(i + 1, j, 0))
       quad(name(i, j, n), name(i + 1, j, n), name(i + 1, j + 1, n), name(i, j + 1, n))
     }
+  printf "%s", triangles
 }
 
 # The coarse node's radius: the largest of the directions within its cells, and a tenth more.
@@ -95,7 +99,7 @@ function cage(i, j, k,  a, b, c, fine, r, most) {
         r *= 1 - 0.35 * ((a - fine * i) ^ 2 + (b - fine * j) ^ 2 + (c - fine * k) ^ 2) / (2 * fine ^ 2)
         if (r > most) most = r
       }
-  return 1.06 * most
+  return 1.07 * most
 }
 
 function mesh(  i, j, k, s, h, m, x, y, z, flip, a, p) {
