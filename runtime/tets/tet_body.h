@@ -18,6 +18,8 @@ namespace tremolo {
 
 // step: s. gravity: m/s^2. alpha, 1/s, and beta, s: Rayleigh's. tolerance: of the residual over the
 // weight and the forces at the step's beginning. linear_tolerance: of a correction's equation.
+// take_unsolved: a step that max_iterations do not solve is taken as far as it is, if no body's
+// residual is above its forces, and is told; else it is cut.
 struct TetBodyOptions {
   TetMethod method = TetMethod::kBdf2;
   RotationLaw law = RotationLaw::kLeastEnergy;
@@ -29,6 +31,7 @@ struct TetBodyOptions {
   double tolerance = 1e-6;
   double linear_tolerance = 1e-3;
   int max_iterations = 20;
+  bool take_unsolved = false;
   DegreeOptions degree;
 };
 // Errors (kContent) name the value: a step, tolerance or damping out of range, thresholds the wrong
@@ -37,6 +40,7 @@ Status check(const TetBodyOptions& options);
 
 // converged: a step was made. iterations: Newton's; linear: those of conjugate gradients. parts:
 // how many steps it took. linearised: each of them is one correction, no solution was found.
+// unsolved: one of them was taken as it was (take_unsolved).
 // switched: edges that changed their degree. energy_of_switch: J, what they took out of the body.
 struct TetStepReport {
   bool converged = true;
@@ -44,6 +48,7 @@ struct TetStepReport {
   int linear = 0;
   int parts = 1;
   bool linearised = false;
+  bool unsolved = false;
   std::size_t switched = 0;
   double energy_of_switch = 0.0;
 };

@@ -46,6 +46,10 @@ TetHull::TetHull(TetModelPointer of, std::vector<TetPoint> with,
     stiffness += point.stiffness / static_cast<double>(points.size());
 }
 
+std::size_t TetHull::bytes() const {
+  return points.capacity() * sizeof(TetPoint) + (grid ? grid->bytes() : 0) + tree.bytes();
+}
+
 TetHullPointer boundary_hull(TetModelPointer model) {
   std::vector<TetPoint> points = boundary_points(*model);
   return std::make_shared<const TetHull>(std::move(model), std::move(points), std::nullopt);

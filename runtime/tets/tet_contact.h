@@ -41,6 +41,8 @@ struct TetHull {
   std::optional<DistanceGrid> grid;
   TetTree tree;
   double stiffness = 0.0;
+
+  std::size_t bytes() const;
 };
 using TetHullPointer = std::shared_ptr<const TetHull>;
 // Of the mesh's boundary, without distances.

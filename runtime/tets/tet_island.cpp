@@ -31,6 +31,7 @@ void TetIsland::reserve(std::size_t bodies, std::size_t touches) {
   couplings_.reserve(touches);
   squares_.reserve(bodies);
   stops_.reserve(bodies);
+  loads_.reserve(bodies);
   sizes_.reserve(bodies);
 }
 
@@ -68,6 +69,15 @@ double TetIsland::find_residual() {
 bool TetIsland::small_enough() const {
   for (std::size_t i = 0; i < members_.size(); ++i)
     if (!(squares_[i] <= stops_[i] * stops_[i])) return false;
+  return true;
+}
+
+// Whether what was found will do.
+bool TetIsland::take_unsolved() {
+  for (std::size_t i = 0; i < members_.size(); ++i)
+    if (!members_[i].body->options_.take_unsolved || !(squares_[i] <= loads_[i] * loads_[i]))
+      return false;
+  report_.unsolved = true;
   return true;
 }
 
@@ -191,6 +201,7 @@ bool TetIsland::solve_stage() {
   int most = 0;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     stops_[i] = members_[i].body->stop_size();
+    loads_[i] = stops_[i] / members_[i].body->options_.tolerance;
     most = std::max(most, members_[i].body->options_.max_iterations);
   }
   for (int iteration = 0; iteration < most; ++iteration) {
@@ -198,9 +209,9 @@ bool TetIsland::solve_stage() {
     if (small_enough()) break;
     ++report_.iterations;
     find_correction(true);
-    if (!take_correction(size)) return false;
+    if (!take_correction(size)) break;
   }
-  if (!small_enough()) return false;
+  if (!std::isfinite(size) || (!small_enough() && !take_unsolved())) return false;
   // What touches changes its forces when it is moved: those that touch nothing can be balanced.
   if (members_.size() == 1 &&
       (members_[0].contact == nullptr || members_[0].contact->touches().empty()))
@@ -264,6 +275,7 @@ void TetIsland::step(std::span<const TetMember> members, std::span<TetStepReport
   report_ = {};
   squares_.assign(members.size(), 0.0);
   stops_.assign(members.size(), 0.0);
+  loads_.assign(members.size(), 0.0);
   sizes_.assign(members.size(), {});
   for (const TetMember& member : members) member.body->keep_state();
   report_.converged = make_step(common_method(), members.front().body->options_.step) ||

@@ -50,6 +50,7 @@ class TetTree {
                                 const Eigen::Vector3d& place) const;
   // The place at rest.
   Eigen::Vector3d rest_place(const TetPlace& place) const;
+  std::size_t bytes() const { return items_.capacity() * sizeof(Item); }
 
  private:
   // Its first child comes next. element: of a leaf.
