@@ -32,6 +32,7 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
   keys.read("alpha", options.alpha);
   keys.read("beta", options.beta);
   keys.read("tolerance", options.tolerance);
+  keys.read("linear-tolerance", options.linear_tolerance);
   keys.read("max-iterations", options.max_iterations);
   options.take_unsolved = keys.read_word("unsolved", {"cut", "take"}, 0) == 1;
   options.tangent = keys.read_word("tangent", {"exact", "frozen"}, 0) == 1 ? TangentKind::kFrozen

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/LU>
 
 namespace tremolo {
 
-ActiveSolve::ActiveSolve(BlockPatternPointer pattern) : pattern_(std::move(pattern)) {
+ActiveSolve::ActiveSolve(BlockPatternPointer pattern)
+    : pattern_(std::move(pattern)), floats_(*pattern_) {
   const std::size_t nodes = pattern_->size();
   nodes_.reserve(nodes);
   rank_.resize(nodes);
@@ -38,6 +40,7 @@ void ActiveSolve::choose(std::span<const std::uint8_t> active) {
         entries_.push_back({rank_[columns[p]], static_cast<std::uint32_t>(p)});
     first_.push_back(static_cast<std::uint32_t>(entries_.size()));
   }
+  floats_.choose(*pattern_, nodes_, rank_);
 }
 
 FoldedPoint ActiveSolve::folded(std::span<const std::uint32_t> nodes,
@@ -60,8 +63,9 @@ void ActiveSolve::add_diagonal(const FoldedPoint& point, const Eigen::Matrix3d& 
     inverse_[point.nodes[i]] += point.shares[i] * point.shares[i] * block;
 }
 
-SearchSizes ActiveSolve::start(const Eigen::VectorXd& b) {
+SearchSizes ActiveSolve::start(const BlockMatrix& a, const Eigen::VectorXd& b, bool single) {
   SearchSizes sizes;
+  single_ = single;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     inverse_[i] = Eigen::Matrix3d(inverse_[i].inverse());
     if (!inverse_[i].allFinite()) inverse_[i].setIdentity();
@@ -72,10 +76,12 @@ SearchSizes ActiveSolve::start(const Eigen::VectorXd& b) {
     sizes.square += r_[i].squaredNorm();
     sizes.product += r_[i].dot(z_[i]);
   }
+  if (single_) sizes.product = floats_.start(a, inverse_, r_);
   return sizes;
 }
 
 void ActiveSolve::multiply(const BlockMatrix& a) {
+  if (single_) return floats_.multiply();
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const Eigen::Vector3d own = p_[i];
     Eigen::Vector3d sum = a.diagonal(nodes_[i]) * own;
@@ -89,6 +95,7 @@ void ActiveSolve::multiply(const BlockMatrix& a) {
 }
 
 double ActiveSolve::curvature() const {
+  if (single_) return floats_.curvature();
   double product = 0.0;
   for (std::size_t i = 0; i < nodes_.size(); ++i) product += p_[i].dot(q_[i]);
   return product;
@@ -96,6 +103,10 @@ double ActiveSolve::curvature() const {
 
 SearchSizes ActiveSolve::advance(double length) {
   SearchSizes sizes;
+  if (single_) {
+    std::tie(sizes.square, sizes.product) = floats_.advance(length);
+    return sizes;
+  }
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     x_[i] += length * p_[i];
     r_[i] -= length * q_[i];
@@ -107,29 +118,38 @@ SearchSizes ActiveSolve::advance(double length) {
 }
 
 void ActiveSolve::turn(double share) {
+  if (single_) return floats_.turn(share);
   for (std::size_t i = 0; i < nodes_.size(); ++i) p_[i] = z_[i] + share * p_[i];
 }
 
 void ActiveSolve::finish(Eigen::VectorXd& x) const {
   x.setZero();
-  for (std::size_t i = 0; i < nodes_.size(); ++i) x.segment<3>(3 * Eigen::Index{nodes_[i]}) = x_[i];
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i)
+    x.segment<3>(3 * Eigen::Index{nodes_[i]}) = single_ ? floats_.solution(i) : x_[i];
 }
 
 Eigen::Vector3d ActiveSolve::direction_at(const FoldedPoint& point) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::uint32_t i = 0; i < point.count; ++i) sum += point.shares[i] * p_[point.nodes[i]];
+  for (std::uint32_t i = 0; i < point.count; ++i)
+    sum += point.shares[i] *
+           (single_ ? floats_.direction(point.nodes[i]) : p_[point.nodes[i]]);
   return sum;
 }
 
 void ActiveSolve::add_image(const FoldedPoint& point, const Eigen::Vector3d& value) {
-  for (std::uint32_t i = 0; i < point.count; ++i) q_[point.nodes[i]] += point.shares[i] * value;
+  for (std::uint32_t i = 0; i < point.count; ++i) {
+    if (single_)
+      floats_.add_image(point.nodes[i], point.shares[i] * value);
+    else
+      q_[point.nodes[i]] += point.shares[i] * value;
+  }
 }
 
 ActiveReport ActiveSolve::solve(const BlockMatrix& a, const Eigen::VectorXd& b, double tolerance,
                                 int most_iterations, Eigen::VectorXd& x) {
   ActiveReport report;
   take_diagonal(a);
-  SearchSizes now = start(b);
+  SearchSizes now = start(a, b, tolerance >= kSingleTolerance);
   const double first = now.square, stop = tolerance * tolerance * first;
   while (now.square > stop && report.iterations < most_iterations) {
     multiply(a);
@@ -149,7 +169,7 @@ ActiveReport ActiveSolve::solve(const BlockMatrix& a, const Eigen::VectorXd& b, 
 std::size_t ActiveSolve::bytes() const {
   const std::size_t nodes = pattern_->size();
   return nodes * (5 * sizeof(Eigen::Vector3d) + sizeof(Eigen::Matrix3d) + 12) +
-         pattern_->blocks() * sizeof(Entry);
+         pattern_->blocks() * sizeof(Entry) + floats_.bytes();
 }
 
 }  // namespace tremolo

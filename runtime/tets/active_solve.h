@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "runtime/sparse/block_matrix.h"
+#include "runtime/tets/active_floats.h"
 
 namespace tremolo {
 
@@ -23,6 +24,8 @@ struct ActiveReport {
 };
 
 inline constexpr std::size_t kMostFolded = 10;
+// Conjugate gradients that are asked for no less than this are in single precision.
+inline constexpr double kSingleTolerance = 5e-4;
 
 // A sum of shares times vectors of nodes, which are numbered among the active.
 struct FoldedPoint {
@@ -55,8 +58,8 @@ class ActiveSolve {
   FoldedPoint folded(std::span<const std::uint32_t> nodes, std::span<const double> shares) const;
   void take_diagonal(const BlockMatrix& a);
   void add_diagonal(const FoldedPoint& point, const Eigen::Matrix3d& block);
-  // x = 0, r = b, p = z = D^-1 r.
-  SearchSizes start(const Eigen::VectorXd& b);
+  // x = 0, r = b, p = z = D^-1 r. single: what follows is in single precision.
+  SearchSizes start(const BlockMatrix& a, const Eigen::VectorXd& b, bool single);
   void multiply(const BlockMatrix& a);  // q = A p
   double curvature() const;             // p.q
   // x += length p, r -= length q, z = D^-1 r.
@@ -75,13 +78,15 @@ class ActiveSolve {
   };
   using Vectors = std::vector<Eigen::Vector3d>;
 
-  static constexpr std::uint32_t kNoRank = ~std::uint32_t{0};
+  static constexpr std::uint32_t kNoRank = ActiveFloats::kNoRank;
 
   BlockPatternPointer pattern_;
   std::vector<std::uint32_t> nodes_, rank_, first_;  // active nodes; their number by node
   std::vector<Entry> entries_;                       // below the diagonal, by rows
   std::vector<Eigen::Matrix3d> inverse_;
   Vectors x_, r_, z_, p_, q_;
+  ActiveFloats floats_;
+  bool single_ = false;
 };
 
 }  // namespace tremolo

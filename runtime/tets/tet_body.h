@@ -18,8 +18,8 @@ namespace tremolo {
 
 // step: s. gravity: m/s^2. alpha, 1/s, and beta, s: Rayleigh's. tolerance: of the residual over the
 // weight and the forces at the step's beginning. linear_tolerance: of a correction's equation.
-// take_unsolved: a step that max_iterations do not solve is taken as far as it is, if no body's
-// residual is above its forces, and is told; else it is cut.
+// take_unsolved: a step that max_iterations do not solve is taken as it is, if its residual is less
+// than at its beginning, and is told; else it is cut.
 struct TetBodyOptions {
   TetMethod method = TetMethod::kBdf2;
   RotationLaw law = RotationLaw::kLeastEnergy;

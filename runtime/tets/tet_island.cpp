@@ -31,7 +31,6 @@ void TetIsland::reserve(std::size_t bodies, std::size_t touches) {
   couplings_.reserve(touches);
   squares_.reserve(bodies);
   stops_.reserve(bodies);
-  loads_.reserve(bodies);
   sizes_.reserve(bodies);
 }
 
@@ -72,13 +71,11 @@ bool TetIsland::small_enough() const {
   return true;
 }
 
-// Whether what was found will do.
-bool TetIsland::take_unsolved() {
-  for (std::size_t i = 0; i < members_.size(); ++i)
-    if (!members_[i].body->options_.take_unsolved || !(squares_[i] <= loads_[i] * loads_[i]))
-      return false;
-  report_.unsolved = true;
-  return true;
+// Whether what was found will do though it is not small enough: less than there was.
+bool TetIsland::take_unsolved(bool less) {
+  for (const TetMember& member : members_) less = less && member.body->options_.take_unsolved;
+  report_.unsolved = less;
+  return less;
 }
 
 void TetIsland::find_couplings() {
@@ -117,8 +114,9 @@ bool TetIsland::search() {
     tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
     most += static_cast<std::size_t>(member.body->residual_.size());
   }
-  for_each(members_.size(), [this](std::size_t i) {
-    sizes_[i] = members_[i].body->solve_.start(members_[i].body->residual_);
+  for_each(members_.size(), [&](std::size_t i) {
+    TetBody& body = *members_[i].body;
+    sizes_[i] = body.solve_.start(body.matrix_, body.residual_, tolerance >= kSingleTolerance);
   });
   SearchSizes now = sum_of(sizes_);
   const double stop = tolerance * tolerance * now.square;
@@ -198,10 +196,10 @@ bool TetIsland::take_correction(double& size) {
 bool TetIsland::solve_stage() {
   for (const TetMember& member : members_) member.body->guess();
   double size = find_residual();
+  const double first = size;
   int most = 0;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     stops_[i] = members_[i].body->stop_size();
-    loads_[i] = stops_[i] / members_[i].body->options_.tolerance;
     most = std::max(most, members_[i].body->options_.max_iterations);
   }
   for (int iteration = 0; iteration < most; ++iteration) {
@@ -211,7 +209,7 @@ bool TetIsland::solve_stage() {
     find_correction(true);
     if (!take_correction(size)) break;
   }
-  if (!std::isfinite(size) || (!small_enough() && !take_unsolved())) return false;
+  if (!std::isfinite(size) || (!small_enough() && !take_unsolved(size <= first))) return false;
   // What touches changes its forces when it is moved: those that touch nothing can be balanced.
   if (members_.size() == 1 &&
       (members_[0].contact == nullptr || members_[0].contact->touches().empty()))
@@ -275,7 +273,6 @@ void TetIsland::step(std::span<const TetMember> members, std::span<TetStepReport
   report_ = {};
   squares_.assign(members.size(), 0.0);
   stops_.assign(members.size(), 0.0);
-  loads_.assign(members.size(), 0.0);
   sizes_.assign(members.size(), {});
   for (const TetMember& member : members) member.body->keep_state();
   report_.converged = make_step(common_method(), members.front().body->options_.step) ||

@@ -60,7 +60,7 @@ class TetIsland {
   bool solve_stage();
   double find_residual();
   bool small_enough() const;
-  bool take_unsolved();
+  bool take_unsolved(bool less);
   void find_correction(bool exact);
   bool search();
   void find_couplings();
@@ -70,7 +70,7 @@ class TetIsland {
   std::span<const TetMember> members_;  // in a step
   TetStepReport report_;
   std::vector<Coupling> couplings_;
-  std::vector<double> squares_, stops_, loads_;  // |r|^2, where to stop, forces, of each body
+  std::vector<double> squares_, stops_;  // |r|^2 and where to stop, of each body
   std::vector<SearchSizes> sizes_;
 };
 
