@@ -130,8 +130,9 @@ void TetBody::begin(TetMethod method, double h) {
   begin_stage(method, h, now_, has_before_ ? &before_ : nullptr, stage_);
 }
 
-void TetBody::guess() {
+void TetBody::guess(bool stay) {
   way_ = stage_.inertial;
+  if (stay) way_ = now_.x - stage_.from;
   for (std::size_t i = 0; i < model().nodes(); ++i)
     if (model().held()[i] != 0)
       way_.segment<3>(body_at(i)) =

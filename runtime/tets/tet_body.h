@@ -18,8 +18,8 @@ namespace tremolo {
 
 // step: s. gravity: m/s^2. alpha, 1/s, and beta, s: Rayleigh's. tolerance: of the residual over the
 // weight and the forces at the step's beginning. linear_tolerance: of a correction's equation.
-// take_unsolved: a step that max_iterations do not solve is taken as it is, if its residual is less
-// than at its beginning, and is told; else it is cut.
+// take_unsolved: a step that max_iterations do not solve is taken as it is, and is told
+// (tet_island.h); else it is cut.
 struct TetBodyOptions {
   TetMethod method = TetMethod::kBdf2;
   RotationLaw law = RotationLaw::kLeastEnergy;
@@ -108,7 +108,7 @@ class TetBody {
   void restore_state();   // all of it
   void rewind();          // to where the step began, without what came before
   void begin(TetMethod method, double h);
-  void guess();
+  void guess(bool stay);  // the way to begin with; stay: none, where the body is
   // The forces at way_, without contact, go to force_, and then become the residual.
   void find_forces();
   double close_residual();  // |r|^2

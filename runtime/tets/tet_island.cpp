@@ -7,8 +7,10 @@
 namespace tremolo {
 namespace {
 
-// Of corrections of a step that is cut short; the residual falls by their sum at least.
+// How often a correction is shortened before it is given up.
 constexpr int kMostHalvings = 12;
+// Of a step that is one correction: what is left of it is left of the momenta.
+constexpr double kLinearStepTolerance = 1e-10;
 
 double sum_of(const std::vector<double>& values) {
   double sum = 0.0;
@@ -71,13 +73,6 @@ bool TetIsland::small_enough() const {
   return true;
 }
 
-// Whether what was found will do though it is not small enough: less than there was.
-bool TetIsland::take_unsolved(bool less) {
-  for (const TetMember& member : members_) less = less && member.body->options_.take_unsolved;
-  report_.unsolved = less;
-  return less;
-}
-
 void TetIsland::find_couplings() {
   couplings_.clear();
   for (std::uint32_t i = 0; i < members_.size(); ++i) {
@@ -107,8 +102,7 @@ void TetIsland::find_couplings() {
 }
 
 // Conjugate gradients over all bodies; false where the matrix is not positive.
-bool TetIsland::search() {
-  double tolerance = 1.0;
+bool TetIsland::search(double tolerance) {
   std::size_t most = 0;
   for (const TetMember& member : members_) {
     tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
@@ -150,8 +144,8 @@ bool TetIsland::search() {
 }
 
 // Newton's correction of each body. exact: with each body's own tangent, as long as that is
-// positive.
-void TetIsland::find_correction(bool exact) {
+// positive. tolerance: of the linear system, beside the bodies' own.
+void TetIsland::find_correction(bool exact, double tolerance) {
   for (const TetMember& member : members_) member.body->residual_ = -member.body->residual_;
   for (const bool own : {true, false}) {
     if (own && !exact) continue;
@@ -161,7 +155,7 @@ void TetIsland::find_correction(bool exact) {
       body.solve_.take_diagonal(body.matrix_);
     });
     find_couplings();
-    if (search()) break;
+    if (search(tolerance)) break;
   }
   for (const TetMember& member : members_) {
     member.body->solve_.finish(member.body->correction_);
@@ -193,10 +187,19 @@ bool TetIsland::take_correction(double& size) {
   return false;
 }
 
+// The whole correction: a shorter one of all bodies would stop those in the air where one meets
+// another.
+void TetIsland::take_whole(double& size) {
+  for (const TetMember& member : members_) member.body->way_ += member.body->correction_;
+  size = find_residual();
+}
+
 bool TetIsland::solve_stage() {
-  for (const TetMember& member : members_) member.body->guess();
+  bounded_ = std::all_of(members_.begin(), members_.end(), [](const TetMember& member) {
+    return member.body->options_.take_unsolved;
+  });
+  for (const TetMember& member : members_) member.body->guess(bounded_);
   double size = find_residual();
-  const double first = size;
   int most = 0;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     stops_[i] = members_[i].body->stop_size();
@@ -206,10 +209,14 @@ bool TetIsland::solve_stage() {
     if (!std::isfinite(size)) return false;
     if (small_enough()) break;
     ++report_.iterations;
-    find_correction(true);
-    if (!take_correction(size)) break;
+    find_correction(true, 1.0);
+    if (bounded_)
+      take_whole(size);
+    else if (!take_correction(size))
+      return false;
   }
-  if (!std::isfinite(size) || (!small_enough() && !take_unsolved(size <= first))) return false;
+  if (!std::isfinite(size) || (!small_enough() && !bounded_)) return false;
+  report_.unsolved = report_.unsolved || !small_enough();
   // What touches changes its forces when it is moved: those that touch nothing can be balanced.
   if (members_.size() == 1 &&
       (members_[0].contact == nullptr || members_[0].contact->touches().empty()))
@@ -244,7 +251,7 @@ bool TetIsland::make_linear_step(double h) {
     member.body->way_.setZero();
   }
   find_residual();
-  find_correction(false);
+  find_correction(false, kLinearStepTolerance);
   bool finite = true;
   for (const TetMember& member : members_) {
     TetBody& body = *member.body;

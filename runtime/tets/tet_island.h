@@ -11,6 +11,10 @@
 // have no solution (an element goes through a flat shape and its rotation jumps), into eight of one
 // correction each with R K R^T.
 //
+// Where all bodies have `take_unsolved`, a step is max_iterations corrections at most, from where the
+// bodies are, none of them shortened: the linearly implicit step of real-time programs for one,
+// whose stiffness is positive; with two, what the first ran into is known to the second.
+//
 // Bodies of one island take the same method, so that what one gives the other takes: where methods
 // differ, or not all have the step before that bdf2 needs, implicit-euler.
 #pragma once
@@ -60,14 +64,15 @@ class TetIsland {
   bool solve_stage();
   double find_residual();
   bool small_enough() const;
-  bool take_unsolved(bool less);
-  void find_correction(bool exact);
-  bool search();
+  void find_correction(bool exact, double tolerance);
+  bool search(double tolerance);
   void find_couplings();
   bool take_correction(double& size);
+  void take_whole(double& size);
 
   ThreadPool* pool_;
   std::span<const TetMember> members_;  // in a step
+  bool bounded_ = false;                 // all take what max_iterations find
   TetStepReport report_;
   std::vector<Coupling> couplings_;
   std::vector<double> squares_, stops_;  // |r|^2 and where to stop, of each body

@@ -153,36 +153,38 @@ TEST(TetGroup, MomentumAndAngularMomentumOutliveACollision) {
     options.step = 2e-3;
     options.tolerance = 1e-11;
     options.linear_tolerance = 1e-6;
+    options.max_iterations = 100;
     std::vector<TetBody> bodies;
     bodies.push_back(body_at(model, options, model->rest(), {0.5, 0.1, 0.0}));
     bodies.push_back(
         body_at(model, options, shifted(*model, {0.1, 0.02, 0.15}), {0.0, 0.0, -2.0}));
-    const auto momenta = [](const TetGroup& group) {
-      Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
-      for (std::size_t i = 0; i < group.size(); ++i) {
-        sum.head<3>() += group.body(i).momentum();
-        sum.tail<3>() += group.body(i).angular_momentum();
-      }
-      return sum;
+    const auto momentum = [](const TetGroup& group) -> Eigen::Vector3d {
+      return group.body(0).momentum() + group.body(1).momentum();
     };
     TetGroup group(std::move(bodies), std::vector<TetContact>(2, TetContact(hull, {})), {0.5, 0.5},
                    {});
-    const Eigen::Matrix<double, 6, 1> begin = momenta(group);
+    const Eigen::Vector3d begin = momentum(group);
     const Eigen::Vector3d first = group.body(0).momentum();
     std::vector<TetStepReport> reports(2);
     std::size_t touched = 0;
-    double spin = 0.0;
-    for (int n = 0; n < 100; ++n) {
-      const Eigen::Matrix<double, 6, 1> before = momenta(group);
+    for (int n = 0; n < 60; ++n) {
+      std::array<Eigen::VectorXd, 2> before = {group.body(0).velocities(),
+                                               group.body(1).velocities()};
       ASSERT_TRUE(group.step(reports)) << n;
+      ASSERT_FALSE(reports[0].linearised) << n;
       touched += group.contact(0).look().touching + group.contact(1).look().touching;
-      // Methods of dissipation lose spin where nothing touches too: of a step, not of contact.
-      spin = std::max(spin, (momenta(group) - before).tail<3>().norm());
+      if (method != TetMethod::kImplicitEuler) continue;
+      // All forces act at the end of the step: their torque about the origin, h of it, is
+      // sum x1 x M (v1 - v0). What is left of angular momentum to lose is the method's own.
+      Eigen::Vector3d torque = Eigen::Vector3d::Zero();
+      for (std::size_t i = 0; i < 2; ++i)
+        torque += group.body(i).system().angular_momentum(
+            group.body(i).positions(), group.body(i).velocities() - before[i]);
+      EXPECT_LT(torque.norm(), 1e-10 * model->mass()) << n;
     }
     EXPECT_GT(touched, 20U);
-    EXPECT_GT((group.body(0).momentum() - first).norm(), 0.5 * model->mass());
-    EXPECT_LT((momenta(group) - begin).head<3>().norm(), 1e-8 * model->mass()) << touched;
-    RecordProperty("spin", std::to_string(spin));
+    EXPECT_GT((group.body(0).momentum() - first).norm(), 0.2 * model->mass());
+    EXPECT_LT((momentum(group) - begin).norm(), 1e-10 * model->mass());
   }
 }
 
@@ -242,7 +244,7 @@ TEST(TetGroup, ASleepingStackWakesWhenItIsStruckAndSleepsAgain) {
   options.degree.kind = DegreeKind::kLinear;
   std::vector<TetBody> bodies;
   std::vector<TetContact> contacts;
-  for (const double height : {0.0, 0.101, 3.0}) {
+  for (const double height : {0.0, 0.101, 0.6}) {
     bodies.push_back(
         body_at(model, options, shifted(*model, {0.0, 0.0, height}), Eigen::Vector3d::Zero()));
     contacts.emplace_back(hull, std::vector<TetObstacle>{{PlaneShape{}, {}, 0.3}});
@@ -252,7 +254,7 @@ TEST(TetGroup, ASleepingStackWakesWhenItIsStruckAndSleepsAgain) {
   TetGroup group(std::move(bodies), std::move(contacts), {0.3, 0.3, 0.3}, settings);
   std::vector<TetStepReport> reports(3);
   bool slept = false, woke = false;
-  for (int n = 0; n < 600; ++n) {
+  for (int n = 0; n < 300 && group.sleeping() < 3; ++n) {
     ASSERT_TRUE(group.step(reports)) << n;
     slept = slept || (group.asleep(0) && group.asleep(1) && !group.asleep(2));
     woke = woke || (slept && !group.asleep(0) && !group.asleep(1));
@@ -314,7 +316,7 @@ TEST(TetGroup, ThreadsDoNotChangeABit) {
     std::vector<TetContact> contacts;
     for (int i = 0; i < 4; ++i) {
       bodies.push_back(body_at(model, options,
-                               shifted(*model, {0.03 * i, 0.02 * (i % 2), 0.05 + 0.13 * i}),
+                               shifted(*model, {0.03 * i, 0.02 * (i % 2), 0.005 + 0.11 * i}),
                                Eigen::Vector3d(0.1 * i, 0.0, -0.2 * i)));
       contacts.emplace_back(hull, std::vector<TetObstacle>{{PlaneShape{}, {}, 0.3}});
     }
@@ -322,7 +324,7 @@ TEST(TetGroup, ThreadsDoNotChangeABit) {
     settings.threads = threads;
     TetGroup group(std::move(bodies), std::move(contacts), {0.3, 0.3, 0.3, 0.3}, settings);
     std::vector<TetStepReport> reports(4);
-    for (int n = 0; n < 40; ++n) ASSERT_TRUE(group.step(reports)) << n;
+    for (int n = 0; n < 10; ++n) ASSERT_TRUE(group.step(reports)) << n;
     Eigen::VectorXd all(4 * model->rest().size());
     for (std::size_t i = 0; i < 4; ++i)
       all.segment(static_cast<Eigen::Index>(i) * model->rest().size(), model->rest().size()) =
