@@ -21,6 +21,7 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
   keys.read("upper", options.degree.upper);
   keys.read("lower", options.degree.lower);
   keys.read("least-steps", options.degree.least_steps);
+  keys.read("look-every", options.degree.every);
   constexpr RotationLaw kLaws[] = {RotationLaw::kLeastEnergy, RotationLaw::kCorners};
   options.law = kLaws[keys.read_word("rotation-law", {"least-energy", "corners"}, 0)];
   std::string method = tet_method_name(options.method);

@@ -47,8 +47,8 @@ class ActiveFloats {
   // Rows of the whole matrix; of each block its place in the pattern, doubled, and one more where
   // it is the transpose of what is stored.
   std::vector<std::uint32_t> first_, column_, place_;
-  AlignedFloats blocks_, inverse_;      // three columns of four floats each
-  AlignedFloats x_, r_, z_, p_, q_;     // four floats a node
+  AlignedFloats blocks_, inverse_;   // three columns of four floats each
+  AlignedFloats x_, r_, z_, p_, q_;  // four floats a node
 };
 
 }  // namespace tremolo

@@ -131,8 +131,7 @@ void ActiveSolve::finish(Eigen::VectorXd& x) const {
 Eigen::Vector3d ActiveSolve::direction_at(const FoldedPoint& point) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::uint32_t i = 0; i < point.count; ++i)
-    sum += point.shares[i] *
-           (single_ ? floats_.direction(point.nodes[i]) : p_[point.nodes[i]]);
+    sum += point.shares[i] * (single_ ? floats_.direction(point.nodes[i]) : p_[point.nodes[i]]);
   return sum;
 }
 

@@ -119,8 +119,11 @@ double TetBody::set_degrees(std::span<const std::uint8_t> degrees) {
   solve_.choose(system_.active());
   has_acceleration_ = false;
   if (only_more) return 0.0;
-  for (Eigen::VectorXd* y : {&now_.x, &now_.v, &before_.x, &before_.v})
+  for (Eigen::VectorXd* y : {&now_.x, &now_.v})
     project_motion(system_, solve_, matrix_, correction_, *y);
+  if (options_.method == TetMethod::kBdf2)
+    for (Eigen::VectorXd* y : {&before_.x, &before_.v})
+      project_motion(system_, solve_, matrix_, correction_, *y);
   if (!held_) restore_spin(model(), spin - angular_momentum(), now_.x, now_.v, correction_);
   return before - (kinetic_energy() + elastic_energy() + gravity_energy());
 }

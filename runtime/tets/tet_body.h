@@ -105,8 +105,8 @@ class TetBody {
 
   TetBody(TetModelPointer model, const TetBodyOptions& options);
   void keep_state();
-  void restore_state();   // all of it
-  void rewind();          // to where the step began, without what came before
+  void restore_state();  // all of it
+  void rewind();         // to where the step began, without what came before
   void begin(TetMethod method, double h);
   void guess(bool stay);  // the way to begin with; stay: none, where the body is
   // The forces at way_, without contact, go to force_, and then become the residual.

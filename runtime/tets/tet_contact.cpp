@@ -97,8 +97,7 @@ void TetContact::find_partner(std::uint32_t p, const Eigen::Vector3d& place,
   Eigen::Vector3d speed = at_point(point, v);
   for (std::size_t i = 0; i < kMostNodes; ++i)
     speed -= touch.values[i] * partner.v->segment<3>(3 * Eigen::Index{touch.nodes[i]});
-  const double both =
-      point.stiffness * other.stiffness / (point.stiffness + other.stiffness);
+  const double both = point.stiffness * other.stiffness / (point.stiffness + other.stiffness);
   set_law(g, both, -sample.distance, partner.friction, speed, touch);
 }
 

@@ -10,8 +10,8 @@
 //   d phi = g . (dx - sum_I B_I dx_I),     g = F^-T grad phi,
 // and f = -k phi g pushes the point, -B_I f the other body's control points: the slope of
 // 1/2 k phi^2 exactly, at one place, so that momentum and angular momentum are kept. Where two
-// points press on each other k is that of both in a row. Changes of g are left out of the stiffness,
-// which is then k g g^T, never negative.
+// points press on each other k is that of both in a row. Changes of g are left out of the
+// stiffness, which is then k g g^T, never negative.
 #pragma once
 
 #include <array>

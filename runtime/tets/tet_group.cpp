@@ -66,8 +66,7 @@ void TetGroup::find_boxes() {
     double fastest = 0.0;
     for (Eigen::Index k = 0; k < body.velocities().size(); k += 3)
       fastest = std::max(fastest, body.velocities().segment<3>(k).norm());
-    const double margin =
-        kBoxMargin * now.diagonal().norm() + body.options().step * fastest;
+    const double margin = kBoxMargin * now.diagonal().norm() + body.options().step * fastest;
     boxes_[i] = TetTree::Box(now.min().array() - margin, now.max().array() + margin);
   });
 }
@@ -86,8 +85,8 @@ bool TetGroup::touches(std::uint32_t a, std::uint32_t b) {
     TetContact& contact = contacts_[one];
     if (!contacts_[other].hull().grid) continue;
     contact.clear_partners();
-    contact.add_partner({0, &contacts_[other], &bodies_[other].positions(),
-                         &bodies_[other].velocities(), 0.0});
+    contact.add_partner(
+        {0, &contacts_[other], &bodies_[other].positions(), &bodies_[other].velocities(), 0.0});
     contact.find(bodies_[one].positions(), bodies_[one].velocities());
     for (const TetTouch& touch : contact.touches())
       if (touch.partner != kNoPartner) return true;
@@ -200,8 +199,7 @@ void TetGroup::fall_asleep() {
     const double energy = bodies_[i].kinetic_energy();
     const double speed = std::sqrt(2.0 * energy / bodies_[i].model().mass());
     still_[i] = speed < options_.sleep_speed ? still_[i] + bodies_[i].options().step : 0.0;
-    if (still_[i] < options_.sleep_time || contacts_[i].touches().empty())
-      wide_awake_[root(i)] = 1;
+    if (still_[i] < options_.sleep_time || contacts_[i].touches().empty()) wide_awake_[root(i)] = 1;
   }
   for (const std::uint32_t i : order_) {
     if (wide_awake_[root(i)] != 0) continue;

@@ -121,20 +121,17 @@ bool TetIsland::search(double tolerance) {
     for (const Coupling& c : couplings_) {
       ActiveSolve& own = members_[c.member].body->solve_;
       Eigen::Vector3d way = own.direction_at(c.own);
-      if (c.partner != kNoPartner)
-        way -= members_[c.partner].body->solve_.direction_at(c.other);
+      if (c.partner != kNoPartner) way -= members_[c.partner].body->solve_.direction_at(c.other);
       const Eigen::Vector3d answer = c.block * way;
       own.add_image(c.own, answer);
-      if (c.partner != kNoPartner)
-        members_[c.partner].body->solve_.add_image(c.other, -answer);
+      if (c.partner != kNoPartner) members_[c.partner].body->solve_.add_image(c.other, -answer);
     }
     double along = 0.0;
     for (const TetMember& member : members_) along += member.body->solve_.curvature();
     if (!(along > 0.0)) return false;
     const double before = now.product;
-    for_each(members_.size(), [&](std::size_t i) {
-      sizes_[i] = members_[i].body->solve_.advance(before / along);
-    });
+    for_each(members_.size(),
+             [&](std::size_t i) { sizes_[i] = members_[i].body->solve_.advance(before / along); });
     now = sum_of(sizes_);
     const double share = now.product / before;
     for_each(members_.size(), [&](std::size_t i) { members_[i].body->solve_.turn(share); });

@@ -6,13 +6,13 @@
 // and the touches: with w the shares of a touch in the control points of both its sides, w B w^T.
 // They stay as they are and are multiplied one by one in conjugate gradients, which run over all
 // bodies at once, preconditioned by the diagonal's blocks. First with the exact derivative; where
-// that is indefinite, with R K R^T. Each correction is shortened until the residual no longer points
-// back. A step that is not solved is cut into two, then eight of implicit-euler; where even those
-// have no solution (an element goes through a flat shape and its rotation jumps), into eight of one
-// correction each with R K R^T.
+// that is indefinite, with R K R^T. Each correction is shortened until the residual no longer
+// points back. A step that is not solved is cut into two, then eight of implicit-euler; where even
+// those have no solution (an element goes through a flat shape and its rotation jumps), into eight
+// of one correction each with R K R^T.
 //
-// Where all bodies have `take_unsolved`, a step is max_iterations corrections at most, from where the
-// bodies are, none of them shortened: the linearly implicit step of real-time programs for one,
+// Where all bodies have `take_unsolved`, a step is max_iterations corrections at most, from where
+// the bodies are, none of them shortened: the linearly implicit step of real-time programs for one,
 // whose stiffness is positive; with two, what the first ran into is known to the second.
 //
 // Bodies of one island take the same method, so that what one gives the other takes: where methods
@@ -72,7 +72,7 @@ class TetIsland {
 
   ThreadPool* pool_;
   std::span<const TetMember> members_;  // in a step
-  bool bounded_ = false;                 // all take what max_iterations find
+  bool bounded_ = false;                // all take what max_iterations find
   TetStepReport report_;
   std::vector<Coupling> couplings_;
   std::vector<double> squares_, stops_;  // |r|^2 and where to stop, of each body

@@ -117,8 +117,7 @@ std::vector<TetPoint> surface_points(const TetModel& model, const TetsSurface& s
   std::vector<TetPoint> points;
   points.reserve(kept.size());
   for (const std::size_t v : kept) {
-    points.push_back(
-        hanging_point(model.elements()[surface.tetrahedra[v]], surface.weights[v]));
+    points.push_back(hanging_point(model.elements()[surface.tetrahedra[v]], surface.weights[v]));
     set_stiffness(own, points.back());
   }
   return points;

@@ -1,6 +1,7 @@
 #include "runtime/tets/tet_system.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace tremolo {
@@ -156,6 +157,11 @@ void TetSystem::fold_block(const TetModelElement& element, std::size_t i, std::s
 }
 
 void TetSystem::assemble(const TetMatrixFactors& factors, BlockMatrix& a) const {
+  std::array<std::array<double, kMostBlocks>, 2> shares;  // of the mass, by order
+  for (const int order : {1, 2})
+    for (int i = 0; i < nodes_of_order(order); ++i)
+      for (int j = 0; j <= i; ++j)
+        shares[static_cast<std::size_t>(order - 1)][node_block(i, j)] = mass_share(order, i, j);
   a.set_zero();
   const bool of_mass_alone = factors.tangent.position == 0.0 && factors.tangent.velocity == 0.0;
   NodeBlocks blocks;
@@ -174,7 +180,8 @@ void TetSystem::assemble(const TetMatrixFactors& factors, BlockMatrix& a) const 
     for (int i = 0; i < nodes; ++i)
       for (int j = 0; j <= i; ++j) {
         Eigen::Matrix3d& block = blocks[node_block(i, j)];
-        block.diagonal().array() += factors.mass * element.element.mass * mass_share(order, i, j);
+        block.diagonal().array() += factors.mass * element.element.mass *
+                                    shares[static_cast<std::size_t>(order - 1)][node_block(i, j)];
         fold_block(element, i, j, block, a);
       }
   }

@@ -1,9 +1,9 @@
 // Which element of a bent body holds a place: the inverse of the map from the body at rest.
 //
 // An element's control points enclose it (its polynomials are positive and add up to one), so that
-// their boxes, in a tree over the elements whose shape is made once, hold whatever the element does.
-// In an element, sum_I B_I(w) x_I = place is solved for w by Newton's method with the element's
-// deformation gradient, in one step where it is straight.
+// their boxes, in a tree over the elements whose shape is made once, hold whatever the element
+// does. In an element, sum_I B_I(w) x_I = place is solved for w by Newton's method with the
+// element's deformation gradient, in one step where it is straight.
 #pragma once
 
 #include <cstdint>

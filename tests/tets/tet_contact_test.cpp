@@ -34,7 +34,8 @@ TEST(TetContact, TheForcesAreTheSlopeOfTheirEnergy) {
   Pose pose;
   pose.rotation = Eigen::Quaterniond(0.9, 0.3, -0.2, 0.1).normalized();
   pose.position = {0.1, 0.05, 0.03};
-  TetContact contact(boundary_hull(model), {{SphereShape{0.08}, pose, 0.0}, {PlaneShape{}, pose, 0.0}});
+  TetContact contact(boundary_hull(model),
+                     {{SphereShape{0.08}, pose, 0.0}, {PlaneShape{}, pose, 0.0}});
   testing::TetRandom random(3);
   const Eigen::VectorXd x =
       model->rest() + testing::random_state(random, model->rest().size(), 0.01);

@@ -29,8 +29,8 @@ TetHullPointer box_hull(const TetModelPointer& model, const Eigen::Vector3d& siz
     for (std::size_t j = 0; j < nodes.counts[1]; ++j)
       for (std::size_t i = 0; i < nodes.counts[0]; ++i) {
         const Eigen::Vector3d out = (nodes.at(i, j, k) - 0.5 * size).cwiseAbs() - 0.5 * size;
-        values.push_back(static_cast<float>(out.cwiseMax(0.0).norm() +
-                                            std::min(0.0, out.maxCoeff())));
+        values.push_back(
+            static_cast<float>(out.cwiseMax(0.0).norm() + std::min(0.0, out.maxCoeff())));
       }
   Result<DistanceGrid> grid = DistanceGrid::create(nodes, values);
   EXPECT_TRUE(grid) << grid.error().message;
@@ -137,7 +137,8 @@ TEST(TetGroup, ForcesBetweenBodiesAreTheSlopeOfTheirEnergyAndKeepBothMomenta) {
     const double slope = (find({x[0] + h * way[0], x[1] + h * way[1]}) -
                           find({x[0] - h * way[0], x[1] - h * way[1]})) /
                          (2.0 * h);
-    // Central differences of a potential whose second derivative jumps where a point begins to touch.
+    // Central differences of a potential whose second derivative jumps where a point begins to
+    // touch.
     EXPECT_NEAR(-f[0].dot(way[0]) - f[1].dot(way[1]), slope, 1e-5 * scale) << trial;
   }
 }
@@ -156,8 +157,7 @@ TEST(TetGroup, MomentumAndAngularMomentumOutliveACollision) {
     options.max_iterations = 100;
     std::vector<TetBody> bodies;
     bodies.push_back(body_at(model, options, model->rest(), {0.5, 0.1, 0.0}));
-    bodies.push_back(
-        body_at(model, options, shifted(*model, {0.1, 0.02, 0.15}), {0.0, 0.0, -2.0}));
+    bodies.push_back(body_at(model, options, shifted(*model, {0.1, 0.02, 0.15}), {0.0, 0.0, -2.0}));
     const auto momentum = [](const TetGroup& group) -> Eigen::Vector3d {
       return group.body(0).momentum() + group.body(1).momentum();
     };
@@ -178,8 +178,8 @@ TEST(TetGroup, MomentumAndAngularMomentumOutliveACollision) {
       // sum x1 x M (v1 - v0). What is left of angular momentum to lose is the method's own.
       Eigen::Vector3d torque = Eigen::Vector3d::Zero();
       for (std::size_t i = 0; i < 2; ++i)
-        torque += group.body(i).system().angular_momentum(
-            group.body(i).positions(), group.body(i).velocities() - before[i]);
+        torque += group.body(i).system().angular_momentum(group.body(i).positions(),
+                                                          group.body(i).velocities() - before[i]);
       EXPECT_LT(torque.norm(), 1e-10 * model->mass()) << n;
     }
     EXPECT_GT(touched, 20U);
@@ -228,8 +228,7 @@ TEST(TetGroup, AStackComesToRestAndSleepsAndEachCarriesWhatIsAboveIt) {
         if (lifts) up -= touch.force.z();
       }
     // Slower than 5 mm/s for half a second, it still accelerates by some hundredths of g.
-    EXPECT_NEAR(up, above * model->mass() * kHeapG, 0.02 * above * model->mass() * kHeapG)
-        << level;
+    EXPECT_NEAR(up, above * model->mass() * kHeapG, 0.02 * above * model->mass() * kHeapG) << level;
   }
 }
 

@@ -160,8 +160,7 @@ Status TetsRun::observe_all(const std::vector<TetStepReport>& steps) {
 // False: a step could not be made, and why is known.
 bool TetsRun::step_all(std::vector<TetStepReport>& steps) {
   bool made = true;
-  take_time(ending_.busy.steps, ending_.wall.steps,
-            [&] { made = bodies_.group->step(steps); });
+  take_time(ending_.busy.steps, ending_.wall.steps, [&] { made = bodies_.group->step(steps); });
   for (std::size_t i = 0; i < logs_.size() && !made && ending_.exit_code == 0; ++i) {
     if (steps[i].converged) continue;
     ending_.exit_code = exit_code(ErrorKind::kSolver);
@@ -174,8 +173,7 @@ bool TetsRun::step_all(std::vector<TetStepReport>& steps) {
 // The longest second of motion, once it is over.
 void TetsRun::note_pace(double reached) {
   if (reached - begun_ < 1.0 - 0.5 * scene_.step) return;
-  ending_.slowest =
-      std::max(ending_.slowest, (ending_.wall.sum() - counted_) / (reached - begun_));
+  ending_.slowest = std::max(ending_.slowest, (ending_.wall.sum() - counted_) / (reached - begun_));
   counted_ = ending_.wall.sum();
   begun_ = reached;
 }
@@ -244,9 +242,9 @@ TetsJson TetsRun::json() const {
   json["reason"] = ending_.reason.empty() ? TetsJson(nullptr) : TetsJson(ending_.reason);
   json["bodies"] = TetsJson::array();
   for (std::size_t i = 0; i < logs_.size(); ++i)
-    json["bodies"].push_back(
-        tets_body_json(scene_.bodies[i], bodies_.group->body(i), logs_[i].report(),
-                       bodies_.group->contact(i).look(), bodies_.group->asleep(i)));
+    json["bodies"].push_back(tets_body_json(scene_.bodies[i], bodies_.group->body(i),
+                                            logs_[i].report(), bodies_.group->contact(i).look(),
+                                            bodies_.group->asleep(i)));
   return json;
 }
 

@@ -60,8 +60,7 @@ Status place_tets_body(const TetSceneBody& wanted, TetBody& body) {
 
 std::size_t TetsBodies::elements() const {
   std::size_t sum = 0;
-  for (std::size_t i = 0; i < group->size(); ++i)
-    sum += group->body(i).model().elements().size();
+  for (std::size_t i = 0; i < group->size(); ++i) sum += group->body(i).model().elements().size();
   return sum;
 }
 
