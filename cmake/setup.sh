@@ -74,7 +74,7 @@ build() {
 models="beam basket bridge horse tower heart"
 scene_models="horse-free horse-rig heart-free basket-free ball-free bell"  # which scenes need
 scene_colliders="bell basket"
-scene_tets="bar bar-free"
+scene_tets="bar bar-free duck"
 
 # precompute MODEL: its basis file, unless it is newer than everything it is made of. The mesh is that of
 # the name up to a hyphen: horse-free is another model of the horse.
@@ -99,14 +99,17 @@ make_collider() {
     { cat "build/models/$1.collider.log" >&2; give_up "the collider of $1 failed"; }
 }
 
-# make_tets MESH: the file of tetrahedra for a body of kind "tets", likewise.
+# make_tets MESH: the file of tetrahedra for a body of kind "tets", likewise; the surface that a recipe draws
+# for it is made on the way.
 make_tets() {
   local mesh=assets/meshes/${1%%-*}.msh config=assets/models/$1-tets.toml out=build/models/$1.tets source
+  local recipe=assets/recipes/${1%%-*}.awk
   mkdir -p build/models
   if [ -e "$out" ]; then
-    for source in "$mesh" "$config" build/bin/tremolo-precompute; do [ "$source" -nt "$out" ] && break; source=; done
+    for source in "$mesh" "$config" "$recipe" build/bin/tremolo-precompute; do [ "$source" -nt "$out" ] && break; source=; done
     [ -z "$source" ] && return
   fi
+  grep -q '^render' "$config" && awk -v part=surface -v n=30 -f "$recipe" >"build/models/$1.ply"
   build/bin/tremolo-precompute tets "$mesh" --config "$config" -o "$out" 2>"build/models/$1.tets.log" ||
     { cat "build/models/$1.tets.log" >&2; give_up "the file of tetrahedra of $1 failed"; }
 }

@@ -21,6 +21,7 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
   keys.read("upper", options.degree.upper);
   keys.read("lower", options.degree.lower);
   keys.read("least-steps", options.degree.least_steps);
+  keys.read("look-every", options.degree.every);
   constexpr RotationLaw kLaws[] = {RotationLaw::kLeastEnergy, RotationLaw::kCorners};
   options.law = kLaws[keys.read_word("rotation-law", {"least-energy", "corners"}, 0)];
   std::string method = tet_method_name(options.method);
@@ -32,7 +33,11 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
   keys.read("alpha", options.alpha);
   keys.read("beta", options.beta);
   keys.read("tolerance", options.tolerance);
+  keys.read("linear-tolerance", options.linear_tolerance);
   keys.read("max-iterations", options.max_iterations);
+  options.take_unsolved = keys.read_word("unsolved", {"cut", "take"}, 0) == 1;
+  options.tangent = keys.read_word("tangent", {"exact", "frozen"}, 0) == 1 ? TangentKind::kFrozen
+                                                                           : TangentKind::kExact;
 }
 
 Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number,
@@ -84,6 +89,7 @@ Status check_tets_scene(const TetScene& scene) {
   for (const auto& [name, value] : {std::pair{"step", scene.step}, {"duration", scene.duration}})
     if (!(value > 0.0 && std::isfinite(value)))
       return problem(std::string("'") + name + "' must be positive and finite (s)");
+  if (Status s = check(scene.group); !s) return problem(s.error().message);
   std::set<std::string> names;
   for (const TetSceneBody& body : scene.bodies)
     if (!names.insert(body.name).second)
@@ -101,6 +107,15 @@ void read_tets_outputs(TomlKeys& keys, SceneOutputs& outputs) {
   if (outputs.surfaces < 0) keys.fail("surfaces", "'surfaces' must not be negative");
 }
 
+void read_tets_group(TomlKeys& keys, TetGroupOptions& options) {
+  keys.read("sleep-speed", options.sleep_speed);
+  keys.read("sleep-time", options.sleep_time);
+  int threads = 1;
+  keys.read("threads", threads);
+  if (threads < 1 || threads > 256) keys.fail("threads", "'threads' must be 1 to 256");
+  options.threads = static_cast<unsigned>(std::clamp(threads, 1, 256));
+}
+
 }  // namespace
 
 Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path) {
@@ -112,6 +127,7 @@ Result<TetScene> parse_tets_scene(std::string_view text, const std::string& path
   keys.read("step", scene.step);
   keys.read("duration", scene.duration);
   keys.read("gravity", scene.gravity);
+  read_tets_group(keys, scene.group);
   read_tets_outputs(keys, scene.outputs);
   std::size_t number = 0;
   for (const toml::table* entry : keys.read_tables("bodies")) {

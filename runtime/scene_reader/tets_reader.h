@@ -9,7 +9,7 @@
 #include "runtime/frames/pose.h"
 #include "runtime/scene/scene.h"
 #include "runtime/scene_reader/scene_reader.h"
-#include "runtime/tets/tet_body.h"
+#include "runtime/tets/tet_group.h"
 
 namespace tremolo {
 
@@ -33,6 +33,7 @@ struct TetScene {
   double step = 1.0 / 60.0;
   double duration = 10.0;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+  TetGroupOptions group;
   std::vector<TetSceneBody> bodies;
   std::vector<SceneCollider> colliders;
   std::vector<std::string> files;  // CSV files that were read

@@ -1,13 +1,16 @@
 #include "runtime/tets/active_solve.h"
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/LU>
 
 namespace tremolo {
 
-ActiveSolve::ActiveSolve(BlockPatternPointer pattern) : pattern_(std::move(pattern)) {
+ActiveSolve::ActiveSolve(BlockPatternPointer pattern)
+    : pattern_(std::move(pattern)), floats_(*pattern_) {
   const std::size_t nodes = pattern_->size();
   nodes_.reserve(nodes);
   rank_.resize(nodes);
@@ -22,6 +25,7 @@ void ActiveSolve::choose(std::span<const std::uint8_t> active) {
   nodes_.clear();
   first_.clear();
   entries_.clear();
+  std::fill(rank_.begin(), rank_.end(), kNoRank);
   for (std::size_t i = 0; i < active.size(); ++i)
     if (active[i] != 0) {
       rank_[i] = static_cast<std::uint32_t>(nodes_.size());
@@ -36,16 +40,48 @@ void ActiveSolve::choose(std::span<const std::uint8_t> active) {
         entries_.push_back({rank_[columns[p]], static_cast<std::uint32_t>(p)});
     first_.push_back(static_cast<std::uint32_t>(entries_.size()));
   }
+  floats_.choose(*pattern_, nodes_, rank_);
 }
 
-void ActiveSolve::invert_diagonal(const BlockMatrix& a) {
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    inverse_[i] = a.diagonal(nodes_[i]).inverse();
-    if (!inverse_[i].allFinite()) inverse_[i].setIdentity();
+FoldedPoint ActiveSolve::folded(std::span<const std::uint32_t> nodes,
+                                std::span<const double> shares) const {
+  FoldedPoint point;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (shares[i] == 0.0 || rank_[nodes[i]] == kNoRank) continue;
+    point.nodes[point.count] = rank_[nodes[i]];
+    point.shares[point.count++] = shares[i];
   }
+  return point;
 }
 
-double ActiveSolve::multiply(const BlockMatrix& a) {
+void ActiveSolve::take_diagonal(const BlockMatrix& a) {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) inverse_[i] = a.diagonal(nodes_[i]);
+}
+
+void ActiveSolve::add_diagonal(const FoldedPoint& point, const Eigen::Matrix3d& block) {
+  for (std::uint32_t i = 0; i < point.count; ++i)
+    inverse_[point.nodes[i]] += point.shares[i] * point.shares[i] * block;
+}
+
+SearchSizes ActiveSolve::start(const BlockMatrix& a, const Eigen::VectorXd& b, bool single) {
+  SearchSizes sizes;
+  single_ = single;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    inverse_[i] = Eigen::Matrix3d(inverse_[i].inverse());
+    if (!inverse_[i].allFinite()) inverse_[i].setIdentity();
+    r_[i] = b.segment<3>(3 * Eigen::Index{nodes_[i]});
+    x_[i].setZero();
+    z_[i].noalias() = inverse_[i] * r_[i];
+    p_[i] = z_[i];
+    sizes.square += r_[i].squaredNorm();
+    sizes.product += r_[i].dot(z_[i]);
+  }
+  if (single_) sizes.product = floats_.start(a, inverse_, r_);
+  return sizes;
+}
+
+void ActiveSolve::multiply(const BlockMatrix& a) {
+  if (single_) return floats_.multiply();
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const Eigen::Vector3d own = p_[i];
     Eigen::Vector3d sum = a.diagonal(nodes_[i]) * own;
@@ -56,58 +92,83 @@ double ActiveSolve::multiply(const BlockMatrix& a) {
     }
     q_[i] = sum;
   }
+}
+
+double ActiveSolve::curvature() const {
+  if (single_) return floats_.curvature();
   double product = 0.0;
   for (std::size_t i = 0; i < nodes_.size(); ++i) product += p_[i].dot(q_[i]);
   return product;
 }
 
-double ActiveSolve::precondition() {
-  double product = 0.0;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    z_[i].noalias() = inverse_[i] * r_[i];
-    product += r_[i].dot(z_[i]);
+SearchSizes ActiveSolve::advance(double length) {
+  SearchSizes sizes;
+  if (single_) {
+    std::tie(sizes.square, sizes.product) = floats_.advance(length);
+    return sizes;
   }
-  return product;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    x_[i] += length * p_[i];
+    r_[i] -= length * q_[i];
+    z_[i].noalias() = inverse_[i] * r_[i];
+    sizes.square += r_[i].squaredNorm();
+    sizes.product += r_[i].dot(z_[i]);
+  }
+  return sizes;
+}
+
+void ActiveSolve::turn(double share) {
+  if (single_) return floats_.turn(share);
+  for (std::size_t i = 0; i < nodes_.size(); ++i) p_[i] = z_[i] + share * p_[i];
+}
+
+void ActiveSolve::finish(Eigen::VectorXd& x) const {
+  x.setZero();
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i)
+    x.segment<3>(3 * Eigen::Index{nodes_[i]}) = single_ ? floats_.solution(i) : x_[i];
+}
+
+Eigen::Vector3d ActiveSolve::direction_at(const FoldedPoint& point) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::uint32_t i = 0; i < point.count; ++i)
+    sum += point.shares[i] * (single_ ? floats_.direction(point.nodes[i]) : p_[point.nodes[i]]);
+  return sum;
+}
+
+void ActiveSolve::add_image(const FoldedPoint& point, const Eigen::Vector3d& value) {
+  for (std::uint32_t i = 0; i < point.count; ++i) {
+    if (single_)
+      floats_.add_image(point.nodes[i], point.shares[i] * value);
+    else
+      q_[point.nodes[i]] += point.shares[i] * value;
+  }
 }
 
 ActiveReport ActiveSolve::solve(const BlockMatrix& a, const Eigen::VectorXd& b, double tolerance,
                                 int most_iterations, Eigen::VectorXd& x) {
   ActiveReport report;
-  invert_diagonal(a);
-  double squared = 0.0;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    r_[i] = b.segment<3>(3 * Eigen::Index{nodes_[i]});
-    squared += r_[i].squaredNorm();
-    x_[i].setZero();
-  }
-  const double start = squared, stop = tolerance * tolerance * squared;
-  double rho = precondition();
-  for (std::size_t i = 0; i < nodes_.size(); ++i) p_[i] = z_[i];
-  while (squared > stop && report.iterations < most_iterations) {
-    const double curvature = multiply(a);
-    report.positive = curvature > 0.0;
+  take_diagonal(a);
+  SearchSizes now = start(a, b, tolerance >= kSingleTolerance);
+  const double first = now.square, stop = tolerance * tolerance * first;
+  while (now.square > stop && report.iterations < most_iterations) {
+    multiply(a);
+    const double along = curvature();
+    report.positive = along > 0.0;
     if (!report.positive) break;
-    const double length = rho / curvature;
-    squared = 0.0;
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      x_[i] += length * p_[i];
-      r_[i] -= length * q_[i];
-      squared += r_[i].squaredNorm();
-    }
-    const double before = std::exchange(rho, precondition());
-    for (std::size_t i = 0; i < nodes_.size(); ++i) p_[i] = z_[i] + (rho / before) * p_[i];
+    const double before = now.product;
+    now = advance(before / along);
+    turn(now.product / before);
     ++report.iterations;
   }
-  report.residual = start > 0.0 ? std::sqrt(squared / start) : 0.0;
-  x.setZero();
-  for (std::size_t i = 0; i < nodes_.size(); ++i) x.segment<3>(3 * Eigen::Index{nodes_[i]}) = x_[i];
+  report.residual = first > 0.0 ? std::sqrt(now.square / first) : 0.0;
+  finish(x);
   return report;
 }
 
 std::size_t ActiveSolve::bytes() const {
   const std::size_t nodes = pattern_->size();
   return nodes * (5 * sizeof(Eigen::Vector3d) + sizeof(Eigen::Matrix3d) + 12) +
-         pattern_->blocks() * sizeof(Entry);
+         pattern_->blocks() * sizeof(Entry) + floats_.bytes();
 }
 
 }  // namespace tremolo

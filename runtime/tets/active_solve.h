@@ -4,12 +4,14 @@
 // of other rows and columns are never touched.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "runtime/sparse/block_matrix.h"
+#include "runtime/tets/active_floats.h"
 
 namespace tremolo {
 
@@ -19,6 +21,22 @@ struct ActiveReport {
   int iterations = 0;
   double residual = 0.0;
   bool positive = true;
+};
+
+inline constexpr std::size_t kMostFolded = 10;
+// Conjugate gradients that are asked for no less than this are in single precision.
+inline constexpr double kSingleTolerance = 5e-4;
+
+// A sum of shares times vectors of nodes, which are numbered among the active.
+struct FoldedPoint {
+  std::uint32_t count = 0;
+  std::array<std::uint32_t, kMostFolded> nodes{};
+  std::array<double, kMostFolded> shares{};
+};
+
+// r.r and r.z of a search.
+struct SearchSizes {
+  double square = 0.0, product = 0.0;
 };
 
 class ActiveSolve {
@@ -35,6 +53,22 @@ class ActiveSolve {
   ActiveReport solve(const BlockMatrix& a, const Eigen::VectorXd& b, double tolerance,
                      int most_iterations, Eigen::VectorXd& x);
 
+  // The same in steps, for several systems that are coupled (tet_island.h). take_diagonal() and
+  // add_diagonal() before start(); then multiply(), what couples is added to q, advance(), turn().
+  FoldedPoint folded(std::span<const std::uint32_t> nodes, std::span<const double> shares) const;
+  void take_diagonal(const BlockMatrix& a);
+  void add_diagonal(const FoldedPoint& point, const Eigen::Matrix3d& block);
+  // x = 0, r = b, p = z = D^-1 r. single: what follows is in single precision.
+  SearchSizes start(const BlockMatrix& a, const Eigen::VectorXd& b, bool single);
+  void multiply(const BlockMatrix& a);  // q = A p
+  double curvature() const;             // p.q
+  // x += length p, r -= length q, z = D^-1 r.
+  SearchSizes advance(double length);
+  void turn(double share);  // p = z + share p
+  void finish(Eigen::VectorXd& x) const;
+  Eigen::Vector3d direction_at(const FoldedPoint& point) const;            // of p
+  void add_image(const FoldedPoint& point, const Eigen::Vector3d& value);  // to q
+
   std::size_t bytes() const;
 
  private:
@@ -44,15 +78,15 @@ class ActiveSolve {
   };
   using Vectors = std::vector<Eigen::Vector3d>;
 
-  void invert_diagonal(const BlockMatrix& a);
-  double multiply(const BlockMatrix& a);  // q = A p; returns p.q
-  double precondition();                  // z = D^-1 r; returns r.z
+  static constexpr std::uint32_t kNoRank = ActiveFloats::kNoRank;
 
   BlockPatternPointer pattern_;
   std::vector<std::uint32_t> nodes_, rank_, first_;  // active nodes; their number by node
   std::vector<Entry> entries_;                       // below the diagonal, by rows
   std::vector<Eigen::Matrix3d> inverse_;
   Vectors x_, r_, z_, p_, q_;
+  ActiveFloats floats_;
+  bool single_ = false;
 };
 
 }  // namespace tremolo

@@ -15,7 +15,8 @@ bool newton_polar(const Eigen::Matrix3d& a, Eigen::Matrix3d& rotation) {
   for (int step = 0; step < 12; ++step) {
     const double determinant = x.determinant();
     // Below, the inverse has lost half its digits.
-    if (!(determinant > 1e-8 * std::pow(x.squaredNorm(), 1.5))) return false;
+    const double square = x.squaredNorm();
+    if (!(determinant > 1e-8 * square * std::sqrt(square))) return false;
     Eigen::Matrix3d cofactors;
     cofactors.col(0) = x.col(1).cross(x.col(2));
     cofactors.col(1) = x.col(2).cross(x.col(0));

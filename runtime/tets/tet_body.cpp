@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "runtime/tets/rigid_balance.h"
+#include "runtime/tets/tet_island.h"
 
 namespace tremolo {
 namespace {
@@ -53,7 +54,8 @@ TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
       system_(model, options.law),
       choice_(*model, options.degree),
       solve_(model->pattern()),
-      matrix_(model->pattern()) {
+      matrix_(model->pattern()),
+      alone_(std::make_unique<TetIsland>()) {
   const Eigen::Index size = model->rest().size();
   for (TetMotion* motion : {&now_, &before_, &saved_, &saved_before_}) {
     motion->x = model->rest();
@@ -73,9 +75,14 @@ TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
   Eigen::VectorXd ones = Eigen::VectorXd::Ones(size);
   weight_.resize(size);
   model->mass_times(ones, weight_);
+  load_ = (weight_.array() * options.gravity.replicate(size / 3, 1).array()).matrix().norm();
   system_.set_degrees(choice_.first_degrees());
   solve_.choose(system_.active());
 }
+
+TetBody::TetBody(TetBody&&) noexcept = default;
+TetBody& TetBody::operator=(TetBody&&) noexcept = default;
+TetBody::~TetBody() = default;
 
 Status TetBody::set_state(const Eigen::VectorXd& x, const Eigen::VectorXd& v) {
   if (x.size() != now_.x.size() || v.size() != now_.x.size())
@@ -112,97 +119,79 @@ double TetBody::set_degrees(std::span<const std::uint8_t> degrees) {
   solve_.choose(system_.active());
   has_acceleration_ = false;
   if (only_more) return 0.0;
-  for (Eigen::VectorXd* y : {&now_.x, &now_.v, &before_.x, &before_.v})
+  for (Eigen::VectorXd* y : {&now_.x, &now_.v})
     project_motion(system_, solve_, matrix_, correction_, *y);
+  if (options_.method == TetMethod::kBdf2)
+    for (Eigen::VectorXd* y : {&before_.x, &before_.v})
+      project_motion(system_, solve_, matrix_, correction_, *y);
   if (!held_) restore_spin(model(), spin - angular_momentum(), now_.x, now_.v, correction_);
   return before - (kinetic_energy() + elastic_energy() + gravity_energy());
 }
 
-// r = E^T (M g^2 (d - d_a) - F) at way_; not folded, it stays in force_. Returns |r|.
-double TetBody::find_residual(TetPushes* pushes) {
+void TetBody::begin(TetMethod method, double h) {
+  if (method == TetMethod::kNewmark && !has_acceleration_) find_acceleration();
+  begin_stage(method, h, now_, has_before_ ? &before_ : nullptr, stage_);
+}
+
+void TetBody::guess(bool stay) {
+  way_ = stage_.inertial;
+  if (stay) way_ = now_.x - stage_.from;
+  for (std::size_t i = 0; i < model().nodes(); ++i)
+    if (model().held()[i] != 0)
+      way_.segment<3>(body_at(i)) =
+          now_.x.segment<3>(body_at(i)) - stage_.from.segment<3>(body_at(i));
+  system_.follow_ends(way_);
+}
+
+void TetBody::find_forces() {
   s_ = stage_.from + way_;
   system_.evaluate(s_);
   velocity_ = stage_.rate * way_;
   correction_ = (stage_.rate * stage_.rate) * (way_ - stage_.inertial);
   if (options_.alpha > 0.0) correction_ += options_.alpha * velocity_;
   model().mass_times(correction_, inertia_);
-  force_.setZero();
   for (std::size_t i = 0; i < model().nodes(); ++i)
     force_.segment<3>(body_at(i)) = weight_[body_at(i)] * options_.gravity;
   system_.add_force(force_);
   if (options_.beta > 0.0) system_.add_damping_force(velocity_, options_.beta, force_);
-  if (pushes != nullptr) pushes->add_forces(s_, velocity_, force_);
+}
+
+// r = E^T (M g^2 (d - d_a) - F); not folded, it stays in force_.
+double TetBody::close_residual() {
   force_ = inertia_ - force_;
   residual_ = force_;
   system_.fold(residual_);
   clear_held(system_.active(), residual_);
-  return residual_.norm();
+  return residual_.squaredNorm();
 }
 
-void TetBody::find_correction(TetPushes* pushes, TangentKind tangent, TetStepReport& report) {
+double TetBody::stop_size() const {
+  return options_.tolerance * ((inertia_ - force_).norm() + inertia_.norm() + load_) +
+         kRounding * rounding_scale_ * s_.cwiseAbs().maxCoeff();
+}
+
+// The matrix M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv.
+void TetBody::assemble(TangentKind tangent) {
   TetMatrixFactors factors;
   factors.mass = stage_.rate * (stage_.rate + options_.alpha);
   factors.tangent = {1.0, options_.beta * stage_.rate, tangent};
-  residual_ = -residual_;
-  for (const TangentKind kind : {tangent, TangentKind::kFrozen}) {
-    factors.tangent.kind = kind;
-    system_.assemble(factors, matrix_);
-    if (pushes != nullptr) pushes->add_stiffness(system_, stage_.rate, matrix_);
-    const ActiveReport solved = solve_.solve(matrix_, residual_, options_.linear_tolerance,
-                                             static_cast<int>(residual_.size()), correction_);
-    report.linear += solved.iterations;
-    if (solved.positive) break;
-  }
-  system_.follow_ends(correction_);
-}
-
-// Goes along the correction until the residual no longer points back. size: |r| at the end.
-bool TetBody::take_correction(TetPushes* pushes, double& size) {
-  start_ = way_;
-  const double slope = residual_.dot(correction_);  // residual_ is -r here
-  const double before = size;
-  direction_ = correction_;
-  double share = 1.0;
-  for (int halving = 0; halving < 12; ++halving) {
-    way_ = start_ + share * direction_;
-    size = find_residual(pushes);
-    const double now = -residual_.dot(direction_);
-    if (std::isfinite(size) && (size <= before || now >= -0.5 * std::abs(slope))) return true;
-    share *= std::isfinite(now) ? std::clamp(slope / (slope - now), 0.1, 0.7) : 0.1;
-  }
-  return false;
+  system_.assemble(factors, matrix_);
 }
 
 // The rigid motions in the residual, which no elastic force balances, are taken out exactly.
 void TetBody::balance_momenta() {
+  if (held_) return;
   for (int pass = 0; pass < 3; ++pass) {
     if (!rigid_correction(model(), s_, residual_, stage_.rate * stage_.rate, correction_)) return;
     way_ += correction_;
-    find_residual(nullptr);
+    find_forces();
+    close_residual();
   }
 }
 
-bool TetBody::solve_stage(TetPushes* pushes, TetStepReport& report) {
-  way_ = stage_.inertial;
-  for (std::size_t i = 0; i < model().nodes(); ++i)
-    if (model().held()[i] != 0)
-      way_.segment<3>(body_at(i)) =
-          now_.x.segment<3>(body_at(i)) - stage_.from.segment<3>(body_at(i));
-  system_.follow_ends(way_);
-  double size = find_residual(pushes);
-  const double stop = options_.tolerance * ((inertia_ - force_).norm() + inertia_.norm()) +
-                      kRounding * rounding_scale_ * s_.cwiseAbs().maxCoeff();
-  for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
-    if (!std::isfinite(size)) return false;
-    if (size <= stop) {
-      if (!held_ && pushes == nullptr) balance_momenta();
-      return true;
-    }
-    ++report.iterations;
-    find_correction(pushes, options_.tangent, report);
-    if (!take_correction(pushes, size)) return false;
-  }
-  return size <= stop;
+void TetBody::end() {
+  end_stage(stage_, way_, now_, before_);
+  has_before_ = true;
 }
 
 // a = M^-1 F at the beginning.
@@ -210,7 +199,8 @@ void TetBody::find_acceleration() {
   stage_.rate = 0.0;
   stage_.from = now_.x;
   way_.setZero();
-  find_residual(nullptr);
+  find_forces();
+  close_residual();
   if (options_.alpha > 0.0 || options_.beta > 0.0) {
     // With a rate of zero the velocity was zero: damping of the state's own comes on top.
     force_.setZero();
@@ -229,68 +219,50 @@ void TetBody::find_acceleration() {
   has_acceleration_ = true;
 }
 
-bool TetBody::make_step(TetMethod method, double h, TetPushes* pushes, TetStepReport& report) {
-  if (method == TetMethod::kNewmark && !has_acceleration_) find_acceleration();
-  begin_stage(method, h, now_, has_before_ ? &before_ : nullptr, stage_);
-  if (!solve_stage(pushes, report)) return false;
-  end_stage(stage_, way_, now_, before_);
-  has_before_ = true;
-  return true;
-}
-
-// One correction with R K R^T, which is positive, from where the step begins (implicit-euler,
-// linearised): it needs no solution to be near.
-bool TetBody::make_linear_step(double h, TetPushes* pushes, TetStepReport& report) {
-  begin_stage(TetMethod::kImplicitEuler, h, now_, nullptr, stage_);
-  way_.setZero();
-  find_residual(pushes);
-  find_correction(pushes, TangentKind::kFrozen, report);
-  way_ = correction_;
-  end_stage(stage_, way_, now_, before_);
-  return now_.x.allFinite() && now_.v.allFinite();
-}
-
-bool TetBody::make_parts(int parts, bool linear, TetPushes* pushes, TetStepReport& report) {
-  now_.x = saved_.x;
-  now_.v = saved_.v;
-  report.parts = parts;
-  report.linearised = linear;
-  has_before_ = has_acceleration_ = false;
-  const double h = options_.step / parts;
-  bool made = true;
-  for (int part = 0; part < parts && made; ++part)
-    made = linear ? make_linear_step(h, pushes, report)
-                  : make_step(TetMethod::kImplicitEuler, h, pushes, report);
-  has_before_ = has_acceleration_ = false;
-  return made;
-}
-
-TetStepReport TetBody::step(TetPushes* pushes) {
-  TetStepReport report;
+void TetBody::keep_state() {
   saved_.x = now_.x;
   saved_.v = now_.v;
   saved_before_.x = before_.x;
   saved_before_.v = before_.v;
-  const bool had_before = has_before_;
-  report.converged = make_step(options_.method, options_.step, pushes, report) ||
-                     make_parts(2, false, pushes, report) || make_parts(8, false, pushes, report) ||
-                     make_parts(8, true, pushes, report);
-  if (!report.converged) {
-    now_.x = saved_.x;
-    now_.v = saved_.v;
-    before_.x = saved_before_.x;
-    before_.v = saved_before_.v;
-    has_before_ = had_before;
-    return report;
-  }
+  had_before_ = has_before_;
+}
+
+void TetBody::restore_state() {
+  now_.x = saved_.x;
+  now_.v = saved_.v;
+  before_.x = saved_before_.x;
+  before_.v = saved_before_.v;
+  has_before_ = had_before_;
+}
+
+void TetBody::rewind() {
+  now_.x = saved_.x;
+  now_.v = saved_.v;
+  has_before_ = has_acceleration_ = false;
+}
+
+void TetBody::stop() {
+  now_.v.setZero();
+  has_before_ = has_acceleration_ = false;
+}
+
+void TetBody::skip_step() {
   time_ += options_.step;
   ++steps_;
-  if (options_.degree.kind == DegreeKind::kAdaptive && steps_ % options_.degree.every == 0) {
-    const auto wanted =
-        choice_.choose(system_, now_, force_, stage_.rate * stage_.rate, options_.step);
-    report.switched = choice_.changed();
-    if (report.switched > 0) report.energy_of_switch = set_degrees(wanted);
-  }
+}
+
+void TetBody::choose_degrees(TetStepReport& report) {
+  if (options_.degree.kind != DegreeKind::kAdaptive || steps_ % options_.degree.every != 0) return;
+  const auto wanted =
+      choice_.choose(system_, now_, force_, stage_.rate * stage_.rate, options_.step);
+  report.switched = choice_.changed();
+  if (report.switched > 0) report.energy_of_switch = set_degrees(wanted);
+}
+
+TetStepReport TetBody::step(TetContact* contact) {
+  const TetMember member{this, contact};
+  TetStepReport report;
+  alone_->step({&member, 1}, {&report, 1});
   return report;
 }
 

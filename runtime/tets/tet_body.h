@@ -1,12 +1,7 @@
 // A body of corotated tetrahedra that moves: its state, its degrees, its step.
 //
-// A step finds d in M g^2 (d - d_a) = F(x_v + d, g d) (tet_stage.h) by Newton's method with the
-// matrix
-//   M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv,
-// first with the exact derivative; where that is indefinite, with R K R^T. Each correction is
-// shortened until the residual no longer points back. A step that is not solved is cut into two,
-// then eight of implicit-euler; where even those have no solution (an element goes through a flat
-// shape and its rotation jumps), into eight of one correction each with R K R^T.
+// A step is found by Newton's method, by itself or together with bodies that it touches
+// (tet_island.h).
 #pragma once
 
 #include <cstdint>
@@ -22,7 +17,9 @@
 namespace tremolo {
 
 // step: s. gravity: m/s^2. alpha, 1/s, and beta, s: Rayleigh's. tolerance: of the residual over the
-// forces at the step's beginning. linear_tolerance: of a correction's equation.
+// weight and the forces at the step's beginning. linear_tolerance: of a correction's equation.
+// take_unsolved: a step that max_iterations do not solve is taken as it is, and is told
+// (tet_island.h); else it is cut.
 struct TetBodyOptions {
   TetMethod method = TetMethod::kBdf2;
   RotationLaw law = RotationLaw::kLeastEnergy;
@@ -34,26 +31,16 @@ struct TetBodyOptions {
   double tolerance = 1e-6;
   double linear_tolerance = 1e-3;
   int max_iterations = 20;
+  bool take_unsolved = false;
   DegreeOptions degree;
 };
 // Errors (kContent) name the value: a step, tolerance or damping out of range, thresholds the wrong
 // way round.
 Status check(const TetBodyOptions& options);
 
-// What a body is pushed by beside gravity. The forces are of the control points, N, and their
-// stiffness goes into blocks of the pattern.
-class TetPushes {
- public:
-  virtual ~TetPushes() = default;
-  // f += forces at places s and velocities v; all nodes, not folded.
-  virtual void add_forces(const Eigen::VectorXd& s, const Eigen::VectorXd& v,
-                          Eigen::VectorXd& f) = 0;
-  // a += -dforce/ds - velocity_rate dforce/dv of the last add_forces, through `system`.
-  virtual void add_stiffness(const TetSystem& system, double velocity_rate, BlockMatrix& a) = 0;
-};
-
 // converged: a step was made. iterations: Newton's; linear: those of conjugate gradients. parts:
 // how many steps it took. linearised: each of them is one correction, no solution was found.
+// unsolved: one of them was taken as it was (take_unsolved).
 // switched: edges that changed their degree. energy_of_switch: J, what they took out of the body.
 struct TetStepReport {
   bool converged = true;
@@ -61,12 +48,20 @@ struct TetStepReport {
   int linear = 0;
   int parts = 1;
   bool linearised = false;
+  bool unsolved = false;
   std::size_t switched = 0;
   double energy_of_switch = 0.0;
 };
 
+class TetContact;
+class TetIsland;
+
 class TetBody {
  public:
+  TetBody(TetBody&&) noexcept;
+  TetBody& operator=(TetBody&&) noexcept;
+  ~TetBody();
+
   // At rest in the mesh's place. Errors: those of check().
   static Result<TetBody> create(TetModelPointer model, const TetBodyOptions& options);
 
@@ -85,8 +80,17 @@ class TetBody {
   // it took, J.
   double set_degrees(std::span<const std::uint8_t> degrees);
 
-  // Makes a step. Where it fails, the state is as before.
-  TetStepReport step(TetPushes* pushes = nullptr);
+  // Makes a step by itself. contact: what it touches; null: nothing. Where it fails, the state is
+  // as before.
+  TetStepReport step(TetContact* contact = nullptr);
+  // Velocities and what is carried from step to step become zero.
+  void stop();
+  // A step passes in which the body does not move.
+  void skip_step();
+
+  // Where forces are taken in a step, for partners of a contact (tet_contact.h).
+  const Eigen::VectorXd& trial_places() const { return s_; }
+  const Eigen::VectorXd& trial_velocities() const { return velocity_; }
 
   // Of the state: kinetic, elastic and of gravity, J.
   double kinetic_energy() const { return system_.kinetic_energy(now_.v); }
@@ -97,16 +101,23 @@ class TetBody {
   std::size_t bytes() const;  // of the body; the model's come once
 
  private:
+  friend class TetIsland;  // which takes the following in turn
+
   TetBody(TetModelPointer model, const TetBodyOptions& options);
-  bool solve_stage(TetPushes* pushes, TetStepReport& report);
-  double find_residual(TetPushes* pushes);
-  void find_correction(TetPushes* pushes, TangentKind tangent, TetStepReport& report);
-  bool take_correction(TetPushes* pushes, double& size);
+  void keep_state();
+  void restore_state();  // all of it
+  void rewind();         // to where the step began, without what came before
+  void begin(TetMethod method, double h);
+  void guess(bool stay);  // the way to begin with; stay: none, where the body is
+  // The forces at way_, without contact, go to force_, and then become the residual.
+  void find_forces();
+  double close_residual();  // |r|^2
+  double stop_size() const;
+  void assemble(TangentKind tangent);
   void balance_momenta();
-  bool make_step(TetMethod method, double h, TetPushes* pushes, TetStepReport& report);
-  bool make_linear_step(double h, TetPushes* pushes, TetStepReport& report);
-  bool make_parts(int parts, bool linear, TetPushes* pushes, TetStepReport& report);
+  void end();
   void find_acceleration();
+  void choose_degrees(TetStepReport& report);
 
   TetBodyOptions options_;
   TetSystem system_;
@@ -115,11 +126,12 @@ class TetBody {
   BlockMatrix matrix_;
   TetMotion now_, before_, saved_, saved_before_;
   TetStage stage_;
-  bool has_before_ = false, has_acceleration_ = false, held_ = false;
+  bool has_before_ = false, had_before_ = false, has_acceleration_ = false, held_ = false;
   Eigen::VectorXd way_, s_, start_, velocity_, force_, residual_, correction_, direction_, inertia_,
       weight_;
-  double rounding_scale_ = 0.0, time_ = 0.0;
+  double rounding_scale_ = 0.0, load_ = 0.0, time_ = 0.0;
   std::int64_t steps_ = 0;
+  std::unique_ptr<TetIsland> alone_;
 };
 
 }  // namespace tremolo

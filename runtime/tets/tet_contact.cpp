@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
-#include "common/mesh/surface_mesh.h"
+#include <Eigen/LU>
 
 namespace tremolo {
 namespace {
-
-constexpr double kOfOwnStiffness = 2.0;
 
 struct Depth {
   double depth = 0.0;  // m, positive inside
@@ -23,92 +20,143 @@ Depth depth_in(const TetObstacle& obstacle, const Eigen::Vector3d& x) {
   return {-found.distance, obstacle.pose.rotation * found.normal};
 }
 
+// Force and stiffness of a touch: pressed is k <-d>, N, along g; speed the relative velocity.
+void set_law(const Eigen::Vector3d& g, double stiffness, double depth, double friction,
+             const Eigen::Vector3d& speed, TetTouch& touch) {
+  const double length = g.norm();
+  const Eigen::Vector3d n = g / length;
+  const double pressed = stiffness * depth * length;
+  const Eigen::Vector3d along = speed - n.dot(speed) * n;
+  const double size = std::sqrt(along.squaredNorm() + kTetCreep * kTetCreep);
+  const double rub = friction * pressed / size;
+  touch.depth = depth;
+  touch.energy = 0.5 * stiffness * depth * depth;
+  touch.force = pressed * n - rub * along;
+  touch.place = stiffness * g * g.transpose();
+  touch.speed = rub * (Eigen::Matrix3d::Identity() - n * n.transpose() -
+                       along * along.transpose() / (size * size));
+}
+
 }  // namespace
 
-TetContact::TetContact(const TetModel& model, std::vector<TetObstacle> obstacles)
-    : obstacles_(std::move(obstacles)) {
-  const BoundarySurface boundary = boundary_surface(model.mesh());
-  std::vector<double> own(model.nodes(), 0.0);
-  for (const TetModelElement& element : model.elements())
-    for (std::size_t i = 0; i < kMostNodes; ++i)
-      own[element.nodes[i]] += element.stiffness[node_block(i, i)].trace() / 3.0;
-  for (const VertexId v : boundary.vertex_ids)
-    points_.push_back({{static_cast<std::uint32_t>(v)}, {1.0}, 1, 0.0});
-  std::set<std::pair<VertexId, VertexId>> sides;
-  for (const Triangle& t : boundary.triangles)
-    for (std::size_t c = 0; c < 3; ++c) {
-      const VertexId a = boundary.vertex_ids[static_cast<std::size_t>(t[c])];
-      const VertexId b = boundary.vertex_ids[static_cast<std::size_t>(t[(c + 1) % 3])];
-      sides.emplace(std::min(a, b), std::max(a, b));
-    }
-  for (std::size_t e = 0; e < model.edges(); ++e) {
-    const MeshEdge& edge = model.edge(e);
-    if (!sides.contains({std::min(edge.a, edge.b), std::max(edge.a, edge.b)})) continue;
-    points_.push_back({{static_cast<std::uint32_t>(edge.a), static_cast<std::uint32_t>(edge.b),
-                        static_cast<std::uint32_t>(edge.point)},
-                       {0.25, 0.25, 0.5},
-                       3,
-                       0.0});
+TetHull::TetHull(TetModelPointer of, std::vector<TetPoint> with,
+                 std::optional<DistanceGrid> distances)
+    : model(of), points(std::move(with)), grid(std::move(distances)), tree(std::move(of)) {
+  for (const TetPoint& point : points)
+    stiffness += point.stiffness / static_cast<double>(points.size());
+}
+
+std::size_t TetHull::bytes() const {
+  return points.capacity() * sizeof(TetPoint) + (grid ? grid->bytes() : 0) + tree.bytes();
+}
+
+TetHullPointer boundary_hull(TetModelPointer model) {
+  std::vector<TetPoint> points = boundary_points(*model);
+  return std::make_shared<const TetHull>(std::move(model), std::move(points), std::nullopt);
+}
+
+TetContact::TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles)
+    : hull_(std::move(hull)),
+      obstacles_(std::move(obstacles)),
+      boxes_(hull_->tree.size()),
+      near_(obstacles_.size(), 1) {
+  touches_.reserve(hull_->points.size());
+}
+
+void TetContact::find_obstacles(std::uint32_t p, const Eigen::Vector3d& place,
+                                const Eigen::VectorXd& v) {
+  const TetPoint& point = hull_->points[p];
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    if (near_[o] == 0) continue;
+    const auto [depth, n] = depth_in(obstacles_[o], place);
+    if (!(depth > 0.0)) continue;
+    TetTouch& touch = touches_.emplace_back();
+    touch.point = p;
+    touch.partner = kNoPartner;
+    set_law(n, point.stiffness, depth, obstacles_[o].friction, at_point(point, v), touch);
   }
-  for (Point& point : points_)
-    point.stiffness = kOfOwnStiffness * own[point.nodes[static_cast<std::size_t>(point.count - 1)]];
-  touches_.reserve(points_.size() * obstacles_.size());
 }
 
-Eigen::Vector3d TetContact::at(const Point& point, const Eigen::VectorXd& x) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(point.count); ++i)
-    sum += point.shares[i] * x.segment<3>(3 * Eigen::Index{point.nodes[i]});
-  return sum;
+void TetContact::find_partner(std::uint32_t p, const Eigen::Vector3d& place,
+                              const Eigen::VectorXd& v, std::uint32_t number) {
+  const TetPartner& partner = partners_[number];
+  const TetHull& other = partner.contact->hull();
+  const std::optional<TetPlace> found = other.tree.find(*partner.s, partner.contact->boxes_, place);
+  if (!found) return;
+  const DistanceGrid::Sample sample = other.grid->at(other.tree.rest_place(*found));
+  if (!(sample.distance < 0.0)) return;
+  const Eigen::Vector3d g = found->gradient.transpose().inverse() * sample.gradient;
+  if (!(g.squaredNorm() > 1e-12) || !g.allFinite()) return;
+  const TetPoint& point = hull_->points[p];
+  TetTouch& touch = touches_.emplace_back();
+  touch.point = p;
+  touch.partner = number;
+  const TetModelElement& element = other.model->elements()[found->element];
+  touch.nodes = element.nodes;
+  touch.values = found->values;
+  Eigen::Vector3d speed = at_point(point, v);
+  for (std::size_t i = 0; i < kMostNodes; ++i)
+    speed -= touch.values[i] * partner.v->segment<3>(3 * Eigen::Index{touch.nodes[i]});
+  const double both = point.stiffness * other.stiffness / (point.stiffness + other.stiffness);
+  set_law(g, both, -sample.distance, partner.friction, speed, touch);
 }
 
-void TetContact::add_forces(const Eigen::VectorXd& s, const Eigen::VectorXd& v,
-                            Eigen::VectorXd& f) {
+void TetContact::find(const Eigen::VectorXd& s, const Eigen::VectorXd& v) {
   touches_.clear();
-  for (std::size_t p = 0; p < points_.size(); ++p) {
-    const Point& point = points_[p];
-    const Eigen::Vector3d place = at(point, s);
-    for (const TetObstacle& obstacle : obstacles_) {
-      const auto [depth, n] = depth_in(obstacle, place);
-      if (!(depth > 0.0)) continue;
-      const Eigen::Vector3d speed = at(point, v);
-      const Eigen::Vector3d along = speed - n.dot(speed) * n;
-      const double size = std::sqrt(along.squaredNorm() + kTetCreep * kTetCreep);
-      const double pressed = point.stiffness * depth;
-      const double rub = obstacle.friction * pressed / size;
-      const Eigen::Vector3d force = pressed * n - rub * along;
-      for (std::size_t i = 0; i < static_cast<std::size_t>(point.count); ++i)
-        f.segment<3>(3 * Eigen::Index{point.nodes[i]}) += point.shares[i] * force;
-      const Eigen::Matrix3d of_speed = rub * (Eigen::Matrix3d::Identity() - n * n.transpose() -
-                                              along * along.transpose() / (size * size));
-      touches_.push_back(
-          {static_cast<std::uint32_t>(p), point.stiffness * n * n.transpose(), of_speed});
-    }
+  const Eigen::Vector3d middle = box().center();
+  const double reach = 0.5 * box().diagonal().norm();
+  for (std::size_t o = 0; o < obstacles_.size(); ++o)
+    near_[o] = depth_in(obstacles_[o], middle).depth > -reach ? 1 : 0;
+  for (std::uint32_t p = 0; p < hull_->points.size(); ++p) {
+    const Eigen::Vector3d place = at_point(hull_->points[p], s);
+    find_obstacles(p, place, v);
+    for (std::uint32_t other = 0; other < partners_.size(); ++other)
+      if (partners_[other].contact->box().contains(place)) find_partner(p, place, v, other);
   }
 }
 
-void TetContact::add_stiffness(const TetSystem& system, double velocity_rate, BlockMatrix& a) {
-  for (const Touch& touch : touches_) {
-    const Point& point = points_[touch.point];
-    const Eigen::Matrix3d block = touch.place + velocity_rate * touch.speed;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(point.count); ++i)
-      for (std::size_t j = 0; j <= i; ++j)
-        system.add_block(point.nodes[i], point.nodes[j], point.shares[i] * point.shares[j] * block,
-                         a);
+void TetContact::add_forces(Eigen::VectorXd& f) const {
+  for (const TetTouch& touch : touches_) {
+    const TetPoint& point = hull_->points[touch.point];
+    for (std::uint32_t i = 0; i < point.count; ++i)
+      f.segment<3>(3 * Eigen::Index{point.nodes[i]}) += point.shares[i] * touch.force;
   }
+}
+
+void TetContact::add_partner_forces(std::uint32_t partner, Eigen::VectorXd& f) const {
+  for (const TetTouch& touch : touches_) {
+    if (touch.partner != partner) continue;
+    for (std::size_t i = 0; i < kMostNodes; ++i)
+      f.segment<3>(3 * Eigen::Index{touch.nodes[i]}) -= touch.values[i] * touch.force;
+  }
+}
+
+TetContact::Look TetContact::look() const {
+  Look seen;
+  for (const TetTouch& touch : touches_) {
+    seen.energy += touch.energy;
+    seen.depth = std::max(seen.depth, touch.depth);
+    ++seen.touching;
+  }
+  return seen;
 }
 
 TetContact::Look TetContact::look(const Eigen::VectorXd& x) const {
   Look seen;
-  for (const Point& point : points_)
+  for (const TetPoint& point : hull_->points)
     for (const TetObstacle& obstacle : obstacles_) {
-      const double depth = depth_in(obstacle, at(point, x)).depth;
+      const double depth = depth_in(obstacle, at_point(point, x)).depth;
       if (!(depth > 0.0)) continue;
       seen.energy += 0.5 * point.stiffness * depth * depth;
       seen.depth = std::max(seen.depth, depth);
       ++seen.touching;
     }
   return seen;
+}
+
+std::size_t TetContact::bytes() const {
+  return touches_.capacity() * sizeof(TetTouch) + boxes_.size() * sizeof(TetTree::Box) +
+         partners_.capacity() * sizeof(TetPartner);
 }
 
 }  // namespace tremolo

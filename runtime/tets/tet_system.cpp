@@ -1,6 +1,7 @@
 #include "runtime/tets/tet_system.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace tremolo {
@@ -156,6 +157,11 @@ void TetSystem::fold_block(const TetModelElement& element, std::size_t i, std::s
 }
 
 void TetSystem::assemble(const TetMatrixFactors& factors, BlockMatrix& a) const {
+  std::array<std::array<double, kMostBlocks>, 2> shares;  // of the mass, by order
+  for (const int order : {1, 2})
+    for (int i = 0; i < nodes_of_order(order); ++i)
+      for (int j = 0; j <= i; ++j)
+        shares[static_cast<std::size_t>(order - 1)][node_block(i, j)] = mass_share(order, i, j);
   a.set_zero();
   const bool of_mass_alone = factors.tangent.position == 0.0 && factors.tangent.velocity == 0.0;
   NodeBlocks blocks;
@@ -174,32 +180,23 @@ void TetSystem::assemble(const TetMatrixFactors& factors, BlockMatrix& a) const 
     for (int i = 0; i < nodes; ++i)
       for (int j = 0; j <= i; ++j) {
         Eigen::Matrix3d& block = blocks[node_block(i, j)];
-        block.diagonal().array() += factors.mass * element.element.mass * mass_share(order, i, j);
+        block.diagonal().array() += factors.mass * element.element.mass *
+                                    shares[static_cast<std::size_t>(order - 1)][node_block(i, j)];
         fold_block(element, i, j, block, a);
       }
   }
 }
 
-void TetSystem::add_block(std::size_t i, std::size_t j, const Eigen::Matrix3d& block,
-                          BlockMatrix& a) const {
-  const auto targets = [&](std::size_t node) {
-    if (node < model_->vertices() || degrees_[node - model_->vertices()] > 1)
-      return FoldTargets{{node, 0}, 1, 1.0};
-    const MeshEdge& edge = model_->edge(node - model_->vertices());
-    return FoldTargets{
-        {static_cast<std::size_t>(edge.a), static_cast<std::size_t>(edge.b)}, 2, 0.5};
-  };
-  const FoldTargets rows = targets(i), columns = targets(j);
-  const double weight = rows.weight * columns.weight;
-  for (std::size_t r = 0; r < rows.count; ++r)
-    for (std::size_t c = 0; c < columns.count; ++c) {
-      const std::size_t row = rows.to[r], column = columns.to[c];
-      Eigen::Matrix3d& stored = a.block(model_->pattern()->find(row, column));
-      if (row == column)
-        stored += weight * (i == j ? block : Eigen::Matrix3d(block + block.transpose()));
-      else if (i != j || row > column)
-        stored += weight * (row > column ? block : Eigen::Matrix3d(block.transpose()));
+void TetSystem::fold_point(std::span<const std::uint32_t> nodes, std::span<double> shares) const {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i] < model_->vertices() || degrees_[nodes[i] - model_->vertices()] > 1) continue;
+    const MeshEdge& edge = model_->edge(nodes[i] - model_->vertices());
+    for (const VertexId end : {edge.a, edge.b}) {
+      const auto found = std::find(nodes.begin(), nodes.end(), static_cast<std::uint32_t>(end));
+      shares[static_cast<std::size_t>(found - nodes.begin())] += 0.5 * shares[i];
     }
+    shares[i] = 0.0;
+  }
 }
 
 void TetSystem::mass_times_folded(Eigen::VectorXd& y) const {

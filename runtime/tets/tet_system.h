@@ -56,9 +56,9 @@ class TetSystem {
   // a = E^T (..) E. Rows and columns of control points that are not active mean nothing.
   void assemble(const TetMatrixFactors& factors, BlockMatrix& a) const;
 
-  // a += E^T B E of a block of control points i and j, and of its transpose where i is not j; i and
-  // j are of one element. Of a whole row of blocks each pair comes once.
-  void add_block(std::size_t i, std::size_t j, const Eigen::Matrix3d& block, BlockMatrix& a) const;
+  // Shares of control points among which are the ends of every edge: those of linear edges go half
+  // and half to their ends.
+  void fold_point(std::span<const std::uint32_t> nodes, std::span<double> shares) const;
 
   // y <- E^T M y.
   void mass_times_folded(Eigen::VectorXd& y) const;

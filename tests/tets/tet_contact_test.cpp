@@ -34,13 +34,16 @@ TEST(TetContact, TheForcesAreTheSlopeOfTheirEnergy) {
   Pose pose;
   pose.rotation = Eigen::Quaterniond(0.9, 0.3, -0.2, 0.1).normalized();
   pose.position = {0.1, 0.05, 0.03};
-  TetContact contact(*model, {{SphereShape{0.08}, pose, 0.0}, {PlaneShape{}, pose, 0.0}});
+  TetContact contact(boundary_hull(model),
+                     {{SphereShape{0.08}, pose, 0.0}, {PlaneShape{}, pose, 0.0}});
   testing::TetRandom random(3);
   const Eigen::VectorXd x =
       model->rest() + testing::random_state(random, model->rest().size(), 0.01);
   const Eigen::VectorXd way = testing::random_state(random, x.size(), 1.0);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(x.size());
-  contact.add_forces(x, Eigen::VectorXd::Zero(x.size()), force);
+  contact.fit(x);
+  contact.find(x, Eigen::VectorXd::Zero(x.size()));
+  contact.add_forces(force);
   const double h = 1e-6;
   const double slope =
       (contact.look(x + h * way).energy - contact.look(x - h * way).energy) / (2.0 * h);
@@ -54,13 +57,15 @@ TEST(TetContact, ABlockComesToRestOnTheFloorUnderItsOwnWeight) {
   for (const DegreeKind kind :
        {DegreeKind::kLinear, DegreeKind::kQuadratic, DegreeKind::kAdaptive}) {
     TetBody body = block_body(model, kind, TetMethod::kImplicitEuler);
-    TetContact contact(*model, {{PlaneShape{}, {}, 0.3}});
+    TetContact contact(boundary_hull(model), {{PlaneShape{}, {}, 0.3}});
     ASSERT_TRUE(body.set_state(lifted(*model, 0.05), Eigen::VectorXd::Zero(model->rest().size())));
     for (int k = 0; k < 180; ++k) ASSERT_TRUE(body.step(&contact).converged) << k;
     EXPECT_LT(body.momentum().norm() / model->mass(), 1e-4);  // m/s
     // What the floor pushes with is the weight.
     Eigen::VectorXd force = Eigen::VectorXd::Zero(model->rest().size());
-    contact.add_forces(body.positions(), Eigen::VectorXd::Zero(force.size()), force);
+    contact.fit(body.positions());
+    contact.find(body.positions(), Eigen::VectorXd::Zero(force.size()));
+    contact.add_forces(force);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (Eigen::Index i = 0; i < force.size(); i += 3) sum += force.segment<3>(i);
     // To the rest of the motion, 1e-4 m/s over a step of 1/60 s: 6e-3 m/s^2.
@@ -75,7 +80,7 @@ TEST(TetContact, NoEnergyComesOutOfNothing) {
     TetBody body = block_body(model, DegreeKind::kQuadratic, method);
     Pose slope;
     slope.rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY());
-    TetContact contact(*model, {{PlaneShape{}, slope, 0.5}, {PlaneShape{}, {}, 0.5}});
+    TetContact contact(boundary_hull(model), {{PlaneShape{}, slope, 0.5}, {PlaneShape{}, {}, 0.5}});
     Eigen::VectorXd x = lifted(*model, 0.3), v = Eigen::VectorXd::Zero(x.size());
     for (Eigen::Index i = 0; i < v.size(); i += 3) v[i] = 1.0;  // towards the slope
     ASSERT_TRUE(body.set_state(x, v));
@@ -107,7 +112,7 @@ TEST(TetContact, ABlockSlidesDownASlopeAsCoulombSays) {
     options.degree.kind = DegreeKind::kLinear;
     Result<TetBody> body = TetBody::create(model, options);
     ASSERT_TRUE(body);
-    TetContact contact(*model, {{PlaneShape{}, {}, mu}});
+    TetContact contact(boundary_hull(model), {{PlaneShape{}, {}, mu}});
     for (int k = 0; k < 60; ++k) ASSERT_TRUE(body->step(&contact).converged);
     const double before = body->momentum().x();
     for (int k = 0; k < 60; ++k) ASSERT_TRUE(body->step(&contact).converged);

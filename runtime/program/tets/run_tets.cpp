@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <utility>
 
@@ -24,11 +23,29 @@ namespace {
 
 using TetsJson = nlohmann::ordered_json;
 
-// How a run ended. seconds: processor time of the steps; drawing: of placing the surfaces.
+// A clock's seconds in steps, and in placing the surfaces.
+struct TetsTimes {
+  double steps = 0.0, drawing = 0.0;
+  double sum() const { return steps + drawing; }
+};
+
+// How a run ended. busy: processor time of all threads; wall: what passed. slowest: of the second
+// of motion that took the longest, wall.
 struct TetsEnding : SceneEnding {
-  double seconds = 0.0, drawing = 0.0, reached = 0.0;
+  TetsTimes busy, wall;
+  double slowest = 0.0, reached = 0.0;
   std::int64_t steps = 0;
 };
+
+// Adds what a task takes, by both clocks.
+template <class Task>
+void take_time(double& busy, double& wall, const Task& task) {
+  const double before = clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+  const double begin = clock_seconds(CLOCK_MONOTONIC);
+  task();
+  busy += clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - before;
+  wall += clock_seconds(CLOCK_MONOTONIC) - begin;
+}
 
 TetsJson energies_json(const TetsEnergies& e) {
   return {{"kinetic", number_or_null(e.kinetic)},
@@ -43,7 +60,7 @@ const char* degree_name(DegreeKind kind) {
 }
 
 TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const TetsReport& report,
-                        const TetContact::Look& contact) {
+                        const TetContact::Look& contact, bool asleep) {
   return {{"body", wanted.name},
           {"model", wanted.model},
           {"integrator", tet_method_name(wanted.options.method)},
@@ -60,8 +77,10 @@ TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const T
                                                  static_cast<double>(body.steps()))},
           {"steps_in_parts", report.in_parts},
           {"steps_linearised", report.linearised},
+          {"steps_unsolved", report.unsolved},
           {"momentum_error", number_or_null(report.momentum_error)},
           {"speed_final", number_or_null(body.momentum().norm() / body.model().mass())},
+          {"asleep", asleep},
           {"contact_points_final", contact.touching},
           {"contact_energy_final", number_or_null(contact.energy)},
           {"penetration_final", number_or_null(contact.depth)},
@@ -78,6 +97,7 @@ class TetsRun {
       : scene_(scene), bodies_(std::move(bodies)), logs_(std::move(logs)) {
     vertices_.resize(logs_.size());
     normals_.resize(logs_.size());
+    placed_.assign(logs_.size(), 0);
     for (std::size_t i = 0; i < logs_.size(); ++i) {
       vertices_[i].resize(bodies_.kind(i).surface->vertices());
       normals_[i].resize(vertices_[i].size());
@@ -90,42 +110,58 @@ class TetsRun {
   const TetsEnding& ending() const { return ending_; }
 
  private:
-  Status observe(std::size_t i, const TetStepReport& step);
+  void place_all();
+  Status observe_all(const std::vector<TetStepReport>& steps);
   bool step_all(std::vector<TetStepReport>& steps);
-  TetContact::Look contact(std::size_t i) const;
+  void note_pace(double second);
 
   const TetScene& scene_;
   TetsBodies bodies_;
   std::vector<TetsLog> logs_;
   std::vector<std::vector<Eigen::Vector3d>> vertices_;
   std::vector<std::vector<Eigen::Vector3f>> normals_;
+  std::vector<std::uint8_t> placed_;  // a surface that sleeps stays as it is
   TetsEnding ending_;
+  double counted_ = 0.0, begun_ = 0.0;  // of the second of motion at hand: wall, s, and its start
 };
 
-Status TetsRun::observe(std::size_t i, const TetStepReport& step) {
-  const double before = processor_time();
-  bodies_.kind(i).surface->place(bodies_.bodies[i].positions(), vertices_[i], normals_[i]);
-  ending_.drawing += processor_time() - before;
-  return logs_[i].observe(bodies_.bodies[i], step, vertices_[i], normals_[i]);
+void TetsRun::place_all() {
+  TetGroup& group = *bodies_.group;
+  group.pool().run(group.size(), [this, &group](std::size_t i, unsigned) {
+    if (placed_[i] != 0 && group.asleep(i)) return;
+    bodies_.kind(i).surface->place(group.body(i).positions(), vertices_[i], normals_[i]);
+    placed_[i] = group.asleep(i) ? 1 : 0;
+  });
 }
 
-TetContact::Look TetsRun::contact(std::size_t i) const {
-  if (bodies_.contacts.empty()) return {};
-  return bodies_.contacts[i].look(bodies_.bodies[i].positions());
+Status TetsRun::observe_all(const std::vector<TetStepReport>& steps) {
+  take_time(ending_.busy.drawing, ending_.wall.drawing, [this] { place_all(); });
+  for (std::size_t i = 0; i < logs_.size(); ++i)
+    if (Status s = logs_[i].observe(bodies_.group->body(i), steps[i], vertices_[i], normals_[i]);
+        !s)
+      return s;
+  return Success{};
 }
 
 // False: a step could not be made, and why is known.
 bool TetsRun::step_all(std::vector<TetStepReport>& steps) {
-  const double before = processor_time();
-  for (std::size_t i = 0; i < logs_.size() && ending_.exit_code == 0; ++i) {
-    steps[i] = bodies_.bodies[i].step(bodies_.contacts.empty() ? nullptr : &bodies_.contacts[i]);
+  bool made = true;
+  take_time(ending_.busy.steps, ending_.wall.steps, [&] { made = bodies_.group->step(steps); });
+  for (std::size_t i = 0; i < logs_.size() && !made && ending_.exit_code == 0; ++i) {
     if (steps[i].converged) continue;
     ending_.exit_code = exit_code(ErrorKind::kSolver);
     ending_.reason = fmt::format("body '{}': the step from t = {:.6g} s could not be solved",
-                                 scene_.bodies[i].name, bodies_.bodies[i].time());
+                                 scene_.bodies[i].name, bodies_.group->body(i).time());
   }
-  ending_.seconds += processor_time() - before;
-  return ending_.exit_code == 0;
+  return made;
+}
+
+// The longest second of motion, once it is over.
+void TetsRun::note_pace(double reached) {
+  if (reached - begun_ < 1.0 - 0.5 * scene_.step) return;
+  ending_.slowest = std::max(ending_.slowest, (ending_.wall.sum() - counted_) / (reached - begun_));
+  counted_ = ending_.wall.sum();
+  begun_ = reached;
 }
 
 Status TetsRun::follow() {
@@ -133,20 +169,15 @@ Status TetsRun::follow() {
   ToldProgress progress(std::filesystem::path(scene_.path).stem().string(), scene_.duration);
   const std::int64_t steps = std::llround(scene_.duration / scene_.step);
   std::vector<TetStepReport> reports(logs_.size());
-  for (std::size_t i = 0; i < logs_.size(); ++i)
-    if (Status s = observe(i, reports[i]); !s) return s;
-  ending_.drawing = 0.0;
+  if (Status s = observe_all(reports); !s) return s;
+  ending_.busy = ending_.wall = {};
   while (ending_.steps < steps && ending_.exit_code == 0 && step_all(reports)) {
     ++ending_.steps;
     ending_.reached = static_cast<double>(ending_.steps) * scene_.step;
-    for (std::size_t i = 0; i < logs_.size(); ++i)
-      if (Status s = observe(i, reports[i]); !s) return s;
+    if (Status s = observe_all(reports); !s) return s;
+    note_pace(ending_.reached);
     progress.reached(ending_.reached);
-    if (ending_.signal = interruption.signal(); ending_.signal != 0) {
-      ending_.exit_code = 128 + ending_.signal;
-      ending_.reason = fmt::format("ended at t = {:.6g} s by signal {} ({})", ending_.reached,
-                                   ending_.signal, ::strsignal(ending_.signal));
-    }
+    ending_.interrupted(interruption.signal(), ending_.reached);
   }
   for (TetsLog& log : logs_)
     if (Status s = log.finish(); !s) return s;
@@ -159,7 +190,7 @@ TetsJson TetsRun::json() const {
   TetsEnergies start, end;
   for (std::size_t i = 0; i < logs_.size(); ++i) {
     const TetsReport& report = logs_[i].report();
-    const auto weight = static_cast<double>(bodies_.bodies[i].model().edges());
+    const auto weight = static_cast<double>(bodies_.group->body(i).model().edges());
     share += weight * report.share;
     edges += weight;
     momentum = std::max(momentum, report.momentum_error);
@@ -177,10 +208,14 @@ TetsJson TetsRun::json() const {
   json["reached"] = ending_.reached;
   json["elements"] = bodies_.elements();
   json["quadratic_edges_share"] = number_or_null(share / edges);
-  json["microseconds_per_step"] = number_or_null(1e6 * ending_.seconds / steps);
-  json["microseconds_per_surface"] = number_or_null(1e6 * ending_.drawing / steps);
-  json["frames_per_second"] = number_or_null(steps / (ending_.seconds + ending_.drawing));
-  json["real_time_factor"] = number_or_null(scene_.step * steps / ending_.seconds);
+  json["threads"] = scene_.group.threads;
+  json["microseconds_per_step"] = number_or_null(1e6 * ending_.busy.steps / steps);
+  json["microseconds_per_surface"] = number_or_null(1e6 * ending_.busy.drawing / steps);
+  json["frames_per_second"] = number_or_null(steps / ending_.wall.sum());
+  json["frames_per_second_slowest"] = number_or_null(1.0 / (ending_.slowest * scene_.step));
+  json["real_time_factor"] = number_or_null(scene_.step * steps / ending_.wall.sum());
+  json["asleep"] = bodies_.group->sleeping();
+  json["energy_of_sleep"] = number_or_null(bodies_.group->energy_of_sleep());
   json["memory_bytes"] = bodies_.bytes();
   json["momentum_error"] = number_or_null(momentum);
   json["energies_initial"] = energies_json(start);
@@ -189,18 +224,22 @@ TetsJson TetsRun::json() const {
   json["reason"] = ending_.reason.empty() ? TetsJson(nullptr) : TetsJson(ending_.reason);
   json["bodies"] = TetsJson::array();
   for (std::size_t i = 0; i < logs_.size(); ++i)
-    json["bodies"].push_back(
-        tets_body_json(scene_.bodies[i], bodies_.bodies[i], logs_[i].report(), contact(i)));
+    json["bodies"].push_back(tets_body_json(scene_.bodies[i], bodies_.group->body(i),
+                                            logs_[i].report(), bodies_.group->contact(i).look(),
+                                            bodies_.group->asleep(i)));
   return json;
 }
 
 void TetsRun::print() const {
   tell(
       "{}: {} bodies of {} tetrahedra reached {:.6g} of {:.6g} s in steps of {:.4g} s, {:.0f} us "
-      "each\n",
+      "each; {:.1f} frames a second, {:.2f} times real time; {} sleep\n",
       std::filesystem::path(scene_.path).stem().string(), logs_.size(), bodies_.elements(),
       ending_.reached, scene_.duration, scene_.step,
-      1e6 * ending_.seconds / static_cast<double>(ending_.steps));
+      1e6 * ending_.busy.steps / static_cast<double>(ending_.steps),
+      static_cast<double>(ending_.steps) / ending_.wall.sum(),
+      scene_.step * static_cast<double>(ending_.steps) / ending_.wall.sum(),
+      bodies_.group->sleeping());
   for (std::size_t i = 0; i < std::min<std::size_t>(logs_.size(), 12); ++i) {
     const TetsReport& report = logs_[i].report();
     tell(

@@ -28,6 +28,8 @@ Result<TetsKind> read_tets_kind(const TetSceneBody& body) {
           take(kind.model, TetModel::create(std::move(file->mesh), file->materials, file->held));
       !s)
     return error_of_file(body.model, s.error());
+  kind.hull = std::make_shared<const TetHull>(
+      kind.model, surface_points(*kind.model, file->surface), std::move(file->grid));
   kind.surface = std::make_shared<const TetSurface>(kind.model, std::move(file->surface));
   return kind;
 }
@@ -58,15 +60,15 @@ Status place_tets_body(const TetSceneBody& wanted, TetBody& body) {
 
 std::size_t TetsBodies::elements() const {
   std::size_t sum = 0;
-  for (const TetBody& body : bodies) sum += body.model().elements().size();
+  for (std::size_t i = 0; i < group->size(); ++i) sum += group->body(i).model().elements().size();
   return sum;
 }
 
 std::size_t TetsBodies::bytes() const {
   std::size_t sum = 0;
-  for (const TetsKind& one : kinds) sum += one.model->bytes() + one.surface->bytes();
-  for (const TetBody& body : bodies) sum += body.bytes();
-  return sum;
+  for (const TetsKind& one : kinds)
+    sum += one.model->bytes() + one.surface->bytes() + one.hull->bytes();
+  return sum + group->bytes();
 }
 
 namespace {
@@ -84,6 +86,9 @@ std::vector<TetObstacle> tets_obstacles(const TetScene& scene, const TetSceneBod
 
 Result<TetsBodies> make_tets_bodies(const TetScene& scene) {
   TetsBodies made;
+  std::vector<TetBody> bodies;
+  std::vector<TetContact> contacts;
+  std::vector<double> frictions;
   for (const TetSceneBody& wanted : scene.bodies) {
     const auto told = [&](const Error& error) {
       return Error{error.kind, scene.path + ": body '" + wanted.name + "': " + error.message};
@@ -99,10 +104,12 @@ Result<TetsBodies> make_tets_bodies(const TetScene& scene) {
     if (!body) return told(body.error());
     if (Status s = place_tets_body(wanted, *body); !s) return told(s.error());
     made.kind_of.push_back(static_cast<std::size_t>(found - made.kinds.begin()));
-    made.bodies.push_back(std::move(*body));
-    if (!scene.colliders.empty())
-      made.contacts.emplace_back(*found->model, tets_obstacles(scene, wanted));
+    bodies.push_back(std::move(*body));
+    contacts.emplace_back(found->hull, tets_obstacles(scene, wanted));
+    frictions.push_back(wanted.friction);
   }
+  made.group = std::make_unique<TetGroup>(std::move(bodies), std::move(contacts),
+                                          std::move(frictions), scene.group);
   return made;
 }
 

@@ -7,7 +7,7 @@
 
 #include "common/result.h"
 #include "runtime/scene_reader/tets_reader.h"
-#include "runtime/tets/tet_contact.h"
+#include "runtime/tets/tet_group.h"
 #include "runtime/tets/tet_surface.h"
 
 namespace tremolo {
@@ -17,14 +17,14 @@ struct TetsKind {
   std::string path;
   TetModelPointer model;
   std::shared_ptr<const TetSurface> surface;
+  TetHullPointer hull;
   bool held = false;
 };
 
 struct TetsBodies {
   std::vector<TetsKind> kinds;
   std::vector<std::size_t> kind_of;  // one a body
-  std::vector<TetBody> bodies;
-  std::vector<TetContact> contacts;  // one a body; none where the scene has no colliders
+  std::unique_ptr<TetGroup> group;
 
   const TetsKind& kind(std::size_t body) const { return kinds[kind_of[body]]; }
   std::size_t elements() const;

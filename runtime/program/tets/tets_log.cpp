@@ -127,6 +127,7 @@ Status TetsLog::observe(TetBody& body, const TetStepReport& step,
   report_.switched += static_cast<std::int64_t>(step.switched);
   report_.in_parts += step.parts > 1 ? 1 : 0;
   report_.linearised += step.linearised ? 1 : 0;
+  report_.unsolved += step.unsolved ? 1 : 0;
   report_.end.switches += step.energy_of_switch;
   share_sum_ += body.system().quadratic_share();
   report_.share = share_sum_ / static_cast<double>(body.steps() + 1);

@@ -25,7 +25,7 @@ struct TetsReport {
   double share = 0.0;
   double momentum_error = 0.0;
   double displacement = 0.0;
-  std::int64_t iterations = 0, switched = 0, in_parts = 0, linearised = 0;
+  std::int64_t iterations = 0, switched = 0, in_parts = 0, linearised = 0, unsolved = 0;
   std::vector<std::string> files;
 };
 

@@ -1,0 +1,337 @@
+// Bodies of tetrahedra against each other: the inverse of a bent body, forces from a potential,
+// momenta, weight, friction, sleep.
+#include "runtime/tets/tet_group.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/tet_bodies.h"
+
+namespace tremolo {
+namespace {
+
+using testing::tet_bar;
+using testing::TetRandom;
+
+constexpr double kHeapG = 9.81;
+
+// The signed distances of a box from the origin to `size`, by which its bodies touch.
+TetHullPointer box_hull(const TetModelPointer& model, const Eigen::Vector3d& size) {
+  GridNodes nodes;
+  nodes.spacing = size.minCoeff() / 12.0;
+  nodes.origin.setConstant(-4.0 * nodes.spacing);
+  for (int axis = 0; axis < 3; ++axis)
+    nodes.counts[static_cast<std::size_t>(axis)] =
+        9 + static_cast<std::uint32_t>(std::ceil(size[axis] / nodes.spacing));
+  std::vector<float> values;
+  for (std::size_t k = 0; k < nodes.counts[2]; ++k)
+    for (std::size_t j = 0; j < nodes.counts[1]; ++j)
+      for (std::size_t i = 0; i < nodes.counts[0]; ++i) {
+        const Eigen::Vector3d out = (nodes.at(i, j, k) - 0.5 * size).cwiseAbs() - 0.5 * size;
+        values.push_back(
+            static_cast<float>(out.cwiseMax(0.0).norm() + std::min(0.0, out.maxCoeff())));
+      }
+  Result<DistanceGrid> grid = DistanceGrid::create(nodes, values);
+  EXPECT_TRUE(grid) << grid.error().message;
+  return std::make_shared<const TetHull>(model, boundary_points(*model), std::move(*grid));
+}
+
+// A state that bends and turns all of a body smoothly, and then moves it.
+Eigen::VectorXd bent_state(const TetModel& model, double turn, const Eigen::Vector3d& shift) {
+  const Eigen::Matrix3d r =
+      Eigen::AngleAxisd(turn, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  Eigen::VectorXd x = model.rest();
+  for (Eigen::Index i = 0; i < x.size(); i += 3) {
+    const Eigen::Vector3d at = x.segment<3>(i);
+    x.segment<3>(i) =
+        r * (at + Eigen::Vector3d(0.4 * at.y() * at.z(), 1.5 * at.x() * at.x(), 0.3 * at.x())) +
+        shift;
+  }
+  return x;
+}
+
+TetBody body_at(const TetModelPointer& model, const TetBodyOptions& options,
+                const Eigen::VectorXd& x, const Eigen::Vector3d& velocity) {
+  Result<TetBody> body = TetBody::create(model, options);
+  EXPECT_TRUE(body) << body.error().message;
+  EXPECT_TRUE(body->set_state(x, velocity.replicate(x.size() / 3, 1)));
+  return std::move(*body);
+}
+
+Eigen::VectorXd shifted(const TetModel& model, const Eigen::Vector3d& by) {
+  return model.rest() + by.replicate(model.rest().size() / 3, 1);
+}
+
+TEST(TetTree, FindsAgainWhereAPointOfABentBodyWas) {
+  const TetModelPointer model = tet_bar({4, 2, 2}, {0.4, 0.1, 0.1}, false);
+  const TetTree tree(model);
+  const Eigen::VectorXd x = bent_state(*model, 1.1, {0.3, -0.2, 0.7});
+  std::vector<TetTree::Box> boxes(tree.size());
+  tree.fit(x, boxes);
+  TetRandom random(5);
+  for (int n = 0; n < 200; ++n) {
+    const std::size_t e = static_cast<std::size_t>(
+        random.between(0.0, static_cast<double>(model->elements().size()) - 1e-9));
+    std::array<double, 4> w{};
+    double sum = 0.0;
+    for (double& one : w) sum += one = random.between(0.01, 1.0);
+    for (double& one : w) one /= sum;
+    const auto values = polynomials_at(2, w);
+    Eigen::Vector3d place = Eigen::Vector3d::Zero(), rest = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < kMostNodes; ++i) {
+      const Eigen::Index at = 3 * Eigen::Index{model->elements()[e].nodes[i]};
+      place += values[i] * x.segment<3>(at);
+      rest += values[i] * model->rest().segment<3>(at);
+    }
+    const std::optional<TetPlace> found = tree.find(x, boxes, place);
+    ASSERT_TRUE(found);
+    EXPECT_LT((tree.rest_place(*found) - rest).norm(), 1e-12);
+  }
+  EXPECT_FALSE(tree.find(x, boxes, {5.0, 0.0, 0.0}));
+}
+
+// Two bent bodies in each other: the force on all control points of both is the slope of the
+// energy, and neither a force nor a torque is left over.
+TEST(TetGroup, ForcesBetweenBodiesAreTheSlopeOfTheirEnergyAndKeepBothMomenta) {
+  const Eigen::Vector3d size(0.3, 0.1, 0.1);
+  const TetModelPointer model = tet_bar({3, 1, 1}, size, false);
+  const TetHullPointer hull = box_hull(model, size);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(model->rest().size());
+  std::array<Eigen::VectorXd, 2> x = {bent_state(*model, 0.2, {0.0, 0.0, 0.0}),
+                                      bent_state(*model, 0.5, {0.05, 0.04, 0.06})};
+  std::vector<TetContact> contacts(2, TetContact(hull, {}));
+  const auto find = [&](const std::array<Eigen::VectorXd, 2>& at) {
+    double energy = 0.0;
+    for (std::size_t i = 0; i < 2; ++i) contacts[i].fit(at[i]);
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      contacts[i].clear_partners();
+      contacts[i].add_partner({1 - i, &contacts[1 - i], &at[1 - i], &zero, 0.0});
+      contacts[i].find(at[i], zero);
+      energy += contacts[i].look().energy;
+    }
+    return energy;
+  };
+  ASSERT_GT(find(x), 1e-4);
+  std::array<Eigen::VectorXd, 2> f = {zero, zero};
+  for (std::size_t i = 0; i < 2; ++i) {
+    contacts[i].add_forces(f[i]);
+    contacts[i].add_partner_forces(0, f[1 - i]);
+  }
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
+  double scale = 0.0;
+  for (std::size_t i = 0; i < 2; ++i)
+    for (Eigen::Index k = 0; k < zero.size(); k += 3) {
+      sum += f[i].segment<3>(k);
+      torque += x[i].segment<3>(k).cross(f[i].segment<3>(k));
+      scale += f[i].segment<3>(k).norm();
+    }
+  ASSERT_GT(scale, 1.0);
+  EXPECT_LT(sum.norm(), 1e-13 * scale);
+  EXPECT_LT(torque.norm(), 1e-12 * scale);
+  TetRandom random(9);
+  for (int trial = 0; trial < 4; ++trial) {
+    const std::array<Eigen::VectorXd, 2> way = {testing::random_state(random, zero.size(), 1.0),
+                                                testing::random_state(random, zero.size(), 1.0)};
+    const double h = 1e-7;
+    const double slope = (find({x[0] + h * way[0], x[1] + h * way[1]}) -
+                          find({x[0] - h * way[0], x[1] - h * way[1]})) /
+                         (2.0 * h);
+    // Central differences of a potential whose second derivative jumps where a point begins to
+    // touch.
+    EXPECT_NEAR(-f[0].dot(way[0]) - f[1].dot(way[1]), slope, 1e-5 * scale) << trial;
+  }
+}
+
+// Two free bars meet, off their middles and turning, and part: both momenta of the pair stay.
+TEST(TetGroup, MomentumAndAngularMomentumOutliveACollision) {
+  const Eigen::Vector3d size(0.3, 0.1, 0.1);
+  const TetModelPointer model = tet_bar({3, 1, 1}, size, false);
+  const TetHullPointer hull = box_hull(model, size);
+  for (const TetMethod method : {TetMethod::kImplicitEuler, TetMethod::kBdf2}) {
+    TetBodyOptions options;
+    options.method = method;
+    options.step = 2e-3;
+    options.tolerance = 1e-11;
+    options.linear_tolerance = 1e-6;
+    options.max_iterations = 100;
+    std::vector<TetBody> bodies;
+    bodies.push_back(body_at(model, options, model->rest(), {0.5, 0.1, 0.0}));
+    bodies.push_back(body_at(model, options, shifted(*model, {0.1, 0.02, 0.15}), {0.0, 0.0, -2.0}));
+    const auto momentum = [](const TetGroup& group) -> Eigen::Vector3d {
+      return group.body(0).momentum() + group.body(1).momentum();
+    };
+    TetGroup group(std::move(bodies), std::vector<TetContact>(2, TetContact(hull, {})), {0.5, 0.5},
+                   {});
+    const Eigen::Vector3d begin = momentum(group);
+    const Eigen::Vector3d first = group.body(0).momentum();
+    std::vector<TetStepReport> reports(2);
+    std::size_t touched = 0;
+    for (int n = 0; n < 60; ++n) {
+      std::array<Eigen::VectorXd, 2> before = {group.body(0).velocities(),
+                                               group.body(1).velocities()};
+      ASSERT_TRUE(group.step(reports)) << n;
+      ASSERT_FALSE(reports[0].linearised) << n;
+      touched += group.contact(0).look().touching + group.contact(1).look().touching;
+      if (method != TetMethod::kImplicitEuler) continue;
+      // All forces act at the end of the step: their torque about the origin, h of it, is
+      // sum x1 x M (v1 - v0). What is left of angular momentum to lose is the method's own.
+      Eigen::Vector3d torque = Eigen::Vector3d::Zero();
+      for (std::size_t i = 0; i < 2; ++i)
+        torque += group.body(i).system().angular_momentum(group.body(i).positions(),
+                                                          group.body(i).velocities() - before[i]);
+      EXPECT_LT(torque.norm(), 1e-10 * model->mass()) << n;
+    }
+    EXPECT_GT(touched, 20U);
+    EXPECT_GT((group.body(0).momentum() - first).norm(), 0.2 * model->mass());
+    EXPECT_LT((momentum(group) - begin).norm(), 1e-10 * model->mass());
+  }
+}
+
+TEST(TetGroup, AStackComesToRestAndSleepsAndEachCarriesWhatIsAboveIt) {
+  const Eigen::Vector3d size(0.2, 0.2, 0.1);
+  const TetModelPointer model = tet_bar({2, 2, 1}, size, false);
+  const TetHullPointer hull = box_hull(model, size);
+  TetBodyOptions options;
+  options.method = TetMethod::kImplicitEuler;
+  options.gravity = {0.0, 0.0, -kHeapG};
+  options.beta = 5e-3;
+  options.degree.kind = DegreeKind::kAdaptive;
+  std::vector<TetBody> bodies;
+  std::vector<TetContact> contacts;
+  for (int level = 0; level < 3; ++level) {
+    bodies.push_back(body_at(model, options, shifted(*model, {0.01 * level, 0.0, 0.11 * level}),
+                             Eigen::Vector3d::Zero()));
+    contacts.emplace_back(hull, std::vector<TetObstacle>{{PlaneShape{}, {}, 0.3}});
+  }
+  TetGroup group(std::move(bodies), std::move(contacts), {0.3, 0.3, 0.3}, {});
+  std::vector<TetStepReport> reports(3);
+  int steps = 0;
+  for (; steps < 600 && group.sleeping() < 3; ++steps) ASSERT_TRUE(group.step(reports)) << steps;
+  ASSERT_EQ(group.sleeping(), 3U);
+  EXPECT_LT(group.energy_of_sleep(), 3.0 * 0.5 * model->mass() * 0.005 * 0.005);
+  // What the floor pushes up with carries all three, and what the middle one passes on, one.
+  for (const auto& [level, above] : {std::pair{0, 3.0}, {1, 2.0}, {2, 1.0}}) {
+    double up = 0.0;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (const TetTouch& touch : group.contact(i).touches()) {
+        const std::size_t other =
+            touch.partner == kNoPartner
+                ? 99
+                : (group.contact(i).partners()[touch.partner].contact == &group.contact(0)   ? 0
+                   : group.contact(i).partners()[touch.partner].contact == &group.contact(1) ? 1
+                                                                                             : 2);
+        const bool below = i == static_cast<std::size_t>(level) &&
+                           (other == 99 || other + 1 == static_cast<std::size_t>(level));
+        const bool lifts = other == static_cast<std::size_t>(level) && i + 1 == other;
+        if (below) up += touch.force.z();
+        if (lifts) up -= touch.force.z();
+      }
+    // Slower than 5 mm/s for half a second, it still accelerates by some hundredths of g.
+    EXPECT_NEAR(up, above * model->mass() * kHeapG, 0.02 * above * model->mass() * kHeapG) << level;
+  }
+}
+
+TEST(TetGroup, ASleepingStackWakesWhenItIsStruckAndSleepsAgain) {
+  const Eigen::Vector3d size(0.2, 0.2, 0.1);
+  const TetModelPointer model = tet_bar({2, 2, 1}, size, false);
+  const TetHullPointer hull = box_hull(model, size);
+  TetBodyOptions options;
+  options.method = TetMethod::kImplicitEuler;
+  options.gravity = {0.0, 0.0, -kHeapG};
+  options.beta = 5e-3;
+  options.degree.kind = DegreeKind::kLinear;
+  std::vector<TetBody> bodies;
+  std::vector<TetContact> contacts;
+  for (const double height : {0.0, 0.101, 0.6}) {
+    bodies.push_back(
+        body_at(model, options, shifted(*model, {0.0, 0.0, height}), Eigen::Vector3d::Zero()));
+    contacts.emplace_back(hull, std::vector<TetObstacle>{{PlaneShape{}, {}, 0.3}});
+  }
+  TetGroupOptions settings;
+  settings.sleep_time = 0.1;
+  TetGroup group(std::move(bodies), std::move(contacts), {0.3, 0.3, 0.3}, settings);
+  std::vector<TetStepReport> reports(3);
+  bool slept = false, woke = false;
+  for (int n = 0; n < 300 && group.sleeping() < 3; ++n) {
+    ASSERT_TRUE(group.step(reports)) << n;
+    slept = slept || (group.asleep(0) && group.asleep(1) && !group.asleep(2));
+    woke = woke || (slept && !group.asleep(0) && !group.asleep(1));
+  }
+  EXPECT_TRUE(slept);
+  EXPECT_TRUE(woke);
+  EXPECT_EQ(group.sleeping(), 3U);
+  // Nobody went through anybody.
+  EXPECT_GT(group.body(2).positions()[2], 0.15);
+}
+
+// A slab on a slab that is held: on a slope of angle a it slides with g (sin a - mu cos a).
+TEST(TetGroup, ABodySlidesOnAnotherAsCoulombSays) {
+  const Eigen::Vector3d small(0.2, 0.2, 0.05), large(1.2, 0.4, 0.1);
+  const TetModelPointer slab = tet_bar({2, 2, 1}, small, false);
+  const TetMesh mesh = testing::box_mesh({6, 2, 1}, large);
+  auto held = TetModel::create(mesh, {{{"gel", testing::kTetGel}}, {}},
+                               testing::vertices_on_plane(mesh, 2, 0.0));
+  ASSERT_TRUE(held);
+  const double angle = 0.3;
+  for (const double mu : {0.15, 0.6}) {
+    TetBodyOptions options;
+    options.method = TetMethod::kImplicitEuler;
+    options.gravity = kHeapG * Eigen::Vector3d(std::sin(angle), 0.0, -std::cos(angle));
+    options.beta = 5e-3;
+    options.degree.kind = DegreeKind::kLinear;
+    std::vector<TetBody> bodies;
+    bodies.push_back(body_at(*held, options, (*held)->rest(), Eigen::Vector3d::Zero()));
+    bodies.push_back(
+        body_at(slab, options, shifted(*slab, {0.1, 0.1, 0.1}), Eigen::Vector3d::Zero()));
+    std::vector<TetContact> contacts;
+    contacts.emplace_back(box_hull(*held, large), std::vector<TetObstacle>{});
+    contacts.emplace_back(box_hull(slab, small), std::vector<TetObstacle>{});
+    TetGroupOptions settings;
+    settings.sleep_speed = 0.0;
+    TetGroup group(std::move(bodies), std::move(contacts), {mu, mu}, settings);
+    std::vector<TetStepReport> reports(2);
+    for (int n = 0; n < 20; ++n) ASSERT_TRUE(group.step(reports));
+    const double before = group.body(1).momentum().x();
+    for (int n = 0; n < 18; ++n) ASSERT_TRUE(group.step(reports));
+    const double found = (group.body(1).momentum().x() - before) / slab->mass() / 0.3;
+    const double expected = std::max(0.0, kHeapG * (std::sin(angle) - mu * std::cos(angle)));
+    // The field's normal on the bent slab below is not quite that of the slope.
+    EXPECT_NEAR(found, expected, 0.04 * kHeapG) << mu;
+  }
+}
+
+TEST(TetGroup, ThreadsDoNotChangeABit) {
+  const Eigen::Vector3d size(0.2, 0.1, 0.1);
+  const TetModelPointer model = tet_bar({2, 1, 1}, size, false);
+  const TetHullPointer hull = box_hull(model, size);
+  std::vector<Eigen::VectorXd> ends;
+  for (const unsigned threads : {1U, 3U}) {
+    TetBodyOptions options;
+    options.method = TetMethod::kImplicitEuler;
+    options.gravity = {0.0, 0.0, -kHeapG};
+    options.degree.kind = DegreeKind::kAdaptive;
+    std::vector<TetBody> bodies;
+    std::vector<TetContact> contacts;
+    for (int i = 0; i < 4; ++i) {
+      bodies.push_back(body_at(model, options,
+                               shifted(*model, {0.03 * i, 0.02 * (i % 2), 0.005 + 0.11 * i}),
+                               Eigen::Vector3d(0.1 * i, 0.0, -0.2 * i)));
+      contacts.emplace_back(hull, std::vector<TetObstacle>{{PlaneShape{}, {}, 0.3}});
+    }
+    TetGroupOptions settings;
+    settings.threads = threads;
+    TetGroup group(std::move(bodies), std::move(contacts), {0.3, 0.3, 0.3, 0.3}, settings);
+    std::vector<TetStepReport> reports(4);
+    for (int n = 0; n < 10; ++n) ASSERT_TRUE(group.step(reports)) << n;
+    Eigen::VectorXd all(4 * model->rest().size());
+    for (std::size_t i = 0; i < 4; ++i)
+      all.segment(static_cast<Eigen::Index>(i) * model->rest().size(), model->rest().size()) =
+          group.body(i).positions();
+    ends.push_back(all);
+  }
+  EXPECT_EQ(ends[0], ends[1]);
+}
+
+}  // namespace
+}  // namespace tremolo
