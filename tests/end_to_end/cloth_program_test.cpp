@@ -124,9 +124,25 @@ TEST_F(ClothProgram, WritesWhatOtherProgramsOpen) {
   EXPECT_TRUE(fs::exists(folder_ + "/c.pvd"));
   EXPECT_TRUE(fs::exists(folder_ + "/d.usda"));
   EXPECT_TRUE(fs::exists(folder_ + "/e-0015.obj"));
-  const ProgramResult glb = run_program(folder_, kTremolo + "export scene.toml --glb a.glb");
-  EXPECT_EQ(glb.code, 2) << glb.err;
-  EXPECT_NE(glb.err.find("--usda"), std::string::npos) << glb.err;
+}
+
+// By modes of what was recorded.
+TEST_F(ClothProgram, WritesPagesAndGlbToAThousandthOfItsSize) {
+  std::ofstream(folder_ + "/scene.toml") << small_sheet("name = \"sheet\"\n");
+  const ProgramResult result = run_program(
+      folder_, kTremolo + "export scene.toml --rate 30 --page a.html --glb b.glb --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json files = json::parse(result.out)["files"];
+  ASSERT_EQ(files.size(), 2U);
+  for (const json& file : files) {
+    EXPECT_LE(file["recorded_modes_error"].get<double>(), 1e-3) << file;
+    EXPECT_LE(file["position_error"].get<double>(), 1e-4) << file;
+    EXPECT_GT(file["recorded_modes"].get<int>(), 2) << file;
+    EXPECT_LE(file["recorded_modes"].get<int>(), 16) << file;  // of 16 frames
+  }
+  const ProgramResult live =
+      run_program(folder_, kTremolo + "export scene.toml --page a.html --live x.tremolo");
+  EXPECT_EQ(live.code, 2) << live.err;
 }
 
 TEST_F(ClothProgram, OtherCommandsSayWhatGoesInstead) {
@@ -188,7 +204,15 @@ TEST_F(ClothProgram, BadMeshesAreNamed) {
   EXPECT_EQ(mesh(fan).code, 3);
 }
 
-// 60 s of each scene at 1/60 s, in the long form; else a second.
+// 60 s of each scene at 1/60 s under each method without a limit, in the long form; else a second
+// under two.
+#ifdef TREMOLO_LONG_TESTS
+constexpr const char* kLastingMethods[] = {
+    "implicit-euler", "implicit-euler-linear", "midpoint", "newmark", "bdf2", "energy"};
+#else
+constexpr const char* kLastingMethods[] = {"implicit-euler", "implicit-euler-linear"};
+#endif
+
 class ClothScenes : public ClothProgram,
                     public ::testing::WithParamInterface<std::tuple<const char*, const char*>> {};
 
@@ -210,20 +234,18 @@ TEST_P(ClothScenes, ReachTheirEndWithNoParticleInAnything) {
   EXPECT_LE(report["penetration_max"].get<double>(), 1e-12);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, ClothScenes,
-    ::testing::Combine(::testing::Values("cloth-hanging", "cloth-sphere", "cloth-spheres",
-                                         "cloth-flag", "cloth-trampoline", "cloth-curtain"),
-                       // Others gain energy in long steps where stiff cloth hits something
-                       // (docs/cloth.md, "Contact").
-                       ::testing::Values("implicit-euler", "implicit-euler-linear")),
-    [](const auto& info) {
-      std::string name =
-          std::string(std::get<0>(info.param)) + "_" + std::string(std::get<1>(info.param));
-      for (char& c : name)
-        if (c == '-') c = '_';
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(All, ClothScenes,
+                         ::testing::Combine(::testing::Values("cloth-hanging", "cloth-sphere",
+                                                              "cloth-spheres", "cloth-flag",
+                                                              "cloth-trampoline", "cloth-curtain"),
+                                            ::testing::ValuesIn(kLastingMethods)),
+                         [](const auto& info) {
+                           std::string name = std::string(std::get<0>(info.param)) + "_" +
+                                              std::string(std::get<1>(info.param));
+                           for (char& c : name)
+                             if (c == '-') c = '_';
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace tremolo
