@@ -82,7 +82,7 @@ order() {
 } >"$out/limits.csv"
 
 {
-  echo "| | order seen: linear | quadratic | linear, off | quadratic, off | between | refined once |"
+  echo "| | order seen: linear | quadratic | linear, off | quadratic, off | uncertain | refined once |"
   echo "|---|---:|---:|---:|---:|---:|---:|"
   for model in $samples; do
     grep -q "^$model," "$out/limits.csv" || continue
