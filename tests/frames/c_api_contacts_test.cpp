@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kBodies = 3;
-constexpr double kRadius = 0.5;
+constexpr double kBallRadius = 0.5;
 const Vector3d kAt[kBodies] = {{0.0, 0.0, 2.0}, {0.3, 0.2, 4.0}, {3.0, 0.0, 2.5}};
 
 class CApiContacts : public ::testing::Test {
@@ -28,7 +28,7 @@ class CApiContacts : public ::testing::Test {
     model_ = testing::load_cloud_model();
     ASSERT_NE(model_, nullptr) << tremolo_last_error();
     ASSERT_EQ(tremolo_collider_plane(&floor_), TREMOLO_OK);
-    ASSERT_EQ(tremolo_collider_sphere(kRadius, &ball_), TREMOLO_OK);
+    ASSERT_EQ(tremolo_collider_sphere(kBallRadius, &ball_), TREMOLO_OK);
     ASSERT_EQ(tremolo_contacts_create(1, &contacts_), TREMOLO_OK);
     for (tremolo_body*& body : bodies_) ASSERT_EQ(create(&body), TREMOLO_OK);
   }
@@ -78,7 +78,7 @@ TEST_F(CApiContacts, BodiesFallOnAFloorAndOnEachOtherAndHangTogetherAsInCpp) {
     ASSERT_EQ(tremolo_contacts_add(contacts_, bodies_[i], &number), TREMOLO_OK);
     EXPECT_EQ(number, i);
     ASSERT_TRUE(others[i].set_contact(
-        {.shape = SphereShape{kRadius}, .friction = 0.2, .restitution = 0.4}));
+        {.shape = SphereShape{kBallRadius}, .friction = 0.2, .restitution = 0.4}));
     ASSERT_TRUE(others[i].set_pose({kAt[i], Eigen::Quaterniond::Identity()}));
     ASSERT_TRUE(others[i].set_gravity(Vector3d(gravity)));
     stepped.push_back(&others[i]);
