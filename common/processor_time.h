@@ -5,7 +5,7 @@
 
 namespace tremolo {
 
-// What a clock of the system shows, s.
+// Returns what a clock of the system shows, s.
 inline double clock_seconds(clockid_t clock) {
   std::timespec time{};
   ::clock_gettime(clock, &time);
@@ -13,6 +13,8 @@ inline double clock_seconds(clockid_t clock) {
 }
 
 // The processor time of this thread, s; time taken by other threads and programs is not counted.
-inline double processor_time() { return clock_seconds(CLOCK_THREAD_CPUTIME_ID); }
+inline double processor_time() {
+  return clock_seconds(CLOCK_THREAD_CPUTIME_ID);
+}
 
 }  // namespace tremolo

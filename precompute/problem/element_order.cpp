@@ -12,8 +12,8 @@ namespace {
 
 // Part of an edge's length by which its point may lie off its middle without a word.
 constexpr double kStraight = 1e-6;
-// The same of the most curved edge that is straightened: half a circle. What lies farther off is no
-// point of its edge.
+// This is the bound for the most curved edge that is straightened: half a circle. What lies farther
+// off is no point of its edge.
 constexpr double kMostCurved = 0.5;
 
 // How many tetrahedra there will be.

@@ -31,14 +31,14 @@ struct SpringView {
   double k, d;
 };
 
-// Of each spring, places as of BlockPattern::find().
+// These are the places of each spring, as of BlockPattern::find().
 struct SpringPlaces {
   const std::uint32_t* a;
   const std::uint32_t* b;
   const std::uint32_t* between;
 };
 
-// What tangents are multiplied with; full: as of SpringSet::add_tangent().
+// Tangents are multiplied with these; full: as of SpringSet::add_tangent().
 struct SpringWeights {
   double position, velocity;
   bool full;
@@ -89,7 +89,7 @@ struct SpringWeights {
     squares[i] = r[3 * i] * w[3 * i] + r[3 * i + 1] * w[3 * i + 1] + r[3 * i + 2] * w[3 * i + 2];
 }
 
-// Of each spring of the chunk: r = xa - xb (m), c so that the force on a is -c r (N/m), and
+// Finds of each spring of the chunk: r = xa - xb (m), c so that the force on a is -c r (N/m), and
 // 1/|r|^2.
 [[gnu::always_inline]] inline void spring_factors(const SpringView& s, const SpringChunk& chunk,
                                                   const double* x, const double* v, ChunkVectors& r,

@@ -100,7 +100,7 @@ Slip slip_of(const ContactLaw& law, const ContactWay& way, double h, const Conta
   return slip;
 }
 
-// How friction falls with the way. whole: m, at which it is whole.
+// Returns how friction falls with the way. whole: m, at which it is whole.
 Matrix3d drag_of(const Slip& slip, const Vector3d& n, double grinding, double whole) {
   Matrix3d drag = slip.rubbing * (Matrix3d::Identity() - n * n.transpose() / n.squaredNorm());
   if (slip.length > 0.0) {
