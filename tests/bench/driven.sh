@@ -23,7 +23,7 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 # A line a motion: name, amplitude (mm) along (5, 1.5, 2) / 5, frequency (Hz), rate (rad/s), damped or not.
 declare -A motions=(
   [beam]="shake:30:1.5:0: spin:0:1:3: both:30:1.5:3:damped"
-  [tower]="shake:5:1.2:0: far:20:1.2:0: spin:0:1:5: both:20:1.2:5:damped")
+  [tower]="shake:5:1.2:0: far:20:1.2:0: spin:0:1:3: both:10:1.2:3:damped")
 declare -A moved=([shake]="shake" [far]="shake, four times as far" [spin]="spin-up"
   [both]="both, damped, in gravity")
 
@@ -39,7 +39,7 @@ poses() {
       t = i * 5e-4
       s = a / 1000 * sin(2 * pi * f * t) ^ 3
       half = (t < ramp ? t - ramp / pi * sin(pi * t / ramp) : 2 * t - ramp) * rate / 4
-      printf "%.17g,%.17g,%.17g,%.17g,0,%.17g,0\n", t, s, 0.3 * s, 0.4 * s, cos(half), sin(half)
+      printf "%.17g,%.17g,%.17g,%.17g,%.17g,0,%.17g,0\n", t, s, 0.3 * s, 0.4 * s, cos(half), sin(half)
     }
   }'
 }
