@@ -115,8 +115,8 @@ class Body {
   Status move_to(const Pose& next);
   Status move_to(const Pose& next, const FrameMotion& motion);
 
-  // Of a body on bones; else 0. pose() is then the first bone's; set_pose() and move_to() do the
-  // same with all bones.
+  // Number of bones of a body on bones; else 0. pose() is then the first bone's; set_pose() and
+  // move_to() do the same with all bones.
   std::size_t bones() const { return skin_ ? skin_->bones() : 0; }
   const Skin* skin() const { return skin_.get(); }
   // Where the bone is relative to where it is at rest, in the mesh's coordinates. bone < bones().
@@ -126,8 +126,8 @@ class Body {
   Status move_bone_to(std::size_t bone, const Pose& next);
   Status move_bone_to(std::size_t bone, const Pose& next, const FrameMotion& motion);
 
-  // Of a free body. velocity: of the centre of mass, m/s, world. spin: rad/s, along the body's
-  // axes. kUsage if the body is not free or a value is not finite.
+  // Sets a free body moving. velocity: of the centre of mass, m/s, world. spin: rad/s, along the
+  // body's axes. kUsage if the body is not free or a value is not finite.
   Status set_motion(const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin);
   // Zeros unless the body is free.
   RigidState rigid_state() const { return free_ ? free_->rigid() : RigidState{}; }
@@ -150,7 +150,7 @@ class Body {
   // go with (a fixed body takes any; those near a collider take the step of
   // runtime/contact/solve/contact_step.h), a model without inertia integrals.
   Status set_contact(const ContactOptions& options = {});
-  // Of the last step; zeros without contact.
+  // Account of the last step; zeros without contact.
   ContactAccount contact_account() const;
   const ContactStep* contact() const { return contact_.get(); }
 

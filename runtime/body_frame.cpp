@@ -253,7 +253,7 @@ double Body::frame_kinetic(const Eigen::VectorXd& p) const {
   return free_ ? free_->kinetic(state_.q, p) : kinetic_energy(p);
 }
 
-// Of a vertex on bones.
+// Weights of a vertex on bones.
 Result<Eigen::VectorXd> Body::weights_of(VertexId vertex) const {
   if (const auto at = find_vertex(model_->surface().vertex_ids, vertex))
     return Eigen::VectorXd(skin_->surface.row(static_cast<Eigen::Index>(*at)).transpose());

@@ -44,7 +44,7 @@ StepReport Body::end_step(StepReport report) {
   return report;
 }
 
-// Of the step from time() on, which was made.
+// Takes the forces of the step from time() on, which was made.
 void Body::take_place_forces() {
   if (place_forces_.none()) return;
   const auto turn = [this](Eigen::Index place) -> Eigen::Matrix3d {

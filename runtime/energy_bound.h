@@ -29,8 +29,8 @@ inline constexpr double kEnergyBound = 10.0;
 // Above this many times the energy that was put in the library takes a step for failed.
 inline constexpr double kEnergyLimit = 100.0;
 
-// Of the harmonic energy 1/2 p.p + 1/2 q.Lambda q: so much of T + V may be rounding, since the
-// terms of V cancel and lanes have them in float.
+// Share of the harmonic energy 1/2 p.p + 1/2 q.Lambda q: so much of T + V may be rounding, since
+// the terms of V cancel and lanes have them in float.
 inline constexpr double kEnergyRounding = 1e-5;
 
 // What a look at the energy finds: a state to go back to; one above that, but within the limit; a
@@ -47,7 +47,7 @@ class EnergyBound {
     balance_ = most_ = std::isnan(energy) ? std::numeric_limits<double>::infinity() : energy;
   }
 
-  // Of a step that was made. work: of the loads in it. kick: 1/2 (h |f|)^2, zero without a load.
+  // Takes a step that was made. work: of the loads in it. kick: 1/2 (h |f|)^2, zero without a load.
   void put_in(double work, double kick) {
     if (std::isfinite(work)) balance_ += work;  // else the energy is no number either
     most_ = std::max({most_, balance_, kick});

@@ -102,7 +102,7 @@ Status check_inertia(const InertiaIntegrals& inertia, Eigen::Index modes) {
   return Success{};
 }
 
-// Of the leading coordinates.
+// Integrals of the leading coordinates.
 InertiaIntegrals leading_inertia(const InertiaIntegrals& inertia, Eigen::Index modes) {
   InertiaIntegrals leading = inertia;
   leading.linear = inertia.linear.leftCols(modes);
@@ -111,7 +111,7 @@ InertiaIntegrals leading_inertia(const InertiaIntegrals& inertia, Eigen::Index m
   return leading;
 }
 
-// Of the vertices on the surface and of what is drawn.
+// Checks the rows of the vertices on the surface and of what is drawn.
 Status check_response(const BasisData& data) {
   const LocalResponse& response = data.response;
   const Eigen::Index columns = 3 * std::ssize(response.at);

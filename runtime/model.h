@@ -82,7 +82,8 @@ class Model {
     return {render_->surface.vertices, render_->rows, response_.render, render_->surface.triangles,
             render_->anchors};
   }
-  // Of the r coordinates. nullptr: the file has none (an imported model, or one made before these).
+  // Integrals of the r coordinates. nullptr: the file has none (an imported model, or one made
+  // before these).
   const InertiaIntegrals* inertia() const { return inertia_ ? &*inertia_ : nullptr; }
   // The same about the mesh's origin, or about the centre of mass, made when it is first asked for;
   // the model must have inertia(). Thread-safe; may throw bad_alloc.
@@ -98,8 +99,8 @@ class Model {
   std::size_t vertex_count() const { return vertex_count_; }         // of the source mesh
   std::size_t tetrahedron_count() const { return tetrahedron_count_; }
 
-  // Of all that moves: energy, boundary, inertia and the default load; made when it is first asked
-  // for. Thread-safe.
+  // The hash covers all that moves: energy, boundary, inertia, default load; made when it is first
+  // asked for. Thread-safe.
   std::uint64_t content_hash() const;
 
   Eigen::VectorXd frequencies_hz() const;  // sqrt(lambda) / 2 pi, r

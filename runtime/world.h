@@ -57,7 +57,7 @@ struct SleepOptions {
   double time = 0.5;
 };
 
-// Of grad (C + Q) in lanes.
+// Precision of grad (C + Q) in lanes.
 enum class LanePrecision { kDouble, kFloat };
 
 // integrator, options: as make_integrator. modes: level of detail, leading coordinates that move, 0
@@ -71,8 +71,8 @@ struct GroupOptions {
   SleepOptions sleep = {};
 };
 
-// Of the last step. failed: bodies that were put back and to sleep, in no order to rely on across
-// versions. why: of each of these. Both are valid until the next step.
+// Report of the last step. failed: bodies that were put back and to sleep, in no order to rely on
+// across versions. why: of each of these. Both are valid until the next step.
 struct WorldReport {
   std::size_t stepped = 0;
   std::size_t fell_asleep = 0;  // by themselves

@@ -68,7 +68,7 @@ class DistanceGrid {
   // Contains what is solid, and is wider by two cells at most.
   BoundingBox solid_box() const { return solid_box_; }
   std::size_t bytes() const { return coefficients_.size() * sizeof(float); }
-  // Of all that at() depends on.
+  // The hash covers all that at() depends on.
   std::uint64_t content_hash() const;
 
  private:

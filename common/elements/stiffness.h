@@ -14,8 +14,8 @@
 
 namespace tremolo {
 
-// Of the tetrahedron with these corners, m. Its volume is positive where det[x1-x0, x2-x0, x3-x0]
-// is; a flat one has no gradients (infinite), which check_mesh has refused.
+// The geometry of the tetrahedron with these corners, m. Its volume is positive where det[x1-x0,
+// x2-x0, x3-x0] is; a flat one has no gradients (infinite), which check_mesh has refused.
 ElementGeometry element_geometry(const std::array<Eigen::Vector3d, 4>& corners);
 
 // Rows and columns 3*node + axis, N/m.

@@ -119,7 +119,7 @@ struct NearChoice {
   double farthest = 0;
 };
 
-// Of each `near:` in a selector that select_vertices() took; none if there is none.
+// One choice for each `near:` in a selector that select_vertices() took; none if there is none.
 std::vector<NearChoice> near_choices(const Selector& selector, const SelectionSpace& space);
 
 // "near:0,0,1: vertex 12 at (0, 0, 0.98) m, 0.02 m from that point". id: what the vertex is called.

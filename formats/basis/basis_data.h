@@ -102,7 +102,7 @@ struct BasisData {
   std::vector<Triangle> triangles;       // boundary, indices into surface.vertex_ids
   std::vector<VertexId> fixed_vertices;  // ascending ids in the source mesh
   DefaultLoad load;                      // may be empty
-  // Of quadratic elements: vertices that are middles of edges, ascending; their rows are the
+  // Quadratic elements have vertices that are middles of edges, ascending; their rows are the
   // displacements of these places as of any other vertex. None: linear elements.
   std::vector<MeshEdge> edges;
   std::optional<RenderBlock> render;

@@ -16,11 +16,11 @@ inline constexpr std::uint16_t kMajor = 1;
 inline constexpr FileKind kKind = {
     {'T', 'R', 'E', 'M', 'O', 'L', 'O', '\0'}, kMajor, "a basis file"};
 inline constexpr std::uint16_t kMinor = 0;  // of a full file
-// Of a compact or a linear file: what is new in it makes a reader of 1.0 refuse it.
+// Version of a compact or a linear file: a reader of 1.0 refuses it for its new sections.
 inline constexpr std::uint16_t kMinorEncoded = 1;
-// Of a file with a render surface, whatever else it is.
+// Version of a file with a render surface, whatever else it is.
 inline constexpr std::uint16_t kMinorRender = 2;
-// Of a file of quadratic elements, whatever else it is.
+// Version of a file of quadratic elements, whatever else it is.
 inline constexpr std::uint16_t kMinorQuadratic = 3;
 
 // Section names; basis_sections.cpp has their types and shapes.
@@ -41,7 +41,7 @@ inline constexpr std::string_view kLoadIds = "load_ids";
 inline constexpr std::string_view kLoadForces = "load_forces";
 inline constexpr std::string_view kSingularValues = "singular_values";
 inline constexpr std::string_view kProvenance = "provenance";
-// Of an imported model: the files .U and .cub that it was made of, byte for byte.
+// An imported model keeps the files .U and .cub that it was made of, byte for byte.
 inline constexpr std::string_view kVegaBasis = "vega_basis";
 inline constexpr std::string_view kVegaCubic = "vega_cubic";
 

@@ -71,7 +71,7 @@ class MeshBuilder {
   bool consecutive_ = true;
   std::vector<std::int64_t> ids_;
   std::vector<std::pair<std::int64_t, VertexId>> index_of_id_;
-  // Of cells that are no tetrahedra, by kind.
+  // These count cells that are no tetrahedra, by kind.
   struct Others {
     std::size_t skipped = 0;
     std::size_t in_sets = 0;

@@ -60,7 +60,7 @@ class SectionFile {
     if (!bytes) return bytes.error();
     return std::span(reinterpret_cast<const T*>(bytes->data()), bytes->size() / sizeof(T));
   }
-  // Of double or float; each is finite.
+  // T is double or float; each value is finite.
   template <class T>
   Result<std::span<const T>> finite(std::string_view name);
   Result<std::string_view> text(std::string_view name);

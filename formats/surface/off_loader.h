@@ -14,7 +14,7 @@ class OffLoader : public Assimp::BaseImporter {
  public:
   bool CanRead(const std::string& file, Assimp::IOSystem* files, bool look_inside) const override;
 
-  // Of the file that was read last: what it says and is not taken.
+  // Statements of the file read last that are not taken.
   const std::vector<std::string>& notes() const { return notes_; }
 
  protected:

@@ -23,7 +23,7 @@ constexpr std::uint32_t kNormals = 1;
 constexpr std::uint32_t kUvs = 2;
 constexpr std::uint32_t kColours = 4;
 
-// Of the code point at the front of `text`: its length in bytes, 0 if there is none.
+// Length in bytes of the code point at the front of `text`, 0 if there is none.
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);

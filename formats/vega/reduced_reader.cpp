@@ -49,7 +49,7 @@ Result<ReducedForces> read_cub(std::string_view bytes, const std::string& path) 
       read_count(scanner, "r, the number of coordinates,", 1, basis_layout::kMaxModes);
   if (!size) return size.error();
   const std::size_t r = *size;
-  // Of r = 4 096 the largest, r x C, is 5e13: no product overflows, but a count need not fit 32
+  // At r = 4 096 the largest, r x C, is 5e13: no product overflows, but a count need not fit 32
   // bits, and then no file has it.
   std::size_t total = 0;
   for (const auto& [name, count] : {std::pair{"L = r, linear terms,", r},

@@ -30,7 +30,7 @@ class VtkInput {
                  std::vector<double>& values);
 
   TextScanner& text() { return text_; }
-  // Of the last token: what is found wrong in the list it begins will be said to be there.
+  // Begins a part at the last token: a fault in the list that follows is said to be there.
   void begin_part(const std::string& keyword) { part_ = text_.problem("in " + keyword).message; }
   const std::string& part() const { return part_; }
   // An error in the part.

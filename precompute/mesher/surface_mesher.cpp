@@ -11,7 +11,7 @@
 namespace tremolo {
 namespace {
 
-// Of the solid angle: a surface that lacks more is closed only on demand, or is a sheet.
+// Shares of the solid angle: a surface that lacks more is closed only on demand, or is a sheet.
 constexpr double kMostLacking = 0.09, kSheet = 0.4;
 // A solid lies behind at least this share of its surface.
 constexpr double kLeastBacked = 0.3;

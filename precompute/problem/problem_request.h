@@ -16,8 +16,8 @@ inline constexpr int kMostRefine = 5;
 
 struct ProblemRequest {
   std::string mesh_path;
-  // Of surface coordinates, or of the tetrahedral mesh if no surface is read; empty: as the files
-  // say.
+  // Unit of surface coordinates, or of the tetrahedral mesh if no surface is read; empty: as the
+  // files say.
   std::string unit;
   std::string mesh_unit;       // of the tetrahedral mesh, overrides `unit`
   SurfaceMeshOptions meshing;  // options for meshing a surface

@@ -86,7 +86,7 @@ inline World& behind(tremolo_world& handle) {
 inline const World& behind(const tremolo_world& handle) {
   return handle.world;
 }
-// Of c_api_contacts.cpp.
+// Used by c_api_contacts.cpp.
 inline tremolo_contacts& behind(tremolo_contacts& handle) {
   return handle;
 }

@@ -65,7 +65,7 @@ struct ContactSlope {
   Eigen::Matrix3d by_bend;
 };
 
-// Of the force on the point and of what bends that which is touched.
+// Slopes of the force on the point and of what bends that which is touched.
 struct ContactSlopes {
   ContactSlope point, bend;
 };

@@ -34,12 +34,12 @@ struct StepPoses {
   Pose start, end;
 };
 
-// Of one step, J but for the last two. energy: of contact at the end. work: what contact forces did
-// to the body, or to the motion of a driven one relative to its frame. lost, rubbed: taken by
-// restitution and friction. given: by colliders and supports that move. surplus: contact energy
-// that was there at the start and not at the end of the step before. penetration: deepest of a
-// point behind a surface, m. impulse: sum of |F| h, N s. way: farthest that a point near something
-// went relative to it, m.
+// Account of one step, J but for the last two. energy: of contact at the end. work: what contact
+// forces did to the body, or to the motion of a driven one relative to its frame. lost, rubbed:
+// taken by restitution and friction. given: by colliders and supports that move. surplus: contact
+// energy that was there at the start and not at the end of the step before. penetration: deepest of
+// a point behind a surface, m. impulse: sum of |F| h, N s. way: farthest that a point near
+// something went relative to it, m.
 struct ContactAccount {
   double energy = 0.0, work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, surplus = 0.0;
   double hand_work = 0.0, hand_damped = 0.0;

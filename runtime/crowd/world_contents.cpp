@@ -35,7 +35,7 @@ void World::Contents::write_state(BodyId id, const double* q, const double* p) {
   WorldGroup& group = groups[body.group];
   if (!group.lanes) {
     const auto modes = static_cast<Eigen::Index>(group.modes);
-    // Of the right length and finite: set_state() has nothing to refuse.
+    // Both have the right length and are finite: set_state() has nothing to refuse.
     (void)group.bodies[body.index]->set_state(Eigen::Map<const Eigen::VectorXd>(q, modes),
                                               Eigen::Map<const Eigen::VectorXd>(p, modes));
     group.quiet[body.index] = 0.0;

@@ -40,7 +40,7 @@ double describe(AnimatedShape& shape, AnimatedBody& body, Index most, double eno
     if (!(solver.eigenvalues()[k] > kLeastSquare * largest)) break;
     modes.col(count) = motion * solver.eigenvectors().col(k);
     modes.col(count).normalize();
-    // Of what is left, not of all: rounding of one mode is made good by the next.
+    // Shares of what is left, not of all: the next mode makes good the rounding of this one.
     const VectorXd shares = left.transpose() * modes.col(count);
     left.noalias() -= modes.col(count) * shares.transpose();
     off = farthest(left);

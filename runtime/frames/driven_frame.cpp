@@ -109,7 +109,7 @@ void DrivenFrame::add_turn(const Bone& bone) {
   const Vector3d& w = bone.motion.spin;
   const Vector3d& rate = bone.motion.spin_rate;
   const Vector3d whirl = -2.0 * w;
-  // Of the blocks of `pairs`: c_x c_y c_z, and the six of sym(B).
+  // Weights of the blocks of `pairs`: c_x c_y c_z, and the six of sym(B).
   std::array<double, 9> weights = {-rate.x(), -rate.y(), -rate.z()};
   Eigen::Matrix<double, 6, 1> constant;
   for (Index e = 0; e < 6; ++e) {

@@ -65,12 +65,12 @@ class DrivenFrame final : public StepCoupling {
   void move_to(const Pose& next, std::size_t bone = 0);
   void move_to(const Pose& next, const FrameMotion& motion, std::size_t bone = 0);
 
-  // Of the next step: turns and forces. gravity: m/s^2, world.
+  // Prepares turns and forces of the next step. gravity: m/s^2, world.
   void prepare(const Eigen::Vector3d& gravity);
   const Eigen::Matrix3d& mid_rotation(std::size_t bone = 0) const {
     return bones_[bone].mid_rotation;
   }
-  // Of gravity at the poses as they are, r.
+  // Force of gravity at the poses as they are, r.
   Eigen::VectorXd gravity_force(const Eigen::Vector3d& gravity) const;
   // -S^T a and the constant parts of E and grad Phi, r; to be added to the step's load.
   const Eigen::VectorXd& push() const { return push_; }
@@ -113,8 +113,8 @@ class DrivenFrame final : public StepCoupling {
     Pose pose, next;
     FrameMotion motion;
     bool known = false;  // motion was given
-    // Of the last step: velocity, m/s, and spin; at the node before it: their changes over the
-    // step.
+    // Velocity, m/s, and spin are those of the last step; at the node before it: their changes over
+    // the step.
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), spin = Eigen::Vector3d::Zero();
     Eigen::Vector3d acceleration = Eigen::Vector3d::Zero(), spin_rate = Eigen::Vector3d::Zero();
     Eigen::Matrix3d mid_rotation = Eigen::Matrix3d::Identity();
@@ -129,8 +129,8 @@ class DrivenFrame final : public StepCoupling {
   bool turning_ = false;
   Eigen::VectorXd push_, gravity_push_;
   double push_norm_ = 0.0;
-  // Of E and grad Phi, not symmetric, 1/s^2, and 2 G, skew, 1/s: r x r, below which there are rows
-  // of no meaning.
+  // Matrices of E and grad Phi, not symmetric, 1/s^2, and 2 G, skew, 1/s: r x r, below which are
+  // rows of no meaning.
   Eigen::MatrixXd stiffness_, gyro_;
   Eigen::MatrixXd turn_;  // I + (h/4) 2 G, and its factor
   Eigen::PartialPivLU<Eigen::MatrixXd> turn_factor_;

@@ -93,7 +93,7 @@ void FreeFrame::begin(double h, const VectorXd& q0, const VectorXd& v0) {
   }
 }
 
-// Of the forces, along the body's axes at the start. mean_turn: Ro0^T Ro~.
+// Torque of the forces, along the body's axes at the start. mean_turn: Ro0^T Ro~.
 Vector3d FreeFrame::torque(const Matrix3d& mean_turn) const {
   Vector3d sum = Vector3d::Zero();
   for (std::size_t i = 0; i < forces_.size(); ++i) sum += (mean_turn * arms_[i]).cross(pulls_[i]);

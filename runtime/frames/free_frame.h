@@ -80,9 +80,9 @@ class FreeFrame final : public StepCoupling {
     return rigid_.momentum + rigid_.centre.cross(linear) + rigid_.centre_rest.cross(linear);
   }
 
-  // Of the next step: forces, which must stay where they are until it ends, and gravity, m/s^2.
+  // Prepares the next step: forces, which must stay where they are until it ends; gravity, m/s^2.
   void prepare(std::span<const StepForce> forces, const Eigen::Vector3d& gravity);
-  // Of the last step that was made, J.
+  // Work in the last step that was made, J.
   double load_work() const { return load_work_; }
   double gravity_work() const { return gravity_work_; }
 

@@ -100,7 +100,7 @@ MadeIntegrator make_integrator(std::string_view name, Model::Pointer model,
   for (const Entry& entry : kEntries) {
     if (entry.name != name) continue;
     if (Status status = check_options(wanted); !status) return status.error();
-    // Of a linear model the solution is known that ep4 approximates.
+    // The solution that ep4 approximates is known for a linear model.
     if (entry.name == "ep4" && model->potential().linear() && !wanted.moving_frame)
       return make_exact_linear(entry.name, std::move(model), wanted);
     IntegratorOptions options = wanted;

@@ -16,7 +16,7 @@ class ImplicitStep : public OneStep {
         newton_(model_->modes()),
         qm_(D_) {}
 
-  // Of the step whose R is taken at qm = q0 + theta d, for d = newton_.unknowns, the residual
+  // Residual of the step whose R is taken at qm = q0 + theta d, for d = newton_.unknowns:
   //
   //     d - h p0 + theta h^2 [R(qm) + D d/h - f]
   //

@@ -203,7 +203,7 @@ std::vector<RunOptions> bodies_of(const Request& request, const RunOptions& flag
   return {options};
 }
 
-// Of runs that are no world.
+// Refuses flags that only worlds take.
 Status check_not_saved(const Request& request) {
   if (request.threads)
     return usage_error(
@@ -252,7 +252,7 @@ Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std:
     Parser parser(ignored, body);
     parser.app.parse(count, words);  // cannot fail: it has been parsed before
     const CLI::App& flags = *(parser.*command);
-    // Of two ways to say one thing the flag's wins.
+    // A flag wins over the scene's way to say the same.
     if (flags.count("--load") > 0) body.signal.clear();
     if (flags.count("--scale") > 0) body.deflect.clear();
     if (flags.count("--deflect") > 0) body.scale = 1.0;

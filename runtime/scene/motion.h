@@ -130,7 +130,7 @@ class MotionPath {
   // Errors: kContent, with the number of the part, for what part_problem() finds.
   static Result<MotionPath> create(const Motion& motion, const Pose& base = {});
 
-  // Of length one but for rounding. Nothing is allocated.
+  // The quaternion is of length one but for rounding. Nothing is allocated.
   Pose pose(double t) const { return pose_in(piece(t), t); }
 
   // Jumps of the kinds kRefuse and kTeleport cut the motion into pieces, counted from 0; a moment

@@ -127,7 +127,7 @@ Status check_body(const SceneBody& body) {
   return check_motion(body);
 }
 
-// Of a body that needs contact.
+// Checks the method of a body that needs contact.
 Status check_method(const SceneBody& body) {
   const std::string& method = body.integrator;
   if (!body.bones.empty())

@@ -34,11 +34,11 @@ double reach_of(const Model& model) {
   return reach;
 }
 
-// Of what one frame carries. poses: of the frame a step before, now, and a step from now.
+// Momenta of what one frame carries. poses: of the frame a step before, now, and a step from now.
 Momenta momenta_in_frame(const FrameInertia& inertia, const Eigen::VectorXd& q,
                          const Eigen::VectorXd& v, const std::array<Pose, 3>& poses, double h) {
   const auto& [before, pose, behind] = poses;
-  // Of the frame at the node: the mean of the steps before and behind it.
+  // The frame's velocities at the node are the mean of the steps before and behind it.
   const Vector3d velocity =
       pose.rotation.conjugate() * (behind.position - before.position) / (2.0 * h);
   const Vector3d spin = (turn_of(before.rotation.conjugate() * pose.rotation) +

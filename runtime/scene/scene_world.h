@@ -39,7 +39,7 @@
 
 namespace tremolo {
 
-// Of the whole body, world: linear kg m/s; angular N m s, about the world's origin.
+// Momenta of the whole body, world: linear kg m/s; angular N m s, about the world's origin.
 struct Momenta {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();
@@ -112,7 +112,7 @@ class SceneWorld {
   // At rest and not stepped, until something wakes it.
   bool asleep(std::size_t i) const { return group_->asleep(place_[i]); }
 
-  // Of the last step, those of colliders first; valid until the next one.
+  // Events of the last step, those of colliders first; valid until the next one.
   std::span<const ContactEvent> events() const { return events_; }
   // How often the body began to touch something, and how deep its contact points were behind a
   // surface at most at the end of any step, as a share of the body's size (0: never).
@@ -161,7 +161,7 @@ class SceneWorld {
 
   // Evaluates the body's energy.
   EnergyAccount account(std::size_t i) const;
-  // Of a body that is not free they need the inertia integrals; zeros without.
+  // A body that is not free needs the inertia integrals for them; zeros without.
   Momenta momenta(std::size_t i) const;
 
  private:
@@ -189,14 +189,14 @@ class SceneWorld {
     HeldJoint joint;
     std::size_t a, b;
   };
-  // Of a body and a collider. impulse: since they touch, N s.
+  // A body and a collider. impulse: since they touch, N s.
   struct Touching {
     bool now = false;
     double impulse = 0.0;
 
     void carry(StateStream& stream) { stream(now, impulse); }
   };
-  // Of two bodies, by their numbers. seen: in the last step.
+  // Two bodies, by their numbers. seen: in the last step.
   struct Pair {
     std::size_t a = 0, b = 0;
     double impulse = 0.0;

@@ -26,7 +26,7 @@ std::size_t read_count(TomlKeys& keys, const char* key) {
   return keys.good() ? static_cast<std::size_t>(count) : 0;
 }
 
-// Of any length but none; it comes out of length one.
+// The direction may have any length but none; it comes out of length one.
 void read_direction(TomlKeys& keys, const char* key, Eigen::Vector3d& direction) {
   keys.read(key, direction);
   if (!(direction.norm() > 0.0)) return keys.fail(key, std::string("'") + key + "' has no length");

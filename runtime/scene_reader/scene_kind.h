@@ -1,4 +1,4 @@
-// Of which kind a scene file is, and so who reads it.
+// The kind of a scene file decides who reads it.
 #pragma once
 
 #include <string>

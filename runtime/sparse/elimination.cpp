@@ -19,7 +19,7 @@ struct Lists {
   std::vector<Index> entries;
 };
 
-// Of each node in the new order the neighbours that come later, or earlier.
+// Lists each node's neighbours that come later in the new order, or earlier.
 Lists neighbours(const BlockPattern& pattern, const std::vector<Index>& place, bool later) {
   const std::size_t n = pattern.size();
   Lists lists{std::vector<std::size_t>(n + 1, 0), {}};

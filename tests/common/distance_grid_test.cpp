@@ -89,7 +89,7 @@ TEST(DistanceGrid, ErrorFallsByThirdOrderWhereTheDistanceIsSmooth) {
   }
 }
 
-// Of a box it is the kink at its edges that counts: first order, and a quarter of a cell at most.
+// The kink at a box's edges counts: first order, and a quarter of a cell at most.
 TEST(DistanceGrid, ErrorFallsByFirstOrderAtEdges) {
   const testing::DistanceFormula formula = testing::box_formula({0.8, 0.9, 0.7});
   const GridErrors coarse = errors_of(formula, 32, 0.2), fine = errors_of(formula, 64, 0.2);

@@ -30,7 +30,7 @@ class Dice {
   double unit() { return static_cast<double>(engine_()) / 4294967296.0; }
   double between(double low, double high) { return low + (high - low) * unit(); }
   Vector3d direction();
-  // Of a length between the two.
+  // A vector of a length between the two.
   Vector3d arrow(double low, double high);
 
  private:

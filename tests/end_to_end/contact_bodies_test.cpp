@@ -122,7 +122,7 @@ TEST(BodiesInContact, KeepBothMomentaAndTheEnergy) {
   }
 }
 
-// Of equal masses that meet straight on, the one that stood goes on and the other stands.
+// Equal masses that meet straight on: the one that stood goes on and the other stands.
 TEST(BodiesInContact, ExchangeTheirMomentum) {
   const Kind kind{.step = 2e-4};
   const Model::Pointer model = box("1e10");

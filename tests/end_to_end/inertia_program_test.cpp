@@ -117,7 +117,7 @@ TEST_F(InertiaProgram, ABasisOfAFreeBodyMovesNeitherItsCentreNorTurnsIt) {
       EXPECT_GT(data.lambda.size(), 15);
       const InertiaIntegrals& integrals = *data.inertia;
       const FrameInertia inertia(integrals, integrals.first_moment / integrals.mass);
-      // Of size sqrt(m) and sqrt(m) times the length 0.4 m where the basis moves the body.
+      // They are sqrt(m) and sqrt(m) times the length 0.4 m where the basis moves the body.
       const double size = std::sqrt(inertia.mass);
       EXPECT_LE(inertia.s.colwise().norm().maxCoeff(), 1e-9 * size) << order << derivatives;
       EXPECT_LE(inertia.a.colwise().norm().maxCoeff(), 1e-9 * 0.4 * size) << order << derivatives;
@@ -129,8 +129,8 @@ struct Momenta {
   double kinetic = 0;
 };
 
-// Of the mesh's mass, from where each vertex is and how fast: velocity + R (omega x (X - C + U q) +
-// U p).
+// Momenta of the mesh's mass, from where each vertex is and how fast: velocity + R (omega x (X - C
+// + U q) + U p).
 Momenta momenta_of_mesh(const Body& body, const TetMesh& mesh) {
   const State& state = body.state();
   const RigidState rigid = body.rigid_state();

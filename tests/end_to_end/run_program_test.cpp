@@ -411,7 +411,7 @@ TEST_F(RunProgram, AStartFromADisplacementHasTheVertexThere) {
   EXPECT_NEAR(csv.at(0, "u80z"), -0.03, 1e-9);
   EXPECT_EQ(csv.at(0, "kinetic"), 0);
   EXPECT_GT(csv.at(10, "kinetic"), 0);
-  // Of several vertices it is the mean that is there.
+  // The mean of several vertices is there.
   ASSERT_EQ(run("run " + model() +
                 " --load none --start 'x>0.399=0,0.004,-0.02' --probe 'x>0.399' --out m "
                 "--duration 0.1")
@@ -478,7 +478,7 @@ TEST_F(RunProgram, ASignalFromAFileActsAsTheBuiltInOneOfTheSameShape) {
 
 TEST_F(RunProgram, ARunThatIsInterruptedLeavesAGoodCsvAndSaysSo) {
   const std::string endless = kTremolo + "run " + model() + " --duration 1e6 --every 20 --out ";
-  // Of a shell in the background SIGINT is ignored: timeout sends it to a child that is not.
+  // A shell in the background ignores SIGINT: timeout sends it to a child that is not.
   for (const std::string signal : {"INT", "TERM"}) {
     const std::string out = "o" + signal;
     const ProgramResult result = run_program(

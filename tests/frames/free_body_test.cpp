@@ -33,7 +33,7 @@ Body tumbling_body(const IntegratorOptions& options, std::string_view method = "
   return body;
 }
 
-// Of a rigid body, about its centre: principal moments, ascending, and axes.
+// Principal moments of a rigid body about its centre, ascending, and axes.
 Eigen::SelfAdjointEigenSolver<Matrix3d> principal_axes(const Model& model) {
   const InertiaIntegrals& I = *model.inertia();
   const Vector3d centre = I.first_moment / I.mass;

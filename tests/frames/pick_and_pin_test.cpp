@@ -245,7 +245,7 @@ TEST(Pins, APinnedVertexStaysAndTheAccountCloses) {
               most = std::max({most, energy, std::abs(body.gravity_work())});
               worst = std::max(worst, std::abs(energy - start - body.work() + body.dissipated()));
             }
-            // Of a size of about a metre.
+            // The body is about a metre long.
             EXPECT_LT(stray, 20.0 * step * step) << method << " " << step;
             EXPECT_LT(worst, 1e-8 * most) << method << " " << step;
             ASSERT_TRUE(body.release(*pin));

@@ -10,7 +10,7 @@
 namespace tremolo::fuzz {
 namespace {
 
-// Of the heap, while a reader is at work. A reader has one thread.
+// Meter of the heap, while a reader is at work. A reader has one thread.
 struct HeapMeter {
   bool running = false;
   std::ptrdiff_t live = 0;

@@ -195,7 +195,7 @@ TEST(ColliderGrid, DoesNotDependOnThreads) {
   EXPECT_EQ(one.error.root_mean_square, three.error.root_mean_square);
 }
 
-// Of a box it is the kinks inside its edges: first order in the maximum.
+// The kinks inside a box's edges decide: first order in the maximum.
 TEST(ColliderGrid, ErrorOfABoxFallsWithTheCells) {
   const MadeDistances coarse = distances_of(centred_box(), 24),
                       fine = distances_of(centred_box(), 48);

@@ -24,7 +24,7 @@ TetMesh sample_mesh(int order) {
   return testing::of_order(box_mesh({3, 2, 2}, {0.3, 0.2, 0.25}), order);
 }
 
-// Of both orders.
+// Every case runs with both orders.
 class Elements : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Orders, Elements, ::testing::Values(1, 2));
 

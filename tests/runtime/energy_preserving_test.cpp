@@ -48,7 +48,7 @@ double worst_balance(std::string_view name, const IntegratorOptions& options, do
   return worst / highest;
 }
 
-// Of energies that are sums of terms many times larger.
+// Rounding of energies that are sums of terms many times larger.
 constexpr double kRounding = 3e-13;
 
 TEST(EnergyPreserving, EveryStepBalancesEnergyWorkAndDissipation) {

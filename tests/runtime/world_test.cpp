@@ -256,8 +256,8 @@ TEST(World, WhatSleepsByDefaultIsMovedByLessThanATenThousandthOfItsSize) {
   }
   for (const BodyId body : crowd.bodies) {
     const Eigen::VectorXd moved = model->surface().rows * crowd.world.state(body)->q;
-    // Of the first mode exactly; of the others, which this model lets move as far at higher
-    // frequency, less.
+    // The bound holds exactly for the first mode; the others, which this model lets move as far at
+    // higher frequency, are below it.
     EXPECT_LE(moved.cwiseAbs().maxCoeff(), 1.2e-4 * (most - least).maxCoeff());
   }
 }

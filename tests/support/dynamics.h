@@ -65,7 +65,7 @@ inline bool is_explicit(std::string_view name) {
          name == "rk4";
 }
 
-// Of a smooth problem, damped and loaded or not; imexv-thesis has 1 where there is damping.
+// Order on a smooth problem, damped and loaded or not; imexv-thesis has 1 where there is damping.
 inline int order_of(std::string_view name) {
   if (name == "explicit-euler" || name == "implicit-euler") return 1;
   if (name == "verlet4" || name == "rk4" || name == "ep4") return 4;

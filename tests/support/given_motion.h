@@ -31,7 +31,7 @@ struct GivenMotion {
     return {rise * sine * sine * sine * shake, turn_by(turned * spin)};
   }
 
-  // Of the step from `time` on.
+  // Motion of the step from `time` on.
   FrameMotion in_step(double time, double step) const {
     return motion_between(at(time - step), at(time), at(time + step), at(time + 2.0 * step), step);
   }

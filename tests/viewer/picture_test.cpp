@@ -63,7 +63,7 @@ double side_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::
   return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
 }
 
-// Of each pixel kFine x kFine places, one behind the other.
+// Each pixel has kFine x kFine places, one behind the other.
 constexpr int kFine = 4;
 
 void fill(std::vector<char>& inside, int width, int height, const Eigen::Vector2d& a,
@@ -99,7 +99,8 @@ Mask expected_mask(const Body& body, const nlohmann::json& json) {
   return mask;
 }
 
-// Of a body without blue before white: the quarters of a pixel, four samples, that are not white.
+// The mask of a body without blue before white: quarters of a pixel, four samples, that are not
+// white.
 Mask seen_mask(const Picture& picture) {
   Mask mask{picture.width, picture.height, {}};
   for (std::size_t i = 0; i < picture.pixels.size(); i += 3) {

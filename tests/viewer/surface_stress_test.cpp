@@ -155,7 +155,7 @@ std::vector<double> sections_of(const DrawnSurface& drawn, const Eigen::VectorXd
   return sums;
 }
 
-// Of the beam's two softest modes, by equilibrium alone: what lies beyond a section is moved by its
+// The beam's two softest modes, by equilibrium alone: what lies beyond a section is moved by its
 // own inertia, rho lambda u a unit of volume, whose moment M the section bears; at its edge, c from
 // the middle, the stress is M c / I.
 TEST(SurfaceStress, OfABeamThatBendsIsItsMomentOverItsSection) {

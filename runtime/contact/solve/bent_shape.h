@@ -23,7 +23,7 @@ struct BentScratch {
   Eigen::MatrixX3d first, second;
 };
 
-// Of X from the shape, m, and its gradient by y.
+// Distance of X from the shape, m, and its gradient by y.
 double bent_distance(const BentShape& bent, const Eigen::Vector3d& y);
 Eigen::Vector3d bent_gradient(const BentShape& bent, const Eigen::Vector3d& y);
 

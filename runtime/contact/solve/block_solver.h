@@ -45,7 +45,7 @@ class BlockSolver {
   // finite. Memory grows with the largest system so far; the sparse decomposition allocates.
   bool solve(const BlockSystem& system, const Eigen::VectorXd& b, Eigen::VectorXd& x);
 
-  // Of the last solve; kMostIterations + 1: it was the decomposition's.
+  // Iterations of the last solve; kMostIterations + 1: the decomposition solved it.
   int iterations() const { return iterations_; }
 
  private:

@@ -47,7 +47,7 @@ void BodyGroup::begin(std::size_t i) {
   begun_[i] = 1;
 }
 
-// Of the step to come: also of one that sleeps, what may wake it.
+// Begins the step to come; a body that sleeps only looks for what may wake it.
 void BodyGroup::begin_or_sleep(std::size_t i) {
   reports_[i] = {};
   reports_[i].converged = true;

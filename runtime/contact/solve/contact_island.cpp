@@ -13,7 +13,8 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 120;
-// Of what is small: less of it counts as converged, as the last move of Newton's method makes it.
+// Share of what counts as small: less of it counts as converged, as the last move of Newton's
+// method makes it.
 constexpr double kConverged = 0.1;
 // In how many iterations members move by themselves first, and how often in each; one attempt at
 // the step after the other.

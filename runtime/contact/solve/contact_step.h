@@ -58,7 +58,7 @@ class ContactStep {
   // Where it does not converge, the state is as before.
   StepReport step(State& state, const StepLoad& load, FreeFrame* free);
 
-  // Of the last step; when nothing was near, reset() instead.
+  // Account of the last step; when nothing was near, reset() instead.
   const ContactAccount& account() const { return account_; }
   void reset();
   // For each collider the impulse on it in the last step, N s; 0 where there was no contact.
@@ -140,7 +140,7 @@ class ContactStep {
   bool feels() const { return feels_; }
   // What other bodies bump into; null: nothing.
   const Collider* shape() const { return shape_ ? &*shape_ : nullptr; }
-  // Of the last gather().
+  // Results of the last gather().
   const ContactBall& ball() const { return ball_; }
   const StepPoses& poses() const { return poses_; }
 

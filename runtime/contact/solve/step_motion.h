@@ -80,7 +80,8 @@ class PlaceLever {
  public:
   explicit PlaceLever(Eigen::Index modes);
 
-  // Of a place: push(), how the residual falls with a force on it, and way(), how its end moves.
+  // The lever of a place: push(), how the residual falls with a force on it, and way(), how its end
+  // moves.
   void make(const StepMotion& motion, const ContactTouch& touch, const PlaceRows& rows);
   auto push() const { return push_.topRows(n_); }  // n x 3
   auto way() const { return way_.leftCols(n_); }   // 3 x n

@@ -87,7 +87,7 @@ class ImexvCoupled final : public ImplicitStep {
     const VectorXd& d = newton_.unknowns;
     qm_ = z.q + 0.5 * d;
     auto& [V, R, K] = V_.evaluate(qm_, kWantForce | kWantTangent);
-    // Of the whole force: what is left of it on the low rows is rounded like the whole.
+    // The norm is that of the whole force: its rest on the low rows is rounded like the whole.
     const double R_norm = R.norm();
     if (low > 0) {
       q_low_ = qm_.head(low);

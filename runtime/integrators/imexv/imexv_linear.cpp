@@ -76,7 +76,7 @@ class ImexvLinear final : public OneStep {
 
   Split split_;
   DampedKick kick_;  // of the low rows
-  // Of the high rows:
+  // These belong to the high rows.
   VectorXd lambda_;
   DampedMidpoint midpoint_;
   std::vector<LinearRow> rows_;

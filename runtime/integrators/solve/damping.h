@@ -54,7 +54,7 @@ using InertiaWeight = double (*)(double x);
 // less.
 DampedWeights damped_weights(double c, double w, InertiaWeight undamped);
 
-// Of the midpoint rule, N = 1.
+// Weight of the midpoint rule, N = 1.
 inline double unit_weight(double) {
   return 1.0;
 }

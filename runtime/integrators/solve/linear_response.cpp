@@ -101,7 +101,7 @@ LinearResponse linear_response(double a, double b) {
       before = integral[k];
     }
   }
-  // Of two forms the one that does not cancel.
+  // The form that does not cancel is taken of the two equal ones.
   response.place =
       roots.small < kSlowRoot ? 1.0 - b * integral[1] : response.velocity + a * integral[0];
   return response;

@@ -58,7 +58,7 @@ double first_zero(double end, double slope0, double bend0, double slope1, double
 // Broyden's updates have become slow where a residual falls by less than this factor.
 inline constexpr double kSlow = 0.6;
 
-// Of the unknowns, relative: a few units in the last place.
+// Rounding of the unknowns, relative: a few units in the last place.
 inline constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
 
 // Moves the unknowns along minus the correction c of the present residual g and Jacobian: by c

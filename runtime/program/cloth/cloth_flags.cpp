@@ -9,7 +9,7 @@
 namespace tremolo {
 namespace {
 
-// Of reduced bodies; a cloth has no modes, no loads and no probes.
+// Flags of reduced bodies; a cloth has no modes, no loads and no probes.
 constexpr const char* kOfBodies[] = {
     "--load",       "--signal",     "--at",           "--force",         "--scale",  "--deflect",
     "--start",      "--wav",        "--listen",       "--modes",         "--linear", "--hull",

@@ -34,7 +34,7 @@ struct ClothReport {
   std::string reason;
   std::vector<std::string> files;
 
-  // Of the larger of energy_max and turnover_max; 0 where nothing ever moved.
+  // Share of the larger of energy_max and turnover_max; 0 where nothing ever moved.
   double balance_error() const;
 };
 

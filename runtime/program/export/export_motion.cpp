@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of motion that no modes describe: so many modes of what was recorded, or as many as keep it to
+// Motion that no modes describe gets so many modes of the recording, or as many as keep it to
 // this share of the size.
 constexpr std::size_t kMostRecorded = 160;
 constexpr double kRecordedError = 1e-3;
@@ -179,7 +179,7 @@ Result<Json> write_motion_files(const MotionOutputs& outputs, const Animation& a
   return files;
 }
 
-// Of a series the list alone, and of many caches the first.
+// A series is told by its list alone, many caches by the first.
 void print_files(const Json& files) {
   constexpr std::size_t kShown = 24;
   std::size_t shown = 0, passed_over = 0;

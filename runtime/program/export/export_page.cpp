@@ -23,7 +23,7 @@ struct Figure {
   const char* text;
 };
 
-// Of a run's report.json.
+// Figures of a run's report.json.
 constexpr Figure kFigures[] = {
     {"integrator", "method"},
     {"steps", "steps"},

@@ -18,7 +18,7 @@ class MotionSource {
  public:
   virtual ~MotionSource() = default;
 
-  // Of what deforms, in the order of the recording.
+  // Names of what deforms, in the order of the recording.
   virtual std::vector<std::string> names() const = 0;
   // The files that a run of it reads.
   virtual std::vector<NamedFile> inputs() const = 0;

@@ -16,7 +16,7 @@ struct PlotSource {
   std::string csv;
 };
 
-// Of folders of `tremolo run --out`, or CSV files; the label is the folder's name.
+// Sources are folders of `tremolo run --out`, or CSV files; the label is the folder's name.
 std::vector<PlotSource> plot_sources(const std::vector<std::string>& runs);
 
 // A run's columns: t (s), total and, where there is one, high_band (J); an empty cell is a NaN.

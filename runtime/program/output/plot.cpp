@@ -39,7 +39,7 @@ Result<std::string> read_header(const std::string& csv) {
   return header;
 }
 
-// Of the sources that have the column.
+// Curves of the sources that have the column.
 std::string curves(const std::vector<PlotSource>& sources, const std::vector<bool>& have,
                    const char* column) {
   // Told apart without colour too: the first is drawn thick below the others.

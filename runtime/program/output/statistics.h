@@ -8,7 +8,7 @@ namespace tremolo {
 // Not a number for an empty list.
 double mean(const std::vector<double>& values);
 
-// Of an even count the geometric mean of the middle two, which suits ratios; the lower one of them
+// An even count has the geometric mean of the middle two, which suits ratios; the lower one of them
 // where that is not positive or not finite. Not a number for an empty list.
 double median(std::vector<double> values);
 

@@ -12,7 +12,7 @@
 namespace tremolo {
 namespace {
 
-// Of the solid within the boundary, as if its mass were spread evenly: volume (m^3), centre (m),
+// The solid within the boundary, as if its mass were spread evenly: volume (m^3), centre (m),
 // and the integral of x x^T about the centre over the volume (m^2).
 struct Shape {
   double volume = 0.0;

@@ -28,7 +28,7 @@ struct StartRow {
   std::string path;
   std::optional<double> time;
 };
-// Of a text that is neither kStaticStart nor a displacement.
+// Row of a text that is neither kStaticStart nor a displacement.
 StartRow start_row(const std::string& text);
 
 // The file that the text names, the selector that stands in it; empty: none.

@@ -73,7 +73,7 @@ std::size_t TetsBodies::bytes() const {
 
 namespace {
 
-// Of a pair the friction is the geometric mean.
+// The friction of a pair is the geometric mean.
 std::vector<TetObstacle> tets_obstacles(const TetScene& scene, const TetSceneBody& body) {
   std::vector<TetObstacle> obstacles;
   for (const SceneCollider& collider : scene.colliders)

@@ -201,7 +201,7 @@ void BodyLog::give_up(const StepReport& step, double time) {
   report_.reason = why_not_made(step, time);
 }
 
-// Of the methods whose energy balances to rounding. A run that ended early has its own reason.
+// Judges the methods whose energy balances to rounding. A run that ended early has its own reason.
 void BodyLog::judge_balance(const std::string& method) {
   if (method != "avf" && method != "ep2" && method != "ep4") return;
   const double most = std::max(report_.energy_max, report_.turnover_max);

@@ -27,7 +27,7 @@ class GpuMesh {
   void unfold(std::span<const float> uvs);
 
   void draw() const;
-  // Of a part of the triangles; first and count in triangles.
+  // Draws a part of the triangles; first and count in triangles.
   void draw(std::size_t first, std::size_t count) const;
   std::size_t triangles() const { return triangles_; }
 

@@ -16,8 +16,8 @@ class ShaderProgram {
 
   void use() const { glUseProgram(program_.name()); }
   GLuint name() const { return program_.name(); }
-  // Of the program in use. A name that the driver has left out, since nothing reads it, is passed
-  // over.
+  // Sets a uniform of the program in use. A name that the driver has left out, since nothing reads
+  // it, is passed over.
   void set(const char* uniform, int value) const { glUniform1i(place(uniform), value); }
   void set(const char* uniform, float value) const { glUniform1f(place(uniform), value); }
   void set(const char* uniform, const Eigen::Vector3f& value) const {

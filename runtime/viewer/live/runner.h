@@ -108,7 +108,7 @@ class Runner {
   std::optional<bool> pressed_;
   Eigen::Vector3d grabbed_at_ = Eigen::Vector3d::Zero();
   std::optional<std::pair<Eigen::Vector3d, Clock::time_point>> pull_;
-  // Of the thread alone.
+  // These belong to the thread alone.
   std::optional<Clock::time_point> answers_;  // the event that the step knows of
   double next_sample_ = 0.0;
   Clock::time_point second_began_;

@@ -84,7 +84,7 @@ Result<ViewedScene> single_bodies(const std::string& text, const std::string& fi
   if (!bodies) return bodies.error();
   for (RunOptions& body : *bodies) {
     flags.onto(body);
-    // Of two ways to say one thing the flag's wins.
+    // A flag wins over the scene's way to say the same.
     if (flags.told("--load")) body.signal.clear();
     if (flags.told("--scale")) body.deflect.clear();
   }

@@ -10,7 +10,7 @@
 
 namespace tremolo {
 
-// Of a body: coordinates, kg^1/2 m, and where its mesh's frame is. positions, normals: only of a
+// A body's coordinates, kg^1/2 m, and where its mesh's frame is. positions, normals: only of a
 // body on bones, x y z ..., in the world, whose pose is then the world's.
 struct BodyMoment {
   Eigen::VectorXd q;

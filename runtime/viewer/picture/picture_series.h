@@ -21,7 +21,7 @@ class PictureSeries {
   // frame-000000.png, frame-000001.png ... Errors: those of write_png and VideoFile::add.
   Status add(const Picture& picture);
   Status finish();
-  // Of pictures, in order; of a film at the end.
+  // Files of pictures, in order; of a film at the end.
   const std::vector<std::string>& files() const { return files_; }
 
  private:

@@ -80,7 +80,7 @@ Result<std::vector<StageImage>> images_of(const std::vector<std::string>& texts)
   return images;
 }
 
-// Of a body on bones none: its shape is not its strain's alone.
+// A body on bones has none: its shape is not its strain's alone.
 Result<std::vector<std::optional<Material>>> solids_of(const Scene& scene, bool needed) {
   std::vector<std::optional<Material>> solids;
   bool known = false;

@@ -68,7 +68,7 @@ class Stage {
   float most_moved() const { return most_moved_; }
   // The largest stress of a vertex, Pa, of the last upload() that looked at it.
   float most_stressed() const { return most_stressed_; }
-  // Of some body it can be told.
+  // Whether the stress of at least one body can be told.
   bool knows_stress() const;
 
  private:

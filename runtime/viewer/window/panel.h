@@ -13,7 +13,7 @@ namespace tremolo {
 
 inline constexpr float kPanelWidth = 330.0f;  // pixels
 
-// Of a body, found once. full: of each coordinate how much of it moves the drawn surface by a sixth
+// Facts of a body, found once. full: how much of each coordinate moves the drawn surface by a sixth
 // of its size, kg^1/2 m. hz: frequencies.
 struct ModeFacts {
   std::string name;

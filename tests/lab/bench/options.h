@@ -28,7 +28,7 @@ struct Options {
   bool json = false;
 };
 
-// Of the recorded samples, s. Every step of the precision part must divide it.
+// Distance of the recorded samples, s. Every step of the precision part must divide it.
 inline constexpr double kSample = 6e-3;
 
 // Sorts the lists (steps from long to short, amplitudes and scales ascending, no value

@@ -18,7 +18,7 @@ namespace {
 constexpr std::array kStiffnesses = {30.0, 300.0, 3000.0};  // N/m
 constexpr std::array kParts = {1, 2, 4, 10, 33, 100, 333};  // steps a frame of 1/30 s
 constexpr double kStudyDamping = 0.005;                     // N s/m
-// Of the reference: h omega_max is 0.7 for the stiffest sheet.
+// Parts of the reference: h omega_max is 0.7 for the stiffest sheet.
 constexpr int kReferenceParts = 3000;
 // Predicted and observed limits may differ so much: the observed one is a growth within 4000 steps,
 // which sets in a little beyond the limit.

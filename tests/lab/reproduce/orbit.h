@@ -12,7 +12,7 @@
 
 namespace tremolo::reproduce {
 
-// Of every solve, relative (imexv-thesis: absolute, in units of q).
+// Tolerance of every solve, relative (imexv-thesis: absolute, in units of q).
 inline constexpr double kTolerance = 1e-6;
 
 // scale: times the model's default load. alpha: 1/s. step, duration: s.

@@ -13,9 +13,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Of the sine, so that `imexv` with its fixed split breaks off where the thesis's table 3 says:
-// beam at 6.86 s (7.12 s damped), tower at 10.53 s (damped it reaches 30 s). Found by runs of 30 s
-// at 3 ms, tolerance 1e-6, at 300 factors (beam, 2.1 to 2.9) and 130 (tower, 2.3 to 4).
+// Factors of the sine, so that `imexv` with its fixed split breaks off where the thesis's table 3
+// says: beam at 6.86 s (7.12 s damped), tower at 10.53 s (damped it reaches 30 s). Found by runs of
+// 30 s at 3 ms, tolerance 1e-6, at 300 factors (beam, 2.1 to 2.9) and 130 (tower, 2.3 to 4).
 //   tower: undamped it breaks off from 2.47 on, damped from 3.19 on. Between 2.513 and 2.532 nearly
 //     all factors give 9.3 to 9.9 s, below 17 to 22 s, above 8.3 to 9.5 s; single factors in
 //     between hit 10.3 s. The factor below gives 9.26 s.

@@ -18,7 +18,7 @@ struct Survivors {
 };
 Survivors count_survivors(const Session& session, const Orbits& orbits, const std::string& method,
                           double load_multiple = 1.0);
-// Of the thesis's IMEXv, on those models that are there: 33 of 36 with all.
+// Survivors of the thesis's IMEXv, on those models that are there: 33 of 36 with all.
 Survivors thesis_survivors(const Session& session);
 Table survivors_table(const std::vector<Survivors>& list);
 
