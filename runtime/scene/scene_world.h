@@ -36,14 +36,9 @@
 #include "runtime/scene/scene_colliders.h"
 #include "runtime/scene/scene_hands.h"
 #include "runtime/scene/scene_joints.h"
+#include "runtime/values/momenta.h"
 
 namespace tremolo {
-
-// Momenta of the whole body, world: linear kg m/s; angular N m s, about the world's origin.
-struct Momenta {
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
-  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
-};
 
 // A body that began to touch a collider or another body in the last step, or that did not touch it
 // any more. collider: its number; of two bodies kNone, and `other` is the second. impulse: sum of

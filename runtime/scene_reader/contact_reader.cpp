@@ -25,11 +25,13 @@ SphereShape read_sphere(TomlKeys& keys) {
   return sphere;
 }
 
-CapsuleShape read_capsule(TomlKeys& keys) {
-  CapsuleShape capsule;
-  read_length(keys, "radius", capsule.radius);
-  read_length(keys, "half-length", capsule.half_length);
-  return capsule;
+// A capsule or a cylinder.
+template <class Shape>
+Shape read_round(TomlKeys& keys) {
+  Shape shape;
+  read_length(keys, "radius", shape.radius);
+  read_length(keys, "half-length", shape.half_length);
+  return shape;
 }
 
 BoxShape read_box(TomlKeys& keys) {
@@ -37,13 +39,6 @@ BoxShape read_box(TomlKeys& keys) {
   need(keys, "half-extents");
   keys.read("half-extents", box.half_extents);
   return box;
-}
-
-CylinderShape read_cylinder(TomlKeys& keys) {
-  CylinderShape cylinder;
-  read_length(keys, "radius", cylinder.radius);
-  read_length(keys, "half-length", cylinder.half_length);
-  return cylinder;
 }
 
 // The shape that the key `shape` names; of a mesh its file, and the command that makes it.
@@ -55,9 +50,9 @@ std::optional<Collider> read_shape(TomlKeys& keys, std::string& file, std::strin
   std::optional<Collider> shape;
   if (kind == 0) shape = PlaneShape{};
   if (kind == 1) shape = read_sphere(keys);
-  if (kind == 2) shape = read_capsule(keys);
+  if (kind == 2) shape = read_round<CapsuleShape>(keys);
   if (kind == 3) shape = read_box(keys);
-  if (kind == 4) shape = read_cylinder(keys);
+  if (kind == 4) shape = read_round<CylinderShape>(keys);
   if (kind == 5) {
     need(keys, "file");
     keys.read_path("file", file);

@@ -49,12 +49,16 @@ Status read_gravity(TomlKeys& keys, const std::string& path, SceneGravity& gravi
   return Success{};
 }
 
-void read_outputs(TomlKeys& keys, SceneOutputs& outputs) {
+void read_surface_outputs(TomlKeys& keys, SceneOutputs& outputs) {
   keys.read("out", outputs.out);
   keys.read("every", outputs.every);
   keys.read("surfaces", outputs.surfaces);
   const std::vector<std::string_view> formats = {"ply", "obj", "inc"};
   outputs.surface_format = formats[keys.read_word("surface-format", formats, 0)];
+}
+
+void read_outputs(TomlKeys& keys, SceneOutputs& outputs) {
+  read_surface_outputs(keys, outputs);
   keys.read("plot", outputs.plot);
 }
 

@@ -26,6 +26,8 @@ struct SceneOutputs {
   std::string listen;
 };
 
+// out, every, surfaces and surface-format alone.
+void read_surface_outputs(TomlKeys& keys, SceneOutputs& outputs);
 void read_outputs(TomlKeys& keys, SceneOutputs& outputs);
 
 // A name becomes that of a folder or a file.

@@ -7,6 +7,7 @@
 
 #include "runtime/scene_reader/contact_reader.h"
 #include "runtime/scene_reader/motion_reader.h"
+#include "runtime/scene_reader/scene_keys.h"
 #include "runtime/scene_reader/toml_keys.h"
 
 namespace tremolo {
@@ -98,11 +99,7 @@ Status check_tets_scene(const TetScene& scene) {
 }
 
 void read_tets_outputs(TomlKeys& keys, SceneOutputs& outputs) {
-  keys.read("out", outputs.out);
-  keys.read("every", outputs.every);
-  keys.read("surfaces", outputs.surfaces);
-  const std::vector<std::string_view> formats = {"ply", "obj", "inc"};
-  outputs.surface_format = formats[keys.read_word("surface-format", formats, 0)];
+  read_surface_outputs(keys, outputs);
   if (outputs.every < 1) keys.fail("every", "'every' must be at least 1");
   if (outputs.surfaces < 0) keys.fail("surfaces", "'surfaces' must not be negative");
 }

@@ -9,31 +9,17 @@
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_world.h"
-#include "tests/support/programs.h"
+#include "tests/support/made_cube.h"
 
 namespace tremolo {
 namespace {
 
 using Eigen::Vector3d;
+using testing::balance;
 
-// A box of 0.1 m and 1 kg, its middle at the mesh's origin, that nothing holds.
+// Its middle at the mesh's origin; nothing holds it.
 Model::Pointer box(const std::string& young) {
-  static const std::string folder = fresh_folder();
-  const std::string name = "box-" + young;
-  if (!std::filesystem::exists(folder + "/" + name + ".tremolo")) {
-    TetMesh mesh = box_mesh({3, 3, 3}, {0.1, 0.1, 0.1});
-    for (Vector3d& x : mesh.vertices) x -= Vector3d::Constant(0.05);
-    testing::write_veg(folder + "/box.veg", mesh);
-    const ProgramResult made =
-        run_program(folder, kPrecompute + "box.veg --threads 1 --order 1 --young " + young +
-                                " --poisson 0.3 --density 1000 --fix none --linear-modes 6 "
-                                "--modes 12 -o " +
-                                name + ".tremolo");
-    EXPECT_EQ(made.code, 0) << made.err;
-  }
-  Result<Model::Pointer> model = Model::load(folder + "/" + name + ".tremolo");
-  EXPECT_TRUE(model) << model.error().message;
-  return *model;
+  return testing::made_cube("box-" + young, Vector3d::Constant(-0.05), young, "none");
 }
 
 struct Kind {
@@ -63,10 +49,6 @@ Pose at(const Vector3d& place) {
   Pose pose;
   pose.position = place;
   return pose;
-}
-
-double balance(const Body& body) {
-  return body.energy().total() - body.work() + body.dissipated();
 }
 
 struct Sum {
@@ -294,7 +276,7 @@ TEST(BodiesInContact, DoNotDependOnTheirOrderInAScene) {
     EXPECT_GE(begun, 2);
     EXPECT_LE(ended, begun);
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto k = static_cast<std::size_t>(order[i]);
+      const std::size_t k = order[i];
       const Eigen::VectorXd& q = world->body(i).state().q;
       if (first[k].size() == 0) first[k] = q;
       EXPECT_EQ(q, first[k]) << k;

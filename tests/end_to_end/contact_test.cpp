@@ -7,30 +7,19 @@
 
 #include "runtime/body.h"
 #include "runtime/contact/solve/contact_step.h"
-#include "tests/support/programs.h"
+#include "tests/support/made_cube.h"
 
 namespace tremolo {
 namespace {
 
 using Eigen::Vector3d;
+using testing::balance;
 
 constexpr double kGravity = 9.81;
 
-// A cube of 0.1 m and 1 kg, precomputed once for each stiffness and way of being held.
 Model::Pointer cube(const std::string& young, const std::string& held) {
-  static const std::string folder = fresh_folder();
   const std::string name = "cube-" + young + (held == "none" ? "-free" : "-held");
-  if (!std::filesystem::exists(folder + "/" + name + ".tremolo")) {
-    testing::write_veg(folder + "/cube.veg", box_mesh({3, 3, 3}, {0.1, 0.1, 0.1}));
-    const ProgramResult made =
-        run_program(folder, kPrecompute + "cube.veg --threads 1 --order 1 --young " + young +
-                                " --poisson 0.3 --density 1000 --fix '" + held +
-                                "' --linear-modes 6 --modes 12 -o " + name + ".tremolo");
-    EXPECT_EQ(made.code, 0) << made.err;
-  }
-  Result<Model::Pointer> model = Model::load(folder + "/" + name + ".tremolo");
-  EXPECT_TRUE(model) << model.error().message;
-  return *model;
+  return testing::made_cube(name, Vector3d::Zero(), young, held);
 }
 
 struct Fall {
@@ -60,11 +49,6 @@ Body cube_above_floor(const Model::Pointer& model, const Fall& fall) {
 
 std::vector<PlacedCollider> floor_of(const Fall& fall) {
   return {{PlaneShape{}, {}, {}, fall.friction, fall.restitution}};
-}
-
-// What is in the body and its contact less what came in.
-double balance(const Body& body) {
-  return body.energy().total() - body.work() + body.dissipated();
 }
 
 TEST(Contact, RestitutionOneKeepsTheEnergyOverManyBounces) {

@@ -30,7 +30,9 @@ class ExportProgram : public ::testing::Test {
     made_ = testing::make_drawn_bar(folder_);
     if (made_.code == 0)
       made_ = run_program(folder_, kPrecompute + kBar + "-o free.tremolo --fix none");
-    std::ofstream(folder_ + "/world.toml") << kWorld;
+    std::ofstream(folder_ + "/world.toml")
+        << kWorld << free_body("thrown", "position = [0, 0, 0.3]\nspin = [3, 14, 5]\n")
+        << free_body("also", "position = [0, 1, 0.2]\nvelocity = [0.4, 0, 0]\n");
   }
   void SetUp() override { ASSERT_EQ(made_.code, 0) << made_.err; }
 
@@ -63,24 +65,15 @@ class ExportProgram : public ::testing::Test {
     EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
     EXPECT_FALSE(there("no.glb") || there("no.html")) << flags;
   }
+  // Each list of flags ends with the exit code and the word beside it.
+  static void expect_refused(
+      std::initializer_list<std::tuple<std::string, int, std::string>> rows) {
+    for (const auto& [flags, code, word] : rows) expect_refused(flags, code, word);
+  }
 
   static constexpr const char* kWorld = R"(duration = 0.5
 step = 0.0025
 gravity = [0, 0, -9.81]
-[[bodies]]
-name = "thrown"
-model = "free.tremolo"
-kind = "free"
-position = [0, 0, 0.3]
-spin = [3, 14, 5]
-beta = 0.0005
-[[bodies]]
-name = "also"
-model = "free.tremolo"
-kind = "free"
-position = [0, 1, 0.2]
-velocity = [0.4, 0, 0]
-beta = 0.0005
 [[bodies]]
 name = "shaken"
 model = "bar.tremolo"
@@ -103,6 +96,10 @@ position = [-1, 0, 0.2]
 kind = "glide"
 velocity = [0.5, 0, 0]
 )";
+  static std::string free_body(const std::string& name, const std::string& keys) {
+    return "[[bodies]]\nname = \"" + name +
+           "\"\nmodel = \"free.tremolo\"\nkind = \"free\"\nbeta = 0.0005\n" + keys;
+  }
 
   static inline std::string folder_;
   static inline ProgramResult made_;
@@ -185,21 +182,23 @@ TEST_F(ExportProgram, WhatFewerCoordinatesLeaveOutIsTold) {
 
 TEST_F(ExportProgram, WrongUseIsSaidAndNothingIsWritten) {
   const std::string bar = "bar.tremolo" + kTimes;
-  expect_refused("bar.tremolo", 2, "--glb");
-  expect_refused(bar + "--glb no.gltf", 2, ".glb");
-  expect_refused(bar + "--series no.stl", 2, ".ply or .obj");
-  expect_refused(bar + "--page no.htm", 2, ".html");
-  expect_refused(bar + "--glb no.glb --note text", 2, "of --page");
-  expect_refused(bar + "--page no.html --runs nowhere", 1, "nowhere");
-  expect_refused(bar + "--glb no.glb --rate 500", 3, "--step 0.002");
-  expect_refused(bar + "--glb no.glb --from 2", 3, "range");
-  expect_refused(bar + "--glb no.glb --to 2", 3, "--duration");
-  expect_refused(bar + "--glb no.glb --texture skin.obj", 3, "skin.obj");
-  expect_refused(bar + "--glb no.glb --texture gold=skin.obj", 2, "'rubber', 'steel'");
-  expect_refused("world.toml --cub no.cub --glb no.glb", 2, "not of a scene");
-  expect_refused("world.toml --glb no.glb --load sine", 2, "--load");
-  expect_refused("nothing.tremolo --glb no.glb", 1, "nothing.tremolo");
-  expect_refused(bar + "--glb folder/no.glb", 1, "folder/no.glb");
+  expect_refused({
+      {"bar.tremolo", 2, "--glb"},
+      {bar + "--glb no.gltf", 2, ".glb"},
+      {bar + "--series no.stl", 2, ".ply or .obj"},
+      {bar + "--page no.htm", 2, ".html"},
+      {bar + "--glb no.glb --note text", 2, "of --page"},
+      {bar + "--page no.html --runs nowhere", 1, "nowhere"},
+      {bar + "--glb no.glb --rate 500", 3, "--step 0.002"},
+      {bar + "--glb no.glb --from 2", 3, "range"},
+      {bar + "--glb no.glb --to 2", 3, "--duration"},
+      {bar + "--glb no.glb --texture skin.obj", 3, "skin.obj"},
+      {bar + "--glb no.glb --texture gold=skin.obj", 2, "'rubber', 'steel'"},
+      {"world.toml --cub no.cub --glb no.glb", 2, "not of a scene"},
+      {"world.toml --glb no.glb --load sine", 2, "--load"},
+      {"nothing.tremolo --glb no.glb", 1, "nothing.tremolo"},
+      {bar + "--glb folder/no.glb", 1, "folder/no.glb"},
+  });
   // A method that explodes: the exit code is the run's.
   expect_refused("bar.tremolo --integrator explicit-euler --step 0.01 --duration 5 --glb no.glb", 5,
                  "energy");

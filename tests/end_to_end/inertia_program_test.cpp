@@ -135,7 +135,7 @@ Momenta momenta_of_mesh(const Body& body, const TetMesh& mesh) {
   const State& state = body.state();
   const RigidState rigid = body.rigid_state();
   const Eigen::Matrix3d turn = body.pose().rotation.toRotationMatrix();
-  Eigen::Matrix3Xd places(3, static_cast<Eigen::Index>(mesh.vertices.size()));
+  Eigen::Matrix3Xd places(3, mesh.vertices.size());
   Eigen::Matrix3Xd velocities = places;
   for (Eigen::Index v = 0; v < places.cols(); ++v) {
     const Result<VertexRows> vertex = body.model().vertex(static_cast<VertexId>(v));
@@ -149,7 +149,7 @@ Momenta momenta_of_mesh(const Body& body, const TetMesh& mesh) {
   testing::for_each_mass_point(mesh, density, [&](const MassPoint& point) {
     Eigen::Vector3d x = Eigen::Vector3d::Zero(), v = Eigen::Vector3d::Zero();
     for (int a = 0; a < point.nodes.count; ++a) {
-      const auto at = static_cast<std::size_t>(a);
+      const std::size_t at = a;
       x += point.shape[at] * places.col(point.nodes[at]);
       v += point.shape[at] * velocities.col(point.nodes[at]);
     }

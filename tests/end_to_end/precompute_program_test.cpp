@@ -578,8 +578,13 @@ TEST_F(PrecomputeProgram, UnderALimitOfAddressSpaceItEndsInWords) {
 #endif
   const TetMesh block = box_mesh({14, 8, 8}, {0.3, 0.2, 0.2});
   write_veg(folder_ + "/larger.veg", block);
+#ifdef TREMOLO_LONG_TESTS
+  constexpr int kFine = 20'000;
+#else
+  constexpr int kFine = 50'000;
+#endif
   int refused = 0;
-  for (int limit = 200'000; limit < 2'400'000; limit += limit < 1'000'000 ? 20'000 : 400'000) {
+  for (int limit = 200'000; limit < 2'400'000; limit += limit < 1'000'000 ? kFine : 400'000) {
     const ProgramResult result = run_program(
         folder_, "ulimit -v " + std::to_string(limit) +
                      "; OPENBLAS_NUM_THREADS=2 timeout -s KILL "
@@ -643,14 +648,8 @@ TEST_F(PrecomputeProgram, FreePartsOfMuchTheSameShapeAreSolvedForInBlocks) {
   constexpr int kParts = 60;
   TetMesh many;
   for (int i = 0; i < kParts; ++i) {
-    const TetMesh part = box_mesh({2, 2, 2}, (1.0 + 0.001 * i) * Eigen::Vector3d(0.1, 0.11, 0.123));
-    const auto offset = static_cast<VertexId>(many.vertices.size());
-    for (const Eigen::Vector3d& x : part.vertices)
-      many.vertices.emplace_back(x + Eigen::Vector3d(0.5 * i, 0, 0));
-    for (Tetrahedron tet : part.tetrahedra) {
-      for (VertexId& v : tet) v += offset;
-      many.tetrahedra.push_back(tet);
-    }
+    const Eigen::Vector3d size = (1.0 + 0.001 * i) * Eigen::Vector3d(0.1, 0.11, 0.123);
+    testing::add_apart(many, box_mesh({2, 2, 2}, size), {0.5 * i, 0, 0});
   }
   const ProgramResult result =
       run_on(many, "-o many.tremolo --fix none --linear --linear-modes 12 --json");
@@ -665,15 +664,7 @@ TEST_F(PrecomputeProgram, FreePartsOfMuchTheSameShapeAreSolvedForInBlocks) {
 TEST_F(PrecomputeProgram, MoreFreePartsThanCanBeTakenAreRefusedAtOnce) {
   const TetMesh cube = box_mesh({1, 1, 1}, {0.1, 0.1, 0.1});
   TetMesh many;
-  for (int i = 0; i < 1001; ++i) {
-    const auto offset = static_cast<VertexId>(many.vertices.size());
-    for (const Eigen::Vector3d& x : cube.vertices)
-      many.vertices.emplace_back(x + Eigen::Vector3d(0.3 * i, 0, 0));
-    for (Tetrahedron tet : cube.tetrahedra) {
-      for (VertexId& v : tet) v += offset;
-      many.tetrahedra.push_back(tet);
-    }
-  }
+  for (int i = 0; i < 1001; ++i) testing::add_apart(many, cube, {0.3 * i, 0, 0});
   expect_failure(run_on(many, "-o out.tremolo --fix none"), 3,
                  "a free body of 1001 parts that do not touch");
 }

@@ -35,6 +35,10 @@ class ReferenceProgram : public ::testing::Test {
     EXPECT_EQ(result.code, code) << arguments << "\n" << result.err;
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
   }
+  // Each list of arguments ends with the exit code and the words beside it.
+  void expect_failure(std::initializer_list<std::tuple<std::string, int, std::string>> rows) {
+    for (const auto& [arguments, code, words] : rows) expect_failure(arguments, code, words);
+  }
 
   static constexpr const char* kBody = "--fix 'x<0.001' --load-at 'x>0.399' --load-force 0,0,-90 ";
   std::string folder_;
@@ -118,29 +122,31 @@ TEST_F(ReferenceProgram, LayersAcrossWallsAreTold) {
 
 TEST_F(ReferenceProgram, WrongValuesAreRefusedWithTheirName) {
   const std::string good = kBody;
-  expect_failure(good + "--step 0", 3, "--step must be positive");
-  expect_failure(good + "--duration -1", 3, "--duration must be positive");
-  expect_failure(good + "--alpha -0.1", 3, "--alpha must not be negative");
-  expect_failure(good + "--beta -1e-4", 3, "--beta must not be negative");
-  expect_failure(good + "--tolerance 0", 3, "--tolerance");
-  expect_failure(good + "--every 0", 3, "--every");
-  expect_failure(good + "--scale nan", 3, "--scale");
-  expect_failure(good + "--gravity 1,2", 2, "--gravity 1,2: expected three numbers");
-  expect_failure(good + "--gravity 0 0 -9.81", 2,
-                 "--gravity takes one word, X,Y,Z with commas: --gravity 0,0,-9.81");
-  expect_failure("--gravity 0, 0, -9.81 " + good, 2, "commas: --gravity 0,0,-9.81");
-  expect_failure(good + "--gravity inf,0,0", 3, "--gravity must be finite");
-  expect_failure(good + "--load drum", 2, "unknown load 'drum'");
-  expect_failure(good + "--integrator euler", 2, "--integrator");
-  expect_failure(good + "--probe vertex:9999", 3, "9999");
-  expect_failure(good + "--modes 3", 2, "--compare");
-  expect_failure(good + "--compare none.tremolo", 1, "none.tremolo");
-  expect_failure("--fix 'x<0.001'", 2, "nothing loads the body");
-  expect_failure("--fix 'x<0.001' --load square", 2, "--load needs a default load");
-  expect_failure("--fix-z 'x>=0%' --gravity 0,-1,0", 3, "3 rigid motions are left");
-  expect_failure("--fix none --fix-z 'x>=0%' --gravity 0,-1,0", 2, "contradict");
-  expect_failure("--fix 'x<0.001' --fix-z 'x>=0%' --load-at 'x>0.39' --load-force 0,0,1", 3,
-                 "held components only");
+  expect_failure({
+      {good + "--step 0", 3, "--step must be positive"},
+      {good + "--duration -1", 3, "--duration must be positive"},
+      {good + "--alpha -0.1", 3, "--alpha must not be negative"},
+      {good + "--beta -1e-4", 3, "--beta must not be negative"},
+      {good + "--tolerance 0", 3, "--tolerance"},
+      {good + "--every 0", 3, "--every"},
+      {good + "--scale nan", 3, "--scale"},
+      {good + "--gravity 1,2", 2, "--gravity 1,2: expected three numbers"},
+      {good + "--gravity 0 0 -9.81", 2,
+       "--gravity takes one word, X,Y,Z with commas: --gravity 0,0,-9.81"},
+      {"--gravity 0, 0, -9.81 " + good, 2, "commas: --gravity 0,0,-9.81"},
+      {good + "--gravity inf,0,0", 3, "--gravity must be finite"},
+      {good + "--load drum", 2, "unknown load 'drum'"},
+      {good + "--integrator euler", 2, "--integrator"},
+      {good + "--probe vertex:9999", 3, "9999"},
+      {good + "--modes 3", 2, "--compare"},
+      {good + "--compare none.tremolo", 1, "none.tremolo"},
+      {"--fix 'x<0.001'", 2, "nothing loads the body"},
+      {"--fix 'x<0.001' --load square", 2, "--load needs a default load"},
+      {"--fix-z 'x>=0%' --gravity 0,-1,0", 3, "3 rigid motions are left"},
+      {"--fix none --fix-z 'x>=0%' --gravity 0,-1,0", 2, "contradict"},
+      {"--fix 'x<0.001' --fix-z 'x>=0%' --load-at 'x>0.39' --load-force 0,0,1", 3,
+       "held components only"},
+  });
 }
 
 TEST_F(ReferenceProgram, TremoloPlotsItsEnergyBesideThatOfTremoloRun) {

@@ -48,6 +48,14 @@ class RunProgram : public ::testing::Test {
     EXPECT_EQ(result.code, code) << result.err;
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
   }
+  // The report of a run of the model that ends with this exit code and these words.
+  json failed_run(const std::string& flags, int code, const std::string& words) {
+    const ProgramResult result = run("run " + model() + " --json " + flags);
+    expect_failure(result, code, words);
+    const json report = json::parse(result.out, nullptr, false);
+    EXPECT_EQ(report["exit_code"], code);
+    return report;
+  }
 
   static inline std::string model_folder_;
   std::string folder_;
@@ -188,20 +196,14 @@ TEST_F(RunProgram, DrawsTheEnergyOfSeveralRuns) {
 
 TEST_F(RunProgram, AnOrbitThatLeavesItsEnergyBoundIsReported) {
   // Ten times the explicit limit.
-  const ProgramResult result =
-      run("run " + model() + " --json --integrator verlet --step 0.02 --duration 5");
-  expect_failure(result, 5, "times all that the load put in");
-  const json report = json::parse(result.out);
-  EXPECT_EQ(report["exit_code"], 5);
+  const json report = failed_run("--integrator verlet --step 0.02 --duration 5", 5,
+                                 "times all that the load put in");
   EXPECT_LT(report["reached"], 5);
 }
 
 TEST_F(RunProgram, ASolverThatGivesUpIsReported) {
-  const ProgramResult result =
-      run("run " + model() + " --json --integrator midpoint --scale 500 --max-iterations 1");
-  expect_failure(result, 4, "did not converge");
-  const json report = json::parse(result.out);
-  EXPECT_EQ(report["exit_code"], 4);
+  const json report =
+      failed_run("--integrator midpoint --scale 500 --max-iterations 1", 4, "did not converge");
   EXPECT_FALSE(report["reason"].is_null());
 }
 

@@ -96,9 +96,11 @@ TEST_F(TargetError, IsKeptOnAFreeBlock) {
                "--linear-modes 6");
 }
 
-TEST_F(TargetError, IsKeptOnTheClampedAndOnTheFreeBeam) {
+TEST_F(TargetError, IsKeptOnTheBeam) {
   keep_promise(sample("beam"), 0.02);
+#ifdef TREMOLO_LONG_TESTS
   keep_promise(sample("beam") + " --fix none", 0.02);
+#endif
 }
 
 TEST_F(TargetError, ALoadThatTheModesDoNotSeeBringsItsOwnResponse) {

@@ -151,20 +151,23 @@ TEST_F(Vega, WrongUsageIsToldAndLeavesTheOldFiles) {
   make_model("lumped");
   ASSERT_FALSE(HasFatalFailure());
   const std::string old = bytes("model.tremolo");
-  const auto code = [&](const std::string& command) { return run(command).code; };
-  EXPECT_EQ(code(kTremolo + "export model.tremolo"), 2);
-  EXPECT_EQ(code(kTremolo + "export model.tremolo --cub model.tremolo"), 2);
-  EXPECT_EQ(code(kTremolo + "export model.tremolo --cub a --U ./a"), 2);
-  EXPECT_EQ(code(kTremolo + "export block.veg --cub a.cub"), 3);
-  EXPECT_EQ(code(kTremolo + "export none --cub a.cub"), 1);
-  EXPECT_EQ(code(kTremolo + "export model.tremolo --cub nowhere/a.cub"), 1);
+  const std::string exported = kTremolo + "export ";
   const std::string import = kPrecompute + "block.veg --import-basis model.U ";
-  EXPECT_EQ(code(import + "-o a.tremolo"), 2);
-  EXPECT_EQ(code(import + "--import-cubic model.cub --modes 3 -o a.tremolo"), 2);
-  EXPECT_EQ(code(import + "--import-cubic model.cub -o model.U"), 2);
-  EXPECT_EQ(code(import + "--import-cubic model.cub -o a.tremolo --modes-vtu block.veg"), 2);
-  EXPECT_EQ(code(import + "--import-cubic model.U -o a.tremolo"), 3);
-  EXPECT_EQ(code(import + "--import-cubic none.cub -o a.tremolo"), 1);
+  for (const auto& [command, code] : std::initializer_list<std::pair<std::string, int>>{
+           {exported + "model.tremolo", 2},
+           {exported + "model.tremolo --cub model.tremolo", 2},
+           {exported + "model.tremolo --cub a --U ./a", 2},
+           {exported + "block.veg --cub a.cub", 3},
+           {exported + "none --cub a.cub", 1},
+           {exported + "model.tremolo --cub nowhere/a.cub", 1},
+           {import + "-o a.tremolo", 2},
+           {import + "--import-cubic model.cub --modes 3 -o a.tremolo", 2},
+           {import + "--import-cubic model.cub -o model.U", 2},
+           {import + "--import-cubic model.cub -o a.tremolo --modes-vtu block.veg", 2},
+           {import + "--import-cubic model.U -o a.tremolo", 3},
+           {import + "--import-cubic none.cub -o a.tremolo", 1},
+       })
+    EXPECT_EQ(run(command).code, code) << command;
   const ProgramResult density = run(import + "--import-cubic model.cub -o model.tremolo");
   EXPECT_EQ(density.code, 3);
   EXPECT_NE(density.err.find("--density"), std::string::npos) << density.err;

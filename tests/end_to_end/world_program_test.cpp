@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/programs.h"
+#include "tests/support/text_lines.h"
 
 namespace tremolo {
 namespace {
@@ -112,16 +113,12 @@ TEST_F(WorldProgram, WritesAFolderABody) {
                                           "thrown/run.csv", "thrown/surface-0000-t0.150000s.ply",
                                           "thrown/surface-0001-t0.300000s.ply"}));
   EXPECT_EQ(json::parse(std::ifstream(folder_ + "/made/report.json")), json::parse(result.out));
-  std::ifstream table(folder_ + "/made/thrown/run.csv");
-  std::string line;
-  std::getline(table, line);
-  EXPECT_EQ(line,
+  const auto table = testing::all_lines(testing::slurp(folder_ + "/made/thrown/run.csv"));
+  ASSERT_EQ(table.size(), 1U + 11U);
+  EXPECT_EQ(table[0],
             "t,kinetic,potential,total,high_band,work,dissipated,load,support,gravity,contact,"
             "friction,damping,x,y,z,qw,qx,qy,qz,px,py,pz,lx,ly,lz,restitution,hand,"
             "contact_energy,contact_force,joint");
-  int rows = 0;
-  while (std::getline(table, line)) ++rows;
-  EXPECT_EQ(rows, 11);
 }
 
 TEST_F(WorldProgram, OrderOfBodiesChangesNothing) {

@@ -166,9 +166,7 @@ TEST(Recording, ARenderSurfaceKeepsItsSeamTogether) {
 double six_volumes(const RenderSurface& surface) {
   double sum = 0.0;
   for (const Triangle& t : surface.triangles)
-    sum += surface.vertices[static_cast<std::size_t>(t[0])].dot(
-        surface.vertices[static_cast<std::size_t>(t[1])].cross(
-            surface.vertices[static_cast<std::size_t>(t[2])]));
+    sum += surface.vertices[t[0]].dot(surface.vertices[t[1]].cross(surface.vertices[t[2]]));
   return sum;
 }
 
@@ -194,9 +192,7 @@ TEST(ColliderShape, APlaneIsASquareAndAGridNothing) {
   ASSERT_TRUE(plane);
   EXPECT_EQ(largest_extent(*plane), 5.0);
   const Triangle t = plane->surface.triangles[0];
-  const auto at = [&](int k) {
-    return plane->surface.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
-  };
+  const auto at = [&](int k) { return plane->surface.vertices[t[k]]; };
   EXPECT_GT((at(1) - at(0)).cross(at(2) - at(0)).z(), 0.0) << "seen from above";
   EXPECT_FALSE(collider_shape(GridShape{}, "bell", 1.0));
 }

@@ -39,11 +39,10 @@ TEST(LightBasis, KeepsTheBodyAndItsSurface) {
     EXPECT_EQ(light->surface.vertex_ids[i], static_cast<VertexId>(i));
   // Whoever is named is the same vertex under its new number.
   for (std::size_t i = 0; i < light->load.vertices.size(); ++i)
-    EXPECT_EQ(data.surface.vertex_ids[static_cast<std::size_t>(light->load.vertices[i])],
-              data.load.vertices[i]);
+    EXPECT_EQ(data.surface.vertex_ids[light->load.vertices[i]], data.load.vertices[i]);
   for (const VertexId fixed : light->fixed_vertices)
     EXPECT_NE(std::find(data.fixed_vertices.begin(), data.fixed_vertices.end(),
-                        data.surface.vertex_ids[static_cast<std::size_t>(fixed)]),
+                        data.surface.vertex_ids[fixed]),
               data.fixed_vertices.end());
   // It can be written and is read.
   const Result<std::vector<std::byte>> bytes = encode_basis(*light);

@@ -269,7 +269,7 @@ TEST(Regions, OfAVegbFileHaveTheVerticesOfTheirOwnElements) {
     // The set's one element stands before the number of regions and the two regions.
     std::string turned = bytes;
     std::memcpy(&turned[bytes.size() - 24], &element, 4);
-    Tetrahedron expected = mesh.tetrahedra[static_cast<std::size_t>(element)];
+    Tetrahedron expected = mesh.tetrahedra[element];
     std::sort(expected.begin(), expected.end());
     EXPECT_EQ(read("a.vegb", turned).mesh.node_sets.at("first"),
               std::vector<VertexId>(expected.begin(), expected.end()));

@@ -80,7 +80,7 @@ std::vector<std::array<double, 9>> corners_of(const RenderSurface& surface) {
   for (const Triangle& t : surface.triangles) {
     auto& nine = corners.emplace_back();
     for (std::size_t i = 0; i < 9; ++i)
-      nine[i] = surface.vertices[static_cast<std::size_t>(t[i / 3])][static_cast<int>(i % 3)];
+      nine[i] = surface.vertices[t[i / 3]][static_cast<int>(i % 3)];
   }
   return corners;
 }
@@ -128,8 +128,7 @@ TEST_F(SurfaceReader, AnOffsColoursAreSelectable) {
   EXPECT_EQ(surface.vertices.size(), 8U) << "where colours meet there are two vertices";
   for (std::size_t t = 0; t < 4; ++t)
     for (const VertexId v : surface.triangles[t])
-      EXPECT_EQ(surface.colours[static_cast<std::size_t>(v)],
-                (t < 2 ? Colour{255, 0, 0, 255} : Colour{0, 0, 255, 255}));
+      EXPECT_EQ(surface.colours[v], (t < 2 ? Colour{255, 0, 0, 255} : Colour{0, 0, 255, 255}));
 }
 
 TEST_F(SurfaceReader, WhatOfAnOffIsNotReadIsTold) {

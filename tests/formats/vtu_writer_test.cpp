@@ -60,8 +60,7 @@ TEST(ModesVtu, HasTheTetrahedraAndAVectorAPointForEveryMode) {
   for (Eigen::Index mode = 0; mode < 3; ++mode) {
     const auto values = array<double>(text, "mode_0" + std::to_string(mode + 1));
     ASSERT_EQ(values.size(), 15u);
-    for (Eigen::Index row = 0; row < 15; ++row)
-      EXPECT_EQ(values[static_cast<std::size_t>(row)], rows(row, mode));
+    for (Eigen::Index row = 0; row < 15; ++row) EXPECT_EQ(values[row], rows(row, mode));
   }
   const auto hertz = array<double>(text, "frequency_hz");
   ASSERT_EQ(hertz.size(), 3u);

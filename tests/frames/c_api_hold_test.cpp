@@ -82,8 +82,7 @@ TEST_F(CApiHold, RaysHandsPinsAndDampingAreThoseOfCpp) {
   testing::steps_of(other, 20);
   std::vector<double> q(4);
   ASSERT_EQ(tremolo_body_state(body_, q.data(), nullptr, 4), TREMOLO_OK);
-  for (Eigen::Index i = 0; i < 4; ++i)
-    EXPECT_EQ(q[static_cast<std::size_t>(i)], other.state().q[i]);
+  for (Eigen::Index i = 0; i < 4; ++i) EXPECT_EQ(q[i], other.state().q[i]);
   const double away[] = {0.0, 0.0, 50.0}, up[] = {0.0, 0.0, 1.0}, nowhere[] = {0.0, 0.0, 0.0};
   ASSERT_EQ(tremolo_body_pick(body_, away, up, &hit), TREMOLO_OK);
   EXPECT_EQ(hit.found, 0);

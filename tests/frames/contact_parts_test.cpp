@@ -100,10 +100,10 @@ TEST(ContactParts, TheSlopesAreDerivatives) {
 ContactPoints sphere_points(Numbers& numbers, std::size_t count, Eigen::Index r) {
   ContactPoints points;
   for (std::size_t i = 0; i < count; ++i) points.rest.push_back(numbers.vector(1.0).normalized());
-  const auto n = static_cast<Eigen::Index>(count);
+  const Eigen::Index n = count;
   points.rows = numbers.matrix(r, 3 * n, 0.2);
   points.field = ScatteredPoints(points.rest, 0.01);
-  const auto stride = static_cast<Eigen::Index>(points.field.stride());
+  const Eigen::Index stride = points.field.stride();
   points.axis_rows.setZero(3 * stride, r);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index axis = 0; axis < 3; ++axis)
@@ -175,8 +175,8 @@ void expect_solution(std::size_t bodies, const std::vector<std::pair<int, int>>&
   std::vector<std::pair<MatrixXd, MatrixXd>> both(pairs.size());
   std::vector<BlockLink> links;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const auto a = static_cast<std::size_t>(pairs[k].first);
-    const auto b = static_cast<std::size_t>(pairs[k].second);
+    const std::size_t a = pairs[k].first;
+    const std::size_t b = pairs[k].second;
     const Eigen::Index rows = first[a + 1] - first[a], columns = first[b + 1] - first[b];
     both[k] = {numbers.matrix(rows, columns, coupling), numbers.matrix(columns, rows, coupling)};
     all.block(first[a], first[b], rows, columns) = both[k].first;

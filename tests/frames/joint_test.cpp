@@ -361,24 +361,18 @@ TEST(Joints, ThatCannotBeAreRefused) {
     EXPECT_NE(world.error().message.find(words), std::string::npos) << world.error().message;
     EXPECT_NE(world.error().message.find("joint 1"), std::string::npos) << world.error().message;
   };
-  Scene scene = chain();
-  scene.joints[0].to = "nobody";
-  expect_error(scene, "there is no body 'nobody'");
-  scene = chain();
-  scene.joints[0].to = scene.joints[0].body;
-  expect_error(scene, "to itself");
-  scene = chain();
-  scene.joints[0].at = "99";
-  expect_error(scene, "99");
-  scene = chain();
-  scene.joints[0].to_at = "5";
-  expect_error(scene, "apart at the start");
-  scene = chain();
-  scene.joints[0].options.length = -1.0;
-  expect_error(scene, "length");
-  scene = chain();
-  scene.joints[0].options.stiffness = 0.0;
-  expect_error(scene, "stiffness");
+  const auto with = [](const auto& change) {
+    Scene scene = chain();
+    change(scene.joints[0]);
+    return scene;
+  };
+  using J = SceneJoint;
+  expect_error(with([](J& j) { j.to = "nobody"; }), "there is no body 'nobody'");
+  expect_error(with([](J& j) { j.to = j.body; }), "to itself");
+  expect_error(with([](J& j) { j.at = "99"; }), "99");
+  expect_error(with([](J& j) { j.to_at = "5"; }), "apart at the start");
+  expect_error(with([](J& j) { j.options.length = -1.0; }), "length");
+  expect_error(with([](J& j) { j.options.stiffness = 0.0; }), "stiffness");
 }
 
 }  // namespace

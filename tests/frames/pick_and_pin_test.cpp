@@ -47,14 +47,13 @@ Ball make_ball(int rings, int modes, unsigned seed) {
     }
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal;
-  ball.rows.resize(static_cast<Eigen::Index>(3 * ball.rest.size()), modes);
+  ball.rows.resize(3 * ball.rest.size(), modes);
   for (int m = 0; m < modes; ++m) {
     const Vector3d wave = 1.5 * Vector3d(normal(generator), normal(generator), normal(generator));
     const Vector3d way(normal(generator), normal(generator), normal(generator));
     const double phase = normal(generator);
     for (std::size_t v = 0; v < ball.rest.size(); ++v)
-      ball.rows.block<3, 1>(static_cast<Eigen::Index>(3 * v), m) =
-          way * std::sin(wave.dot(ball.rest[v]) + phase);
+      ball.rows.block<3, 1>(3 * v, m) = way * std::sin(wave.dot(ball.rest[v]) + phase);
   }
   return ball;
 }
@@ -72,7 +71,7 @@ TEST(SurfaceTree, FindsWhatAllTrianglesTogetherFind) {
     for (int trial = 0; trial < 3'000; ++trial) {
       VectorXd q(modes);
       // At rest, a little and much bent, and beyond all sense.
-      const double size = std::array{0.0, 0.01, 0.3, 30.0}[static_cast<std::size_t>(trial % 4)];
+      const double size = std::array{0.0, 0.01, 0.3, 30.0}[trial % 4];
       for (double& x : q) x = size * normal(generator) / std::sqrt(modes);
       const Vector3d origin = 2.0 * random();
       Vector3d direction =
@@ -95,10 +94,8 @@ TEST(SurfaceTree, FindsWhatAllTrianglesTogetherFind) {
       // The weights give the point.
       Vector3d point = Vector3d::Zero();
       for (std::size_t k = 0; k < 3; ++k) {
-        const auto corner = static_cast<std::size_t>(ball.triangles[found->triangle][k]);
-        point += found->weights[static_cast<Eigen::Index>(k)] *
-                 (ball.rest[corner] +
-                  ball.rows.middleRows<3>(static_cast<Eigen::Index>(3 * corner)) * q);
+        const std::size_t corner = ball.triangles[found->triangle][k];
+        point += found->weights[k] * (ball.rest[corner] + ball.rows.middleRows<3>(3 * corner) * q);
       }
       EXPECT_LT((point - origin - found->distance * direction).norm(), 1e-9 * (1.0 + size))
           << trial;
@@ -113,7 +110,7 @@ TEST(SurfaceTree, NoRaySlipsThroughAClosedSurface) {
   const SurfaceTree tree(ball.rest, ball.rows, ball.triangles);
   const VectorXd q = VectorXd::Constant(4, 0.01);
   const auto place = [&](std::size_t v) {
-    return Vector3d(ball.rest[v] + ball.rows.middleRows<3>(static_cast<Eigen::Index>(3 * v)) * q);
+    return Vector3d(ball.rest[v] + ball.rows.middleRows<3>(3 * v) * q);
   };
   std::mt19937 generator(2);
   std::uniform_real_distribution<double> uniform;
@@ -154,8 +151,7 @@ TEST(Picking, FindsThePlaceOfABodyThatMovesAndAHandTakesIt) {
   const Triangle& corners = model->drawn().triangles[1];
   const Vector3d weights(0.2, 0.5, 0.3);
   Vector3d target = Vector3d::Zero();
-  for (std::size_t k = 0; k < 3; ++k)
-    target += weights[static_cast<Eigen::Index>(k)] * *body.position(corners[k]);
+  for (std::size_t k = 0; k < 3; ++k) target += weights[k] * *body.position(corners[k]);
   const Vector3d across = (*body.position(corners[1]) - *body.position(corners[0]))
                               .cross(*body.position(corners[2]) - *body.position(corners[0]))
                               .normalized();

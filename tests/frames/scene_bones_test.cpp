@@ -167,22 +167,20 @@ TEST_F(SceneBones, MomentumOfStandingSharesIsTheMassTimesTheirVelocities) {
 }
 
 TEST_F(SceneBones, RefusesBonesThatAreNone) {
+  const auto with = [&](const auto& change) {
+    Scene changed = arm_scene();
+    change(changed.bodies[0].bones);
+    return changed;
+  };
+  using Bones = std::vector<SceneBone>;
+  expect_refused(with([](Bones& b) { b[1].parent = "shoulder"; }),
+                 "body 'arm': bone 'lower': parent: there is no bone 'shoulder' before it");
+  expect_refused(with([](Bones& b) { b[0].parent = "hand"; }), "there is no bone 'hand' before it");
+  expect_refused(with([](Bones& b) { b[2].name = "upper"; }), "two bones are named 'upper'");
+  expect_refused(with([](Bones& b) { b[2].name = ""; }), "a bone has no name");
+  expect_refused(with([](Bones& b) { b[1].tail.y() = NAN; }),
+                 "bone 'lower': its head or tail is not finite");
   Scene scene = arm_scene();
-  scene.bodies[0].bones[1].parent = "shoulder";
-  expect_refused(scene, "body 'arm': bone 'lower': parent: there is no bone 'shoulder' before it");
-  scene = arm_scene();
-  scene.bodies[0].bones[0].parent = "hand";
-  expect_refused(scene, "there is no bone 'hand' before it");
-  scene = arm_scene();
-  scene.bodies[0].bones[2].name = "upper";
-  expect_refused(scene, "two bones are named 'upper'");
-  scene = arm_scene();
-  scene.bodies[0].bones[2].name = "";
-  expect_refused(scene, "a bone has no name");
-  scene = arm_scene();
-  scene.bodies[0].bones[1].tail.y() = NAN;
-  expect_refused(scene, "bone 'lower': its head or tail is not finite");
-  scene = arm_scene();
   scene.bodies[0].motion = {};
   scene.bodies[0].kind = FrameKind::kFixed;
   expect_refused(scene, "bones carry a driven body only");

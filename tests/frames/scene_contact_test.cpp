@@ -9,7 +9,7 @@
 
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_world.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frame_scenes.h"
 #include "tests/support/small_collider.h"
 #include "tests/support/temporary_folder.h"
 
@@ -22,17 +22,11 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFall = 9.81;
 
 Result<Model::Pointer> cloud_model(const SceneBody& body) {
-  const bool free = body.model == "free";
-  return testing::frame_model(5, free, 60.0, 300.0, 0.2, free ? 3 : 4);
+  return testing::cloud_file(body, 60.0, 300.0);
 }
 
 SceneBody cloud_body(const std::string& name, FrameKind kind) {
-  SceneBody body;
-  body.name = name;
-  body.kind = kind;
-  body.model = kind == FrameKind::kFree ? "free" : "held";
-  body.options.beta = 1e-3;
-  return body;
+  return testing::cloud_body(name, kind, 1e-3);
 }
 
 SceneCollider floor_at(double z) {
@@ -468,15 +462,16 @@ TEST(SceneContact, RefusesMethodsThatContactDoesNotGoWith) {
   expect_refusal(scene, "body 'held': integrator: ");  // a hand is on it
   scene.hands.clear();
   EXPECT_TRUE(SceneWorld::create(scene, cloud_model));
-  scene = dropped();
-  scene.bodies[0].contact.points = 0;
-  expect_refusal(scene, "body 'thrown': contact-points must be at least 1");
-  scene = dropped();
-  scene.bodies[0].contact.margin = kNaN;
-  expect_refusal(scene, "contact-margin must be above 0");
-  scene = dropped();
-  scene.bodies[0].contact.stiffness = 0.0;
-  expect_refusal(scene, "contact-stiffness must be positive");
+  const auto with = [](const auto& change) {
+    Scene changed = dropped();
+    change(changed.bodies[0].contact);
+    return changed;
+  };
+  using C = ContactOptions;
+  expect_refusal(with([](C& c) { c.points = 0; }),
+                 "body 'thrown': contact-points must be at least 1");
+  expect_refusal(with([](C& c) { c.margin = kNaN; }), "contact-margin must be above 0");
+  expect_refusal(with([](C& c) { c.stiffness = 0.0; }), "contact-stiffness must be positive");
 }
 
 }  // namespace

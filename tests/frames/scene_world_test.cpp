@@ -7,29 +7,19 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/frame_models.h"
+#include "tests/support/frame_scenes.h"
 
 namespace tremolo {
 namespace {
 
 using Eigen::Vector3d;
 
-// "free" or "held": the only two files that there are.
 Result<Model::Pointer> two_models(const SceneBody& body) {
-  const bool free = body.model == "free";
-  return testing::frame_model(5, free, 14.0, 120.0, 0.2, free ? 3 : 4);
-}
-
-SceneBody body_named(const std::string& name, FrameKind kind) {
-  SceneBody body;
-  body.name = name;
-  body.kind = kind;
-  body.model = kind == FrameKind::kFree ? "free" : "held";
-  return body;
+  return testing::cloud_file(body, 14.0, 120.0);
 }
 
 SceneBody shaken_body(const std::string& name) {
-  SceneBody body = body_named(name, FrameKind::kDriven);
+  SceneBody body = testing::cloud_body(name, FrameKind::kDriven);
   body.options.beta = 1e-3;
   body.motion.parts.push_back(
       ShakeMotion{{0.02, 0.01, 0.0}, 2.0, {.start = 0.1, .end = 2.0, .ramp = 0.5}});
@@ -44,11 +34,11 @@ Scene some_scene() {
   Scene scene;
   scene.duration = 1.0;
   scene.gravity.values = {{0.0, 0.0, -9.81}};
-  SceneBody thrown = body_named("thrown", FrameKind::kFree);
+  SceneBody thrown = testing::cloud_body("thrown", FrameKind::kFree);
   thrown.pose = {{1.0, 2.0, 3.0}, turn_by({0.4, 0.0, 0.2})};
   thrown.velocity = {1.0, 0.0, 4.0};
   thrown.spin = {0.0, 6.0, 1.0};
-  scene.bodies = {thrown, shaken_body("shaken"), body_named("fixed", FrameKind::kFixed)};
+  scene.bodies = {thrown, shaken_body("shaken"), testing::cloud_body("fixed", FrameKind::kFixed)};
   return scene;
 }
 
@@ -120,7 +110,7 @@ TEST(SceneWorld, BodiesAreWhereTheirMotionSays) {
 TEST(SceneWorld, FixedBodyAtAnotherPlaceFeelsGravityAlongItsOwnAxes) {
   Scene scene;
   scene.gravity.values = {{0.0, 0.0, -9.81}};
-  SceneBody turned = body_named("turned", FrameKind::kFixed);
+  SceneBody turned = testing::cloud_body("turned", FrameKind::kFixed);
   turned.pose = {{5.0, 0.0, 0.0}, turn_by({M_PI, 0.0, 0.0})};
   scene.bodies = {turned};
   SceneWorld world = world_of(scene);
@@ -136,7 +126,7 @@ TEST(SceneWorld, FixedBodyAtAnotherPlaceFeelsGravityAlongItsOwnAxes) {
 TEST(SceneWorld, SettledBodyStaysWhereGravityAndItsLoadHoldIt) {
   Scene scene;
   scene.gravity.values = {{0.0, 1.0, -9.81}};
-  SceneBody body = body_named("settled", FrameKind::kDriven);
+  SceneBody body = testing::cloud_body("settled", FrameKind::kDriven);
   body.pose.rotation = turn_by({0.3, 0.0, 0.5});
   body.settled = true;
   SceneLoad load;
@@ -160,7 +150,7 @@ TEST(SceneWorld, GravityFollowsItsTable) {
   Scene scene;
   scene.step = 0.01;
   scene.gravity = table;
-  scene.bodies = {body_named("falls", FrameKind::kFree)};
+  scene.bodies = {testing::cloud_body("falls", FrameKind::kFree)};
   SceneWorld world = world_of(scene);
   for (int k = 0; k < 300; ++k) world.step();
   // The mid-point rule is exact for straight lines.
@@ -170,7 +160,7 @@ TEST(SceneWorld, GravityFollowsItsTable) {
 
 TEST(SceneWorld, TeleportedBodyFeelsNothing) {
   Scene scene;
-  SceneBody body = body_named("moved", FrameKind::kDriven);
+  SceneBody body = testing::cloud_body("moved", FrameKind::kDriven);
   KeyframeMotion keys;
   keys.interpolation = Interpolation::kLinear;
   keys.jumps = JumpRule::kTeleport;
@@ -263,7 +253,7 @@ TEST(SceneWorld, RefusesWhatMakesNoScene) {
 
 TEST(SceneWorld, MissingBasisFileNamesItsCommand) {
   Scene scene;
-  scene.bodies = {body_named("thrown", FrameKind::kFree)};
+  scene.bodies = {testing::cloud_body("thrown", FrameKind::kFree)};
   scene.bodies[0].model = "nowhere/thing.tremolo";
   const Result<SceneWorld> usual = SceneWorld::create(scene);
   ASSERT_FALSE(usual);

@@ -49,6 +49,15 @@ Block free_block() {
   return Block(box_mesh({6, 2, 3}, {0.6, 0.18, 0.25}), false);
 }
 
+// The second derivative of the elastic force along the columns i and j of psi, over the free rows.
+Eigen::VectorXd second_derivative(const Block& block, const Eigen::MatrixXd& psi, std::size_t i,
+                                  std::size_t j) {
+  Eigen::VectorXd h = Eigen::VectorXd::Zero(block.local.dofs());
+  add_second_derivative(block.solid, block.local.elements, psi.col(i), psi.col(j),
+                        block.local.row_of_vertex, h.data());
+  return h;
+}
+
 constexpr double kFreeShift = -200.0;  // well below the first elastic mode of the free block
 
 Eigen::MatrixXd dense(Mat matrix, int size) {
@@ -214,9 +223,7 @@ TEST_P(BlockDerivatives, SolveTheirDefiningEquation) {
   const Columns left = multiply(block.matrices.stiffness.get(), phi);
   for (std::size_t j = 0; j < 4; ++j)
     for (std::size_t i = 0; i <= j; ++i) {
-      Eigen::VectorXd h = Eigen::VectorXd::Zero(phi.rows());
-      add_second_derivative(block.solid, block.local.elements, psi.col(i), psi.col(j),
-                            block.local.row_of_vertex, h.data());
+      const Eigen::VectorXd h = second_derivative(block, psi, i, j);
       const auto column = left.col(static_cast<Eigen::Index>(pair_index(i, j)));
       EXPECT_LE((column + h).norm(), 1e-9 * h.norm());  // condition of K times rounding
     }
@@ -308,9 +315,7 @@ TEST(FreeDerivatives, OfAFreeBodyBalanceTheirLoadAndHoldNoRigidMotion) {
   const Columns mass_rigid = multiply(block.matrices.mass.get(), rigid);
   for (std::size_t j = 0; j < 3; ++j)
     for (std::size_t i = 0; i <= j; ++i) {
-      Eigen::VectorXd h = Eigen::VectorXd::Zero(phi.rows());
-      add_second_derivative(block.solid, block.local.elements, psi.col(i), psi.col(j),
-                            block.local.row_of_vertex, h.data());
+      Eigen::VectorXd h = second_derivative(block, psi, i, j);
       h -= mass_rigid * (rigid.transpose() * h);
       EXPECT_LE((left.col(static_cast<Eigen::Index>(pair_index(i, j))) + h).norm(),
                 1e-8 * h.norm());

@@ -213,7 +213,7 @@ TEST(EnergyTrend, FitFindsALineAndItsStandardError) {
   EXPECT_NEAR(fit_line(values, 1.0).slope, 0.25, 1e-14);
   EXPECT_NEAR(fit_line(values, 1.0).slope_error, 0.0, 1e-14);
   // +-1 about the line: residual variance n/(n-2), spread of the index n (n^2 - 1)/12.
-  for (int k = 0; k < 50; ++k) values[static_cast<std::size_t>(k)] += k % 2 == 0 ? 1.0 : -1.0;
+  for (int k = 0; k < 50; ++k) values[k] += k % 2 == 0 ? 1.0 : -1.0;
   const double expected = std::sqrt(50.0 / 48.0 / (50.0 * (2500.0 - 1.0) / 12.0));
   // The alternation itself is slightly sloped, by 3/n^2 of its size.
   EXPECT_NEAR(fit_line(values, 1.0).slope_error, expected, 2e-3 * expected);

@@ -44,9 +44,7 @@ Eigen::MatrixXd shown_modes(const PageJson& shape) {
   const auto scales = shape["scales"].get<std::vector<double>>();
   Eigen::MatrixXd modes(rows, r);
   for (Eigen::Index i = 0; i < r; ++i)
-    for (Eigen::Index k = 0; k < rows; ++k)
-      modes(k, i) =
-          scales[static_cast<std::size_t>(i)] * whole[static_cast<std::size_t>(i * rows + k)];
+    for (Eigen::Index k = 0; k < rows; ++k) modes(k, i) = scales[i] * whole[i * rows + k];
   return modes;
 }
 

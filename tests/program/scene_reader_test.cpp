@@ -36,6 +36,11 @@ void expect_refused(const std::string& text, const std::string& words,
   EXPECT_EQ(file.error().message.find(path), 0U) << file.error().message;
 }
 
+// Each text is refused with the words beside it.
+void expect_refused(std::initializer_list<std::pair<std::string, std::string>> texts) {
+  for (const auto& [text, words] : texts) expect_refused(text, words);
+}
+
 TEST(SceneReader, KnowsAWorldByItsBodies) {
   EXPECT_TRUE(*is_world(kBody, "s.toml"));
   EXPECT_FALSE(*is_world("[horse]\nmodel = \"a\"\n", "s.toml"));
@@ -182,15 +187,17 @@ TEST(SceneReader, ReadsJointsAndDampingInTime) {
   EXPECT_TRUE(scene.bodies[0].betas.empty());
   EXPECT_EQ(scene.bodies[1].options.beta, 0.002);
   const std::string start = two + "[[joints]]\nbody = \"a\"\nat = 3\n";
-  expect_refused(start, "joint 1: it has no `to`");
-  expect_refused(start + "to = \"c\"\n", "joint 1: to: there is no body 'c'");
-  expect_refused(start + "to = \"a\"\n", "joint 1: to: it joins 'a' to itself");
-  expect_refused(start + "to = \"b\"\ndamping = 1\n", "joint 1: without a `stiffness`");
-  expect_refused(start + "to = \"b\"\nstiffness = -1\n", "joint 1: stiffness must be positive");
-  expect_refused(start + "to = \"b\"\nforce = 1\n", "joint 1: unknown key 'force'");
-  expect_refused(kBody + "alpha = [[1, 1], [0, 1]]\n", "alpha: its moments");
-  expect_refused(kBody + "beta = [[0, -1]]\n", "beta must be finite and not negative");
-  expect_refused(kBody + "beta = [0, 1]\n", "a number or a list of [t, value]");
+  expect_refused({
+      {start, "joint 1: it has no `to`"},
+      {start + "to = \"c\"\n", "joint 1: to: there is no body 'c'"},
+      {start + "to = \"a\"\n", "joint 1: to: it joins 'a' to itself"},
+      {start + "to = \"b\"\ndamping = 1\n", "joint 1: without a `stiffness`"},
+      {start + "to = \"b\"\nstiffness = -1\n", "joint 1: stiffness must be positive"},
+      {start + "to = \"b\"\nforce = 1\n", "joint 1: unknown key 'force'"},
+      {kBody + "alpha = [[1, 1], [0, 1]]\n", "alpha: its moments"},
+      {kBody + "beta = [[0, -1]]\n", "beta must be finite and not negative"},
+      {kBody + "beta = [0, 1]\n", "a number or a list of [t, value]"},
+  });
 }
 
 TEST(SceneReader, ReadsCsvFilesBesideTheScene) {
@@ -218,77 +225,80 @@ TEST(SceneReader, ReadsCsvFilesBesideTheScene) {
 }
 
 TEST(SceneReader, TellsFileLineAndKeyOfWhatIsWrong) {
-  expect_refused("stop = 1\n" + kBody, "line 1: unknown key 'stop'");
-  expect_refused(kBody + "weight = 1\n", "line 4: body 'a': unknown key 'weight'");
-  expect_refused(kBody + "position = [1, 2]\n",
-                 "line 4: body 'a': 'position' must be a list of 3 finite numbers");
-  expect_refused(kBody + "position = [1, 2, nan]\n", "3 finite numbers");
-  expect_refused(kBody + "quaternion = [1, 1, 0, 0]\n",
-                 "line 4: body 'a': the quaternion is of length 1.41421, must be 1");
-  expect_refused(kBody + "turn = [0, 0, 1, 9]\nquaternion = [1, 0, 0, 0]\n", "say one thing");
-  expect_refused(kBody + "kind = \"loose\"\n", "must be one of fixed, driven, free");
-  expect_refused(kBody + "integrator = \"euler\"\n", "unknown integrator 'euler'");
-  expect_refused(kBody + "split = \"some\"\n", "line 4: body 'a'");
-  expect_refused("[[bodies]]\nmodel = \"m\"\n", "body 1: it has no `name`");
-  expect_refused("[[bodies]]\nname = \"a\"\n", "body 'a': it names no `model`");
-  expect_refused("[[bodies]]\nname = \"a/b\"\nmodel = \"m\"\n", "letters, digits");
-  expect_refused(kBody + kBody, "two bodies are named 'a'");
-  expect_refused("bodies = []\n", "the scene has no body");
-  expect_refused("bodies = [1]\n", "'bodies' must be a table or a list of tables");
-  expect_refused("gravity = [1, 2]\n" + kBody, "line 1: 'gravity' must be");
-  expect_refused("gravity = [[1, 0, 0, 0], [0, 0, 0, 0]]\n" + kBody, "the times must ascend");
-  expect_refused("step = -1\n" + kBody, "step must be positive");
+  expect_refused({
+      {"stop = 1\n" + kBody, "line 1: unknown key 'stop'"},
+      {kBody + "weight = 1\n", "line 4: body 'a': unknown key 'weight'"},
+      {kBody + "position = [1, 2]\n",
+       "line 4: body 'a': 'position' must be a list of 3 finite numbers"},
+      {kBody + "position = [1, 2, nan]\n", "3 finite numbers"},
+      {kBody + "quaternion = [1, 1, 0, 0]\n",
+       "line 4: body 'a': the quaternion is of length 1.41421, must be 1"},
+      {kBody + "turn = [0, 0, 1, 9]\nquaternion = [1, 0, 0, 0]\n", "say one thing"},
+      {kBody + "kind = \"loose\"\n", "must be one of fixed, driven, free"},
+      {kBody + "integrator = \"euler\"\n", "unknown integrator 'euler'"},
+      {kBody + "split = \"some\"\n", "line 4: body 'a'"},
+      {"[[bodies]]\nmodel = \"m\"\n", "body 1: it has no `name`"},
+      {"[[bodies]]\nname = \"a\"\n", "body 'a': it names no `model`"},
+      {"[[bodies]]\nname = \"a/b\"\nmodel = \"m\"\n", "letters, digits"},
+      {kBody + kBody, "two bodies are named 'a'"},
+      {"bodies = []\n", "the scene has no body"},
+      {"bodies = [1]\n", "'bodies' must be a table or a list of tables"},
+      {"gravity = [1, 2]\n" + kBody, "line 1: 'gravity' must be"},
+      {"gravity = [[1, 0, 0, 0], [0, 0, 0, 0]]\n" + kBody, "the times must ascend"},
+      {"step = -1\n" + kBody, "step must be positive"},
+  });
   const std::string floor = kBody + "[[colliders]]\nname = \"floor\"\n";
-  expect_refused(floor, "line 4: collider 'floor': it has no `shape`");
-  expect_refused(kBody + "[[colliders]]\nshape = \"plane\"\n", "collider 1: it has no `name`");
-  expect_refused(floor + "shape = \"disc\"\n",
-                 "must be one of plane, sphere, capsule, box, cylinder, mesh");
-  expect_refused(floor + "shape = \"plane\"\nradius = 1\n",
-                 "line 7: collider 'floor': unknown key 'radius'");
-  expect_refused(floor + "shape = \"sphere\"\n", "collider 'floor': it has no `radius`");
-  expect_refused(floor + "shape = \"sphere\"\nradius = -1\n", "line 6: collider 'floor': ");
-  expect_refused(floor + "shape = \"mesh\"\n", "collider 'floor': it has no `file`");
-  expect_refused(floor + "shape = \"plane\"\nfriction = -1\n",
-                 "collider 'floor': friction is -1, must be finite and not negative");
-  expect_refused(floor + "shape = \"plane\"\nrestitution = 2\n",
-                 "collider 'floor': restitution is 2, must be from 0 to 1");
-  expect_refused(kBody + "contact = 1\n", "line 4: body 'a': 'contact' must be true or false");
-  expect_refused(kBody + "contact-points = 0\n", "body 'a': contact-points must be at least 1");
-  expect_refused(kBody + "contact-margin = 0\n", "body 'a': contact-margin must be above 0");
-  expect_refused(kBody + "contact-stiffness = nan\n",
-                 "line 4: body 'a': 'contact-stiffness' must be a finite number");
+  expect_refused({
+      {floor, "line 4: collider 'floor': it has no `shape`"},
+      {kBody + "[[colliders]]\nshape = \"plane\"\n", "collider 1: it has no `name`"},
+      {floor + "shape = \"disc\"\n", "must be one of plane, sphere, capsule, box, cylinder, mesh"},
+      {floor + "shape = \"plane\"\nradius = 1\n", "line 7: collider 'floor': unknown key 'radius'"},
+      {floor + "shape = \"sphere\"\n", "collider 'floor': it has no `radius`"},
+      {floor + "shape = \"sphere\"\nradius = -1\n", "line 6: collider 'floor': "},
+      {floor + "shape = \"mesh\"\n", "collider 'floor': it has no `file`"},
+      {floor + "shape = \"plane\"\nfriction = -1\n",
+       "collider 'floor': friction is -1, must be finite and not negative"},
+      {floor + "shape = \"plane\"\nrestitution = 2\n",
+       "collider 'floor': restitution is 2, must be from 0 to 1"},
+      {kBody + "contact = 1\n", "line 4: body 'a': 'contact' must be true or false"},
+      {kBody + "contact-points = 0\n", "body 'a': contact-points must be at least 1"},
+      {kBody + "contact-margin = 0\n", "body 'a': contact-margin must be above 0"},
+      {kBody + "contact-stiffness = nan\n",
+       "line 4: body 'a': 'contact-stiffness' must be a finite number"},
+  });
   const std::string hand = kBody + "[[hands]]\nbody = \"a\"\n";
-  expect_refused(hand, "line 4: hand 1: it has no `at`");
-  expect_refused(hand + "at = 3\n", "hand 1: it has no `stiffness`");
-  expect_refused(hand + "at = 3\npin = false\n", "hand 1: it has no `stiffness`");
-  expect_refused(hand + "at = 3\npin = 1\n", "hand 1: 'pin' must be true or false");
-  expect_refused(hand + "at = 3\npin = true\ndamping = 2\n",
-                 "line 7: hand 1: a pin is as stiff as mass and step allow");
-  expect_refused(hand + "at = 3\nstiffness = 0\n", "hand 1: stiffness must be positive");
-  expect_refused(hand + "at = 3\nstiffness = 9\nforce = 3\n", "hand 1: unknown key 'force'");
-  expect_refused(hand + "at = 3\nstiffness = 9\nuntil = -1\n", "hand 1: until must be behind from");
-  expect_refused(kBody + "[[hands]]\nbody = \"b\"\nat = 3\nstiffness = 9\n",
-                 "hand 1: body: there is no body 'b'");
-  expect_refused(kBody + "at = 3\n", "`at` and `force` belong together");
-  expect_refused(kBody + "at = 3\nforce = [1, 0, 0]\n", "say `load` or `signal`");
-  expect_refused(kBody + "load = \"triangle\"\n", "unknown load 'triangle'");
+  expect_refused({
+      {hand, "line 4: hand 1: it has no `at`"},
+      {hand + "at = 3\n", "hand 1: it has no `stiffness`"},
+      {hand + "at = 3\npin = false\n", "hand 1: it has no `stiffness`"},
+      {hand + "at = 3\npin = 1\n", "hand 1: 'pin' must be true or false"},
+      {hand + "at = 3\npin = true\ndamping = 2\n",
+       "line 7: hand 1: a pin is as stiff as mass and step allow"},
+      {hand + "at = 3\nstiffness = 0\n", "hand 1: stiffness must be positive"},
+      {hand + "at = 3\nstiffness = 9\nforce = 3\n", "hand 1: unknown key 'force'"},
+      {hand + "at = 3\nstiffness = 9\nuntil = -1\n", "hand 1: until must be behind from"},
+      {kBody + "[[hands]]\nbody = \"b\"\nat = 3\nstiffness = 9\n",
+       "hand 1: body: there is no body 'b'"},
+      {kBody + "at = 3\n", "`at` and `force` belong together"},
+      {kBody + "at = 3\nforce = [1, 0, 0]\n", "say `load` or `signal`"},
+      {kBody + "load = \"triangle\"\n", "unknown load 'triangle'"},
+  });
 }
 
 TEST(SceneReader, TellsWhatIsWrongWithAMotion) {
   const auto with = [](const std::string& keys) { return kDriven + "[[bodies.motion]]\n" + keys; };
-  expect_refused(with("rate = 1\n"), "body 'a', motion: it needs a `kind`");
-  expect_refused(with("kind = \"jump\"\n"),
-                 "must be one of shake, spin, glide, fall, keyframes, csv, swing");
-  expect_refused(with("kind = \"shake\"\nfrequency = 0\n"), "its frequency must be positive");
-  expect_refused(with("kind = \"spin\"\nspeed = 3\n"),
-                 "line 7: body 'a', motion: unknown key 'speed'");
-  expect_refused(with("kind = \"glide\"\nstart = 0\nstop = 1\nduration = 2\n"), "say one thing");
-  expect_refused(with("kind = \"keyframes\"\nkeys = [[0, 1]]\n"), "must be a list of lists");
-  expect_refused(with("kind = \"keyframes\"\nkeys = [[0, 0, 0, 0, 2, 0, 0, 0]]\n"),
-                 "key 1: the quaternion is of length 2");
-  expect_refused(with("kind = \"csv\"\n"), "needs a `file`");
-  expect_refused(kBody + "[[bodies.motion]]\nkind = \"glide\"\n",
-                 "a motion moves a driven body only");
+  expect_refused({
+      {with("rate = 1\n"), "body 'a', motion: it needs a `kind`"},
+      {with("kind = \"jump\"\n"), "must be one of shake, spin, glide, fall, keyframes, csv, swing"},
+      {with("kind = \"shake\"\nfrequency = 0\n"), "its frequency must be positive"},
+      {with("kind = \"spin\"\nspeed = 3\n"), "line 7: body 'a', motion: unknown key 'speed'"},
+      {with("kind = \"glide\"\nstart = 0\nstop = 1\nduration = 2\n"), "say one thing"},
+      {with("kind = \"keyframes\"\nkeys = [[0, 1]]\n"), "must be a list of lists"},
+      {with("kind = \"keyframes\"\nkeys = [[0, 0, 0, 0, 2, 0, 0, 0]]\n"),
+       "key 1: the quaternion is of length 2"},
+      {with("kind = \"csv\"\n"), "needs a `file`"},
+      {kBody + "[[bodies.motion]]\nkind = \"glide\"\n", "a motion moves a driven body only"},
+  });
   const Result<SceneFile> missing =
       parse_world(with("kind = \"csv\"\nfile = \"none.csv\"\n"), "s.toml");
   ASSERT_FALSE(missing);
@@ -327,24 +337,23 @@ TEST(SceneReader, ReadsBones) {
 
 TEST(SceneReader, TellsWhatIsWrongWithBones) {
   const auto with = [](const std::string& keys) { return kDriven + "[[bodies.bones]]\n" + keys; };
-  expect_refused(with("head = [0, 0, 1]\n"), "line 5: body 'a', bone 1: it has no `name`");
-  expect_refused(with("name = \"b\"\nlength = 1\n"),
-                 "line 7: body 'a', bone 'b': unknown key 'length'");
-  expect_refused(with("name = \"b\"\nhead = [1]\n"), "body 'a', bone 'b': 'head' must be");
-  expect_refused(with("name = \"b\"\nparent = \"c\"\n"),
-                 "body 'a': bone 'b': parent: there is no bone 'c' before it");
-  expect_refused(with("name = \"b\"\n[[bodies.bones.motion]]\nkind = \"keyframes\"\n"
-                      "keys = [[0, 0, 0, 0, 1, 1, 0, 0]]\n"),
-                 "bone 'b', motion: key 1: the quaternion is of length 1.41421, must be 1");
-  expect_refused(kBody + "[[bodies.bones]]\nname = \"b\"\n",
-                 "body 'a': bones carry a driven body only");
-  expect_refused(kDriven + "bone-weights = \"w.csv\"\n", "there are no [[bodies.bones]]");
-  expect_refused(kDriven +
-                     "bone-weights = \"w.csv\"\nbone-blend = 1\n[[bodies.bones]]\nname = "
-                     "\"b\"\n",
-                 "say one thing");
-  expect_refused(kDriven + "bone-blend = -1\n[[bodies.bones]]\nname = \"b\"\n",
-                 "bone-blend must be finite and not negative");
+  expect_refused({
+      {with("head = [0, 0, 1]\n"), "line 5: body 'a', bone 1: it has no `name`"},
+      {with("name = \"b\"\nlength = 1\n"), "line 7: body 'a', bone 'b': unknown key 'length'"},
+      {with("name = \"b\"\nhead = [1]\n"), "body 'a', bone 'b': 'head' must be"},
+      {with("name = \"b\"\nparent = \"c\"\n"),
+       "body 'a': bone 'b': parent: there is no bone 'c' before it"},
+      {with("name = \"b\"\n[[bodies.bones.motion]]\nkind = \"keyframes\"\n"
+            "keys = [[0, 0, 0, 0, 1, 1, 0, 0]]\n"),
+       "bone 'b', motion: key 1: the quaternion is of length 1.41421, must be 1"},
+      {kBody + "[[bodies.bones]]\nname = \"b\"\n", "body 'a': bones carry a driven body only"},
+      {kDriven + "bone-weights = \"w.csv\"\n", "there are no [[bodies.bones]]"},
+      {kDriven + "bone-weights = \"w.csv\"\nbone-blend = 1\n[[bodies.bones]]\nname = "
+                 "\"b\"\n",
+       "say one thing"},
+      {kDriven + "bone-blend = -1\n[[bodies.bones]]\nname = \"b\"\n",
+       "bone-blend must be finite and not negative"},
+  });
 
   const std::string folder = testing::fresh_folder();
   const auto refused = [&](const std::string& rows, const std::string& words) {

@@ -15,7 +15,7 @@ Body linear_body() {
       testing::random_strain_model(Eigen::Vector3d(10.0, 20.0, 30.0), 0.0, 1));
   for (std::size_t v = 0; v < data.surface.rest.size(); ++v) {
     const Eigen::Vector3d x = data.surface.rest[v];
-    auto rows = data.surface.rows.middleRows(static_cast<Eigen::Index>(3 * v), 3);
+    auto rows = data.surface.rows.middleRows(3 * v, 3);
     rows.setZero();
     rows(0, 0) = x[0];
     rows(0, 1) = x[1];
@@ -34,9 +34,7 @@ StretchRange brute_force(const Model& model, const Eigen::Matrix3d& gradient) {
   StretchRange range;
   for (const Triangle& t : model.triangles()) {
     const auto& rest = model.surface().rest;
-    const auto at = [&](int k) {
-      return rest[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
-    };
+    const auto at = [&](int k) { return rest[t[k]]; };
     const Eigen::Vector3d a = (at(1) - at(0)).normalized();
     const Eigen::Vector3d b = (at(2) - at(0)).cross(a).cross(a).normalized();
     for (int k = 0; k < 20000; ++k) {

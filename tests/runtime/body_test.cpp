@@ -35,8 +35,7 @@ TEST(Body, StartsAtRestInTheRestShape) {
   ASSERT_TRUE(body.surface_positions(positions));
   for (std::size_t v = 0; v < 5; ++v)
     for (std::size_t axis = 0; axis < 3; ++axis)
-      EXPECT_EQ(positions[3 * v + axis],
-                body.model().surface().rest[v][static_cast<Eigen::Index>(axis)]);
+      EXPECT_EQ(positions[3 * v + axis], body.model().surface().rest[v][axis]);
 }
 
 TEST(Body, TimeIsTheNumberOfStepsTimesTheStep) {
@@ -57,7 +56,7 @@ TEST(Body, PositionsAreTheRestShapePlusDisplacements) {
     const VertexId id = body.model().surface().vertex_ids[v];
     const Eigen::Vector3d expected = body.model().surface().rest[v] + *body.displacement(id);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      EXPECT_NEAR(positions[3 * v + axis], expected[static_cast<Eigen::Index>(axis)], 1e-15);
+      EXPECT_NEAR(positions[3 * v + axis], expected[axis], 1e-15);
       // Five products summed in float, of numbers below 1.
       EXPECT_NEAR(rounded[3 * v + axis], positions[3 * v + axis], 1e-6);
     }

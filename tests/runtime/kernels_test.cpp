@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, KernelSize,
 
 TEST_P(KernelSize, ValueGradientAndHessianOfTheUniqueKernelBelongTogether) {
   const int n = GetParam();
-  const auto r = static_cast<std::size_t>(n);
+  const std::size_t r = n;
   const SymmetricKernel kernel = Coefficients(n).unique(r);
   SymmetricKernel::Workspace workspace = kernel.make_workspace();
   const VectorXd q = random_vector(n, 1.0, 3);
@@ -111,7 +111,7 @@ TEST_P(KernelSize, ANumberThatIsNotFiniteLeavesNoTrace) {
 
 TEST_P(KernelSize, PairKernelGivesTheGradientOfTheUniqueOne) {
   const int n = GetParam();
-  const auto r = static_cast<std::size_t>(n);
+  const std::size_t r = n;
   const Coefficients coefficients(n);
   const SymmetricKernel unique = coefficients.unique(r);
   const PairKernel pairs = coefficients.pairs(r);
@@ -126,9 +126,7 @@ TEST_P(KernelSize, PairKernelGivesTheGradientOfTheUniqueOne) {
   VectorXd product = VectorXd::Zero(n);
   for (std::size_t j = 0; j < r; ++j)
     for (std::size_t i = 0; i < r; ++i)
-      product[static_cast<Eigen::Index>(j)] +=
-          (3.0 * b[pair_index_any(i, j)] + 4.0 * a[pair_index_any(i, j)]) *
-          q[static_cast<Eigen::Index>(i)];
+      product[j] += (3.0 * b[pair_index_any(i, j)] + 4.0 * a[pair_index_any(i, j)]) * q[i];
   EXPECT_LE((product - gradient).norm(), 1e-13 * gradient.norm());
 }
 

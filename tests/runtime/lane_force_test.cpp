@@ -34,8 +34,7 @@ LaneResult<Real> by_lanes(const LaneCoefficients<Real>& lanes,
   std::vector<Row<Real>> x(lanes.modes), gradient(lanes.modes), energy(1);
   for (std::size_t i = 0; i < lanes.modes; ++i)
     for (std::size_t lane = 0; lane < states.size(); ++lane)
-      x[i].value[lane] =
-          static_cast<Real>(states[lane][static_cast<Eigen::Index>(i)] / lanes.coordinate_scale);
+      x[i].value[lane] = static_cast<Real>(states[lane][i] / lanes.coordinate_scale);
   evaluate_lanes(lanes, x[0].value, gradient[0].value, energy[0].value, vectors);
   // The gradient does not depend on whether the energy is wanted, but for where the compiler fuses
   // multiply-adds.
@@ -47,11 +46,11 @@ LaneResult<Real> by_lanes(const LaneCoefficients<Real>& lanes,
   evaluate_lanes(lanes, x[0].value, again[0].value, static_cast<Real*>(nullptr), vectors);
   LaneResult<Real> result;
   for (std::size_t lane = 0; lane < states.size(); ++lane) {
-    Eigen::VectorXd g(static_cast<Eigen::Index>(lanes.modes));
+    Eigen::VectorXd g(lanes.modes);
     for (std::size_t i = 0; i < lanes.modes; ++i) {
       EXPECT_NEAR(gradient[i].value[lane], again[i].value[lane], rounding);
-      g[static_cast<Eigen::Index>(i)] = lanes.energy_scale / lanes.coordinate_scale *
-                                        static_cast<double>(gradient[i].value[lane]);
+      g[i] = lanes.energy_scale / lanes.coordinate_scale *
+             static_cast<double>(gradient[i].value[lane]);
     }
     result.gradients.push_back(g);
     result.energies.push_back(lanes.energy_scale * static_cast<double>(energy[0].value[lane]));

@@ -27,24 +27,24 @@ INSTANTIATE_TEST_SUITE_P(Sizes, PotentialSize,
                          ::testing::Values(1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 20, 24, 30, 33));
 
 TEST_P(PotentialSize, KernelEqualsTheSumOverAllIndices) {
-  const auto r = static_cast<std::size_t>(GetParam());
+  const std::size_t r = GetParam();
   const BasisData data = testing::sample_basis(wide_strain_model(GetParam()));
   const Eigen::VectorXd q = random_vector(GetParam(), 0.5, 3);
-  const auto at = [&](std::size_t i) { return q[static_cast<Eigen::Index>(i)]; };
+  const auto at = [&](std::size_t i) { return q[i]; };
   double energy = 0.0, magnitude = 0.0;
   Eigen::VectorXd force = data.lambda.cwiseProduct(q);
   for (std::size_t i = 0; i < r; ++i) {
-    energy += 0.5 * data.lambda[static_cast<Eigen::Index>(i)] * at(i) * at(i);
+    energy += 0.5 * data.lambda[i] * at(i) * at(i);
     for (std::size_t j = 0; j < r; ++j)
       for (std::size_t k = 0; k < r; ++k) {
         const double c = data.cubic[triple_index_any(i, j, k)] * at(j) * at(k);
         energy += c * at(i);
-        force[static_cast<Eigen::Index>(i)] += 3.0 * c;
+        force[i] += 3.0 * c;
         for (std::size_t l = 0; l < r; ++l) {
           const double t = data.quartic[quad_index_any(i, j, k, l)] * at(j) * at(k) * at(l);
           energy += t * at(i);
           magnitude += std::abs(t * at(i));
-          force[static_cast<Eigen::Index>(i)] += 4.0 * t;
+          force[i] += 4.0 * t;
         }
       }
   }

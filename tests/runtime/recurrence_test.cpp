@@ -15,9 +15,8 @@ using testing::make;
 using testing::oscillator_options;
 
 testing::StrainModel oscillators(const std::vector<double>& step_omegas) {
-  Eigen::VectorXd omega(static_cast<Eigen::Index>(step_omegas.size()));
-  for (std::size_t i = 0; i < step_omegas.size(); ++i)
-    omega[static_cast<Eigen::Index>(i)] = step_omegas[i] / kOscillatorStep;
+  Eigen::VectorXd omega(step_omegas.size());
+  for (std::size_t i = 0; i < step_omegas.size(); ++i) omega[i] = step_omegas[i] / kOscillatorStep;
   return testing::random_strain_model(omega, 0.0, 1);
 }
 

@@ -55,8 +55,7 @@ TEST(Render, WhatIsShownIsTheAuthorsSurface) {
   ASSERT_TRUE(body.surface(with_normals, normals));
   const VectorXd u = tube.rows * q;
   for (std::size_t i = 0; i < size; ++i) {
-    const double expected = tube.surface.vertices[i / 3][static_cast<Eigen::Index>(i % 3)] +
-                            u[static_cast<Eigen::Index>(i)];
+    const double expected = tube.surface.vertices[i / 3][i % 3] + u[i];
     EXPECT_NEAR(exact[i], expected, 1e-14);
     EXPECT_NEAR(rounded[i], expected, 2e-6);  // float sums of numbers up to 5
     EXPECT_EQ(rounded[i], with_normals[i]);

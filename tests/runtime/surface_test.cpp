@@ -56,7 +56,7 @@ void quantise(VertexBlock& block) {
 VectorXd exact_positions(const Cloud& cloud) {
   VectorXd x = cloud.block.rows * cloud.q;
   for (std::size_t v = 0; v < cloud.block.rest.size(); ++v)
-    x.segment<3>(static_cast<Index>(3 * v)) += cloud.block.rest[v];
+    x.segment<3>(3 * v) += cloud.block.rest[v];
   return x;
 }
 
@@ -64,7 +64,7 @@ VectorXd exact_positions(const Cloud& cloud) {
 VectorXd allowed_error(const Cloud& cloud) {
   VectorXd sum = cloud.block.rows.cwiseAbs() * cloud.q.cwiseAbs();
   for (std::size_t v = 0; v < cloud.block.rest.size(); ++v)
-    sum.segment<3>(static_cast<Index>(3 * v)) += cloud.block.rest[v].cwiseAbs();
+    sum.segment<3>(3 * v) += cloud.block.rest[v].cwiseAbs();
   return (static_cast<double>(cloud.q.size()) + 2.0) * std::ldexp(1.0, -24) * sum;
 }
 
@@ -179,7 +179,7 @@ TEST(Surface, NormalsOfATetrahedronPointOutwards) {
   const Vector3d centre(0.25, 0.25, 0.25);
   for (Index v = 0; v < 4; ++v) {
     EXPECT_NEAR(n.segment<3>(3 * v).norm(), 1.0, 1e-6);
-    EXPECT_GT(n.segment<3>(3 * v).dot(cloud.block.rest[static_cast<std::size_t>(v)] - centre), 0.0);
+    EXPECT_GT(n.segment<3>(3 * v).dot(cloud.block.rest[v] - centre), 0.0);
   }
 }
 

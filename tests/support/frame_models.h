@@ -17,6 +17,7 @@
 #include "common/packed_index.h"
 #include "runtime/body.h"
 #include "runtime/model.h"
+#include "tests/support/dynamics.h"
 #include "tests/support/sample_basis.h"
 
 namespace tremolo::testing {
@@ -30,7 +31,7 @@ struct PointCloud {
 
 // The rigid motions of the cloud about its centre, 3n x 6, orthonormal in its masses.
 inline Eigen::MatrixXd rigid_fields(const PointCloud& cloud) {
-  const auto n = static_cast<Eigen::Index>(cloud.masses.size());
+  const Eigen::Index n = cloud.masses.size();
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double mass = 0.0;
   for (std::size_t k = 0; k < cloud.masses.size(); ++k) {
@@ -42,7 +43,7 @@ inline Eigen::MatrixXd rigid_fields(const PointCloud& cloud) {
   for (Eigen::Index k = 0; k < n; ++k)
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
-      const Eigen::Vector3d arm = cloud.places[static_cast<std::size_t>(k)] - centre;
+      const Eigen::Vector3d arm = cloud.places[k] - centre;
       fields.block<3, 1>(3 * k, axis) = e;
       fields.block<3, 1>(3 * k, 3 + axis) = e.cross(arm);
     }
@@ -53,8 +54,7 @@ inline Eigen::MatrixXd rigid_fields(const PointCloud& cloud) {
 // are orthonormalised too.
 inline Eigen::MatrixXd mass_orthonormal(Eigen::MatrixXd fields, const std::vector<double>& masses) {
   Eigen::VectorXd weights(fields.rows());
-  for (Eigen::Index row = 0; row < fields.rows(); ++row)
-    weights[row] = masses[static_cast<std::size_t>(row / 3)];
+  for (Eigen::Index row = 0; row < fields.rows(); ++row) weights[row] = masses[row / 3];
   for (Eigen::Index j = 0; j < fields.cols(); ++j) {
     for (int pass = 0; pass < 2; ++pass)
       for (Eigen::Index i = 0; i < j; ++i)
@@ -95,7 +95,7 @@ inline InertiaIntegrals integrals_of(const PointCloud& cloud) {
   integrals.first_moment.setZero();
   integrals.second_moment.setZero();
   integrals.linear.setZero(12, r);
-  integrals.B.setZero(9, static_cast<Eigen::Index>(pair_count(static_cast<std::size_t>(r))));
+  integrals.B.setZero(9, pair_count(static_cast<std::size_t>(r)));
   for (std::size_t k = 0; k < cloud.masses.size(); ++k) {
     const double m = cloud.masses[k];
     const Eigen::Vector3d& X = cloud.places[k];

@@ -20,6 +20,16 @@ inline void join(TetMesh& mesh, const TetMesh& other, const Eigen::Vector3d& off
     mesh.tetrahedra.push_back({ids[tet[0]], ids[tet[1]], ids[tet[2]], ids[tet[3]]});
 }
 
+// Adds `other`, moved by `offset`; it touches nothing.
+inline void add_apart(TetMesh& mesh, const TetMesh& other, const Eigen::Vector3d& offset) {
+  const auto first = static_cast<VertexId>(mesh.vertices.size());
+  for (const Eigen::Vector3d& x : other.vertices) mesh.vertices.emplace_back(x + offset);
+  for (Tetrahedron tet : other.tetrahedra) {
+    for (VertexId& v : tet) v += first;
+    mesh.tetrahedra.push_back(tet);
+  }
+}
+
 // Cubes of a tenth of a metre at these places of a grid, cells x cells x cells each.
 inline TetMesh cubes(const std::vector<std::array<int, 3>>& places, int cells = 1) {
   TetMesh mesh;

@@ -38,9 +38,7 @@ inline std::array<double, kMostNodes> nodal_shapes(const std::array<double, 4>& 
   if (!quadratic) return {l[0], l[1], l[2], l[3]};
   std::array<double, kMostNodes> shape{};
   for (std::size_t a = 0; a < 4; ++a) shape[a] = l[a] * (2.0 * l[a] - 1.0);
-  for (std::size_t e = 0; e < 6; ++e)
-    shape[4 + e] = 4.0 * l[static_cast<std::size_t>(kTetEdges[e][0])] *
-                   l[static_cast<std::size_t>(kTetEdges[e][1])];
+  for (std::size_t e = 0; e < 6; ++e) shape[4 + e] = 4.0 * l[kTetEdges[e][0]] * l[kTetEdges[e][1]];
   return shape;
 }
 
@@ -51,7 +49,7 @@ void for_each_mass_point(const TetMesh& mesh, const DensityOf& density_of, const
   for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e) {
     const ElementNodes nodes = element_nodes(mesh, e);
     std::array<Eigen::Vector3d, 4> x;
-    for (std::size_t a = 0; a < 4; ++a) x[a] = mesh.vertices[static_cast<std::size_t>(nodes[a])];
+    for (std::size_t a = 0; a < 4; ++a) x[a] = mesh.vertices[nodes[a]];
     const double six = std::abs((x[1] - x[0]).cross(x[2] - x[0]).dot(x[3] - x[0]));
     for (const auto& [u, wu] : points)
       for (const auto& [v, wv] : points)

@@ -37,14 +37,14 @@ inline RiggedBar rigged_bar(Eigen::Index modes, int order = 2, double nonlineari
   bar.mesh = of_order(box_mesh({6, 2, 2}, {0.6, 0.1, 0.12}), order);
   std::mt19937 generator(11);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  const auto n = static_cast<Eigen::Index>(bar.mesh.vertices.size());
+  const Eigen::Index n = bar.mesh.vertices.size();
   Eigen::MatrixXd rows(3 * n, modes);
   for (Eigen::Index j = 0; j < modes; ++j) {
     Eigen::Matrix3d slope, bend;
     for (double& value : slope.reshaped()) value = uniform(generator);
     for (double& value : bend.reshaped()) value = uniform(generator);
     for (Eigen::Index v = 0; v < n; ++v) {
-      const Eigen::Vector3d x = bar.mesh.vertices[static_cast<std::size_t>(v)] / 0.6;
+      const Eigen::Vector3d x = bar.mesh.vertices[v] / 0.6;
       const Eigen::Vector3d waves(std::sin(3.0 * x.x()), x.x() * x.x(), x.x() * x.y());
       rows.block<3, 1>(3 * v, j) = x.x() * (slope * x + bend * waves);
     }
@@ -64,14 +64,13 @@ inline RiggedBar rigged_bar(Eigen::Index modes, int order = 2, double nonlineari
       [&](const MassPoint& point) {
         for (int a = 0; a < point.nodes.count; ++a)
           at_points.middleRows(3 * k, 3) +=
-              point.shape[static_cast<std::size_t>(a)] *
-              rows.middleRows(3 * Eigen::Index{point.nodes[static_cast<std::size_t>(a)]}, 3);
+              point.shape[a] * rows.middleRows(3 * Eigen::Index{point.nodes[a]}, 3);
         ++k;
       });
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(modes, modes);
   for (Eigen::Index p = 0; p < k; ++p)
-    gram += bar.cloud.masses[static_cast<std::size_t>(p)] *
-            at_points.middleRows(3 * p, 3).transpose() * at_points.middleRows(3 * p, 3);
+    gram += bar.cloud.masses[p] * at_points.middleRows(3 * p, 3).transpose() *
+            at_points.middleRows(3 * p, 3);
   const Eigen::MatrixXd factor = gram.llt().matrixL();
   const auto orthonormal = [&factor](const Eigen::MatrixXd& fields) {
     return Eigen::MatrixXd(
@@ -98,7 +97,7 @@ inline RiggedBar rigged_bar(Eigen::Index modes, int order = 2, double nonlineari
     block->rows.resize(3 * std::ssize(*ids), modes);
     for (std::size_t i = 0; i < ids->size(); ++i) {
       block->vertex_ids.push_back(static_cast<VertexId>((*ids)[i]));
-      block->rest.push_back(bar.mesh.vertices[static_cast<std::size_t>((*ids)[i])]);
+      block->rest.push_back(bar.mesh.vertices[(*ids)[i]]);
       block->rows.middleRows(3 * static_cast<Eigen::Index>(i), 3) =
           rows.middleRows(3 * (*ids)[i], 3);
     }
@@ -118,7 +117,7 @@ inline BoneWeights weights_of_points(const RiggedBar& bar, std::span<const BoneS
   BoneWeights weights = BoneWeights::Zero(std::ssize(bar.elements), nodes.cols());
   for (std::size_t k = 0; k < bar.elements.size(); ++k)
     for (const VertexId corner : bar.mesh.tetrahedra[bar.elements[k]])
-      weights.row(static_cast<Eigen::Index>(k)) += 0.25 * nodes.row(corner);
+      weights.row(k) += 0.25 * nodes.row(corner);
   return weights;
 }
 

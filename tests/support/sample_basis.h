@@ -47,7 +47,7 @@ inline StrainModel random_strain_model(const Eigen::VectorXd& omega, double nonl
 inline double strain_energy(const StrainModel& model, const Eigen::VectorXd& q) {
   double energy = 0.0;
   for (Eigen::Index e = 0; e < q.size(); ++e) {
-    const double strain = model.omega[e] * q[e] + q.dot(model.b[static_cast<std::size_t>(e)] * q);
+    const double strain = model.omega[e] * q[e] + q.dot(model.b[e] * q);
     energy += 0.5 * strain * strain;
   }
   return energy;
@@ -56,7 +56,7 @@ inline double strain_energy(const StrainModel& model, const Eigen::VectorXd& q) 
 inline Eigen::VectorXd strain_force(const StrainModel& model, const Eigen::VectorXd& q) {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(q.size());
   for (Eigen::Index e = 0; e < q.size(); ++e) {
-    const Eigen::VectorXd bq = model.b[static_cast<std::size_t>(e)] * q;
+    const Eigen::VectorXd bq = model.b[e] * q;
     const double strain = model.omega[e] * q[e] + q.dot(bq);
     force += 2.0 * strain * bq;
     force[e] += strain * model.omega[e];
@@ -66,13 +66,13 @@ inline Eigen::VectorXd strain_force(const StrainModel& model, const Eigen::Vecto
 
 // C_ijk and Q_ijkl: the symmetric parts of sum_e omega_e q_e q^T B_e q and 1/2 sum_e (q^T B_e q)^2.
 inline void expand_coefficients(const StrainModel& model, BasisData& data) {
-  const auto r = static_cast<std::size_t>(model.omega.size());
+  const std::size_t r = model.omega.size();
   const auto b = [&](std::size_t e, std::size_t i, std::size_t j) {
     return model.b[e](static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
   };
   data.cubic.clear();
   data.quartic.clear();
-  const auto omega = [&](std::size_t e) { return model.omega[static_cast<Eigen::Index>(e)]; };
+  const auto omega = [&](std::size_t e) { return model.omega[e]; };
   for (std::size_t k = 0; k < r; ++k)
     for (std::size_t j = 0; j <= k; ++j)
       for (std::size_t i = 0; i <= j; ++i)
@@ -105,7 +105,7 @@ inline BasisData sample_basis(const StrainModel& model, unsigned seed = 7) {
   expand_coefficients(model, data);
   const auto fill = [&](VertexBlock& block, std::vector<VertexId> ids) {
     block.vertex_ids = std::move(ids);
-    block.rows.resize(static_cast<Eigen::Index>(3 * block.vertex_ids.size()), r);
+    block.rows.resize(3 * block.vertex_ids.size(), r);
     for (double& value : block.rows.reshaped<Eigen::RowMajor>()) value = normal(generator);
     for (std::size_t v = 0; v < block.vertex_ids.size(); ++v)
       block.rest.emplace_back(normal(generator), normal(generator), normal(generator));

@@ -41,7 +41,7 @@ inline RenderBlock tube(Eigen::Index r, unsigned seed = 11) {
         surface.material_of.push_back(side + 1 == kTubeSides ? 1 : 0);
       }
     }
-  const auto count = static_cast<Eigen::Index>(surface.vertices.size());
+  const Eigen::Index count = surface.vertices.size();
   render.rows = BasisRows::NullaryExpr(3 * count, r, [&] { return uniform(generator); });
   for (Eigen::Index ring = 0; ring < kTubeRings; ++ring)
     render.rows.middleRows(3 * (ring * kRow + kTubeSides), 3) =

@@ -27,9 +27,7 @@ inline TetsData small_tets() {
        {Eigen::Vector4d(1, 0, 0, 0), Eigen::Vector4d(0, 1, 0, 0), Eigen::Vector4d(0, 0, 0.5, 0.5),
         Eigen::Vector4d(-0.1, 0.5, 0.3, 0.3)}) {
     Eigen::Vector3d x = Eigen::Vector3d::Zero();
-    for (int c = 0; c < 4; ++c)
-      x += w[c] * data.mesh.vertices[static_cast<std::size_t>(
-                      data.mesh.tetrahedra[5][static_cast<std::size_t>(c)])];
+    for (int c = 0; c < 4; ++c) x += w[c] * data.mesh.vertices[data.mesh.tetrahedra[5][c]];
     drawn.vertices.push_back(x);
     drawn.weights.push_back(w);
     drawn.tetrahedra.push_back(5);

@@ -126,8 +126,7 @@ inline SurfaceMesh soup(const SurfaceMesh& surface) {
   SurfaceMesh loose;
   for (const Triangle& t : surface.triangles) {
     const auto first = static_cast<VertexId>(loose.vertices.size());
-    for (const VertexId v : t)
-      loose.vertices.push_back(surface.vertices[static_cast<std::size_t>(v)]);
+    for (const VertexId v : t) loose.vertices.push_back(surface.vertices[v]);
     loose.triangles.push_back({first, first + 1, first + 2});
   }
   return loose;
@@ -144,10 +143,7 @@ inline SurfaceMesh turned_at_random(SurfaceMesh surface, double share) {
 inline double enclosed_volume(const SurfaceMesh& surface) {
   double sum = 0;
   for (const Triangle& t : surface.triangles)
-    sum += surface.vertices[static_cast<std::size_t>(t[0])].dot(
-               surface.vertices[static_cast<std::size_t>(t[1])].cross(
-                   surface.vertices[static_cast<std::size_t>(t[2])])) /
-           6.0;
+    sum += surface.vertices[t[0]].dot(surface.vertices[t[1]].cross(surface.vertices[t[2]])) / 6.0;
   return sum;
 }
 

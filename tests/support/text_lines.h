@@ -16,4 +16,12 @@ inline std::vector<std::string> lines_with(const std::string& text, const std::s
   return found;
 }
 
+// All of them, without their ends.
+inline std::vector<std::string> all_lines(const std::string& text) {
+  std::vector<std::string> found;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) found.push_back(line);
+  return found;
+}
+
 }  // namespace tremolo::testing

@@ -87,8 +87,7 @@ inline ForceRows turned_forces(const StrainModel& model, const Eigen::MatrixXd& 
   ForceRows forces;
   const std::map<std::vector<int>, std::size_t> place[3] = {monomials(r, 1), monomials(r, 2),
                                                             monomials(r, 3)};
-  for (int order = 0; order < 3; ++order)
-    forces.rows[order].setZero(r, static_cast<Eigen::Index>(place[order].size()));
+  for (int order = 0; order < 3; ++order) forces.rows[order].setZero(r, place[order].size());
   const auto at = [&](int i, std::vector<int> monomial) -> double& {
     std::sort(monomial.begin(), monomial.end());
     const std::size_t order = monomial.size() - 1;
@@ -96,7 +95,7 @@ inline ForceRows turned_forces(const StrainModel& model, const Eigen::MatrixXd& 
   };
   for (int e = 0; e < r; ++e) {
     const Eigen::VectorXd w = model.omega[e] * turn.row(e).transpose();
-    const Eigen::MatrixXd b = turn.transpose() * model.b[static_cast<std::size_t>(e)] * turn;
+    const Eigen::MatrixXd b = turn.transpose() * model.b[e] * turn;
     for (int i = 0; i < r; ++i)
       for (int j = 0; j < r; ++j) {
         at(i, {j}) += w[i] * w[j];
@@ -117,7 +116,7 @@ inline Eigen::VectorXd evaluate_rows(const ForceRows& forces, const Eigen::Vecto
     for (const auto& [monomial, place] : monomials(r, order + 1)) {
       double product = 1.0;
       for (int index : monomial) product *= y[index];
-      result += product * forces.rows[order].col(static_cast<Eigen::Index>(place));
+      result += product * forces.rows[order].col(place);
     }
   return result;
 }

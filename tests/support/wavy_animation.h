@@ -38,7 +38,7 @@ inline AnimatedShape wavy_sheet(int n, Eigen::Index modes, unsigned seed = 3) {
     const Eigen::Vector3d direction(uniform(generator), uniform(generator), uniform(generator));
     const double kx = 5.0 * uniform(generator), ky = 5.0 * uniform(generator);
     for (Eigen::Index v = 0; v < n * n; ++v) {
-      const Eigen::Vector3d& x = surface.vertices[static_cast<std::size_t>(v)];
+      const Eigen::Vector3d& x = surface.vertices[v];
       shape.modes.block<3, 1>(3 * v, m) = std::sin(kx * x.x() + ky * x.y() + 1.0) * direction;
     }
   }

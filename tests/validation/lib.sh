@@ -15,13 +15,18 @@ rows=$out/rows.tsv
 # Open MPI wants to be told, as root.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 
-# strip NAME NX NY BOX THICK [ARC]: OUT/NAME.veg, unless it is there (strip.awk).
-strip() {
-  [ -e "$out/$1.veg" ] && return
-  awk -v nx="$2" -v ny="$3" -v box="$4" -v thick="$5" -v arc="${6-}" -f "$here/strip.awk" \
-    >"$out/$1.partial"
-  mv "$out/$1.partial" "$out/$1.veg"
+# make_mesh NAME AWK VARIABLE=VALUE...: OUT/NAME.veg by AWK.awk, unless it is there.
+make_mesh() {
+  local mesh=$out/$1 script=$here/$2.awk variables=() one
+  [ -e "$mesh.veg" ] && return
+  shift 2
+  for one in "$@"; do variables+=(-v "$one"); done
+  awk "${variables[@]}" -f "$script" >"$mesh.partial"
+  mv "$mesh.partial" "$mesh.veg"
 }
+
+# strip NAME NX NY BOX THICK [ARC]: OUT/NAME.veg, unless it is there (strip.awk).
+strip() { make_mesh "$1" strip "nx=$2" "ny=$3" "box=$4" "thick=$5" "arc=${6-}"; }
 
 # The order of the elements is 1 unless ORDER says otherwise.
 # run LOG PROGRAM ARGUMENTS...: stdout to OUT/LOG.json, stderr to OUT/LOG.log, shown if it fails.

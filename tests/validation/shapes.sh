@@ -10,12 +10,7 @@ points=$out/points.tsv
 : >"$points"
 
 # block NAME NX NY NZ SIZE [RADIUS]: OUT/NAME.veg, unless it is there (block.awk).
-block() {
-  [ -e "$out/$1.veg" ] && return
-  awk -v nx="$2" -v ny="$3" -v nz="$4" -v size="$5" -v radius="${6-0}" -f "$here/block.awk" \
-    >"$out/$1.partial"
-  mv "$out/$1.partial" "$out/$1.veg"
-}
+block() { make_mesh "$1" block "nx=$2" "ny=$3" "nz=$4" "size=$5" "radius=${6-0}"; }
 
 # lowest BODY MESH CELLS ORDER UNIT EXPECTED ARGUMENTS...: the first frequency in that unit, Hz, and
 # its row among the points.

@@ -105,16 +105,11 @@ TEST(ClothView, FlagsThatAreOfBodiesAreRefused) {
 TEST(ClothView, ADragInTheWindowPullsAParticle) {
   const std::string folder = fresh_folder();
   std::ofstream(folder + "/square.toml") << kSquare;
-  const ProgramResult result =
-      run_program(folder, TREMOLO_SOURCE_DIR
-                  "/tests/viewer/window.sh . 9 390 290 " TREMOLO_BIN_DIR
-                  "/tremolo view square.toml --camera 0,80 --lights 2 --size 780x580 "
-                  "--paused --json");
-  if (result.code == 77) GTEST_SKIP() << "there is no Xvfb or no xdotool";
-  if (result.code == 1 && result.err.find("no window with OpenGL") != std::string::npos)
-    GTEST_SKIP() << result.err;
+  const auto [shots, no_window] =
+      testing::drag_in_window(folder, "390 290", "square.toml --camera 0,80 --paused");
+  if (!no_window.empty()) GTEST_SKIP() << no_window;
+  const auto& [result, json] = shots;
   ASSERT_EQ(result.code, 0) << result.err;
-  const auto json = nlohmann::json::parse(result.out, nullptr, false);
   ASSERT_FALSE(json.is_discarded()) << result.out << result.err;
   EXPECT_EQ(json["pulls"], 1) << result.out;
   EXPECT_GT(json["longest_pull"].get<double>(), 0.02) << result.out;

@@ -13,16 +13,12 @@ using testing::run_program;
 TEST(ViewerWindow, ADragPullsTheBodyAndTheRecordDoesItAgain) {
   const std::string folder = fresh_folder();
   // The beam fills what the panel leaves of the window; its middle is there.
-  const ProgramResult result = run_program(
-      folder,
-      TREMOLO_SOURCE_DIR "/tests/viewer/window.sh . 9 560 290 " TREMOLO_BIN_DIR "/tremolo view " +
-          testing::sample_model("beam") +
-          " --load none --lights 2 --size 780x580 --json --measure --record-hand hand.toml");
-  if (result.code == 77) GTEST_SKIP() << "there is no Xvfb or no xdotool";
-  if (result.code == 1 && result.err.find("no window with OpenGL") != std::string::npos)
-    GTEST_SKIP() << result.err;
+  const auto [shots, no_window] = testing::drag_in_window(
+      folder, "560 290",
+      testing::sample_model("beam") + " --load none --measure --record-hand hand.toml");
+  if (!no_window.empty()) GTEST_SKIP() << no_window;
+  const auto& [result, json] = shots;
   ASSERT_EQ(result.code, 0) << result.err;
-  const auto json = nlohmann::json::parse(result.out, nullptr, false);
   ASSERT_FALSE(json.is_discarded()) << result.out << result.err;
   // Nothing but the hand acts on it.
   EXPECT_GT(json["hand_work"].get<double>(), 0.0) << result.out << result.err;

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-ClothMomenta momenta_of(const ClothWorld& world) {
+Momenta momenta_of(const ClothWorld& world) {
   return {world.linear_momentum(), world.angular_momentum()};
 }
 

@@ -11,14 +11,9 @@
 #include "runtime/cloth/cloth_world.h"
 #include "runtime/program/cloth/cloth_files.h"
 #include "runtime/scene_reader/cloth_reader.h"
+#include "runtime/values/momenta.h"
 
 namespace tremolo {
-
-// What all cloths and balls have together: kg m/s, and kg m^2/s about the origin.
-struct ClothMomenta {
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
-  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
-};
 
 // Energies in J. energy_max: the largest kinetic + elastic energy, and what gravity can still give
 // or has given since the start. remainder_max: the largest |change of the energy - what wind, pins,
@@ -26,7 +21,7 @@ struct ClothMomenta {
 // of |what a cause gave or took|.
 struct ClothReport {
   ClothEnergy start, end;
-  ClothMomenta momenta_start, momenta_end;
+  Momenta momenta_start, momenta_end;  // of all cloths and balls together
   double energy_max = 0.0;
   double remainder_max = 0.0;
   double turnover_max = 0.0;
