@@ -1,5 +1,8 @@
 #include "runtime/tets/active_floats.h"
 
+#include <array>
+#include <utility>
+
 #include "common/clones.h"
 
 namespace tremolo {
@@ -64,28 +67,42 @@ struct FloatVectors {
   size_t n;
   const float *inverse, *p, *q;
   float *x, *r, *z;
+  const SmoothFields* fields;
+  float* image;  // Z^T r
 };
 
 TREMOLO_CLONES
 void advance_rows(const FloatVectors& g, float length) {
   const Quad step = Quad{} + length;
+  Quad image[kSmoothFields] = {};
   for (size_t i = 0; i < g.n; ++i) {
     quad_at(g.x, i) += step * quad_of(g.p, i);
     const Quad r = quad_of(g.r, i) - step * quad_of(g.q, i);
     quad_at(g.r, i) = r;
     quad_at(g.z, i) = times_quad(g.inverse + kQuads * i, r);
+    for (size_t k = 0; k < kSmoothFields; ++k) image[k] += g.fields[i][k] * r;
   }
+  for (size_t k = 0; k < kSmoothFields; ++k) quad_at(g.image, k) = image[k];
 }
 
+// p = z + Z s + share p.
 TREMOLO_CLONES
-void turn_rows(float* p, const float* z, float share, size_t n) {
+void turn_rows(float* p, const float* z, const SmoothFields* fields, const float* smooth,
+               float share, size_t n) {
   const Quad part = Quad{} + share;
-  for (size_t i = 0; i < n; ++i) quad_at(p, i) = quad_of(z, i) + part * quad_of(p, i);
+  Quad s[kSmoothFields];
+  for (size_t k = 0; k < kSmoothFields; ++k) s[k] = quad_of(smooth, k);
+  for (size_t i = 0; i < n; ++i) {
+    Quad sum = quad_of(z, i) + part * quad_of(p, i);
+    for (size_t k = 0; k < kSmoothFields; ++k) sum += fields[i][k] * s[k];
+    quad_at(p, i) = sum;
+  }
 }
 
 }  // namespace
 
-ActiveFloats::ActiveFloats(const BlockPattern& pattern) {
+ActiveFloats::ActiveFloats(const BlockPattern& pattern, std::shared_ptr<const SmoothSpace> smooth)
+    : smooth_(std::move(smooth)) {
   const size_t nodes = pattern.size(), whole = 2 * pattern.blocks() - nodes;
   first_.reserve(nodes + 1);
   column_.reserve(whole);
@@ -93,11 +110,15 @@ ActiveFloats::ActiveFloats(const BlockPattern& pattern) {
   blocks_.assign(kQuads * whole, 0.0F);
   inverse_.assign(kQuads * nodes, 0.0F);
   for (AlignedFloats* list : {&x_, &r_, &z_, &p_, &q_}) list->assign(4 * nodes, 0.0F);
+  fields_.reserve(nodes);
+  smooth_part_.assign(std::size_t{4} * kSmoothFields, 0.0F);
 }
 
 void ActiveFloats::choose(const BlockPattern& pattern, std::span<const std::uint32_t> nodes,
                           std::span<const std::uint32_t> rank) {
   n_ = nodes.size();
+  fields_.clear();
+  for (const std::uint32_t node : nodes) fields_.push_back(smooth_->at[node]);
   const auto first = pattern.first();
   const auto columns = pattern.columns();
   first_.assign(n_ + 1, 0);
@@ -128,7 +149,9 @@ void ActiveFloats::choose(const BlockPattern& pattern, std::span<const std::uint
 }
 
 double ActiveFloats::start(const BlockMatrix& a, const std::vector<Eigen::Matrix3d>& inverse,
+                           const SmoothMatrix& smooth_inverse,
                            const std::vector<Eigen::Vector3d>& r) {
+  smooth_inverse_ = smooth_inverse.cast<float>();
   for (size_t k = 0; k < place_.size(); ++k)
     put_block(a.block(place_[k] / 2), place_[k] % 2 != 0, blocks_.data() + kQuads * k);
   for (size_t i = 0; i < n_; ++i) {
@@ -150,13 +173,21 @@ double ActiveFloats::curvature() const {
 }
 
 std::pair<double, double> ActiveFloats::advance(double length) {
-  advance_rows({n_, inverse_.data(), p_.data(), q_.data(), x_.data(), r_.data(), z_.data()},
+  advance_rows({n_, inverse_.data(), p_.data(), q_.data(), x_.data(), r_.data(), z_.data(),
+                fields_.data(), smooth_part_.data()},
                static_cast<float>(length));
-  return {product_of(r_.data(), r_.data(), n_), product_of(r_.data(), z_.data(), n_)};
+  using Columns = Eigen::Map<Eigen::Matrix<float, 3, kSmoothFields>, 0, Eigen::OuterStride<4>>;
+  Columns part(smooth_part_.data());
+  Eigen::Matrix<float, 3, kSmoothFields> image = part;
+  const Eigen::Matrix<float, kSmoothModes, 1> found = smooth_inverse_ * image.reshaped();
+  part = found.reshaped(3, kSmoothFields);
+  return {product_of(r_.data(), r_.data(), n_),
+          product_of(r_.data(), z_.data(), n_) + static_cast<double>(image.reshaped().dot(found))};
 }
 
 void ActiveFloats::turn(double share) {
-  turn_rows(p_.data(), z_.data(), static_cast<float>(share), n_);
+  turn_rows(p_.data(), z_.data(), fields_.data(), smooth_part_.data(), static_cast<float>(share),
+            n_);
 }
 
 void ActiveFloats::add_image(std::uint32_t node, const Eigen::Vector3d& value) {
@@ -165,6 +196,7 @@ void ActiveFloats::add_image(std::uint32_t node, const Eigen::Vector3d& value) {
 
 std::size_t ActiveFloats::bytes() const {
   return (blocks_.size() + inverse_.size() + 5 * x_.size()) * sizeof(float) +
+         fields_.capacity() * sizeof(SmoothFields) + sizeof(smooth_inverse_) +
          (first_.capacity() + column_.capacity() + place_.capacity()) * sizeof(std::uint32_t);
 }
 

@@ -5,31 +5,33 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "runtime/kernels/aligned.h"
 #include "runtime/sparse/block_matrix.h"
+#include "runtime/tets/smooth_modes.h"
 
 namespace tremolo {
 
 class ActiveFloats {
  public:
-  // All memory is taken here: for all nodes active.
-  explicit ActiveFloats(const BlockPattern& pattern);
+  // All memory is taken here: for all nodes active. smooth: of its nodes.
+  ActiveFloats(const BlockPattern& pattern, std::shared_ptr<const SmoothSpace> smooth);
 
   // nodes: the active ones, ascending; rank: of each node its place among them, or kNoRank.
   static constexpr std::uint32_t kNoRank = ~std::uint32_t{0};
   void choose(const BlockPattern& pattern, std::span<const std::uint32_t> nodes,
               std::span<const std::uint32_t> rank);
 
-  // Takes the matrix and the inverses of the diagonal's blocks, r, and what starts from them:
-  // x = 0, p = z = D^-1 r. Returns r.z.
+  // Takes the matrix, the inverses of the diagonal's blocks and of A_c, r, and what starts from
+  // them: x = 0, p = z = P r. Returns r.z.
   double start(const BlockMatrix& a, const std::vector<Eigen::Matrix3d>& inverse,
-               const std::vector<Eigen::Vector3d>& r);
+               const SmoothMatrix& smooth_inverse, const std::vector<Eigen::Vector3d>& r);
   void multiply();           // q = A p
   double curvature() const;  // p.q
-  // x += length p, r -= length q, z = D^-1 r: r.r and r.z.
+  // x += length p, r -= length q, z = P r: r.r and r.z.
   std::pair<double, double> advance(double length);
   void turn(double share);  // p = z + share p
 
@@ -48,7 +50,11 @@ class ActiveFloats {
   // it is the transpose of what is stored.
   std::vector<std::uint32_t> first_, column_, place_;
   AlignedFloats blocks_, inverse_;   // three columns of four floats each
-  AlignedFloats x_, r_, z_, p_, q_;  // four floats a node
+  AlignedFloats x_, r_, z_, p_, q_;  // four floats a node; z_ without its smooth part
+  std::shared_ptr<const SmoothSpace> smooth_;
+  std::vector<SmoothFields> fields_;  // of the active nodes
+  Eigen::Matrix<float, kSmoothModes, kSmoothModes> smooth_inverse_;
+  AlignedFloats smooth_part_;  // of z: four floats a field
 };
 
 }  // namespace tremolo

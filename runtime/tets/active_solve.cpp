@@ -5,12 +5,13 @@
 #include <tuple>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 namespace tremolo {
 
-ActiveSolve::ActiveSolve(BlockPatternPointer pattern)
-    : pattern_(std::move(pattern)), floats_(*pattern_) {
+ActiveSolve::ActiveSolve(BlockPatternPointer pattern, std::shared_ptr<const SmoothSpace> smooth)
+    : pattern_(std::move(pattern)), smooth_space_(smooth), floats_(*pattern_, std::move(smooth)) {
   const std::size_t nodes = pattern_->size();
   nodes_.reserve(nodes);
   rank_.resize(nodes);
@@ -56,11 +57,36 @@ FoldedPoint ActiveSolve::folded(std::span<const std::uint32_t> nodes,
 
 void ActiveSolve::take_diagonal(const BlockMatrix& a) {
   for (std::size_t i = 0; i < nodes_.size(); ++i) inverse_[i] = a.diagonal(nodes_[i]);
+  has_smooth_ = false;
+}
+
+void ActiveSolve::take_smooth(const Eigen::Matrix3d& turn, double mass, double stiffness) {
+  smooth_ = smooth_matrix(*smooth_space_, turn, mass, stiffness);
+  has_smooth_ = true;
 }
 
 void ActiveSolve::add_diagonal(const FoldedPoint& point, const Eigen::Matrix3d& block) {
   for (std::uint32_t i = 0; i < point.count; ++i)
     inverse_[point.nodes[i]] += point.shares[i] * point.shares[i] * block;
+  if (!has_smooth_) return;
+  Eigen::Matrix<double, kSmoothFields, 1> fields;
+  fields.setZero();
+  for (std::uint32_t i = 0; i < point.count; ++i)
+    for (std::size_t k = 0; k < kSmoothFields; ++k)
+      fields[static_cast<Eigen::Index>(k)] +=
+          point.shares[i] * smooth_space_->at[nodes_[point.nodes[i]]][k];
+  for (int k = 0; k < kSmoothFields; ++k)
+    for (int l = 0; l < kSmoothFields; ++l)
+      smooth_.block<3, 3>(3 * k, 3 * l) += (fields[k] * fields[l]) * block;
+}
+
+// A_c^-1; zero where there is none, or where it is not positive.
+SmoothMatrix ActiveSolve::smooth_inverse() const {
+  if (!has_smooth_) return SmoothMatrix::Zero();
+  const Eigen::LLT<SmoothMatrix> factor(smooth_);
+  if (factor.info() != Eigen::Success) return SmoothMatrix::Zero();
+  SmoothMatrix inverse = factor.solve(SmoothMatrix::Identity());
+  return inverse.allFinite() ? inverse : SmoothMatrix::Zero();
 }
 
 SearchSizes ActiveSolve::start(const BlockMatrix& a, const Eigen::VectorXd& b, bool single) {
@@ -76,7 +102,7 @@ SearchSizes ActiveSolve::start(const BlockMatrix& a, const Eigen::VectorXd& b, b
     sizes.square += r_[i].squaredNorm();
     sizes.product += r_[i].dot(z_[i]);
   }
-  if (single_) sizes.product = floats_.start(a, inverse_, r_);
+  if (single_) sizes.product = floats_.start(a, inverse_, smooth_inverse(), r_);
   return sizes;
 }
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -42,7 +43,7 @@ struct SearchSizes {
 class ActiveSolve {
  public:
   // All memory is taken here: for all nodes active.
-  explicit ActiveSolve(BlockPatternPointer pattern);
+  ActiveSolve(BlockPatternPointer pattern, std::shared_ptr<const SmoothSpace> smooth);
 
   // active: a flag a node.
   void choose(std::span<const std::uint8_t> active);
@@ -57,12 +58,15 @@ class ActiveSolve {
   // add_diagonal() before start(); then multiply(), what couples is added to q, advance(), turn().
   FoldedPoint folded(std::span<const std::uint32_t> nodes, std::span<const double> shares) const;
   void take_diagonal(const BlockMatrix& a);
+  // The smooth part of the matrix, without touches (smooth_matrix()); after take_diagonal(), which
+  // leaves it out.
+  void take_smooth(const Eigen::Matrix3d& turn, double mass, double stiffness);
   void add_diagonal(const FoldedPoint& point, const Eigen::Matrix3d& block);
-  // x = 0, r = b, p = z = D^-1 r. single: what follows is in single precision.
+  // x = 0, r = b, p = z = P r. single: what follows is in single precision.
   SearchSizes start(const BlockMatrix& a, const Eigen::VectorXd& b, bool single);
   void multiply(const BlockMatrix& a);  // q = A p
   double curvature() const;             // p.q
-  // x += length p, r -= length q, z = D^-1 r.
+  // x += length p, r -= length q, z = P r.
   SearchSizes advance(double length);
   void turn(double share);  // p = z + share p
   void finish(Eigen::VectorXd& x) const;
@@ -77,10 +81,14 @@ class ActiveSolve {
     std::uint32_t place = 0;
   };
   using Vectors = std::vector<Eigen::Vector3d>;
+  SmoothMatrix smooth_inverse() const;
 
   static constexpr std::uint32_t kNoRank = ActiveFloats::kNoRank;
 
   BlockPatternPointer pattern_;
+  std::shared_ptr<const SmoothSpace> smooth_space_;
+  SmoothMatrix smooth_;
+  bool has_smooth_ = false;
   std::vector<std::uint32_t> nodes_, rank_, first_;  // active nodes; their number by node
   std::vector<Entry> entries_;                       // below the diagonal, by rows
   std::vector<Eigen::Matrix3d> inverse_;

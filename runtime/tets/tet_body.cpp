@@ -53,7 +53,7 @@ TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
     : options_(options),
       system_(model, options.law),
       choice_(*model, options.degree),
-      solve_(model->pattern()),
+      solve_(model->pattern(), model->smooth()),
       matrix_(model->pattern()),
       alone_(std::make_unique<TetIsland>()) {
   const Eigen::Index size = model->rest().size();
@@ -178,6 +178,12 @@ void TetBody::assemble(TangentKind tangent) {
   system_.assemble(factors, matrix_);
 }
 
+void TetBody::take_preconditioner() {
+  solve_.take_diagonal(matrix_);
+  solve_.take_smooth(system_.mean_rotation(), stage_.rate * (stage_.rate + options_.alpha),
+                     1.0 + options_.beta * stage_.rate);
+}
+
 // The rigid motions in the residual, which no elastic force balances, are taken out exactly.
 void TetBody::balance_momenta() {
   if (held_) return;
@@ -256,7 +262,27 @@ void TetBody::choose_degrees(TetStepReport& report) {
   const auto wanted =
       choice_.choose(system_, now_, force_, stage_.rate * stage_.rate, options_.step);
   report.switched = choice_.changed();
-  if (report.switched > 0) report.energy_of_switch = set_degrees(wanted);
+  if (report.switched == 0) return;
+  saved_.x = now_.x;
+  report.energy_of_switch = set_degrees(wanted);
+  report.jump = largest_jump();
+}
+
+double TetBody::largest_jump() const {
+  const auto way = [this](std::size_t node) -> Eigen::Vector3d {
+    return now_.x.segment<3>(body_at(node)) - saved_.x.segment<3>(body_at(node));
+  };
+  double largest = 0.0;
+  for (std::size_t e = 0; e < model().edges(); ++e) {
+    const MeshEdge& edge = model().edge(e);
+    const Eigen::Vector3d a = way(static_cast<std::size_t>(edge.a));
+    const Eigen::Vector3d b = way(static_cast<std::size_t>(edge.b));
+    const Eigen::Vector3d middle =
+        0.25 * (a + b) + 0.5 * way(static_cast<std::size_t>(edge.point));
+    const double squared = std::max({a.squaredNorm(), b.squaredNorm(), middle.squaredNorm()});
+    largest = std::max(largest, std::sqrt(squared) / model().edge_length(e));
+  }
+  return largest;
 }
 
 TetStepReport TetBody::step(TetContact* contact) {

@@ -42,6 +42,7 @@ Status check(const TetBodyOptions& options);
 // how many steps it took. linearised: each of them is one correction, no solution was found.
 // unsolved: one of them was taken as it was (take_unsolved).
 // switched: edges that changed their degree. energy_of_switch: J, what they took out of the body.
+// jump: the largest way of an end or a middle of an edge in that, over the edge's length.
 struct TetStepReport {
   bool converged = true;
   int iterations = 0;
@@ -51,6 +52,7 @@ struct TetStepReport {
   bool unsolved = false;
   std::size_t switched = 0;
   double energy_of_switch = 0.0;
+  double jump = 0.0;
 };
 
 class TetContact;
@@ -114,10 +116,12 @@ class TetBody {
   double close_residual();  // |r|^2
   double stop_size() const;
   void assemble(TangentKind tangent);
+  void take_preconditioner();  // of what was assembled last, without touches
   void balance_momenta();
   void end();
   void find_acceleration();
   void choose_degrees(TetStepReport& report);
+  double largest_jump() const;  // from saved_.x
 
   TetBodyOptions options_;
   TetSystem system_;

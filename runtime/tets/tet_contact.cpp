@@ -22,12 +22,12 @@ Depth depth_in(const TetObstacle& obstacle, const Eigen::Vector3d& x) {
 
 // Force and stiffness of a touch: pressed is k <-d>, N, along g; speed the relative velocity.
 void set_law(const Eigen::Vector3d& g, double stiffness, double depth, double friction,
-             const Eigen::Vector3d& speed, TetTouch& touch) {
+             double creep, const Eigen::Vector3d& speed, TetTouch& touch) {
   const double length = g.norm();
   const Eigen::Vector3d n = g / length;
   const double pressed = stiffness * depth * length;
   const Eigen::Vector3d along = speed - n.dot(speed) * n;
-  const double size = std::sqrt(along.squaredNorm() + kTetCreep * kTetCreep);
+  const double size = std::sqrt(along.squaredNorm() + creep * creep);
   const double rub = friction * pressed / size;
   touch.depth = depth;
   touch.energy = 0.5 * stiffness * depth * depth;
@@ -55,8 +55,9 @@ TetHullPointer boundary_hull(TetModelPointer model) {
   return std::make_shared<const TetHull>(std::move(model), std::move(points), std::nullopt);
 }
 
-TetContact::TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles)
+TetContact::TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles, double creep)
     : hull_(std::move(hull)),
+      creep_(creep),
       obstacles_(std::move(obstacles)),
       boxes_(hull_->tree.size()),
       near_(obstacles_.size(), 1) {
@@ -73,7 +74,7 @@ void TetContact::find_obstacles(std::uint32_t p, const Eigen::Vector3d& place,
     TetTouch& touch = touches_.emplace_back();
     touch.point = p;
     touch.partner = kNoPartner;
-    set_law(n, point.stiffness, depth, obstacles_[o].friction, at_point(point, v), touch);
+    set_law(n, point.stiffness, depth, obstacles_[o].friction, creep_, at_point(point, v), touch);
   }
 }
 
@@ -98,7 +99,7 @@ void TetContact::find_partner(std::uint32_t p, const Eigen::Vector3d& place,
   for (std::size_t i = 0; i < kMostNodes; ++i)
     speed -= touch.values[i] * partner.v->segment<3>(3 * Eigen::Index{touch.nodes[i]});
   const double both = point.stiffness * other.stiffness / (point.stiffness + other.stiffness);
-  set_law(g, both, -sample.distance, partner.friction, speed, touch);
+  set_law(g, both, -sample.distance, partner.friction, creep_, speed, touch);
 }
 
 void TetContact::find(const Eigen::VectorXd& s, const Eigen::VectorXd& v) {

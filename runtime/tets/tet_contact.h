@@ -2,7 +2,8 @@
 // (tet_points.h). With the signed distance d of a solid at the point and its outward normal n,
 //   f = k <-d> n  -  mu k <-d> v_t / sqrt(|v_t|^2 + v_0^2),     v_t = v - (v.n) n,
 // <a> = max(a, 0), v the point's velocity against the solid. The first part has the potential
-// 1/2 k <-d>^2, the second only takes energy, and below v_0 is a creep. A penalty: under a load F a
+// 1/2 k <-d>^2, the second only takes energy, and below v_0 is a creep. What sticks is as stiff as
+// mu k <-d> / (v_0 h) for a step h: a larger v_0 is easier to solve. A penalty: under a load F a
 // point is F/k deep.
 //
 // Of another body d is its distance at rest, phi, at the place X that its bent elements put at the
@@ -55,7 +56,7 @@ struct TetObstacle {
   double friction = 0.3;
 };
 
-inline constexpr double kTetCreep = 1e-3;  // v_0, m/s
+inline constexpr double kTetCreep = 1e-3;  // v_0 unless told, m/s
 
 class TetContact;
 
@@ -86,7 +87,8 @@ struct TetTouch {
 
 class TetContact {
  public:
-  TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles);
+  // creep: v_0 of the body's points, m/s, above 0.
+  TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles, double creep = kTetCreep);
 
   const TetHull& hull() const { return *hull_; }
   // Who is near, in an order that is kept. Bodies without distances are passed over.
@@ -126,6 +128,7 @@ class TetContact {
                     std::uint32_t number);
 
   TetHullPointer hull_;
+  double creep_;
   std::vector<TetObstacle> obstacles_;
   std::vector<TetPartner> partners_;
   std::vector<TetTree::Box> boxes_;

@@ -141,15 +141,17 @@ bool TetIsland::search(double tolerance) {
 }
 
 // Newton's correction of each body. exact: with each body's own tangent, as long as that is
-// positive. tolerance: of the linear system, beside the bodies' own.
+// positive. tolerance: of the linear system, beside the bodies' own. The matrices cannot be those
+// of the correction before: R K R^T of another R has stiffness against turns, which nothing in the
+// residual bounds.
 void TetIsland::find_correction(bool exact, double tolerance) {
   for (const TetMember& member : members_) member.body->residual_ = -member.body->residual_;
   for (const bool own : {true, false}) {
     if (own && !exact) continue;
-    for_each(members_.size(), [this, own](std::size_t i) {
+    for_each(members_.size(), [&](std::size_t i) {
       TetBody& body = *members_[i].body;
       body.assemble(own ? body.options_.tangent : TangentKind::kFrozen);
-      body.solve_.take_diagonal(body.matrix_);
+      body.take_preconditioner();
     });
     find_couplings();
     if (search(tolerance)) break;

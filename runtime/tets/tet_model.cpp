@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "runtime/tets/smooth_modes.h"
+
 namespace tremolo {
 namespace {
 
@@ -50,6 +52,7 @@ Result<TetModelPointer> TetModel::create(TetMesh mesh, const MaterialTable& mate
   model->rest_.resize(static_cast<Eigen::Index>(3 * model->nodes()));
   for (std::size_t i = 0; i < model->nodes(); ++i)
     model->rest_.segment<3>(static_cast<Eigen::Index>(3 * i)) = model->mesh_.vertices[i];
+  model->smooth_ = std::make_shared<const SmoothSpace>(smooth_space(*model));
   return TetModelPointer(std::move(model));
 }
 

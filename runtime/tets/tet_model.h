@@ -42,6 +42,8 @@ struct TetModelElement {
   std::array<Eigen::Matrix3d, kLinearBlocks> linear_stiffness;
 };
 
+struct SmoothSpace;  // smooth_modes.h
+
 class TetModel {
  public:
   // mesh: linear, or quadratic with straight edges; it has passed check_mesh. held: vertices that
@@ -71,6 +73,7 @@ class TetModel {
   double mass() const { return mass_; }                         // kg
   const Eigen::VectorXd& rest() const { return rest_; }         // 3 nodes(), m
   BoundingBox rest_box() const { return box_; }
+  const std::shared_ptr<const SmoothSpace>& smooth() const { return smooth_; }
   // The memory of elements and matrices, and that of one element, bytes.
   std::size_t bytes() const;
   static constexpr std::size_t bytes_per_element() { return sizeof(TetModelElement); }
@@ -94,6 +97,7 @@ class TetModel {
   double mass_ = 0.0;
   Eigen::VectorXd rest_;
   BoundingBox box_;
+  std::shared_ptr<const SmoothSpace> smooth_;
 };
 
 using TetModelPointer = std::shared_ptr<const TetModel>;

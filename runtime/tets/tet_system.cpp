@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "runtime/tets/rotation.h"
+
 namespace tremolo {
 namespace {
 
@@ -27,11 +29,13 @@ TetSystem::TetSystem(TetModelPointer model, RotationLaw law)
       active_(model_->nodes()),
       straight_(model_->elements().size(), 0),
       shapes_(model_->elements().size()),
+      evaluated_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * model_->nodes()))),
       sum_(static_cast<Eigen::Index>(3 * model_->nodes())) {
   set_degrees(std::vector<std::uint8_t>(model_->edges(), 2));
 }
 
 void TetSystem::set_degrees(std::span<const std::uint8_t> degrees) {
+  has_shapes_ = false;
   std::copy(degrees.begin(), degrees.end(), degrees_.begin());
   const auto held = model_->held();
   for (std::size_t i = 0; i < active_.size(); ++i) active_[i] = held[i] == 0 ? 1 : 0;
@@ -79,15 +83,25 @@ NodeVectors TetSystem::gather(const TetModelElement& element, const Eigen::Vecto
 }
 
 std::size_t TetSystem::evaluate(const Eigen::VectorXd& x) {
+  if (has_shapes_ && x == evaluated_) return lost_;
   const auto elements = model_->elements();
-  std::size_t lost = 0;
+  evaluated_ = x;
+  has_shapes_ = true;
+  lost_ = 0;
   for (std::size_t e = 0; e < elements.size(); ++e) {
     const TetModelElement& element = elements[e];
     shapes_[e] = tet_shape(element.element, model_->elasticity(element), law_,
                            gather(element, x, straight(e) ? 4 : kMostNodes));
-    if (!shapes_[e].converged) ++lost;
+    if (!shapes_[e].converged) ++lost_;
   }
-  return lost;
+  return lost_;
+}
+
+Eigen::Matrix3d TetSystem::mean_rotation() const {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t e = 0; e < shapes_.size(); ++e)
+    sum += model_->elements()[e].element.geometry.volume * shapes_[e].rotation;
+  return nearest_rotation(sum);
 }
 
 double TetSystem::energy() const {
@@ -225,7 +239,7 @@ double TetSystem::kinetic_energy(const Eigen::VectorXd& v) const {
 }
 
 std::size_t TetSystem::bytes() const {
-  return shapes_.size() * sizeof(TetShape) + static_cast<std::size_t>(sum_.size()) * 8 +
+  return shapes_.size() * sizeof(TetShape) + static_cast<std::size_t>(sum_.size()) * 16 +
          3 * active_.size();
 }
 

@@ -45,9 +45,11 @@ class TetSystem {
   void fold(Eigen::VectorXd& y) const;
 
   // Finds all elements' rotations and strains at x, whose linear edges follow their ends; what is
-  // below is at this x. Returns how many elements' rotations did not converge.
+  // below is at this x. Returns how many elements' rotations did not converge. At the x and the
+  // degrees of the call before it does nothing.
   std::size_t evaluate(const Eigen::VectorXd& x);
   double energy() const;  // J
+  Eigen::Matrix3d mean_rotation() const;  // nearest to the mean of the elements' by volume
   // f += what acts on the control points, N, as of the quadratic mesh: fold() makes it that of the
   // system, and what stood in the rows of linear edges before says what they are kept from.
   void add_force(Eigen::VectorXd& f) const;
@@ -80,6 +82,9 @@ class TetSystem {
   RotationLaw law_;
   std::vector<std::uint8_t> degrees_, active_, straight_;
   std::vector<TetShape> shapes_;
+  Eigen::VectorXd evaluated_;  // the x of shapes_
+  bool has_shapes_ = false;
+  std::size_t lost_ = 0;
   mutable Eigen::VectorXd sum_;  // a vector on its way
 };
 
