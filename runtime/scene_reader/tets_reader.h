@@ -9,7 +9,7 @@
 #include "runtime/frames/pose.h"
 #include "runtime/scene/scene.h"
 #include "runtime/scene_reader/scene_reader.h"
-#include "runtime/tets/tet_group.h"
+#include "runtime/tets/motion/tet_group.h"
 
 namespace tremolo {
 
