@@ -60,6 +60,9 @@ Result<TetSceneBody> read_tets_body(const toml::table& table, std::size_t number
   keys.read("friction", body.friction);
   if (!(body.friction >= 0.0 && std::isfinite(body.friction)))
     keys.fail("friction", "friction must be at least 0");
+  keys.read("creep", body.creep);
+  if (!(body.creep > 0.0 && std::isfinite(body.creep)))
+    keys.fail("creep", "creep must be above 0 m/s");
   read_tets_method(keys, body.options);
   if (Status s = keys.finish(); !s) return s.error();
   body.options.step = scene.step;

@@ -9,13 +9,14 @@
 #include "runtime/frames/pose.h"
 #include "runtime/scene/scene.h"
 #include "runtime/scene_reader/scene_reader.h"
-#include "runtime/tets/tet_group.h"
+#include "runtime/tets/motion/tet_group.h"
 
 namespace tremolo {
 
 // A body of tetrahedra as its scene says. model: the file of `tremolo-precompute tets`; made_by:
 // the command that makes it, for errors. velocity, spin: of all of it, m/s and rad/s about its
-// centre of mass. friction: with what it touches.
+// centre of mass. friction: with what it touches. creep: the speed below which friction is a
+// creep, m/s (tet_contact.h).
 struct TetSceneBody {
   std::string name;
   std::string model;
@@ -24,6 +25,7 @@ struct TetSceneBody {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();
   double friction = 0.3;
+  double creep = kTetCreep;
   TetBodyOptions options;
 };
 

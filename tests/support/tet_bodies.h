@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/tets/tet_body.h"
+#include "runtime/tets/motion/tet_body.h"
 #include "tests/support/box_mesh.h"
 #include "tests/support/random_tet.h"
 

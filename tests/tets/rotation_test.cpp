@@ -1,5 +1,5 @@
 // The nearest rotation against its definition.
-#include "runtime/tets/rotation.h"
+#include "runtime/tets/elements/rotation.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

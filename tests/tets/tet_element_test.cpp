@@ -1,12 +1,12 @@
 // One corotated element against its definition, against the stiffness at rest and StVK's limit, and
 // in states that no mesh should be in.
-#include "runtime/tets/tet_element.h"
+#include "runtime/tets/elements/tet_element.h"
 
 #include <tuple>
 
 #include <gtest/gtest.h>
 
-#include "runtime/tets/rotation.h"
+#include "runtime/tets/elements/rotation.h"
 #include "tests/support/random_tet.h"
 
 namespace tremolo {

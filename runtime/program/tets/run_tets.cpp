@@ -73,6 +73,7 @@ TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const T
           {"quadratic_edges_share", number_or_null(report.share)},
           {"edges_switched", report.switched},
           {"energy_of_switches", number_or_null(report.end.switches)},
+          {"largest_jump_of_switches", number_or_null(report.jump)},
           {"iterations_per_step", number_or_null(static_cast<double>(report.iterations) /
                                                  static_cast<double>(body.steps()))},
           {"steps_in_parts", report.in_parts},

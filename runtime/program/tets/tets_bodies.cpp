@@ -105,7 +105,7 @@ Result<TetsBodies> make_tets_bodies(const TetScene& scene) {
     if (Status s = place_tets_body(wanted, *body); !s) return told(s.error());
     made.kind_of.push_back(static_cast<std::size_t>(found - made.kinds.begin()));
     bodies.push_back(std::move(*body));
-    contacts.emplace_back(found->hull, tets_obstacles(scene, wanted));
+    contacts.emplace_back(found->hull, tets_obstacles(scene, wanted), wanted.creep);
     frictions.push_back(wanted.friction);
   }
   made.group = std::make_unique<TetGroup>(std::move(bodies), std::move(contacts),

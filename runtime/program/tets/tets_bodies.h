@@ -7,8 +7,8 @@
 
 #include "common/result.h"
 #include "runtime/scene_reader/tets_reader.h"
-#include "runtime/tets/tet_group.h"
-#include "runtime/tets/tet_surface.h"
+#include "runtime/tets/contact/tet_surface.h"
+#include "runtime/tets/motion/tet_group.h"
 
 namespace tremolo {
 

@@ -129,6 +129,7 @@ Status TetsLog::observe(TetBody& body, const TetStepReport& step,
   report_.linearised += step.linearised ? 1 : 0;
   report_.unsolved += step.unsolved ? 1 : 0;
   report_.end.switches += step.energy_of_switch;
+  report_.jump = std::max(report_.jump, step.jump);
   share_sum_ += body.system().quadratic_share();
   report_.share = share_sum_ / static_cast<double>(body.steps() + 1);
   if (body.steps() % outputs_.every == 0 || body.steps() == steps_) {

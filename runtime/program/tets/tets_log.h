@@ -26,6 +26,7 @@ struct TetsReport {
   double momentum_error = 0.0;
   double displacement = 0.0;
   std::int64_t iterations = 0, switched = 0, in_parts = 0, linearised = 0, unsolved = 0;
+  double jump = 0.0;  // the largest of a change of degree, over an edge's length
   std::vector<std::string> files;
 };
 

@@ -5,8 +5,8 @@
 #include <Eigen/LU>
 
 #include "common/processor_time.h"
-#include "runtime/tets/tet_body.h"
-#include "runtime/tets/tet_surface.h"
+#include "runtime/tets/contact/tet_surface.h"
+#include "runtime/tets/motion/tet_body.h"
 #include "tests/lab/work/failure.h"
 #include "tests/support/box_mesh.h"
 

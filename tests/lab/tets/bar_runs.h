@@ -12,7 +12,7 @@
 
 #include <Eigen/Core>
 
-#include "runtime/tets/degree_choice.h"
+#include "runtime/tets/motion/degree_choice.h"
 
 namespace tremolo::tets {
 

@@ -1,0 +1,105 @@
+// A tetrahedral mesh with its materials, made ready for corotated elements of degree two: what all
+// bodies of one kind share and nothing changes.
+//
+// Control points are the mesh's vertices in their order, then one for each edge in the order of
+// mesh_edges(): x_ab, of which the place of the edge's middle is (x_a + 2 x_ab + x_b) / 4. Elements
+// are straight at rest. An edge is quadratic, its control point free, or linear, its control point
+// the mean of its ends; both kinds live in one pattern of 3 x 3 blocks, that of the fully quadratic
+// mesh.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/elements/elasticity.h"
+#include "common/mesh/edge_points.h"
+#include "common/result.h"
+#include "runtime/sparse/block_matrix.h"
+#include "runtime/tets/elements/tet_element.h"
+
+namespace tremolo {
+
+inline constexpr std::size_t kLinearBlocks = 10;  // node_block() of four nodes
+
+// A block of an element in the matrix: where, and whether the matrix stores its transpose.
+struct BlockPlace {
+  std::uint32_t place = 0;
+  bool turned = false;
+};
+
+// An element among others. nodes: control points, corners first, edges as kTetEdges. stiffness: the
+// blocks of K for degree two, linear_stiffness: for degree one.
+struct TetModelElement {
+  TetElement element;
+  std::uint32_t material = 0;
+  std::array<std::uint32_t, kMostNodes> nodes{};
+  std::array<BlockPlace, kMostBlocks> places{};
+  NodeBlocks stiffness;
+  std::array<Eigen::Matrix3d, kLinearBlocks> linear_stiffness;
+};
+
+struct SmoothSpace;  // smooth_modes.h
+
+class TetModel {
+ public:
+  // mesh: linear, or quadratic with straight edges; it has passed check_mesh. held: vertices that
+  // do not move, and with them the edges between them, in any order. Errors (kContent): no
+  // tetrahedron; an element whose volume is not above zero, by its number; a held vertex that is
+  // not there; a material that check_material refuses.
+  static Result<std::shared_ptr<const TetModel>> create(TetMesh mesh,
+                                                        const MaterialTable& materials,
+                                                        std::span<const VertexId> held);
+
+  const TetMesh& mesh() const { return mesh_; }  // quadratic
+  std::size_t vertices() const { return vertices_; }
+  std::size_t edges() const { return mesh_.edges.size(); }
+  std::size_t nodes() const { return mesh_.vertices.size(); }  // vertices and edges
+  // The ends of an edge, whose control point is vertices() + edge.
+  const MeshEdge& edge(std::size_t index) const { return mesh_.edges[index]; }
+  double edge_length(std::size_t index) const { return lengths_[index]; }  // m, at rest
+
+  std::span<const TetModelElement> elements() const { return elements_; }
+  const Elasticity& elasticity(const TetModelElement& element) const {
+    return elasticities_[element.material];
+  }
+  const BlockPatternPointer& pattern() const { return pattern_; }
+  // rho times the integral of B_I B_J for each block of the pattern, kg.
+  std::span<const double> masses() const { return masses_; }
+  std::span<const std::uint8_t> held() const { return held_; }  // a flag a control point
+  double mass() const { return mass_; }                         // kg
+  const Eigen::VectorXd& rest() const { return rest_; }         // 3 nodes(), m
+  BoundingBox rest_box() const { return box_; }
+  const std::shared_ptr<const SmoothSpace>& smooth() const { return smooth_; }
+  // The memory of elements and matrices, and that of one element, bytes.
+  std::size_t bytes() const;
+  static constexpr std::size_t bytes_per_element() { return sizeof(TetModelElement); }
+
+  // y = M x of the fully quadratic mesh; both 3 nodes() long, not the same vector.
+  void mass_times(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
+
+ private:
+  Status make_elements(const MaterialTable& materials);
+  Status make_pattern();
+  void add_masses(const TetModelElement& element);
+
+  TetMesh mesh_;
+  std::size_t vertices_ = 0;
+  std::vector<double> lengths_;
+  std::vector<Elasticity> elasticities_;
+  std::vector<TetModelElement> elements_;
+  BlockPatternPointer pattern_;
+  std::vector<double> masses_;
+  std::vector<std::uint8_t> held_;
+  double mass_ = 0.0;
+  Eigen::VectorXd rest_;
+  BoundingBox box_;
+  std::shared_ptr<const SmoothSpace> smooth_;
+};
+
+using TetModelPointer = std::shared_ptr<const TetModel>;
+
+}  // namespace tremolo

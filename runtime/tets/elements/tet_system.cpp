@@ -1,0 +1,252 @@
+#include "runtime/tets/elements/tet_system.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "runtime/tets/elements/rotation.h"
+
+namespace tremolo {
+namespace {
+
+Eigen::Index at_node(std::size_t node) {
+  return static_cast<Eigen::Index>(3 * node);
+}
+
+}  // namespace
+
+TetSystem::TetSystem(TetModelPointer model, RotationLaw law)
+    : model_(std::move(model)),
+      law_(law),
+      degrees_(model_->edges(), 2),
+      active_(model_->nodes()),
+      straight_(model_->elements().size(), 0),
+      shapes_(model_->elements().size()),
+      evaluated_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * model_->nodes()))),
+      sum_(static_cast<Eigen::Index>(3 * model_->nodes())) {
+  set_degrees(std::vector<std::uint8_t>(model_->edges(), 2));
+}
+
+void TetSystem::set_degrees(std::span<const std::uint8_t> degrees) {
+  has_shapes_ = false;
+  std::copy(degrees.begin(), degrees.end(), degrees_.begin());
+  const auto held = model_->held();
+  for (std::size_t i = 0; i < active_.size(); ++i) active_[i] = held[i] == 0 ? 1 : 0;
+  for (std::size_t e = 0; e < degrees_.size(); ++e)
+    if (degrees_[e] < 2) active_[model_->vertices() + e] = 0;
+  const auto elements = model_->elements();
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    straight_[e] = 1;
+    for (std::size_t i = 4; i < kMostNodes; ++i)
+      if (degrees_[elements[e].nodes[i] - model_->vertices()] > 1) straight_[e] = 0;
+  }
+}
+
+double TetSystem::quadratic_share() const {
+  const auto count = std::count(degrees_.begin(), degrees_.end(), std::uint8_t{2});
+  return static_cast<double>(count) /
+         static_cast<double>(std::max<std::size_t>(1, degrees_.size()));
+}
+
+void TetSystem::follow_ends(Eigen::VectorXd& x) const {
+  for (std::size_t e = 0; e < degrees_.size(); ++e)
+    if (degrees_[e] < 2) {
+      const MeshEdge& edge = model_->edge(e);
+      x.segment<3>(at_node(edge.point)) =
+          0.5 * (x.segment<3>(at_node(edge.a)) + x.segment<3>(at_node(edge.b)));
+    }
+}
+
+void TetSystem::fold(Eigen::VectorXd& y) const {
+  for (std::size_t e = 0; e < degrees_.size(); ++e)
+    if (degrees_[e] < 2) {
+      const MeshEdge& edge = model_->edge(e);
+      const Eigen::Vector3d half = 0.5 * y.segment<3>(at_node(edge.point));
+      y.segment<3>(at_node(edge.a)) += half;
+      y.segment<3>(at_node(edge.b)) += half;
+      y.segment<3>(at_node(edge.point)).setZero();
+    }
+}
+
+NodeVectors TetSystem::gather(const TetModelElement& element, const Eigen::VectorXd& x,
+                              int nodes) const {
+  NodeVectors local(3, nodes);
+  for (int i = 0; i < nodes; ++i) local.col(i) = x.segment<3>(at_node(element.nodes[i]));
+  return local;
+}
+
+std::size_t TetSystem::evaluate(const Eigen::VectorXd& x) {
+  if (has_shapes_ && x == evaluated_) return lost_;
+  const auto elements = model_->elements();
+  evaluated_ = x;
+  has_shapes_ = true;
+  lost_ = 0;
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const TetModelElement& element = elements[e];
+    shapes_[e] = tet_shape(element.element, model_->elasticity(element), law_,
+                           gather(element, x, straight(e) ? 4 : kMostNodes));
+    if (!shapes_[e].converged) ++lost_;
+  }
+  return lost_;
+}
+
+Eigen::Matrix3d TetSystem::mean_rotation() const {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t e = 0; e < shapes_.size(); ++e)
+    sum += model_->elements()[e].element.geometry.volume * shapes_[e].rotation;
+  return nearest_rotation(sum);
+}
+
+double TetSystem::energy() const {
+  double sum = 0.0;
+  for (std::size_t e = 0; e < shapes_.size(); ++e)
+    sum += tet_energy(model_->elements()[e].element, shapes_[e]);
+  return sum;
+}
+
+// A linear element's forces as those of the quadratic one that it is, which fold back to them.
+void TetSystem::scatter(const TetModelElement& element, const NodeVectors& force,
+                        Eigen::VectorXd& f) const {
+  const auto at = [&](std::size_t i) { return f.segment<3>(at_node(element.nodes[i])); };
+  if (force.cols() == kMostNodes) {
+    for (std::size_t i = 0; i < kMostNodes; ++i) at(i) += force.col(static_cast<Eigen::Index>(i));
+    return;
+  }
+  for (std::size_t a = 0; a < 4; ++a) at(a) += 0.5 * force.col(static_cast<Eigen::Index>(a));
+  for (std::size_t e = 0; e < 6; ++e)
+    at(4 + e) += 0.5 * (force.col(kTetEdges[e][0]) + force.col(kTetEdges[e][1]));
+}
+
+void TetSystem::add_force(Eigen::VectorXd& f) const {
+  for (std::size_t e = 0; e < shapes_.size(); ++e) {
+    const TetModelElement& element = model_->elements()[e];
+    scatter(element, -tet_force(element.element, shapes_[e]), f);
+  }
+}
+
+void TetSystem::add_damping_force(const Eigen::VectorXd& v, double beta, Eigen::VectorXd& f) const {
+  for (std::size_t e = 0; e < shapes_.size(); ++e) {
+    const TetModelElement& element = model_->elements()[e];
+    const NodeVectors local = gather(element, v, straight(e) ? 4 : kMostNodes);
+    scatter(element,
+            -beta * tet_damping_force(element.element, model_->elasticity(element), law_,
+                                      shapes_[e], local),
+            f);
+  }
+}
+
+TetSystem::FoldMap TetSystem::fold_map(const TetModelElement& element) const {
+  FoldMap map;
+  for (std::size_t local = 0; local < kMostNodes; ++local) {
+    map[local] = {{local, 0}, 1, 1.0};
+    if (local < 4 || degrees_[element.nodes[local] - model_->vertices()] > 1) continue;
+    const auto& ends = kTetEdges[local - 4];
+    map[local] = {{static_cast<std::size_t>(ends[0]), static_cast<std::size_t>(ends[1])}, 2, 0.5};
+  }
+  return map;
+}
+
+// Adds E^T B E of one block of an element, and of its transpose where it is beside the diagonal.
+void TetSystem::fold_block(const TetModelElement& element, const FoldMap& map, std::size_t i,
+                           std::size_t j, const Eigen::Matrix3d& block, BlockMatrix& a) {
+  const FoldTargets &rows = map[i], &columns = map[j];
+  if (rows.count == 1 && columns.count == 1) {
+    const BlockPlace place = element.places[node_block(i, j)];
+    if (place.turned)
+      a.block(place.place) += block.transpose();
+    else
+      a.block(place.place) += block;
+    return;
+  }
+  const double weight = rows.weight * columns.weight;
+  for (std::size_t r = 0; r < rows.count; ++r)
+    for (std::size_t c = 0; c < columns.count; ++c) {
+      const std::size_t row = rows.to[r], column = columns.to[c];
+      if (i == j && row < column) continue;  // the same as the other way round
+      const BlockPlace place =
+          element.places[row < column ? node_block(column, row) : node_block(row, column)];
+      Eigen::Matrix3d& stored = a.block(place.place);
+      if (row == column && i != j)
+        stored += weight * (block + block.transpose());
+      else if ((row < column) != place.turned)
+        stored += weight * block.transpose();
+      else
+        stored += weight * block;
+    }
+}
+
+void TetSystem::assemble(const TetMatrixFactors& factors, BlockMatrix& a) const {
+  std::array<std::array<double, kMostBlocks>, 2> shares;  // of the mass, by order
+  for (const int order : {1, 2})
+    for (int i = 0; i < nodes_of_order(order); ++i)
+      for (int j = 0; j <= i; ++j)
+        shares[static_cast<std::size_t>(order - 1)][node_block(i, j)] = mass_share(order, i, j);
+  a.set_zero();
+  const bool of_mass_alone = factors.tangent.position == 0.0 && factors.tangent.velocity == 0.0;
+  NodeBlocks blocks;
+  for (std::size_t e = 0; e < shapes_.size(); ++e) {
+    const TetModelElement& element = model_->elements()[e];
+    const int order = straight(e) ? 1 : 2;
+    const std::span<const Eigen::Matrix3d> stiffness =
+        order == 1 ? std::span<const Eigen::Matrix3d>(element.linear_stiffness)
+                   : std::span<const Eigen::Matrix3d>(element.stiffness);
+    if (of_mass_alone)
+      blocks.fill(Eigen::Matrix3d::Zero());
+    else
+      tet_tangent(element.element, model_->elasticity(element), law_, shapes_[e], stiffness,
+                  factors.tangent, blocks);
+    const FoldMap map = fold_map(element);
+    const int nodes = nodes_of_order(order);
+    for (int i = 0; i < nodes; ++i)
+      for (int j = 0; j <= i; ++j) {
+        Eigen::Matrix3d& block = blocks[node_block(i, j)];
+        block.diagonal().array() += factors.mass * element.element.mass *
+                                    shares[static_cast<std::size_t>(order - 1)][node_block(i, j)];
+        fold_block(element, map, i, j, block, a);
+      }
+  }
+}
+
+void TetSystem::fold_point(std::span<const std::uint32_t> nodes, std::span<double> shares) const {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (nodes[i] < model_->vertices() || degrees_[nodes[i] - model_->vertices()] > 1) continue;
+    const MeshEdge& edge = model_->edge(nodes[i] - model_->vertices());
+    for (const VertexId end : {edge.a, edge.b}) {
+      const auto found = std::find(nodes.begin(), nodes.end(), static_cast<std::uint32_t>(end));
+      shares[static_cast<std::size_t>(found - nodes.begin())] += 0.5 * shares[i];
+    }
+    shares[i] = 0.0;
+  }
+}
+
+void TetSystem::mass_times_folded(Eigen::VectorXd& y) const {
+  model_->mass_times(y, sum_);
+  fold(sum_);
+  y = sum_;
+}
+
+Eigen::Vector3d TetSystem::momentum(const Eigen::VectorXd& v) const {
+  model_->mass_times(v, sum_);
+  return sum_.reshaped<Eigen::ColMajor>(3, sum_.size() / 3).rowwise().sum();
+}
+
+Eigen::Vector3d TetSystem::angular_momentum(const Eigen::VectorXd& x,
+                                            const Eigen::VectorXd& v) const {
+  model_->mass_times(v, sum_);
+  Eigen::Vector3d total = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < model_->nodes(); ++i)
+    total += x.segment<3>(at_node(i)).cross(sum_.segment<3>(at_node(i)));
+  return total;
+}
+
+double TetSystem::kinetic_energy(const Eigen::VectorXd& v) const {
+  model_->mass_times(v, sum_);
+  return 0.5 * v.dot(sum_);
+}
+
+std::size_t TetSystem::bytes() const {
+  return shapes_.size() * sizeof(TetShape) + static_cast<std::size_t>(sum_.size()) * 16 +
+         3 * active_.size();
+}
+
+}  // namespace tremolo

@@ -1,0 +1,100 @@
+// The forces, energy and matrices of a mesh of corotated tetrahedra at given control points, with
+// edges of degree one or two.
+//
+// With E the map from the control points that are free to all of them (x_ab = (x_a + x_b) / 2 on a
+// linear edge), the potential is W(E x), so that
+//   force = -E^T dW,   mass = E^T M E,   matrix = E^T (c_0 M + c_1 dforce/dx + ...) E,
+// and E^T sends half of what acts on a linear edge's control point to each end. An element all of
+// whose edges are linear is the linear element (docs/tets.md), and is computed as one. What is
+// folded away is zero in vectors; vectors are 3 nodes() long and hold x_ab also of linear edges.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "runtime/tets/elements/tet_model.h"
+
+namespace tremolo {
+
+// What TetSystem::assemble() sums.
+struct TetMatrixFactors {
+  double mass = 0.0;
+  TangentFactors tangent;
+};
+
+class TetSystem {
+ public:
+  // All edges quadratic.
+  TetSystem(TetModelPointer model, RotationLaw law);
+
+  const TetModel& model() const { return *model_; }
+  RotationLaw law() const { return law_; }
+
+  // degrees: 1 or 2 for each edge.
+  void set_degrees(std::span<const std::uint8_t> degrees);
+  std::span<const std::uint8_t> degrees() const { return degrees_; }
+  double quadratic_share() const;  // of the edges
+  // A flag a control point: neither held nor folded away.
+  std::span<const std::uint8_t> active() const { return active_; }
+
+  // Puts the control points of linear edges at the mean of their ends; of velocities alike.
+  void follow_ends(Eigen::VectorXd& x) const;
+  // E^T: halves go to the ends; what acts on held control points stays there.
+  void fold(Eigen::VectorXd& y) const;
+
+  // Finds all elements' rotations and strains at x, whose linear edges follow their ends; what is
+  // below is at this x. Returns how many elements' rotations did not converge. At the x and the
+  // degrees of the call before it does nothing.
+  std::size_t evaluate(const Eigen::VectorXd& x);
+  double energy() const;                  // J
+  Eigen::Matrix3d mean_rotation() const;  // nearest to the mean of the elements' by volume
+  // f += what acts on the control points, N, as of the quadratic mesh: fold() makes it that of the
+  // system, and what stood in the rows of linear edges before says what they are kept from.
+  void add_force(Eigen::VectorXd& f) const;
+  // The same for damping proportional to the stiffness, beta s.
+  void add_damping_force(const Eigen::VectorXd& v, double beta, Eigen::VectorXd& f) const;
+  // a = E^T (..) E. Rows and columns of control points that are not active mean nothing.
+  void assemble(const TetMatrixFactors& factors, BlockMatrix& a) const;
+
+  // Shares of control points among which are the ends of every edge: those of linear edges go half
+  // and half to their ends.
+  void fold_point(std::span<const std::uint32_t> nodes, std::span<double> shares) const;
+
+  // y <- E^T M y.
+  void mass_times_folded(Eigen::VectorXd& y) const;
+
+  // Linear and angular momentum about the origin, kg m/s, kg m^2/s.
+  Eigen::Vector3d momentum(const Eigen::VectorXd& v) const;
+  Eigen::Vector3d angular_momentum(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const;
+  double kinetic_energy(const Eigen::VectorXd& v) const;  // J
+  std::size_t bytes() const;
+
+ private:
+  bool straight(std::size_t element) const { return straight_[element] != 0; }
+  NodeVectors gather(const TetModelElement& element, const Eigen::VectorXd& x, int nodes) const;
+  void scatter(const TetModelElement& element, const NodeVectors& force, Eigen::VectorXd& f) const;
+  // What one local control point of an element folds to: itself, or the two ends of its edge.
+  struct FoldTargets {
+    std::array<std::size_t, 2> to{};
+    std::size_t count = 1;
+    double weight = 1.0;
+  };
+  using FoldMap = std::array<FoldTargets, kMostNodes>;
+  FoldMap fold_map(const TetModelElement& element) const;
+  static void fold_block(const TetModelElement& element, const FoldMap& map, std::size_t i,
+                         std::size_t j, const Eigen::Matrix3d& block, BlockMatrix& a);
+
+  TetModelPointer model_;
+  RotationLaw law_;
+  std::vector<std::uint8_t> degrees_, active_, straight_;
+  std::vector<TetShape> shapes_;
+  Eigen::VectorXd evaluated_;  // the x of shapes_
+  bool has_shapes_ = false;
+  std::size_t lost_ = 0;
+  mutable Eigen::VectorXd sum_;  // a vector on its way
+};
+
+}  // namespace tremolo

@@ -1,0 +1,101 @@
+#include "runtime/tets/motion/degree_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace tremolo {
+namespace {
+
+Eigen::Index degree_at(std::size_t node) {
+  return static_cast<Eigen::Index>(3 * node);
+}
+
+// What an edge's control point is off the mean of its ends.
+Eigen::Vector3d off_mean(const MeshEdge& edge, const Eigen::VectorXd& x) {
+  return x.segment<3>(degree_at(edge.point)) -
+         0.5 * (x.segment<3>(degree_at(edge.a)) + x.segment<3>(degree_at(edge.b)));
+}
+
+}  // namespace
+
+Result<DegreeKind> parse_degree(std::string_view name) {
+  if (name == "linear") return DegreeKind::kLinear;
+  if (name == "quadratic") return DegreeKind::kQuadratic;
+  if (name == "adaptive") return DegreeKind::kAdaptive;
+  return usage_error("unknown degree '" + std::string(name) + "': linear, quadratic or adaptive");
+}
+
+Status check(const DegreeOptions& options) {
+  if (!(options.lower > 0.0 && options.lower <= options.upper && std::isfinite(options.upper)))
+    return content_error("degree thresholds: lower is " + std::to_string(options.lower) +
+                         ", upper " + std::to_string(options.upper) +
+                         "; expected 0 < lower <= upper, shares of an edge's length");
+  if (options.least_steps < 1 || options.every < 1)
+    return content_error("degree: least steps and every must be at least 1");
+  return Success{};
+}
+
+DegreeChoice::DegreeChoice(const TetModel& model, const DegreeOptions& options)
+    : options_(options),
+      stiffness_(model.edges(), 0.0),
+      mass_(model.edges(), 0.0),
+      age_(model.edges(), options.least_steps),  // what never changed need not wait
+      wanted_(model.edges(), 2) {
+  for (const TetModelElement& element : model.elements())
+    for (std::size_t i = 4; i < kMostNodes; ++i)
+      stiffness_[element.nodes[i] - model.vertices()] +=
+          element.stiffness[node_block(i, i)].trace() / 3.0;
+  for (std::size_t e = 0; e < model.edges(); ++e)
+    mass_[e] = model.masses()[model.pattern()->diagonal(model.vertices() + e)];
+}
+
+std::vector<std::uint8_t> DegreeChoice::first_degrees() const {
+  return std::vector<std::uint8_t>(wanted_.size(), options_.kind == DegreeKind::kQuadratic ? 2 : 1);
+}
+
+std::span<const std::uint8_t> DegreeChoice::choose(const TetSystem& system, const TetMotion& motion,
+                                                   const Eigen::VectorXd& residual, double rate,
+                                                   double h) {
+  const TetModel& model = system.model();
+  changed_ = 0;
+  for (std::size_t e = 0; e < wanted_.size(); ++e) {
+    const std::uint8_t now = system.degrees()[e];
+    wanted_[e] = now;
+    if (++age_[e] < options_.least_steps || model.held()[model.vertices() + e] != 0) continue;
+    const MeshEdge& edge = model.edge(e);
+    const double length = model.edge_length(e);
+    if (now < 2) {
+      const double pull = residual.segment<3>(degree_at(edge.point)).norm();
+      if (pull > options_.upper * length * (rate * mass_[e] + stiffness_[e])) wanted_[e] = 2;
+    } else {
+      const Eigen::Vector3d off = off_mean(edge, motion.x);
+      const double later = (off + h * off_mean(edge, motion.v)).norm();
+      if (std::max(off.norm(), later) < options_.lower * length) wanted_[e] = 1;
+    }
+    if (wanted_[e] == now) continue;
+    age_[e] = 0;
+    ++changed_;
+  }
+  return wanted_;
+}
+
+void project_motion(const TetSystem& system, ActiveSolve& solve, BlockMatrix& matrix,
+                    Eigen::VectorXd& work, Eigen::VectorXd& y) {
+  // What is left of y where linear edges follow their ends; only near those that changed is it
+  // something, and a correction near them is sought.
+  work = y;
+  system.follow_ends(y);
+  work -= y;
+  Eigen::VectorXd& rest = work;
+  // The momentum that following has lost goes to the ends.
+  system.mass_times_folded(rest);
+  if (!(rest.squaredNorm() > 0.0)) return;
+  system.assemble({1.0, {0.0, 0.0, TangentKind::kFrozen}}, matrix);
+  // Rounding stops it before: the mass matrix has a condition of some tens.
+  solve.solve(matrix, rest, 1e-15, 200, rest);
+  y += rest;
+  system.follow_ends(y);
+}
+
+}  // namespace tremolo

@@ -1,0 +1,299 @@
+#include "runtime/tets/motion/tet_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "runtime/tets/motion/tet_island.h"
+#include "runtime/tets/solve/rigid_balance.h"
+
+namespace tremolo {
+namespace {
+
+// Of a residual, over the stiffness times the places: a few roundings.
+constexpr double kRounding = 4e-15;
+
+Eigen::Index body_at(std::size_t node) {
+  return static_cast<Eigen::Index>(3 * node);
+}
+
+void clear_held(std::span<const std::uint8_t> active, Eigen::VectorXd& y) {
+  for (std::size_t i = 0; i < active.size(); ++i)
+    if (active[i] == 0) y.segment<3>(body_at(i)).setZero();
+}
+
+Status check_range(const char* name, double value, double least, bool open) {
+  if (std::isfinite(value) && (open ? value > least : value >= least)) return Success{};
+  return content_error(std::string(name) + " is " + std::to_string(value) + ", expected " +
+                       (open ? "above " : "at least ") + std::to_string(least));
+}
+
+}  // namespace
+
+Status check(const TetBodyOptions& options) {
+  for (const Status& status :
+       {check_range("step", options.step, 0.0, true),
+        check_range("alpha", options.alpha, 0.0, false),
+        check_range("beta", options.beta, 0.0, false),
+        check_range("tolerance", options.tolerance, 0.0, true),
+        check_range("linear tolerance", options.linear_tolerance, 0.0, true),
+        check_range("max iterations", options.max_iterations, 0.0, true), check(options.degree)})
+    if (!status) return status.error();
+  if (!options.gravity.allFinite()) return content_error("gravity is not finite");
+  return Success{};
+}
+
+Result<TetBody> TetBody::create(TetModelPointer model, const TetBodyOptions& options) {
+  if (Status status = check(options); !status) return status.error();
+  return TetBody(std::move(model), options);
+}
+
+TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
+    : options_(options),
+      system_(model, options.law),
+      choice_(*model, options.degree),
+      solve_(model->pattern(), model->smooth()),
+      matrix_(model->pattern()),
+      alone_(std::make_unique<TetIsland>()) {
+  const Eigen::Index size = model->rest().size();
+  for (TetMotion* motion : {&now_, &before_, &saved_, &saved_before_}) {
+    motion->x = model->rest();
+    motion->v.setZero(size);
+    motion->a.setZero(size);
+  }
+  for (Eigen::VectorXd* v : {&way_, &s_, &start_, &velocity_, &force_, &residual_, &correction_,
+                             &direction_, &inertia_, &stage_.from, &stage_.inertial})
+    v->setZero(size);
+  for (const std::uint8_t flag : model->held()) held_ = held_ || flag != 0;
+  // A place's rounding times this is the rounding of a force.
+  double squared = 0.0;
+  for (const TetModelElement& element : model->elements())
+    squared += std::pow(element.element.couple, 2) *
+               std::pow(element.element.geometry.gradients.squaredNorm(), 2);
+  rounding_scale_ = std::sqrt(squared);
+  Eigen::VectorXd ones = Eigen::VectorXd::Ones(size);
+  weight_.resize(size);
+  model->mass_times(ones, weight_);
+  load_ = (weight_.array() * options.gravity.replicate(size / 3, 1).array()).matrix().norm();
+  system_.set_degrees(choice_.first_degrees());
+  solve_.choose(system_.active());
+}
+
+TetBody::TetBody(TetBody&&) noexcept = default;
+TetBody& TetBody::operator=(TetBody&&) noexcept = default;
+TetBody::~TetBody() = default;
+
+Status TetBody::set_state(const Eigen::VectorXd& x, const Eigen::VectorXd& v) {
+  if (x.size() != now_.x.size() || v.size() != now_.x.size())
+    return content_error("state of " + std::to_string(x.size()) + " and " +
+                         std::to_string(v.size()) + " numbers, expected " +
+                         std::to_string(now_.x.size()));
+  if (!x.allFinite() || !v.allFinite()) return content_error("state is not finite");
+  now_.x = x;
+  now_.v = v;
+  system_.follow_ends(now_.x);
+  system_.follow_ends(now_.v);
+  has_before_ = has_acceleration_ = false;
+  return Success{};
+}
+
+double TetBody::elastic_energy() {
+  system_.evaluate(now_.x);
+  return system_.energy();
+}
+
+double TetBody::gravity_energy() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < model().nodes(); ++i)
+    sum -= weight_[body_at(i)] * options_.gravity.dot(now_.x.segment<3>(body_at(i)));
+  return sum;
+}
+
+double TetBody::set_degrees(std::span<const std::uint8_t> degrees) {
+  const double before = kinetic_energy() + elastic_energy() + gravity_energy();
+  const bool only_more = std::equal(degrees.begin(), degrees.end(), system_.degrees().begin(),
+                                    [](std::uint8_t a, std::uint8_t b) { return a >= b; });
+  const Eigen::Vector3d spin = angular_momentum();
+  system_.set_degrees(degrees);
+  solve_.choose(system_.active());
+  has_acceleration_ = false;
+  if (only_more) return 0.0;
+  for (Eigen::VectorXd* y : {&now_.x, &now_.v})
+    project_motion(system_, solve_, matrix_, correction_, *y);
+  if (options_.method == TetMethod::kBdf2)
+    for (Eigen::VectorXd* y : {&before_.x, &before_.v})
+      project_motion(system_, solve_, matrix_, correction_, *y);
+  if (!held_) restore_spin(model(), spin - angular_momentum(), now_.x, now_.v, correction_);
+  return before - (kinetic_energy() + elastic_energy() + gravity_energy());
+}
+
+void TetBody::begin(TetMethod method, double h) {
+  if (method == TetMethod::kNewmark && !has_acceleration_) find_acceleration();
+  begin_stage(method, h, now_, has_before_ ? &before_ : nullptr, stage_);
+}
+
+void TetBody::guess(bool stay) {
+  way_ = stage_.inertial;
+  if (stay) way_ = now_.x - stage_.from;
+  for (std::size_t i = 0; i < model().nodes(); ++i)
+    if (model().held()[i] != 0)
+      way_.segment<3>(body_at(i)) =
+          now_.x.segment<3>(body_at(i)) - stage_.from.segment<3>(body_at(i));
+  system_.follow_ends(way_);
+}
+
+void TetBody::find_forces() {
+  s_ = stage_.from + way_;
+  system_.evaluate(s_);
+  velocity_ = stage_.rate * way_;
+  correction_ = (stage_.rate * stage_.rate) * (way_ - stage_.inertial);
+  if (options_.alpha > 0.0) correction_ += options_.alpha * velocity_;
+  model().mass_times(correction_, inertia_);
+  for (std::size_t i = 0; i < model().nodes(); ++i)
+    force_.segment<3>(body_at(i)) = weight_[body_at(i)] * options_.gravity;
+  system_.add_force(force_);
+  if (options_.beta > 0.0) system_.add_damping_force(velocity_, options_.beta, force_);
+}
+
+// r = E^T (M g^2 (d - d_a) - F); not folded, it stays in force_.
+double TetBody::close_residual() {
+  force_ = inertia_ - force_;
+  residual_ = force_;
+  system_.fold(residual_);
+  clear_held(system_.active(), residual_);
+  return residual_.squaredNorm();
+}
+
+double TetBody::stop_size() const {
+  return options_.tolerance * ((inertia_ - force_).norm() + inertia_.norm() + load_) +
+         kRounding * rounding_scale_ * s_.cwiseAbs().maxCoeff();
+}
+
+// The matrix M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv.
+void TetBody::assemble(TangentKind tangent) {
+  TetMatrixFactors factors;
+  factors.mass = stage_.rate * (stage_.rate + options_.alpha);
+  factors.tangent = {1.0, options_.beta * stage_.rate, tangent};
+  system_.assemble(factors, matrix_);
+}
+
+void TetBody::take_preconditioner() {
+  solve_.take_diagonal(matrix_);
+  solve_.take_smooth(system_.mean_rotation(), stage_.rate * (stage_.rate + options_.alpha),
+                     1.0 + options_.beta * stage_.rate);
+}
+
+// The rigid motions in the residual, which no elastic force balances, are taken out exactly.
+void TetBody::balance_momenta() {
+  if (held_) return;
+  for (int pass = 0; pass < 3; ++pass) {
+    if (!rigid_correction(model(), s_, residual_, stage_.rate * stage_.rate, correction_)) return;
+    way_ += correction_;
+    find_forces();
+    close_residual();
+  }
+}
+
+void TetBody::end() {
+  end_stage(stage_, way_, now_, before_);
+  has_before_ = true;
+}
+
+// a = M^-1 F at the beginning.
+void TetBody::find_acceleration() {
+  stage_.rate = 0.0;
+  stage_.from = now_.x;
+  way_.setZero();
+  find_forces();
+  close_residual();
+  if (options_.alpha > 0.0 || options_.beta > 0.0) {
+    // With a rate of zero the velocity was zero: damping of the state's own comes on top.
+    force_.setZero();
+    velocity_ = options_.alpha * now_.v;
+    model().mass_times(velocity_, force_);
+    force_ = -force_;
+    if (options_.beta > 0.0) system_.add_damping_force(now_.v, options_.beta, force_);
+    system_.fold(force_);
+    clear_held(system_.active(), force_);
+    residual_ -= force_;
+  }
+  residual_ = -residual_;
+  system_.assemble({1.0, {0.0, 0.0, TangentKind::kFrozen}}, matrix_);
+  solve_.solve(matrix_, residual_, 1e-14, 300, now_.a);
+  system_.follow_ends(now_.a);
+  has_acceleration_ = true;
+}
+
+void TetBody::keep_state() {
+  saved_.x = now_.x;
+  saved_.v = now_.v;
+  saved_before_.x = before_.x;
+  saved_before_.v = before_.v;
+  had_before_ = has_before_;
+}
+
+void TetBody::restore_state() {
+  now_.x = saved_.x;
+  now_.v = saved_.v;
+  before_.x = saved_before_.x;
+  before_.v = saved_before_.v;
+  has_before_ = had_before_;
+}
+
+void TetBody::rewind() {
+  now_.x = saved_.x;
+  now_.v = saved_.v;
+  has_before_ = has_acceleration_ = false;
+}
+
+void TetBody::stop() {
+  now_.v.setZero();
+  has_before_ = has_acceleration_ = false;
+}
+
+void TetBody::skip_step() {
+  time_ += options_.step;
+  ++steps_;
+}
+
+void TetBody::choose_degrees(TetStepReport& report) {
+  if (options_.degree.kind != DegreeKind::kAdaptive || steps_ % options_.degree.every != 0) return;
+  const auto wanted =
+      choice_.choose(system_, now_, force_, stage_.rate * stage_.rate, options_.step);
+  report.switched = choice_.changed();
+  if (report.switched == 0) return;
+  saved_.x = now_.x;
+  report.energy_of_switch = set_degrees(wanted);
+  report.jump = largest_jump();
+}
+
+double TetBody::largest_jump() const {
+  const auto way = [this](std::size_t node) -> Eigen::Vector3d {
+    return now_.x.segment<3>(body_at(node)) - saved_.x.segment<3>(body_at(node));
+  };
+  double largest = 0.0;
+  for (std::size_t e = 0; e < model().edges(); ++e) {
+    const MeshEdge& edge = model().edge(e);
+    const Eigen::Vector3d a = way(static_cast<std::size_t>(edge.a));
+    const Eigen::Vector3d b = way(static_cast<std::size_t>(edge.b));
+    const Eigen::Vector3d middle = 0.25 * (a + b) + 0.5 * way(static_cast<std::size_t>(edge.point));
+    const double squared = std::max({a.squaredNorm(), b.squaredNorm(), middle.squaredNorm()});
+    largest = std::max(largest, std::sqrt(squared) / model().edge_length(e));
+  }
+  return largest;
+}
+
+TetStepReport TetBody::step(TetContact* contact) {
+  const TetMember member{this, contact};
+  TetStepReport report;
+  alone_->step({&member, 1}, {&report, 1});
+  return report;
+}
+
+std::size_t TetBody::bytes() const {
+  return system_.bytes() + solve_.bytes() + model().pattern()->blocks() * sizeof(Eigen::Matrix3d) +
+         static_cast<std::size_t>(now_.x.size()) * 24 * sizeof(double);
+}
+
+}  // namespace tremolo

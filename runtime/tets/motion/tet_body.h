@@ -1,0 +1,141 @@
+// A body of corotated tetrahedra that moves: its state, its degrees, its step.
+//
+// A step is found by Newton's method, by itself or together with bodies that it touches
+// (tet_island.h).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/tets/elements/tet_system.h"
+#include "runtime/tets/motion/degree_choice.h"
+#include "runtime/tets/solve/active_solve.h"
+#include "runtime/tets/solve/tet_stage.h"
+
+namespace tremolo {
+
+// step: s. gravity: m/s^2. alpha, 1/s, and beta, s: Rayleigh's. tolerance: of the residual over the
+// weight and the forces at the step's beginning. linear_tolerance: of a correction's equation.
+// take_unsolved: a step that max_iterations do not solve is taken as it is, and is told
+// (tet_island.h); else it is cut.
+struct TetBodyOptions {
+  TetMethod method = TetMethod::kBdf2;
+  RotationLaw law = RotationLaw::kLeastEnergy;
+  TangentKind tangent = TangentKind::kExact;
+  double step = 1.0 / 60.0;
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+  double alpha = 0.0;
+  double beta = 0.0;
+  double tolerance = 1e-6;
+  double linear_tolerance = 1e-3;
+  int max_iterations = 20;
+  bool take_unsolved = false;
+  DegreeOptions degree;
+};
+// Errors (kContent) name the value: a step, tolerance or damping out of range, thresholds the wrong
+// way round.
+Status check(const TetBodyOptions& options);
+
+// converged: a step was made. iterations: Newton's; linear: those of conjugate gradients. parts:
+// how many steps it took. linearised: each of them is one correction, no solution was found.
+// unsolved: one of them was taken as it was (take_unsolved).
+// switched: edges that changed their degree. energy_of_switch: J, what they took out of the body.
+// jump: the largest way of an end or a middle of an edge in that, over the edge's length.
+struct TetStepReport {
+  bool converged = true;
+  int iterations = 0;
+  int linear = 0;
+  int parts = 1;
+  bool linearised = false;
+  bool unsolved = false;
+  std::size_t switched = 0;
+  double energy_of_switch = 0.0;
+  double jump = 0.0;
+};
+
+class TetContact;
+class TetIsland;
+
+class TetBody {
+ public:
+  TetBody(TetBody&&) noexcept;
+  TetBody& operator=(TetBody&&) noexcept;
+  ~TetBody();
+
+  // At rest in the mesh's place. Errors: those of check().
+  static Result<TetBody> create(TetModelPointer model, const TetBodyOptions& options);
+
+  const TetModel& model() const { return system_.model(); }
+  const TetBodyOptions& options() const { return options_; }
+  const TetSystem& system() const { return system_; }
+  const Eigen::VectorXd& positions() const { return now_.x; }   // 3 nodes(), m
+  const Eigen::VectorXd& velocities() const { return now_.v; }  // m/s
+  double time() const { return time_; }
+  std::int64_t steps() const { return steps_; }
+
+  // Control points of linear edges are put at the mean of their ends, held ones move as told.
+  // Errors (kContent): another length; a value that is not finite.
+  Status set_state(const Eigen::VectorXd& x, const Eigen::VectorXd& v);
+  // 1 or 2 for each edge; positions and velocities are projected (degree_choice.h). The energy that
+  // it took, J.
+  double set_degrees(std::span<const std::uint8_t> degrees);
+
+  // Makes a step by itself. contact: what it touches; null: nothing. Where it fails, the state is
+  // as before.
+  TetStepReport step(TetContact* contact = nullptr);
+  // Velocities and what is carried from step to step become zero.
+  void stop();
+  // A step passes in which the body does not move.
+  void skip_step();
+
+  // Where forces are taken in a step, for partners of a contact (tet_contact.h).
+  const Eigen::VectorXd& trial_places() const { return s_; }
+  const Eigen::VectorXd& trial_velocities() const { return velocity_; }
+
+  // Of the state: kinetic, elastic and of gravity, J.
+  double kinetic_energy() const { return system_.kinetic_energy(now_.v); }
+  double elastic_energy();
+  double gravity_energy() const;
+  Eigen::Vector3d momentum() const { return system_.momentum(now_.v); }
+  Eigen::Vector3d angular_momentum() const { return system_.angular_momentum(now_.x, now_.v); }
+  std::size_t bytes() const;  // of the body; the model's come once
+
+ private:
+  friend class TetIsland;  // which takes the following in turn
+
+  TetBody(TetModelPointer model, const TetBodyOptions& options);
+  void keep_state();
+  void restore_state();  // all of it
+  void rewind();         // to where the step began, without what came before
+  void begin(TetMethod method, double h);
+  void guess(bool stay);  // the way to begin with; stay: none, where the body is
+  // The forces at way_, without contact, go to force_, and then become the residual.
+  void find_forces();
+  double close_residual();  // |r|^2
+  double stop_size() const;
+  void assemble(TangentKind tangent);
+  void take_preconditioner();  // of what was assembled last, without touches
+  void balance_momenta();
+  void end();
+  void find_acceleration();
+  void choose_degrees(TetStepReport& report);
+  double largest_jump() const;  // from saved_.x
+
+  TetBodyOptions options_;
+  TetSystem system_;
+  DegreeChoice choice_;
+  ActiveSolve solve_;
+  BlockMatrix matrix_;
+  TetMotion now_, before_, saved_, saved_before_;
+  TetStage stage_;
+  bool has_before_ = false, had_before_ = false, has_acceleration_ = false, held_ = false;
+  Eigen::VectorXd way_, s_, start_, velocity_, force_, residual_, correction_, direction_, inertia_,
+      weight_;
+  double rounding_scale_ = 0.0, load_ = 0.0, time_ = 0.0;
+  std::int64_t steps_ = 0;
+  std::unique_ptr<TetIsland> alone_;
+};
+
+}  // namespace tremolo

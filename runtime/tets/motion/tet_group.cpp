@@ -1,0 +1,220 @@
+#include "runtime/tets/motion/tet_group.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+namespace tremolo {
+namespace {
+
+// Of a body's size: boxes this near overlap.
+constexpr double kBoxMargin = 0.02;
+// Bodies of a heap press on some hundred points each.
+constexpr std::size_t kTouchesOfBody = 256;
+
+}  // namespace
+
+Status check(const TetGroupOptions& options) {
+  if (!(options.sleep_speed >= 0.0 && std::isfinite(options.sleep_speed)))
+    return content_error("sleep speed is " + std::to_string(options.sleep_speed) +
+                         " m/s, expected at least 0");
+  if (!(options.sleep_time >= 0.0 && std::isfinite(options.sleep_time)))
+    return content_error("sleep time is " + std::to_string(options.sleep_time) +
+                         " s, expected at least 0");
+  if (options.threads < 1) return content_error("threads: expected at least 1");
+  return Success{};
+}
+
+TetGroup::TetGroup(std::vector<TetBody> bodies, std::vector<TetContact> contacts,
+                   std::vector<double> frictions, const TetGroupOptions& options)
+    : bodies_(std::move(bodies)),
+      contacts_(std::move(contacts)),
+      frictions_(std::move(frictions)),
+      options_(options),
+      pool_(std::make_unique<ThreadPool>(options.threads)),
+      island_(pool_.get()) {
+  const std::size_t count = bodies_.size();
+  boxes_.resize(count);
+  pairs_.reserve(count * count / 2);
+  for (std::vector<std::uint32_t>* list : {&roots_, &naps_, &local_}) list->assign(count, 0);
+  order_.reserve(count);
+  starts_.reserve(count + 1);
+  asleep_.assign(count, 0);
+  wide_awake_.reserve(count);
+  still_.assign(count, 0.0);
+  members_.reserve(count);
+  island_reports_.reserve(count);
+  island_.reserve(count, count * kTouchesOfBody);
+}
+
+std::size_t TetGroup::sleeping() const {
+  return static_cast<std::size_t>(std::count(asleep_.begin(), asleep_.end(), 1));
+}
+
+std::uint32_t TetGroup::root(std::uint32_t i) {
+  while (roots_[i] != i) i = roots_[i] = roots_[roots_[i]];
+  return i;
+}
+
+void TetGroup::find_boxes() {
+  pool_->run(bodies_.size(), [this](std::size_t i, unsigned) {
+    const TetBody& body = bodies_[i];
+    if (asleep_[i] != 0 && !boxes_[i].isEmpty()) return;
+    contacts_[i].fit(body.positions());
+    const TetTree::Box& now = contacts_[i].box();
+    double fastest = 0.0;
+    for (Eigen::Index k = 0; k < body.velocities().size(); k += 3)
+      fastest = std::max(fastest, body.velocities().segment<3>(k).norm());
+    const double margin = kBoxMargin * now.diagonal().norm() + body.options().step * fastest;
+    boxes_[i] = TetTree::Box(now.min().array() - margin, now.max().array() + margin);
+  });
+}
+
+void TetGroup::find_pairs() {
+  pairs_.clear();
+  for (std::uint32_t a = 0; a < bodies_.size(); ++a)
+    for (std::uint32_t b = a + 1; b < bodies_.size(); ++b)
+      if ((asleep_[a] == 0 || asleep_[b] == 0) && boxes_[a].intersects(boxes_[b]))
+        pairs_.emplace_back(a, b);
+}
+
+// Whether a point of one is in the other as they are now.
+bool TetGroup::touches(std::uint32_t a, std::uint32_t b) {
+  for (const auto& [one, other] : {Pair{a, b}, Pair{b, a}}) {
+    TetContact& contact = contacts_[one];
+    if (!contacts_[other].hull().grid) continue;
+    contact.clear_partners();
+    contact.add_partner(
+        {0, &contacts_[other], &bodies_[other].positions(), &bodies_[other].velocities(), 0.0});
+    contact.find(bodies_[one].positions(), bodies_[one].velocities());
+    for (const TetTouch& touch : contact.touches())
+      if (touch.partner != kNoPartner) return true;
+  }
+  return false;
+}
+
+// Until no body that moves touches one that sleeps.
+void TetGroup::wake() {
+  bool woke = true;
+  while (woke) {
+    woke = false;
+    for (const auto& [a, b] : pairs_) {
+      if (asleep_[a] == asleep_[b] || !touches(a, b)) continue;
+      const std::uint32_t nap = naps_[asleep_[a] != 0 ? a : b];
+      for (std::uint32_t i = 0; i < bodies_.size(); ++i)
+        if (asleep_[i] != 0 && naps_[i] == nap) {
+          asleep_[i] = 0;
+          still_[i] = 0.0;
+        }
+      woke = true;
+    }
+    if (woke) find_pairs();
+  }
+}
+
+// order_: bodies that move, island by island; starts_: where each begins.
+void TetGroup::join_islands() {
+  std::iota(roots_.begin(), roots_.end(), 0U);
+  for (const auto& [a, b] : pairs_) {
+    if (asleep_[a] != 0 || asleep_[b] != 0) continue;
+    const std::uint32_t low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
+    roots_[high] = low;
+  }
+  order_.clear();
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i)
+    if (asleep_[i] == 0) order_.push_back(i);
+  // By the smallest body of an island, and then by number.
+  std::sort(order_.begin(), order_.end(), [this](std::uint32_t a, std::uint32_t b) {
+    return std::pair(root(a), a) < std::pair(root(b), b);
+  });
+  starts_.clear();
+  for (std::uint32_t k = 0; k < order_.size(); ++k)
+    if (k == 0 || root(order_[k]) != root(order_[k - 1])) starts_.push_back(k);
+  starts_.push_back(static_cast<std::uint32_t>(order_.size()));
+}
+
+void TetGroup::take_island(std::span<const std::uint32_t> island,
+                           std::span<TetStepReport> reports) {
+  members_.clear();
+  for (const std::uint32_t i : island) {
+    local_[i] = static_cast<std::uint32_t>(members_.size());
+    members_.push_back({&bodies_[i], &contacts_[i]});
+  }
+  for (const auto& [a, b] : pairs_) {
+    if (asleep_[a] != 0 || asleep_[b] != 0 || root(a) != root(island[0])) continue;
+    const double friction = std::sqrt(frictions_[a] * frictions_[b]);
+    for (const auto& [one, other] : {Pair{a, b}, Pair{b, a}})
+      if (contacts_[other].hull().grid)
+        contacts_[one].add_partner({local_[other], &contacts_[other],
+                                    &bodies_[other].trial_places(),
+                                    &bodies_[other].trial_velocities(), friction});
+  }
+  island_reports_.assign(island.size(), {});
+  island_.step(members_, island_reports_);
+  for (std::size_t k = 0; k < island.size(); ++k) reports[island[k]] = island_reports_[k];
+}
+
+bool TetGroup::step(std::span<TetStepReport> reports) {
+  find_boxes();
+  find_pairs();
+  wake();
+  join_islands();
+  for (TetContact& contact : contacts_) contact.clear_partners();
+  std::fill(reports.begin(), reports.end(), TetStepReport{});
+  // Bodies by themselves are shared among the threads, bodies of an island within it.
+  pool_->run(starts_.size() - 1, [&](std::size_t k, unsigned) {
+    if (starts_[k + 1] - starts_[k] > 1) return;
+    const std::uint32_t i = order_[starts_[k]];
+    reports[i] = bodies_[i].step(&contacts_[i]);
+  });
+  for (std::size_t k = 0; k + 1 < starts_.size(); ++k)
+    if (starts_[k + 1] - starts_[k] > 1)
+      take_island(std::span(order_).subspan(starts_[k], starts_[k + 1] - starts_[k]), reports);
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    if (asleep_[i] != 0) bodies_[i].skip_step();
+  fall_asleep();
+  return std::all_of(reports.begin(), reports.end(),
+                     [](const TetStepReport& report) { return report.converged; });
+}
+
+void TetGroup::fall_asleep() {
+  if (!(options_.sleep_speed > 0.0)) return;
+  // Who touches whom, among those that move.
+  for (const std::uint32_t i : order_) roots_[i] = i;
+  wide_awake_.assign(bodies_.size(), 0);
+  for (const auto& [a, b] : pairs_) {
+    if (asleep_[a] != 0 || asleep_[b] != 0) continue;
+    for (const auto& [one, other] : {Pair{a, b}, Pair{b, a}})
+      for (const TetTouch& touch : contacts_[one].touches()) {
+        if (touch.partner == kNoPartner ||
+            contacts_[one].partners()[touch.partner].contact != &contacts_[other])
+          continue;
+        const std::uint32_t low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
+        roots_[high] = low;
+        break;
+      }
+  }
+  for (const std::uint32_t i : order_) {
+    const double energy = bodies_[i].kinetic_energy();
+    const double speed = std::sqrt(2.0 * energy / bodies_[i].model().mass());
+    still_[i] = speed < options_.sleep_speed ? still_[i] + bodies_[i].options().step : 0.0;
+    if (still_[i] < options_.sleep_time || contacts_[i].touches().empty()) wide_awake_[root(i)] = 1;
+  }
+  for (const std::uint32_t i : order_) {
+    if (wide_awake_[root(i)] != 0) continue;
+    energy_of_sleep_ += bodies_[i].kinetic_energy();
+    naps_[i] = root(i);
+    asleep_[i] = 1;
+    bodies_[i].stop();
+  }
+}
+
+std::size_t TetGroup::bytes() const {
+  std::size_t sum = 0;
+  for (const TetBody& body : bodies_) sum += body.bytes();
+  for (const TetContact& contact : contacts_) sum += contact.bytes();
+  return sum;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,295 @@
+#include "runtime/tets/motion/tet_island.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tremolo {
+namespace {
+
+// How often a correction is shortened before it is given up.
+constexpr int kMostHalvings = 12;
+// Of a step that is one correction: what is left of it is left of the momenta.
+constexpr double kLinearStepTolerance = 1e-10;
+
+double sum_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum;
+}
+
+SearchSizes sum_of(const std::vector<SearchSizes>& values) {
+  SearchSizes sum;
+  for (const SearchSizes& value : values) {
+    sum.square += value.square;
+    sum.product += value.product;
+  }
+  return sum;
+}
+
+}  // namespace
+
+void TetIsland::reserve(std::size_t bodies, std::size_t touches) {
+  couplings_.reserve(touches);
+  squares_.reserve(bodies);
+  stops_.reserve(bodies);
+  sizes_.reserve(bodies);
+}
+
+template <class Body>
+void TetIsland::for_each(std::size_t count, const Body& body) {
+  if (pool_ != nullptr)
+    pool_->run(count, [&body](std::size_t i, unsigned) { body(i); });
+  else
+    for (std::size_t i = 0; i < count; ++i) body(i);
+}
+
+// |r| of all bodies at their trial ways.
+double TetIsland::find_residual() {
+  for_each(members_.size(), [this](std::size_t i) {
+    const auto& [body, contact] = members_[i];
+    body->find_forces();
+    if (contact != nullptr) contact->fit(body->s_);
+  });
+  for_each(members_.size(), [this](std::size_t i) {
+    const auto& [body, contact] = members_[i];
+    if (contact == nullptr) return;
+    contact->find(body->s_, body->velocity_);
+    contact->add_forces(body->force_);
+  });
+  // Of each pair one after the other, in an order that is always the same.
+  for (const auto& [body, contact] : members_)
+    if (contact != nullptr)
+      for (std::uint32_t p = 0; p < contact->partners().size(); ++p)
+        contact->add_partner_forces(p, members_[contact->partners()[p].member].body->force_);
+  for_each(members_.size(),
+           [this](std::size_t i) { squares_[i] = members_[i].body->close_residual(); });
+  return std::sqrt(sum_of(squares_));
+}
+
+bool TetIsland::small_enough() const {
+  for (std::size_t i = 0; i < members_.size(); ++i)
+    if (!(squares_[i] <= stops_[i] * stops_[i])) return false;
+  return true;
+}
+
+void TetIsland::find_couplings() {
+  couplings_.clear();
+  for (std::uint32_t i = 0; i < members_.size(); ++i) {
+    const auto& [body, contact] = members_[i];
+    if (contact == nullptr) continue;
+    for (const TetTouch& touch : contact->touches()) {
+      Coupling coupling;
+      coupling.member = i;
+      coupling.block = touch.place + body->stage_.rate * touch.speed;
+      const TetPoint& point = contact->hull().points[touch.point];
+      std::array<double, kMostNodes> shares = point.shares;
+      const std::span<const std::uint32_t> nodes(point.nodes.data(), point.count);
+      body->system_.fold_point(nodes, std::span(shares.data(), point.count));
+      coupling.own = body->solve_.folded(nodes, shares);
+      if (touch.partner != kNoPartner) {
+        coupling.partner = contact->partners()[touch.partner].member;
+        TetBody& other = *members_[coupling.partner].body;
+        shares = touch.values;
+        other.system_.fold_point(touch.nodes, shares);
+        coupling.other = other.solve_.folded(touch.nodes, shares);
+        other.solve_.add_diagonal(coupling.other, coupling.block);
+      }
+      body->solve_.add_diagonal(coupling.own, coupling.block);
+      couplings_.push_back(coupling);
+    }
+  }
+}
+
+// Conjugate gradients over all bodies; false where the matrix is not positive.
+bool TetIsland::search(double tolerance) {
+  std::size_t most = 0;
+  for (const TetMember& member : members_) {
+    tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
+    most += static_cast<std::size_t>(member.body->residual_.size());
+  }
+  for_each(members_.size(), [&](std::size_t i) {
+    TetBody& body = *members_[i].body;
+    sizes_[i] = body.solve_.start(body.matrix_, body.residual_, tolerance >= kSingleTolerance);
+  });
+  SearchSizes now = sum_of(sizes_);
+  const double stop = tolerance * tolerance * now.square;
+  for (std::size_t n = 0; now.square > stop && n < most; ++n) {
+    for_each(members_.size(), [this](std::size_t i) {
+      members_[i].body->solve_.multiply(members_[i].body->matrix_);
+    });
+    for (const Coupling& c : couplings_) {
+      ActiveSolve& own = members_[c.member].body->solve_;
+      Eigen::Vector3d way = own.direction_at(c.own);
+      if (c.partner != kNoPartner) way -= members_[c.partner].body->solve_.direction_at(c.other);
+      const Eigen::Vector3d answer = c.block * way;
+      own.add_image(c.own, answer);
+      if (c.partner != kNoPartner) members_[c.partner].body->solve_.add_image(c.other, -answer);
+    }
+    double along = 0.0;
+    for (const TetMember& member : members_) along += member.body->solve_.curvature();
+    if (!(along > 0.0)) return false;
+    const double before = now.product;
+    for_each(members_.size(),
+             [&](std::size_t i) { sizes_[i] = members_[i].body->solve_.advance(before / along); });
+    now = sum_of(sizes_);
+    const double share = now.product / before;
+    for_each(members_.size(), [&](std::size_t i) { members_[i].body->solve_.turn(share); });
+    ++report_.linear;
+  }
+  return true;
+}
+
+// Newton's correction of each body. exact: with each body's own tangent, as long as that is
+// positive. tolerance: of the linear system, beside the bodies' own. The matrices cannot be those
+// of the correction before: R K R^T of another R has stiffness against turns, which nothing in the
+// residual bounds.
+void TetIsland::find_correction(bool exact, double tolerance) {
+  for (const TetMember& member : members_) member.body->residual_ = -member.body->residual_;
+  for (const bool own : {true, false}) {
+    if (own && !exact) continue;
+    for_each(members_.size(), [&](std::size_t i) {
+      TetBody& body = *members_[i].body;
+      body.assemble(own ? body.options_.tangent : TangentKind::kFrozen);
+      body.take_preconditioner();
+    });
+    find_couplings();
+    if (search(tolerance)) break;
+  }
+  for (const TetMember& member : members_) {
+    member.body->solve_.finish(member.body->correction_);
+    member.body->system_.follow_ends(member.body->correction_);
+  }
+}
+
+// Goes along the correction until the residual no longer points back. size: |r| at the end.
+bool TetIsland::take_correction(double& size) {
+  double slope = 0.0;
+  for (const TetMember& member : members_) {
+    TetBody& body = *member.body;
+    body.start_ = body.way_;
+    body.direction_ = body.correction_;
+    slope += body.residual_.dot(body.correction_);  // residual_ is -r here
+  }
+  const double before = size;
+  double share = 1.0;
+  for (int halving = 0; halving < kMostHalvings; ++halving) {
+    for (const TetMember& member : members_)
+      member.body->way_ = member.body->start_ + share * member.body->direction_;
+    size = find_residual();
+    double now = 0.0;
+    for (const TetMember& member : members_)
+      now -= member.body->residual_.dot(member.body->direction_);
+    if (std::isfinite(size) && (size <= before || now >= -0.5 * std::abs(slope))) return true;
+    share *= std::isfinite(now) ? std::clamp(slope / (slope - now), 0.1, 0.7) : 0.1;
+  }
+  return false;
+}
+
+// The whole correction: a shorter one of all bodies would stop those in the air where one meets
+// another.
+void TetIsland::take_whole(double& size) {
+  for (const TetMember& member : members_) member.body->way_ += member.body->correction_;
+  size = find_residual();
+}
+
+bool TetIsland::solve_stage() {
+  bounded_ = std::all_of(members_.begin(), members_.end(), [](const TetMember& member) {
+    return member.body->options_.take_unsolved;
+  });
+  for (const TetMember& member : members_) member.body->guess(bounded_);
+  double size = find_residual();
+  int most = 0;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    stops_[i] = members_[i].body->stop_size();
+    most = std::max(most, members_[i].body->options_.max_iterations);
+  }
+  for (int iteration = 0; iteration < most; ++iteration) {
+    if (!std::isfinite(size)) return false;
+    if (small_enough()) break;
+    ++report_.iterations;
+    find_correction(true, 1.0);
+    if (bounded_)
+      take_whole(size);
+    else if (!take_correction(size))
+      return false;
+  }
+  if (!std::isfinite(size) || (!small_enough() && !bounded_)) return false;
+  report_.unsolved = report_.unsolved || !small_enough();
+  // What touches changes its forces when it is moved: those that touch nothing can be balanced.
+  if (members_.size() == 1 &&
+      (members_[0].contact == nullptr || members_[0].contact->touches().empty()))
+    members_[0].body->balance_momenta();
+  return true;
+}
+
+TetMethod TetIsland::common_method() const {
+  const TetMethod method = members_.front().body->options_.method;
+  bool alike = true, before = true;
+  for (const TetMember& member : members_) {
+    alike = alike && member.body->options_.method == method;
+    before = before && member.body->has_before_;
+  }
+  if (members_.size() > 1 && (!alike || (method == TetMethod::kBdf2 && !before)))
+    return TetMethod::kImplicitEuler;
+  return method;
+}
+
+bool TetIsland::make_step(TetMethod method, double h) {
+  for (const TetMember& member : members_) member.body->begin(method, h);
+  if (!solve_stage()) return false;
+  for (const TetMember& member : members_) member.body->end();
+  return true;
+}
+
+// One correction with R K R^T, which is positive, from where the step begins (implicit-euler,
+// linearised): it needs no solution to be near.
+bool TetIsland::make_linear_step(double h) {
+  for (const TetMember& member : members_) {
+    begin_stage(TetMethod::kImplicitEuler, h, member.body->now_, nullptr, member.body->stage_);
+    member.body->way_.setZero();
+  }
+  find_residual();
+  find_correction(false, kLinearStepTolerance);
+  bool finite = true;
+  for (const TetMember& member : members_) {
+    TetBody& body = *member.body;
+    body.way_ = body.correction_;
+    end_stage(body.stage_, body.way_, body.now_, body.before_);
+    finite = finite && body.now_.x.allFinite() && body.now_.v.allFinite();
+  }
+  return finite;
+}
+
+bool TetIsland::make_parts(int parts, bool linear) {
+  report_.parts = parts;
+  report_.linearised = linear;
+  for (const TetMember& member : members_) member.body->rewind();
+  const double h = members_.front().body->options_.step / parts;
+  bool made = true;
+  for (int part = 0; part < parts && made; ++part)
+    made = linear ? make_linear_step(h) : make_step(TetMethod::kImplicitEuler, h);
+  for (const TetMember& member : members_)
+    member.body->has_before_ = member.body->has_acceleration_ = false;
+  return made;
+}
+
+void TetIsland::step(std::span<const TetMember> members, std::span<TetStepReport> reports) {
+  members_ = members;
+  report_ = {};
+  squares_.assign(members.size(), 0.0);
+  stops_.assign(members.size(), 0.0);
+  sizes_.assign(members.size(), {});
+  for (const TetMember& member : members) member.body->keep_state();
+  report_.converged = make_step(common_method(), members.front().body->options_.step) ||
+                      make_parts(2, false) || make_parts(8, false) || make_parts(8, true);
+  std::fill(reports.begin(), reports.end(), report_);
+  for_each(members.size(), [&](std::size_t i) {
+    TetBody& body = *members[i].body;
+    if (!report_.converged) return body.restore_state();
+    body.skip_step();
+    body.choose_degrees(reports[i]);
+  });
+}
+
+}  // namespace tremolo

@@ -1,0 +1,82 @@
+// A step of several bodies that may touch each other, as one equation.
+//
+// Of each body it is M g^2 (d - d_a) = F(x_v + d, g d) (tet_stage.h), F with the forces of its
+// contact. Newton's matrix is block-diagonal,
+//   M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv    of each body,
+// and the touches: with w the shares of a touch in the control points of both its sides, w B w^T.
+// They stay as they are and are multiplied one by one in conjugate gradients, which run over all
+// bodies at once, preconditioned by the diagonal's blocks. First with the exact derivative; where
+// that is indefinite, with R K R^T. Each correction is shortened until the residual no longer
+// points back. A step that is not solved is cut into two, then eight of implicit-euler; where even
+// those have no solution (an element goes through a flat shape and its rotation jumps), into eight
+// of one correction each with R K R^T.
+//
+// Where all bodies have `take_unsolved`, a step is max_iterations corrections at most, from where
+// the bodies are, none of them shortened: the linearly implicit step of real-time programs for one,
+// whose stiffness is positive; with two, what the first ran into is known to the second.
+//
+// Bodies of one island take the same method, so that what one gives the other takes: where methods
+// differ, or not all have the step before that bdf2 needs, implicit-euler.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "runtime/tets/contact/tet_contact.h"
+#include "runtime/tets/motion/tet_body.h"
+#include "runtime/threads/thread_pool.h"
+
+namespace tremolo {
+
+// contact: null where a body touches nothing. Its partners are members of the island.
+struct TetMember {
+  TetBody* body = nullptr;
+  TetContact* contact = nullptr;
+};
+
+class TetIsland {
+ public:
+  // pool: shares the bodies among threads; null: none. Must outlive it. What comes out does not
+  // depend on the number of threads.
+  explicit TetIsland(ThreadPool* pool = nullptr) : pool_(pool) {}
+  // Takes memory for so many bodies and touches; more is taken when it is first needed.
+  void reserve(std::size_t bodies, std::size_t touches);
+
+  // Takes all bodies one step further, which is the same for all; a report each. Where it fails
+  // (converged is false), all states are as before.
+  void step(std::span<const TetMember> members, std::span<TetStepReport> reports);
+
+ private:
+  struct Coupling {
+    std::uint32_t member = 0, partner = kNoPartner;
+    FoldedPoint own, other;
+    Eigen::Matrix3d block;
+  };
+
+  template <class Body>
+  void for_each(std::size_t count, const Body& body);
+  TetMethod common_method() const;
+  bool make_step(TetMethod method, double h);
+  bool make_linear_step(double h);
+  bool make_parts(int parts, bool linear);
+  bool solve_stage();
+  double find_residual();
+  bool small_enough() const;
+  void find_correction(bool exact, double tolerance);
+  bool search(double tolerance);
+  void find_couplings();
+  bool take_correction(double& size);
+  void take_whole(double& size);
+
+  ThreadPool* pool_;
+  std::span<const TetMember> members_;  // in a step
+  bool bounded_ = false;                // all take what max_iterations find
+  TetStepReport report_;
+  std::vector<Coupling> couplings_;
+  std::vector<double> squares_, stops_;  // |r|^2 and where to stop, of each body
+  std::vector<SearchSizes> sizes_;
+};
+
+}  // namespace tremolo

@@ -1,0 +1,60 @@
+// Conjugate gradients over active control points in single precision (active_solve.h), for
+// corrections of which two or three digits are asked: what takes the time is the matrix, read from
+// memory in every iteration, and in floats, with the blocks of both triangles row by row in vectors
+// of four, it takes a third of what doubles take. Sums of products are in doubles.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "runtime/kernels/aligned.h"
+#include "runtime/sparse/block_matrix.h"
+#include "runtime/tets/elements/smooth_modes.h"
+
+namespace tremolo {
+
+class ActiveFloats {
+ public:
+  // All memory is taken here: for all nodes active. smooth: of its nodes.
+  ActiveFloats(const BlockPattern& pattern, std::shared_ptr<const SmoothSpace> smooth);
+
+  // nodes: the active ones, ascending; rank: of each node its place among them, or kNoRank.
+  static constexpr std::uint32_t kNoRank = ~std::uint32_t{0};
+  void choose(const BlockPattern& pattern, std::span<const std::uint32_t> nodes,
+              std::span<const std::uint32_t> rank);
+
+  // Takes the matrix, the inverses of the diagonal's blocks and of A_c, r, and what starts from
+  // them: x = 0, p = z = P r. Returns r.z.
+  double start(const BlockMatrix& a, const std::vector<Eigen::Matrix3d>& inverse,
+               const SmoothMatrix& smooth_inverse, const std::vector<Eigen::Vector3d>& r);
+  void multiply();           // q = A p
+  double curvature() const;  // p.q
+  // x += length p, r -= length q, z = P r: r.r and r.z.
+  std::pair<double, double> advance(double length);
+  void turn(double share);  // p = z + share p
+
+  Eigen::Vector3d direction(std::uint32_t node) const { return three(p_, node); }
+  void add_image(std::uint32_t node, const Eigen::Vector3d& value);
+  Eigen::Vector3d solution(std::uint32_t node) const { return three(x_, node); }
+  std::size_t bytes() const;
+
+ private:
+  static Eigen::Vector3d three(const AlignedFloats& list, std::uint32_t node) {
+    return Eigen::Map<const Eigen::Vector3f>(list.data() + std::size_t{4} * node).cast<double>();
+  }
+
+  std::size_t n_ = 0;
+  // Rows of the whole matrix; of each block its place in the pattern, doubled, and one more where
+  // it is the transpose of what is stored.
+  std::vector<std::uint32_t> first_, column_, place_;
+  AlignedFloats blocks_, inverse_;   // three columns of four floats each
+  AlignedFloats x_, r_, z_, p_, q_;  // four floats a node; z_ without its smooth part
+  std::shared_ptr<const SmoothSpace> smooth_;
+  std::vector<SmoothFields> fields_;  // of the active nodes
+  Eigen::Matrix<float, kSmoothModes, kSmoothModes> smooth_inverse_;
+  AlignedFloats smooth_part_;  // of z: four floats a field
+};
+
+}  // namespace tremolo
