@@ -168,12 +168,17 @@ void ClothModel::force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, Force
 }
 
 void ClothModel::add_any_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                                 const TangentWeights& w, BlockMatrix& a) const {
-  if (part != ForcePart::kSoft) structural_.add_tangent(x, v, w.position, w.velocity, w.full, a);
-  if (part == ForcePart::kStiff) return;
-  shear_.add_tangent(x, v, w.position, w.velocity, w.full, a);
-  bend_.add_tangent(x, v, w.position, w.velocity, w.full, a);
-  drag_.add_tangent(wind_, x, v, w.velocity, a);
+                                 const SpringWeights& weights, BlockMatrix& a) const {
+  constexpr std::uint32_t kTogether = 64;  // particles
+  const bool stiff = part != ForcePart::kSoft, soft = part != ForcePart::kStiff;
+  std::size_t structural = 0, shear = 0, bend = 0;
+  for (std::uint32_t first = 0; first < size(); first += kTogether) {
+    const std::uint32_t end = first + kTogether;
+    if (stiff) structural = structural_.add_tangent({structural, end}, x, v, weights, a);
+    if (soft) shear = shear_.add_tangent({shear, end}, x, v, weights, a);
+    if (soft) bend = bend_.add_tangent({bend, end}, x, v, weights, a);
+  }
+  if (soft) drag_.add_tangent(wind_, x, v, weights.velocity, a);
 }
 
 void ClothModel::add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,

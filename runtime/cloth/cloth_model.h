@@ -85,10 +85,6 @@ class ClothModel : public NodalSystem {
     double until = 0.0;
     bool active = true;
   };
-  struct TangentWeights {
-    double position, velocity;
-    bool full;
-  };
   struct Hand {
     std::size_t particle = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
@@ -97,7 +93,7 @@ class ClothModel : public NodalSystem {
   explicit ClothModel(ClothParts parts);
   void count_holds();
   void add_any_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,
-                       const TangentWeights& weights, BlockMatrix& a) const;
+                       const SpringWeights& weights, BlockMatrix& a) const;
 
   ClothParts parts_;
   SpringSet structural_, shear_, bend_;

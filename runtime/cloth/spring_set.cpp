@@ -20,7 +20,7 @@ constexpr std::uint32_t kShortestRun = 8;
 constexpr double kNoSquare = 1e-300;
 constexpr double kNoLength = 1e-150;
 
-using ChunkVectors = std::array<double, 3 * kChunk>;  // x y z of each spring
+using ChunkVectors = std::array<double, 3 * kChunk + 1>;  // x y z of each spring; one is not used
 using ChunkNumbers = std::array<double, kChunk>;
 
 struct SpringView {
@@ -36,12 +36,6 @@ struct SpringPlaces {
   const std::uint32_t* a;
   const std::uint32_t* b;
   const std::uint32_t* between;
-};
-
-// Tangents are multiplied with these; full: as of SpringSet::add_tangent().
-struct SpringWeights {
-  double position, velocity;
-  bool full;
 };
 
 // x_a - x_b.
@@ -218,6 +212,10 @@ std::vector<SpringChunk> spring_chunks(std::span<const std::uint32_t> a,
     }
     first = end;
   }
+  // What is near in memory is then taken one soon after the other.
+  std::stable_sort(
+      chunks.begin(), chunks.end(),
+      [a](const SpringChunk& one, const SpringChunk& two) { return a[one.first] < a[two.first]; });
   return chunks;
 }
 
@@ -257,33 +255,54 @@ double SpringSet::add_step_force(const Eigen::VectorXd& x0, const Eigen::VectorX
 
 namespace {
 
+// Numbers of a block but its last, at any address.
+typedef double BlockNumbers __attribute__((vector_size(64), aligned(8), may_alias));
+
+// across I + along r r^T.
+struct SpringBlock {
+  BlockNumbers numbers;
+  double last;
+};
+
+// r: four numbers, the last of any value.
+[[gnu::always_inline]] inline SpringBlock spring_block(const double* r, double across,
+                                                       double along) {
+  typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
+  const Four e = *reinterpret_cast<const Four*>(r);
+  const BlockNumbers column = __builtin_shufflevector(e, e, 0, 0, 0, 1, 1, 1, 2, 2);
+  const BlockNumbers row = __builtin_shufflevector(e, e, 0, 1, 2, 0, 1, 2, 0, 1);
+  const BlockNumbers one = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0};
+  // As it is written it is symmetric to the last bit.
+  return {along * (column * row) + across * one, along * (r[2] * r[2]) + across};
+}
+
 // The block of spring i: added at its particles' places, subtracted between them.
 [[gnu::always_inline]] inline void add_spring_block(const SpringPlaces& places, std::size_t i,
-                                                    const double* block, double* blocks) {
+                                                    const SpringBlock& block, double* blocks) {
   double* a = blocks + 9 * std::size_t{places.a[i]};
   double* b = blocks + 9 * std::size_t{places.b[i]};
   double* between = blocks + 9 * std::size_t{places.between[i]};
-  for (int k = 0; k < 9; ++k) a[k] += block[k];
-  for (int k = 0; k < 9; ++k) b[k] += block[k];
-  for (int k = 0; k < 9; ++k) between[k] -= block[k];
+  *reinterpret_cast<BlockNumbers*>(a) += block.numbers;
+  a[8] += block.last;
+  *reinterpret_cast<BlockNumbers*>(b) += block.numbers;
+  b[8] += block.last;
+  *reinterpret_cast<BlockNumbers*>(between) -= block.numbers;
+  between[8] -= block.last;
 }
 
 TREMOLO_CLONES
 void add_spring_tangents(const SpringView& s, const SpringPlaces& places, const double* x,
                          const double* v, const SpringWeights& weights, double* blocks) {
   ChunkVectors r;
+  r.back() = 0.0;
   ChunkNumbers squares, across;
   for (const SpringChunk& chunk : s.chunks) {
     spring_factors(s, chunk, x, v, r, across, squares);
     for (std::uint32_t i = 0; i < chunk.count; ++i) {
       const double aside = weights.position * (weights.full || across[i] > 0.0 ? across[i] : 0.0);
       const double along = (weights.position * s.k + weights.velocity * s.d - aside) * squares[i];
-      const double* e = r.data() + 3 * i;
-      double block[9];
-      for (int k = 0; k < 3; ++k)
-        for (int l = 0; l < 3; ++l) block[3 * k + l] = along * e[k] * e[l];
-      for (int k = 0; k < 9; k += 4) block[k] += aside;
-      add_spring_block(places, chunk.first + i, block, blocks);
+      add_spring_block(places, chunk.first + i, spring_block(r.data() + 3 * i, aside, along),
+                       blocks);
     }
   }
 }
@@ -296,12 +315,17 @@ void SpringSet::add_block(std::size_t spring, const Matrix3d& block, BlockMatrix
   a.block(place_ab_[spring]) -= block;
 }
 
-void SpringSet::add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
-                            double velocity, bool full, BlockMatrix& a) const {
-  if (size() == 0) return;
-  const SpringView view{a_.data(), b_.data(), rest_.data(), chunks_, law_.stiffness, law_.damping};
-  add_spring_tangents(view, {place_a_.data(), place_b_.data(), place_ab_.data()}, x.data(),
-                      v.data(), {position, velocity, full}, a.block(0).data());
+std::size_t SpringSet::add_tangent(const SpringPart& part, const Eigen::VectorXd& x,
+                                   const Eigen::VectorXd& v, const SpringWeights& weights,
+                                   BlockMatrix& a) const {
+  std::size_t end = part.chunk;
+  while (end < chunks_.size() && a_[chunks_[end].first] < part.particle) ++end;
+  const std::span<const SpringChunk> chunks(chunks_.data() + part.chunk, end - part.chunk);
+  const SpringView view{a_.data(), b_.data(), rest_.data(), chunks, law_.stiffness, law_.damping};
+  if (!chunks.empty())
+    add_spring_tangents(view, {place_a_.data(), place_b_.data(), place_ab_.data()}, x.data(),
+                        v.data(), weights, a.block(0).data());
+  return end;
 }
 
 double SpringSet::energy(const Eigen::VectorXd& x) const {

@@ -31,6 +31,22 @@ struct SpringChunk {
   bool run = false;
 };
 
+// Tangents are multiplied with these: a += position (-df/dx) + velocity (-df/dv). With P = I - e
+// e^T,
+//   -df_a/dx_a = k [(1 - L/l) P + e e^T] + (d/l) [e (P w)^T + (w.e) P],   -df_a/dv_a = d e e^T
+// of which e (P w)^T, not symmetric, is left out, and P where its factor is negative.
+// full: P is not.
+struct SpringWeights {
+  double position, velocity;
+  bool full;
+};
+
+// Chunks from `chunk` on, up to the first that begins at `particle` or behind it.
+struct SpringPart {
+  std::size_t chunk = 0;
+  std::uint32_t particle = 0;
+};
+
 class SpringSet {
  public:
   SpringSet() = default;
@@ -44,12 +60,11 @@ class SpringSet {
 
   // f += the springs' forces. Nothing is allocated in what follows.
   void add_force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, Eigen::VectorXd& f) const;
-  // a += position (-df/dx) + velocity (-df/dv). With P = I - e e^T,
-  //   -df_a/dx_a = k [(1 - L/l) P + e e^T] + (d/l) [e (P w)^T + (w.e) P],   -df_a/dv_a = d e e^T
-  // of which e (P w)^T, not symmetric, is left out, and P where its factor is negative.
-  // full: P is not.
-  void add_tangent(const Eigen::VectorXd& x, const Eigen::VectorXd& v, double position,
-                   double velocity, bool full, BlockMatrix& a) const;
+  // Adds the tangents of a part to a; returns the chunk behind it. Springs of several kinds are
+  // added part by part, as they share blocks and the matrix does not fit into the second cache.
+  std::size_t add_tangent(const SpringPart& part, const Eigen::VectorXd& x,
+                          const Eigen::VectorXd& v, const SpringWeights& weights,
+                          BlockMatrix& a) const;
   double energy(const Eigen::VectorXd& x) const;                                   // J
   double damping_power(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const;  // W
 

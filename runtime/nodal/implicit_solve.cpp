@@ -212,7 +212,7 @@ bool ImplicitSolve::converge(const ImplicitEquation& equation, Eigen::VectorXd& 
                              NodalReport& report) {
   const double load = system_.load_size();
   const double target = options_.tolerance * load;
-  double size = residual(equation, x1);
+  double size = residual(equation, x1), limit = target;
   steps_.clear();
   full_limit_ = std::numeric_limits<double>::infinity();
   for (int k = 0; k < options_.max_iterations; ++k) {
@@ -221,7 +221,8 @@ bool ImplicitSolve::converge(const ImplicitEquation& equation, Eigen::VectorXd& 
     if (size <= target) return true;
     if (!direction(equation, x1, target, false)) return false;
     ++report.iterations;
-    const double limit = std::max(target, rounding(x1));
+    // The size of the numbers that are rounded hardly changes.
+    if (k == 0) limit = std::max(target, rounding(x1));
     const std::optional<double> next = search(equation, x1, size, limit);
     if (!next) return size <= limit;
     x1.swap(trial_);

@@ -1,5 +1,8 @@
 // Sparse matrices of 3 x 3 blocks against dense ones of Eigen.
+#include <algorithm>
+#include <numeric>
 #include <random>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
@@ -112,6 +115,70 @@ TEST(SparseBlocks, ConjugateGradientsFindTheDigitsThatFloatsDoNotHave) {
     const VectorXd truth = size * made.dense.llt().solve(b);
     // 1e-12 of the right side times a condition of some hundreds.
     EXPECT_LE((x - truth).norm(), 1e-9 * truth.norm()) << size;
+  }
+}
+
+// The same matrix with its nodes in another order, which has no runs of blocks.
+Case shuffled(const Case& made, std::vector<std::size_t> order) {
+  const std::size_t n = order.size();
+  std::vector<NodePair> pairs;
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      if (made.sparse.pattern().find(order[a], order[b]) != BlockPattern::kNone)
+        pairs.emplace_back(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
+  Case other{BlockMatrix(*BlockPattern::create(n, pairs)), made.dense};
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < n; ++b) {
+      const auto at = [&](std::size_t i, std::size_t j) -> Eigen::Matrix3d {
+        return made.dense.block<3, 3>(3 * static_cast<Eigen::Index>(i),
+                                      3 * static_cast<Eigen::Index>(j));
+      };
+      other.dense.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(b)) =
+          at(order[a], order[b]);
+      const std::size_t place = other.sparse.pattern().find(a, b);
+      if (b <= a && place != BlockPattern::kNone)
+        other.sparse.block(place) = at(order[a], order[b]);
+    }
+  return other;
+}
+
+// Blocks off the diagonal that are not symmetric, in a matrix that is.
+void skew(Case& made) {
+  const auto n = static_cast<std::size_t>(made.dense.rows() / 3);
+  const Eigen::Matrix3d turn{{0.0, 0.3, -0.2}, {-0.3, 0.0, 0.1}, {0.2, -0.1, 0.0}};
+  made.dense.diagonal().array() += 3.0;
+  for (std::size_t a = 0; a < n; ++a) {
+    made.sparse.diagonal(a).diagonal().array() += 3.0;
+    for (std::size_t b = 0; b < a; ++b) {
+      const std::size_t place = made.sparse.pattern().find(a, b);
+      if (place == BlockPattern::kNone) continue;
+      const auto i = 3 * static_cast<Eigen::Index>(a), j = 3 * static_cast<Eigen::Index>(b);
+      made.sparse.block(place) += turn;
+      made.dense.block<3, 3>(i, j) += turn;
+      made.dense.block<3, 3>(j, i) += turn.transpose();
+    }
+  }
+}
+
+TEST(SparseBlocks, ConjugateGradientsTakeNodesInAnyOrderAndBlocksThatAreNotSymmetric) {
+  Case plain = random_grid(9, 37, 6), skewed = plain;
+  skew(skewed);
+  const std::size_t n = plain.sparse.pattern().size();
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::shuffle(order.begin(), order.end(), std::mt19937(3));
+  const VectorXd b = right_side(plain.dense.rows());
+  for (const bool mixed : {false, true}) {
+    const Case first = mixed ? shuffled(plain, order) : plain;
+    const Case second = mixed ? shuffled(skewed, order) : skewed;
+    ConjugateGradients solver(first.sparse.pattern());
+    // One after the other, as a step's matrices come.
+    for (const Case* made : {&first, &second, &first}) {
+      VectorXd x = VectorXd::Zero(b.size());
+      const CgReport report = solver.solve(made->sparse, b, x, 1e-11 * b.norm(), 5000);
+      EXPECT_TRUE(report.converged && report.positive) << mixed;
+      EXPECT_LE((made->dense * x - b).norm(), 2e-11 * b.norm()) << mixed;
+    }
   }
 }
 
