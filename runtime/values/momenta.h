@@ -1,11 +1,11 @@
-// What bodies that move have together.
+// The two momenta of what moves.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace tremolo {
 
-// In the world: linear, kg m/s; angular, N m s, about the world's origin.
+// Momenta of a whole body, or of several: linear, kg m/s; angular, N m s, about the world's origin.
 struct Momenta {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();
