@@ -59,8 +59,10 @@ const char* degree_name(DegreeKind kind) {
   return kind == DegreeKind::kQuadratic ? "quadratic" : "adaptive";
 }
 
+// first, contact: what touches at the beginning and at the end.
 TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const TetsReport& report,
-                        const TetContact::Look& contact, bool asleep) {
+                        const TetContact::Look& first, const TetContact::Look& contact,
+                        bool asleep) {
   return {{"body", wanted.name},
           {"model", wanted.model},
           {"integrator", tet_method_name(wanted.options.method)},
@@ -82,6 +84,8 @@ TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const T
           {"momentum_error", number_or_null(report.momentum_error)},
           {"speed_final", number_or_null(body.momentum().norm() / body.model().mass())},
           {"asleep", asleep},
+          {"contact_points_initial", first.touching},
+          {"penetration_initial", number_or_null(first.depth)},
           {"contact_points_final", contact.touching},
           {"contact_energy_final", number_or_null(contact.energy)},
           {"penetration_final", number_or_null(contact.depth)},
@@ -111,6 +115,7 @@ class TetsRun {
   const TetsEnding& ending() const { return ending_; }
 
  private:
+  void look_at_start();
   void place_all();
   Status observe_all(const std::vector<TetStepReport>& steps);
   bool step_all(std::vector<TetStepReport>& steps);
@@ -121,10 +126,22 @@ class TetsRun {
   std::vector<TetsLog> logs_;
   std::vector<std::vector<Eigen::Vector3d>> vertices_;
   std::vector<std::vector<Eigen::Vector3f>> normals_;
-  std::vector<std::uint8_t> placed_;  // a surface that sleeps stays as it is
+  std::vector<TetContact::Look> first_;  // what touches before the first step
+  std::vector<std::uint8_t> placed_;     // a surface that sleeps stays as it is
   TetsEnding ending_;
   double counted_ = 0.0, begun_ = 0.0;  // of the second of motion at hand: wall, s, and its start
 };
+
+// A body that begins in what it touches is pushed out with all the energy that this stores.
+void TetsRun::look_at_start() {
+  bodies_.group->find_touches();
+  for (std::size_t i = 0; i < logs_.size(); ++i) {
+    first_.push_back(bodies_.group->contact(i).look());
+    if (first_[i].touching == 0) continue;
+    tell("{}: body '{}' begins in contact: {} of its points are inside, the deepest by {:.3g} m\n",
+         scene_.path, scene_.bodies[i].name, first_[i].touching, first_[i].depth);
+  }
+}
 
 void TetsRun::place_all() {
   TetGroup& group = *bodies_.group;
@@ -170,6 +187,7 @@ Status TetsRun::follow() {
   ToldProgress progress(std::filesystem::path(scene_.path).stem().string(), scene_.duration);
   const std::int64_t steps = std::llround(scene_.duration / scene_.step);
   std::vector<TetStepReport> reports(logs_.size());
+  look_at_start();
   if (Status s = observe_all(reports); !s) return s;
   ending_.busy = ending_.wall = {};
   while (ending_.steps < steps && ending_.exit_code == 0 && step_all(reports)) {
@@ -225,9 +243,9 @@ TetsJson TetsRun::json() const {
   json["reason"] = ending_.reason.empty() ? TetsJson(nullptr) : TetsJson(ending_.reason);
   json["bodies"] = TetsJson::array();
   for (std::size_t i = 0; i < logs_.size(); ++i)
-    json["bodies"].push_back(tets_body_json(scene_.bodies[i], bodies_.group->body(i),
-                                            logs_[i].report(), bodies_.group->contact(i).look(),
-                                            bodies_.group->asleep(i)));
+    json["bodies"].push_back(
+        tets_body_json(scene_.bodies[i], bodies_.group->body(i), logs_[i].report(), first_[i],
+                       bodies_.group->contact(i).look(), bodies_.group->asleep(i)));
   return json;
 }
 

@@ -94,6 +94,19 @@ bool TetGroup::touches(std::uint32_t a, std::uint32_t b) {
   return false;
 }
 
+void TetGroup::find_touches() {
+  find_boxes();
+  find_pairs();
+  for (TetContact& contact : contacts_) contact.clear_partners();
+  for (const auto& [a, b] : pairs_)
+    for (const auto& [one, other] : {Pair{a, b}, Pair{b, a}})
+      if (contacts_[other].hull().grid)
+        contacts_[one].add_partner({other, &contacts_[other], &bodies_[other].positions(),
+                                    &bodies_[other].velocities(), 0.0});
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    contacts_[i].find(bodies_[i].positions(), bodies_[i].velocities());
+}
+
 // Until no body that moves touches one that sleeps.
 void TetGroup::wake() {
   bool woke = true;

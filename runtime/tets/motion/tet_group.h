@@ -48,6 +48,8 @@ class TetGroup {
   // Takes all bodies one step further; one report a body. False where a body's step could not be
   // made: the bodies of its island are then as before, the others have moved.
   bool step(std::span<TetStepReport> reports);
+  // Finds what touches as the bodies are now, for contact(i).look(): before the first step.
+  void find_touches();
   std::size_t bytes() const;
   ThreadPool& pool() { return *pool_; }
 

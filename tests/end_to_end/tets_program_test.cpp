@@ -1,0 +1,111 @@
+// Scenes of bodies of tetrahedra as a user meets them: a bar and a floor made here, and bad input.
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/programs.h"
+
+namespace tremolo {
+namespace {
+
+using nlohmann::json;
+
+class TetsProgram : public ::testing::Test {
+ protected:
+  // A rubber cube of 0.1 m, which nothing holds.
+  void SetUp() override {
+    folder_ = fresh_folder();
+    write_veg(folder_ + "/cube.veg", box_mesh({2, 2, 2}, {0.1, 0.1, 0.1}));
+    const ProgramResult made = run_program(
+        folder_, kPrecompute +
+                     "tets cube.veg -o cube.tets --young 1e5 --poisson 0.4 --density 1000 "
+                     "--fix none --cells 20");
+    ASSERT_EQ(made.code, 0) << made.err;
+  }
+
+  ProgramResult run(const std::string& scene, const std::string& flags = "") {
+    std::ofstream(folder_ + "/scene.toml") << scene;
+    return run_program(folder_, kTremolo + "run scene.toml " + flags);
+  }
+  static std::string cube(const std::string& name, double height, const std::string& keys = "") {
+    return "[[bodies]]\nname = \"" + name +
+           "\"\nkind = \"tets\"\nmodel = \"cube.tets\"\nintegrator = \"implicit-euler\"\n"
+           "alpha = 2.0\ntangent = \"frozen\"\nunsolved = \"take\"\nmax-iterations = 4\nposition = "
+           "[0, 0, " +
+           std::to_string(height) + "]\n" + keys;
+  }
+  static std::string scene(double duration, const std::string& bodies) {
+    return "step = 0.01\nduration = " + std::to_string(duration) + "\ngravity = [0, 0, -9.81]\n" +
+           bodies + "[[colliders]]\nname = \"floor\"\nshape = \"plane\"\n";
+  }
+
+  std::string folder_;
+};
+
+TEST_F(TetsProgram, ACubeFallsOnAnotherAndWhatScriptsRelyOnIsTold) {
+  const ProgramResult result =
+      run(scene(1.0, cube("low", 0.001) + cube("high", 0.121, "degree = \"quadratic\"\n")),
+          "--json --out out --surfaces 3");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report["steps"], 100);
+  EXPECT_NEAR(report["reached"].get<double>(), 1.0, 1e-9);
+  EXPECT_EQ(report["exit_code"], 0);
+  EXPECT_EQ(report["reason"], nullptr);
+  EXPECT_LE(report["momentum_error"].get<double>(), 1e-12);
+  for (const char* key : {"elements", "quadratic_edges_share", "microseconds_per_step",
+                          "frames_per_second", "memory_bytes"})
+    EXPECT_GT(report[key].get<double>(), 0.0) << key;
+  const json &low = report["bodies"][0], &high = report["bodies"][1];
+  EXPECT_NEAR(low["mass"].get<double>(), 1.0, 1e-9);
+  EXPECT_EQ(high["quadratic_edges_share"], 1.0);
+  // Both began in the air, and lie on each other.
+  EXPECT_EQ(low["contact_points_initial"], 0);
+  EXPECT_EQ(result.err.find("begins in contact"), std::string::npos) << result.err;
+  EXPECT_GT(low["contact_points_final"].get<int>(), 0);
+  EXPECT_LE(low["largest_jump_of_switches"].get<double>(), 1e-3);
+  // The upper one has fallen by the gaps below it, 0.02 m, and by what both are pressed in.
+  const double fallen = (high["energies_initial"]["gravity"].get<double>() -
+                         high["energies_final"]["gravity"].get<double>()) /
+                        (9.81 * high["mass"].get<double>());
+  EXPECT_GT(fallen, 0.020);
+  EXPECT_LT(fallen, 0.037);
+  EXPECT_FALSE(slurp(folder_ + "/out/high/run.csv").empty());
+}
+
+TEST_F(TetsProgram, ABodyThatBeginsInContactIsToldByName) {
+  const ProgramResult floor = run(scene(0.02, cube("sunk", -0.01)), "--json");
+  ASSERT_EQ(floor.code, 0) << floor.err;
+  EXPECT_NE(floor.err.find("body 'sunk' begins in contact"), std::string::npos) << floor.err;
+  EXPECT_NEAR(json::parse(floor.out)["bodies"][0]["penetration_initial"].get<double>(), 0.01, 1e-9);
+  const ProgramResult other = run(scene(0.02, cube("a", 0.3) + cube("b", 0.385)), "--json");
+  ASSERT_EQ(other.code, 0) << other.err;
+  EXPECT_NE(other.err.find("body 'a' begins in contact"), std::string::npos) << other.err;
+  // Distances at rest are kept on a grid of twenty cells along the cube.
+  EXPECT_NEAR(json::parse(other.out)["bodies"][1]["penetration_initial"].get<double>(), 0.015,
+              0.002);
+}
+
+TEST_F(TetsProgram, WhatASceneGetsWrongIsRefusedByItsKey) {
+  for (const auto& [keys, words] : {std::pair{"degree = \"cubic\"\n", "cubic"},
+                                    {"upper = 1e-4\nlower = 1e-3\n", "lower"},
+                                    {"creep = 0.0\n", "creep"},
+                                    {"friction = -1.0\n", "friction"},
+                                    {"tolerance = 0.0\n", "tolerance"},
+                                    {"colour = 3\n", "colour"}}) {
+    const ProgramResult result = run(scene(0.1, cube("one", 0.2, keys)));
+    EXPECT_EQ(result.code, 3) << keys << result.err;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("scene.toml"), std::string::npos) << result.err;
+  }
+  const ProgramResult missing =
+      run("step = 0.01\nduration = 0.1\n[[bodies]]\nname = \"one\"\nkind = \"tets\"\n"
+          "model = \"no.tets\"\nmade-by = \"make it\"\n");
+  EXPECT_NE(missing.code, 0);
+  EXPECT_NE(missing.err.find("make it"), std::string::npos) << missing.err;
+}
+
+}  // namespace
+}  // namespace tremolo
