@@ -16,6 +16,7 @@
 #include "runtime/nodal/nodal_integrator.h"
 #include "runtime/program/output/json_values.h"
 #include "runtime/program/output/tell.h"
+#include "runtime/program/run/run_body.h"
 
 namespace tremolo {
 namespace {
