@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 #include "runtime/cloth/cloth_world_inside.h"
 
 namespace tremolo {
@@ -51,8 +53,12 @@ void ClothWorld::Inside::push_balls(double h) {
       MovingBall& ball = balls[r.touch.ball];
       if (ball.inverse_mass == 0.0) continue;
       const Vector3d change = -ball.inverse_mass * r.impulse;
-      const Vector3d x = cloth->state.x.segment<3>(3 * static_cast<Eigen::Index>(r.particle));
-      const Vector3d arm = x - around.ways[r.touch.ball].end;
+      // What goes from x0 to x1 at the mean of its velocities has its angular momentum changed by
+      // the impulse at (x0 + x1)/2: the particle under the midpoint's rules, and the ball.
+      const auto at = 3 * static_cast<Eigen::Index>(r.particle);
+      const auto& way = around.ways[r.touch.ball];
+      const Vector3d arm = 0.5 * (cloth->before.x.segment<3>(at) + cloth->state.x.segment<3>(at) -
+                                  way.start - way.end);
       ball.now.velocity += change;
       ball.now.position -= 0.5 * h * change;
       ball.now.spin -= ball.inverse_inertia * arm.cross(r.impulse);
@@ -109,39 +115,79 @@ bool ClothWorld::Inside::stands_still() const {
   return std::ranges::all_of(colliders.placed(), stands);
 }
 
+namespace {
+
+// How a cloth's free particles move as one rigid body would that has their momenta: at x with
+// velocity + turning x (x - centre). Of particles in a line none turns about it.
+struct RigidMotion {
+  Vector3d centre = Vector3d::Zero(), velocity = Vector3d::Zero(), turning = Vector3d::Zero();
+
+  Vector3d at(const Vector3d& x) const { return velocity + turning.cross(x - centre); }
+};
+
+// Acts on the mass, the place and the velocity of each free particle.
+template <class Act>
+void each_free_particle(WorldCloth& cloth, Act&& act) {
+  for (std::size_t i = 0; i < cloth.model.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    if (cloth.model.held()[i] == 0)
+      act(cloth.model.mass()[at], cloth.state.x.segment<3>(3 * at),
+          cloth.state.v.segment<3>(3 * at));
+  }
+}
+
+RigidMotion rigid_motion(WorldCloth& cloth) {
+  RigidMotion motion;
+  double total = 0.0;
+  each_free_particle(cloth, [&](double mass, const auto& x, const auto& v) {
+    total += mass;
+    motion.centre += mass * x;
+    motion.velocity += mass * v;
+  });
+  if (total == 0.0) return motion;
+  motion.centre /= total;
+  motion.velocity /= total;
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  Vector3d spin = Vector3d::Zero();
+  each_free_particle(cloth, [&](double mass, const auto& x, const auto& v) {
+    const Vector3d arm = x - motion.centre;
+    inertia += mass * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
+    spin += mass * arm.cross(v - motion.velocity);
+  });
+  constexpr double kLeastInertia = 1e-12;  // over the largest: no more than rounding
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(inertia);
+  for (int k = 0; k < 3; ++k)
+    if (axes.eigenvalues()[k] > kLeastInertia * axes.eigenvalues()[2])
+      motion.turning +=
+          axes.eigenvectors().col(k) * axes.eigenvectors().col(k).dot(spin) / axes.eigenvalues()[k];
+  return motion;
+}
+
+}  // namespace
+
 // Where a step in which something touched ends with more than it began with and was given, the rest
-// is taken from the motion of the cloths that touched, about their own mean velocity. Returns
-// what was taken, J.
+// is taken from what the cloths that touched move beyond rigid_motion(): as the particles' motion
+// relative to it has neither momentum nor angular momentum, shrinking it keeps both, and its energy
+// and that of the rigid motion add up. Returns what was taken, J.
 double ClothWorld::Inside::take_excess(double excess) {
   double motion = 0.0;
-  const auto mean_velocity = [](const WorldCloth& cloth) -> Vector3d {
-    Vector3d momentum = Vector3d::Zero();
-    double mass = 0.0;
-    for (std::size_t i = 0; i < cloth.model.size(); ++i) {
-      const auto at = static_cast<Eigen::Index>(i);
-      if (cloth.model.held()[i] != 0) continue;
-      mass += cloth.model.mass()[at];
-      momentum += cloth.model.mass()[at] * cloth.state.v.segment<3>(3 * at);
-    }
-    return mass > 0.0 ? Vector3d(momentum / mass) : momentum;
-  };
-  const auto each_free = [&](auto&& act) {
-    for (std::size_t c = 0; c < cloths.size(); ++c) {
-      if (!cloths[c]->touched) continue;
-      WorldCloth& cloth = *cloths[c];
-      const Vector3d mean = mean_velocity(cloth);
-      for (std::size_t i = 0; i < cloth.model.size(); ++i)
-        if (cloth.model.held()[i] == 0)
-          act(cloth.model.mass()[static_cast<Eigen::Index>(i)], mean,
-              cloth.state.v.segment<3>(3 * static_cast<Eigen::Index>(i)));
-    }
-  };
-  each_free([&](double mass, const Vector3d& mean, const auto& v) {
-    motion += 0.5 * mass * (v - mean).squaredNorm();
-  });
+  for (const auto& cloth : cloths) {
+    if (!cloth->touched) continue;
+    const RigidMotion rigid = rigid_motion(*cloth);
+    each_free_particle(*cloth, [&](double mass, const auto& x, const auto& v) {
+      motion += 0.5 * mass * (v - rigid.at(x)).squaredNorm();
+    });
+  }
   if (!(motion > 0.0)) return 0.0;
   const double left = std::sqrt(std::max(0.0, 1.0 - excess / motion));
-  each_free([&](double, const Vector3d& mean, auto&& v) { v = mean + left * (v - mean); });
+  for (const auto& cloth : cloths) {
+    if (!cloth->touched) continue;
+    const RigidMotion rigid = rigid_motion(*cloth);
+    each_free_particle(*cloth, [&](double, const auto& x, auto&& v) {
+      const Vector3d kept = rigid.at(x);
+      v = kept + left * (v - kept);
+    });
+  }
   return std::min(excess, motion);
 }
 

@@ -131,8 +131,8 @@ struct Parser {
     app.name("tremolo");
     app.set_version_flag("--version", std::string("tremolo ") + TREMOLO_VERSION);
     app.require_subcommand(1);
-    inspect = app.add_subcommand("inspect", "show what a basis file holds, verify its checksums");
-    inspect->add_option("file", request.file, "basis file")->required();
+    inspect = app.add_subcommand("inspect", "show what a basis file or a scene of cloth holds");
+    inspect->add_option("file", request.file, "basis file, or scene of cloth")->required();
     inspect->add_option("--select", request.select,
                         "print the boundary's vertices that a selector chooses, and nothing else");
     inspect->add_flag("--json", request.json, "print one JSON object on stdout");
@@ -348,6 +348,21 @@ int run_export(int count, char** words, const Request& request, const RunOptions
   return export_motion_command(request.motion, *bodies_motion(bodies_of(of_run, flags)));
 }
 
+int inspect_scene(char** words, const Request& request, const NodalScenes* nodal) {
+  const Result<std::string> text = read_whole_file(request.file);
+  if (!text) return report_error(text.error());
+  const Result<SceneKind> kind = scene_kind(*text, request.file);
+  if (!kind) return report_error(kind.error());
+  if (*kind != SceneKind::kCloth)
+    return report_error(usage_error(request.file +
+                                    ": a scene without cloth; `tremolo inspect` looks into basis "
+                                    "files, and `tremolo run --json` tells what a scene holds"));
+  if (!request.select.empty())
+    return report_error(usage_error("--select is of a basis file, not of a scene"));
+  if (nodal == nullptr) return start_nodal(request.file, words);
+  return nodal->inspect_cloth(*text, {request.file, {}, {}, {}, request.json});
+}
+
 int run_program(int count, char** words, const NodalScenes* nodal) {
   Request request;
   RunOptions options;
@@ -358,10 +373,7 @@ int run_program(int count, char** words, const NodalScenes* nodal) {
     const int code = parser.app.exit(error, std::cout, std::cerr);
     return code == 0 ? 0 : exit_code(ErrorKind::kUsage);
   }
-  if (*parser.inspect && is_scene(request.file))
-    return report_error(usage_error(request.file +
-                                    ": a scene; `tremolo inspect` looks into basis files, and "
-                                    "`tremolo run --json` tells what a scene holds"));
+  if (*parser.inspect && is_scene(request.file)) return inspect_scene(words, request, nodal);
   if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);
   if (*parser.exporter) return run_export(count, words, request, options, *parser.exporter, nodal);

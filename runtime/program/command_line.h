@@ -22,12 +22,13 @@ struct SceneCommand {
 };
 
 // What is done with the text of a scene with [[cloths]], and of one with [[bodies]] of kind "tets".
-// run_*: the exit code; errors are printed.
+// run_*, inspect_*: the exit code; errors are printed.
 struct NodalScenes {
   int (*run_cloth)(const std::string& text, const SceneCommand& command);
   int (*run_tets)(const std::string& text, const SceneCommand& command);
   Result<std::unique_ptr<MotionSource>> (*cloth_motion)(const std::string& text,
                                                         const SceneCommand& command);
+  int (*inspect_cloth)(const std::string& text, const SceneCommand& command);
 };
 
 // Parses the words and does what they ask for; the exit code. nodal: null where another program,

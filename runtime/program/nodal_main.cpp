@@ -1,6 +1,7 @@
-// tremolo-nodal: `tremolo run` and `tremolo export` of scenes of cloth and of bodies of tetrahedra.
-// A program of its own, which `tremolo` starts: who runs bases only need not build it.
+// tremolo-nodal: `tremolo run`, `inspect` and `export` of scenes of cloth and of bodies of
+// tetrahedra. A program of its own, which `tremolo` starts: who runs bases only need not build it.
 #include "runtime/program/cloth/cloth_motion.h"
+#include "runtime/program/cloth/inspect_cloth.h"
 #include "runtime/program/cloth/run_cloth.h"
 #include "runtime/program/command_line.h"
 #include "runtime/program/output/tell.h"
@@ -19,6 +20,11 @@ Result<ClothFile> cloths_of(const std::string& text, const SceneCommand& command
 int run_cloth_scene(const std::string& text, const SceneCommand& command) {
   const Result<ClothFile> file = cloths_of(text, command);
   return file ? run_cloth_command(*file, command.json) : report_error(file.error());
+}
+
+int inspect_cloth_scene(const std::string& text, const SceneCommand& command) {
+  const Result<ClothFile> file = parse_cloths(text, command.file);
+  return file ? inspect_cloth_command(*file, command.json) : report_error(file.error());
 }
 
 int run_tets_scene(const std::string& text, const SceneCommand& command) {
@@ -41,6 +47,6 @@ Result<std::unique_ptr<MotionSource>> cloth_source(const std::string& text,
 
 int main(int count, char** words) {
   using namespace tremolo;
-  const NodalScenes nodal = {run_cloth_scene, run_tets_scene, cloth_source};
+  const NodalScenes nodal = {run_cloth_scene, run_tets_scene, cloth_source, inspect_cloth_scene};
   return run_command_line(count, words, &nodal);
 }

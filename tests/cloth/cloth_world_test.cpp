@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -236,11 +237,15 @@ TEST(ClothWorlds, ABallThatHitsAFreeSheetInLongStepsKeepsMomentum) {
     scene.balls[0].spin = {3.0, 1.0, -2.0};
     auto world = ClothWorld::create(scene);
     ASSERT_TRUE(world) << world.error().message;
-    const Vector3d before = world->linear_momentum();
+    const Vector3d before = world->linear_momentum(), turning = world->angular_momentum();
     EXPECT_LE(most_gained(*world, 40), 0.002) << method;  // of 0.2 J
     EXPECT_GT((world->balls()[0].velocity - scene.balls[0].velocity).norm(), 0.1) << method;
     // Newton's residual, 1e-10 of a load of 1e-3 x 60 N/m x 0.08 m x sqrt(springs), 40 steps.
     EXPECT_LE((world->linear_momentum() - before).norm(), 1e-9) << method;
+    // Of the midpoint's rules, which keep it where nothing touches: what is projected changes it.
+    if (method == std::string_view("energy") || method == std::string_view("midpoint")) {
+      EXPECT_LE((world->angular_momentum() - turning).norm(), 3e-3 * turning.norm()) << method;
+    }
     EXPECT_EQ(world->penetration_max(), 0.0) << method;
   }
 }

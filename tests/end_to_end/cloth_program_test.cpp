@@ -148,8 +148,8 @@ TEST_F(ClothProgram, WritesPagesAndGlbToAThousandthOfItsSize) {
 }
 
 TEST_F(ClothProgram, OtherCommandsSayWhatGoesInstead) {
-  std::ofstream(folder_ + "/scene.toml") << small_sheet();
-  const ProgramResult inspect = run_program(folder_, kTremolo + "inspect scene.toml");
+  std::ofstream(folder_ + "/bodies.toml") << "[[bodies]]\nfile = \"a.tremolo\"\n";
+  const ProgramResult inspect = run_program(folder_, kTremolo + "inspect bodies.toml");
   EXPECT_NE(inspect.code, 0);
   EXPECT_NE(inspect.err.find("tremolo run"), std::string::npos) << inspect.err;
   expect_refused(small_sheet(), "--load is of bodies", "--load square");
@@ -206,6 +206,30 @@ TEST_F(ClothProgram, BadMeshesAreNamed) {
     fan += "v 0.5 " + std::to_string(std::cos(0.006 * k)) + " " +
            std::to_string(std::sin(0.006 * k)) + "\nf 1 2 " + std::to_string(k + 3) + "\n";
   EXPECT_EQ(mesh(fan).code, 3);
+}
+
+TEST_F(ClothProgram, InspectTellsWhatASceneHoldsAndWhichStepsItStands) {
+  std::ofstream(folder_ + "/scene.toml")
+      << "integrator = \"rk4\"\n" + small_sheet("structural = [400, 0]\n");  // beyond its limit
+  const ProgramResult result = run_program(folder_, kTremolo + "inspect scene.toml --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json told = json::parse(result.out);
+  const json& cloth = told["cloths"][0];
+  EXPECT_EQ(cloth["particles"], 36);
+  EXPECT_EQ(cloth["held"], 2);
+  EXPECT_EQ(cloth["triangles"], 50);
+  EXPECT_EQ(cloth["structural"], 60);
+  EXPECT_EQ(cloth["shear"], 50);
+  EXPECT_EQ(cloth["bend"], 48);
+  // 0.2 kg/m^2 of a square metre.
+  EXPECT_NEAR(cloth["mass_kg"].get<double>(), 0.2, 1e-12);
+  const json& limits = told["stability_limits_s"];
+  EXPECT_FALSE(limits.contains("implicit-euler"));
+  EXPECT_LT(limits["rk4"].get<double>(), told["step"].get<double>());
+  // The limit is that which a run is refused with.
+  const ProgramResult refused = run_program(folder_, kTremolo + "run scene.toml");
+  EXPECT_EQ(refused.code, 3) << refused.err;
+  EXPECT_EQ(run_program(folder_, kTremolo + "inspect scene.toml --select x").code, 2);
 }
 
 // 60 s of each scene at 1/60 s under each method without a limit, in the long form; else a second
