@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "tests/support/surface_files.h"
+#include "tests/support/meshes/surface_files.h"
 
 namespace tremolo::corpus {
 namespace {

@@ -10,8 +10,8 @@
 #include "formats/surface/surface_writer.h"
 #include "runtime/contact/collider.h"
 #include "tests/support/distance_fields.h"
+#include "tests/support/meshes/surfaces.h"
 #include "tests/support/programs.h"
-#include "tests/support/surfaces.h"
 
 namespace tremolo {
 namespace {

@@ -9,7 +9,7 @@
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_world.h"
-#include "tests/support/made_cube.h"
+#include "tests/support/meshes/made_cube.h"
 
 namespace tremolo {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "runtime/body.h"
 #include "runtime/contact/solve/contact_step.h"
-#include "tests/support/made_cube.h"
+#include "tests/support/meshes/made_cube.h"
 
 namespace tremolo {
 namespace {

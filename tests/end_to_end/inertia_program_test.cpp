@@ -9,7 +9,7 @@
 #include "runtime/body.h"
 #include "runtime/bones.h"
 #include "runtime/frames/frame_inertia.h"
-#include "tests/support/mass_points.h"
+#include "tests/support/meshes/mass_points.h"
 #include "tests/support/programs.h"
 #include "tests/support/same_model.h"
 

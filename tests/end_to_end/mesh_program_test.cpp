@@ -8,8 +8,8 @@
 #include "common/mesh/mesh_check.h"
 #include "common/mesh/mesh_quality.h"
 #include "formats/mesh/mesh_reader.h"
+#include "tests/support/meshes/surface_files.h"
 #include "tests/support/programs.h"
-#include "tests/support/surface_files.h"
 
 namespace tremolo {
 namespace {

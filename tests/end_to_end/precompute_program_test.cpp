@@ -11,9 +11,9 @@
 
 #include "common/mesh/edge_points.h"
 #include "formats/basis/basis_reader.h"
-#include "tests/support/joined_mesh.h"
+#include "tests/support/meshes/joined_mesh.h"
+#include "tests/support/meshes/symmetric_mesh.h"
 #include "tests/support/programs.h"
-#include "tests/support/symmetric_mesh.h"
 
 namespace tremolo {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/basis/basis_reader.h"
-#include "tests/support/joined_mesh.h"
+#include "tests/support/meshes/joined_mesh.h"
 #include "tests/support/programs.h"
 #include "tests/support/same_model.h"
 

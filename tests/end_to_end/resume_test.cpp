@@ -11,8 +11,8 @@
 
 #include "formats/basis/basis_reader.h"
 #include "formats/file/checkpoint_file.h"
+#include "tests/support/meshes/symmetric_mesh.h"
 #include "tests/support/programs.h"
-#include "tests/support/symmetric_mesh.h"
 
 namespace tremolo {
 namespace {

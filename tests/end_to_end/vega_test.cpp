@@ -8,10 +8,10 @@
 #include "formats/basis/basis_reader.h"
 #include "formats/mesh/mesh_reader.h"
 #include "runtime/model.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
+#include "tests/support/meshes/box_mesh.h"
+#include "tests/support/meshes/mesh_file.h"
+#include "tests/support/meshes/vega_files.h"
 #include "tests/support/run_program.h"
-#include "tests/support/vega_files.h"
 
 namespace tremolo {
 namespace {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/mesh/mesh_reader.h"
-#include "tests/support/mesh_variants.h"
+#include "tests/support/meshes/mesh_variants.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

@@ -6,7 +6,7 @@
 
 #include "formats/basis/selector_reader.h"
 #include "formats/mesh/mesh_reader.h"
-#include "tests/support/mesh_variants.h"
+#include "tests/support/meshes/mesh_variants.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

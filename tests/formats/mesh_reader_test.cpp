@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/mesh_variants.h"
+#include "tests/support/meshes/mesh_variants.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

@@ -10,9 +10,9 @@
 #include "common/mesh/mesh_check.h"
 #include "formats/mesh/mesh_reader.h"
 #include "formats/vega/veg_material.h"
-#include "tests/support/mesh_variants.h"
+#include "tests/support/meshes/mesh_variants.h"
+#include "tests/support/meshes/vega_files.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/support/vega_files.h"
 
 namespace tremolo {
 namespace {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "formats/mesh/mesh_reader.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/small_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
+#include "tests/support/meshes/small_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

@@ -8,7 +8,7 @@
 #include "formats/basis/basis_writer.h"
 #include "formats/mesh/mesh_reader.h"
 #include "formats/vtk/vtu_writer.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_basis.h"
 

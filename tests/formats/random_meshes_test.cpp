@@ -8,9 +8,9 @@
 #include "common/mesh/surface_mesh.h"
 #include "formats/mesh/mesh_reader.h"
 #include "formats/msh/msh_writer.h"
-#include "tests/support/joined_mesh.h"
-#include "tests/support/mesh_writers.h"
-#include "tests/support/random_mesh.h"
+#include "tests/support/meshes/joined_mesh.h"
+#include "tests/support/meshes/mesh_writers.h"
+#include "tests/support/meshes/random_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

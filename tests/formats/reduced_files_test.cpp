@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/vega_files.h"
+#include "tests/support/meshes/vega_files.h"
 
 namespace tremolo {
 namespace {

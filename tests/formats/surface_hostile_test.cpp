@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/surface/surface_reader.h"
-#include "tests/support/surface_files.h"
+#include "tests/support/meshes/surface_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

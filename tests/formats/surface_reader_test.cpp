@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/surface_files.h"
+#include "tests/support/meshes/surface_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

@@ -8,8 +8,8 @@
 
 #include "formats/file/base64.h"
 #include "formats/mesh/mesh_reader.h"
+#include "tests/support/meshes/small_mesh.h"
 #include "tests/support/run_program.h"
-#include "tests/support/small_mesh.h"
 
 namespace tremolo {
 namespace {

@@ -10,7 +10,7 @@
 #include "formats/file/checkpoint_file.h"
 #include "formats/surface/surface_answer.h"
 #include "formats/vega/reduced_files.h"
-#include "tests/support/mesh_variants.h"
+#include "tests/support/meshes/mesh_variants.h"
 #include "tests/support/small_collider.h"
 #include "tests/support/tiny_basis.h"
 

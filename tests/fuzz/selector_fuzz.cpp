@@ -1,7 +1,7 @@
 // Selectors as a user writes them, on a small mesh with a set and a vertex that nothing uses.
 #include "common/mesh/selector.h"
 #include "tests/fuzz/harness.h"
-#include "tests/support/small_mesh.h"
+#include "tests/support/meshes/small_mesh.h"
 
 void tremolo::fuzz::read_input(std::string_view bytes) {
   static const TetMesh mesh = [] {

@@ -8,7 +8,7 @@
 #include "precompute/mesher/cgal/cgal_mesher.h"
 #include "precompute/mesher/cgal/polyhedral_mesher.h"
 #include "precompute/mesher/surface/triangle_tree.h"
-#include "tests/support/surfaces.h"
+#include "tests/support/meshes/surfaces.h"
 
 namespace tremolo {
 namespace {

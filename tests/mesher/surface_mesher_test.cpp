@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/mesh/mesh_check.h"
-#include "tests/support/surfaces.h"
+#include "tests/support/meshes/surfaces.h"
 
 namespace tremolo {
 namespace {

@@ -1,11 +1,11 @@
 // Winding number, nearest points, rays, wall thickness and sizes.
 #include <gtest/gtest.h>
 
+#include "common/mesh/winding_number.h"
 #include "precompute/mesher/cgal/size_field.h"
 #include "precompute/mesher/surface/surface_geometry.h"
 #include "precompute/mesher/surface/triangle_tree.h"
-#include "common/mesh/winding_number.h"
-#include "tests/support/surfaces.h"
+#include "tests/support/meshes/surfaces.h"
 
 namespace tremolo {
 namespace {

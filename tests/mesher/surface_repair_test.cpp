@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "precompute/mesher/surface/surface_weld.h"
 #include "common/mesh/winding_number.h"
-#include "tests/support/surfaces.h"
+#include "precompute/mesher/surface/surface_weld.h"
+#include "tests/support/meshes/surfaces.h"
 
 namespace tremolo {
 namespace {

@@ -11,7 +11,7 @@
 #include "precompute/checkpoint/checkpoint_stages.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/system/failure.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 #include "tests/support/run_program.h"
 #include "tests/support/solved_pencil.h"
 

@@ -8,7 +8,7 @@
 #include "precompute/collider/surface_distance.h"
 #include "precompute/collider/surface_edges.h"
 #include "tests/support/distance_fields.h"
-#include "tests/support/surfaces.h"
+#include "tests/support/meshes/surfaces.h"
 
 namespace tremolo {
 namespace {

@@ -10,7 +10,7 @@
 #include "common/mesh/surface_mesh.h"
 #include "precompute/embedding/box_tree.h"
 #include "precompute/embedding/closest_point.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 
 namespace tremolo {
 namespace {

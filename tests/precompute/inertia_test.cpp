@@ -8,8 +8,8 @@
 #include "common/packed_index.h"
 #include "precompute/fem/control_values.h"
 #include "tests/support/assembled_body.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/mass_points.h"
+#include "tests/support/meshes/box_mesh.h"
+#include "tests/support/meshes/mass_points.h"
 
 namespace tremolo {
 namespace {

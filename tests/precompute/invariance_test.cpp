@@ -6,8 +6,8 @@
 
 #include "common/packed_index.h"
 #include "precompute/pipeline.h"
-#include "tests/support/mesh_writers.h"
-#include "tests/support/random_mesh.h"
+#include "tests/support/meshes/mesh_writers.h"
+#include "tests/support/meshes/random_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

@@ -19,7 +19,7 @@
 #include "precompute/reduction/derivatives.h"
 #include "precompute/reduction/polynomial_check.h"
 #include "tests/support/assembled_body.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 #include "tests/support/random_field.h"
 #include "tests/support/solved_pencil.h"
 

@@ -6,8 +6,8 @@
 #include "precompute/dense/dense_decompositions.h"
 #include "precompute/fem/matrices.h"
 #include "precompute/system/failure.h"
-#include "tests/support/joined_mesh.h"
-#include "tests/support/random_mesh.h"
+#include "tests/support/meshes/joined_mesh.h"
+#include "tests/support/meshes/random_mesh.h"
 
 namespace tremolo {
 namespace {

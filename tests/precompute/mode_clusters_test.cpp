@@ -11,11 +11,11 @@
 #include "precompute/pipeline.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/ranks/halo.h"
-#include "tests/support/joined_mesh.h"
-#include "tests/support/mesh_writers.h"
-#include "tests/support/random_mesh.h"
+#include "tests/support/meshes/joined_mesh.h"
+#include "tests/support/meshes/mesh_writers.h"
+#include "tests/support/meshes/random_mesh.h"
+#include "tests/support/meshes/symmetric_mesh.h"
 #include "tests/support/solved_pencil.h"
-#include "tests/support/symmetric_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

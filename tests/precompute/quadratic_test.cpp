@@ -15,7 +15,7 @@
 #include "precompute/fem/control_values.h"
 #include "precompute/fem/element_group.h"
 #include "precompute/reduction/coefficients.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 
 namespace tremolo {
 namespace {

@@ -8,7 +8,7 @@
 #include "precompute/reference/comparison.h"
 #include "precompute/reference/full/statics.h"
 #include "precompute/reference/time_integration.h"
-#include "tests/support/mesh_writers.h"
+#include "tests/support/meshes/mesh_writers.h"
 #include "tests/support/reference_body.h"
 #include "tests/support/temporary_folder.h"
 

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "precompute/pipeline.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_writers.h"
-#include "tests/support/symmetric_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
+#include "tests/support/meshes/mesh_writers.h"
+#include "tests/support/meshes/symmetric_mesh.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

@@ -7,7 +7,7 @@
 #include "precompute/reduction/derivatives.h"
 #include "precompute/solver/sparse_cholesky.h"
 #include "precompute/system/failure.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 #include "tests/support/solved_pencil.h"
 
 namespace tremolo {

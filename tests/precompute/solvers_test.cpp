@@ -14,7 +14,7 @@
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/solver/sparse_cholesky.h"
 #include "precompute/system/failure.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 #include "tests/support/solved_pencil.h"
 
 namespace tremolo {

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "precompute/system/failure.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 #include "tests/support/solved_pencil.h"
 
 namespace tremolo {

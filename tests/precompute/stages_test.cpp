@@ -17,7 +17,7 @@
 #include "precompute/reduction/third_derivatives.h"
 #include "precompute/system/failure.h"
 #include "tests/support/assembled_body.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 #include "tests/support/solved_pencil.h"
 
 namespace tremolo {

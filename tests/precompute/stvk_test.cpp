@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "precompute/fem/assembly.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 #include "tests/support/random_field.h"
 
 namespace tremolo {

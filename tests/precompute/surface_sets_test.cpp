@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/mesh/selector.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 
 namespace tremolo {
 namespace {

@@ -9,7 +9,7 @@
 #include "precompute/problem/material_rules.h"
 #include "precompute/problem/rigid_motion.h"
 #include "precompute/ranks/halo.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 #include "tests/support/solved_pencil.h"
 
 namespace tremolo {

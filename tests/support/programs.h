@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "tests/support/box_mesh.h"
-#include "tests/support/mesh_file.h"
+#include "tests/support/meshes/box_mesh.h"
+#include "tests/support/meshes/mesh_file.h"
 #include "tests/support/run_program.h"
 
 namespace tremolo {

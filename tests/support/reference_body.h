@@ -6,7 +6,7 @@
 
 #include "precompute/reference/full/full_order_solver.h"
 #include "precompute/system/failure.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 
 namespace tremolo::testing {
 

@@ -11,9 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "runtime/bones.h"
-#include "tests/support/box_mesh.h"
 #include "tests/support/frame_models.h"
-#include "tests/support/mass_points.h"
+#include "tests/support/meshes/box_mesh.h"
+#include "tests/support/meshes/mass_points.h"
 
 namespace tremolo::testing {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tests/support/small_mesh.h"
+#include "tests/support/meshes/small_mesh.h"
 
 namespace tremolo::testing {
 

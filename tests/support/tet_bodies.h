@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "runtime/tets/motion/tet_body.h"
-#include "tests/support/box_mesh.h"
-#include "tests/support/random_tet.h"
+#include "tests/support/meshes/box_mesh.h"
+#include "tests/support/meshes/random_tet.h"
 
 namespace tremolo::testing {
 

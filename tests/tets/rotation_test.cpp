@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "tests/support/random_tet.h"
+#include "tests/support/meshes/random_tet.h"
 
 namespace tremolo {
 namespace {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/tets/elements/rotation.h"
-#include "tests/support/random_tet.h"
+#include "tests/support/meshes/random_tet.h"
 
 namespace tremolo {
 namespace {

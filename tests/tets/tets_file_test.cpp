@@ -7,9 +7,9 @@
 
 #include "formats/tets/tets_layout.h"
 #include "runtime/tets/contact/tet_surface.h"
-#include "tests/support/random_tet.h"
+#include "tests/support/meshes/random_tet.h"
+#include "tests/support/meshes/small_tets.h"
 #include "tests/support/section_bytes.h"
-#include "tests/support/small_tets.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

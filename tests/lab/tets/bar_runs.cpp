@@ -8,7 +8,7 @@
 #include "runtime/tets/contact/tet_surface.h"
 #include "runtime/tets/motion/tet_body.h"
 #include "tests/lab/work/failure.h"
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 
 namespace tremolo::tets {
 namespace {

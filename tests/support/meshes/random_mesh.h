@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 
 namespace tremolo::testing {
 

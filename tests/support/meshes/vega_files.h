@@ -10,8 +10,8 @@
 #include <Eigen/Core>
 
 #include "common/mesh/tet_mesh.h"
+#include "tests/support/meshes/small_mesh.h"
 #include "tests/support/sample_basis.h"
-#include "tests/support/small_mesh.h"
 
 namespace tremolo::testing {
 

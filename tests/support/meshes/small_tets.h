@@ -4,8 +4,8 @@
 #include <string>
 
 #include "formats/tets/tets_file.h"
-#include "tests/support/box_mesh.h"
 #include "tests/support/distance_fields.h"
+#include "tests/support/meshes/box_mesh.h"
 
 namespace tremolo::testing {
 

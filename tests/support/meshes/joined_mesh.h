@@ -1,7 +1,7 @@
 // Meshes put together from others that touch at vertices.
 #pragma once
 
-#include "tests/support/box_mesh.h"
+#include "tests/support/meshes/box_mesh.h"
 
 namespace tremolo::testing {
 

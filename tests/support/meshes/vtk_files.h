@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "tests/support/small_mesh.h"
+#include "tests/support/meshes/small_mesh.h"
 
 namespace tremolo::testing {
 

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/msh_files.h"
+#include "tests/support/meshes/msh_files.h"
+#include "tests/support/meshes/vega_files.h"
+#include "tests/support/meshes/vtk_files.h"
 #include "tests/support/row_files.h"
-#include "tests/support/vega_files.h"
-#include "tests/support/vtk_files.h"
 
 namespace tremolo::testing {
 
