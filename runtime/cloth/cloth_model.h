@@ -52,7 +52,7 @@ class ClothModel : public NodalSystem {
   const SpringSet& structural() const { return structural_; }
   const SpringSet& shear() const { return shear_; }
   const SpringSet& bend() const { return bend_; }
-  // Of the springs alone, J.
+  // Energy of the springs alone, J.
   double elastic_energy(const Eigen::VectorXd& x) const;
 
   std::size_t size() const override { return held_.size(); }

@@ -70,7 +70,8 @@ struct ClothReaction {
   }
 };
 
-// Of one cloth. The first 64 balls and colliders are known to it; others push by projection alone.
+// Reactions on one cloth. The first 64 balls and colliders are known to it; others push by
+// projection alone.
 class ClothReactions : public NodalContact {
  public:
   // All must outlive it.
@@ -89,7 +90,7 @@ class ClothReactions : public NodalContact {
   void keep(const Eigen::VectorXd& x1, double h, double share) override;
   bool pressed() const override { return pressed_last_; }
 
-  // Of the step so far; those that press no more have an impulse all the same.
+  // Reactions of the step so far; those that press no more have an impulse all the same.
   std::span<const ClothReaction> all() const { return reactions_; }
 
  private:

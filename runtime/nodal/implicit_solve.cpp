@@ -17,7 +17,7 @@ constexpr int kFactored = 50;
 constexpr int kLineHalvings = 10;
 // So few are not worth the try.
 constexpr int kLeastWorth = 20;
-// Of an inexact Newton step: the linear residual over the residual. More digits where the last step
+// Share of an inexact Newton step, linear residual over residual. More digits where the last step
 // shrank it well (Eisenstat and Walker 1996) saved no step on hanging sheets and took a sixth more
 // iterations of conjugate gradients: it is the springs' turning that steps wait for.
 constexpr double kForcing = 0.1;

@@ -44,7 +44,7 @@ class ImplicitSolve {
 
   // The force of the last residual, at the solution.
   const Eigen::VectorXd& force() const { return f_; }
-  // Of step_force() there.
+  // Work of step_force() there.
   const StepWork& work() const { return work_; }
 
  private:

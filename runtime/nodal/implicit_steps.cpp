@@ -44,7 +44,7 @@ class ImplicitMethod : public HalvedIntegrator {
     v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
     return true;
   }
-  // Of held nodes v_hat is such that the velocity at the end is that of their way, whose share of
+  // At held nodes v_hat is such that the velocity at the end is that of their way, whose share of
   // it is `part` (1/s).
   void hold_velocities(const NodalState& state, double part) {
     for (Eigen::Index i = 0; i < system().mass().size(); ++i)

@@ -63,7 +63,7 @@ double stability_number(std::string_view name) {
   if (name == "explicit-euler" || name == "explicit-midpoint") return 0.0;
   if (name == "symplectic-euler" || name == "imex") return 2.0;
   if (name == "rk4") return 2.0 * std::numbers::sqrt2;
-  // Of x1 = x0 + h v1, v1 = v0 + h a(x0 + h v0): a root of its step reaches -1 at y^2 = 4/3.
+  // Limit of x1 = x0 + h v1, v1 = v0 + h a(x0 + h v0): a root of its step reaches -1 at y^2 = 4/3.
   return name == "implicit-euler-sweep" ? 2.0 / std::numbers::sqrt3 : kAlways;
 }
 

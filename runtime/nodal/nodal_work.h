@@ -24,10 +24,11 @@ class StepLedger {
   // asked: otherwise nothing is evaluated and nothing told.
   StepLedger(const NodalSystem& system, bool asked);
   void begin(const NodalState& state);
-  // Of a method whose step is not told by step_force(): damping and wind by their power in the
-  // middle of the step, what held nodes give by the force there. share: as of NodalContact.
+  // Ends the step of a method that does not tell it by step_force(): damping and wind by their
+  // power in the middle of the step, what held nodes give by the force there. share: as of
+  // NodalContact.
   void end(const NodalState& state, double h, double share, NodalReport& report);
-  // Of one whose step is.
+  // Ends the step of a method that tells it.
   void end(const NodalState& state, const StepWork& work, double held, NodalReport& report);
   // The kinetic energy at the last end, and how much the potential changed in that step, J.
   double turnover() const { return turnover_; }

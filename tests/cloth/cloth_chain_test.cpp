@@ -133,7 +133,7 @@ TEST(ClothChains, ReachTheElasticCatenaryWithOrderTwo) {
     }
     before = error;
   }
-  // Of a depth of 0.37 m.
+  // The chain hangs 0.37 m deep.
   EXPECT_LE(before, 2e-4);
 }
 

@@ -242,7 +242,7 @@ TEST(ClothWorlds, ABallThatHitsAFreeSheetInLongStepsKeepsMomentum) {
     EXPECT_GT((world->balls()[0].velocity - scene.balls[0].velocity).norm(), 0.1) << method;
     // Newton's residual, 1e-10 of a load of 1e-3 x 60 N/m x 0.08 m x sqrt(springs), 40 steps.
     EXPECT_LE((world->linear_momentum() - before).norm(), 1e-9) << method;
-    // Of the midpoint's rules, which keep it where nothing touches: what is projected changes it.
+    // The midpoint's rules keep it where nothing touches: what is projected changes it.
     if (method == std::string_view("energy") || method == std::string_view("midpoint")) {
       EXPECT_LE((world->angular_momentum() - turning).norm(), 3e-3 * turning.norm()) << method;
     }

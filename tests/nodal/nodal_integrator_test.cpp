@@ -147,7 +147,7 @@ TEST(NodalIntegrators, TellWhereTheEnergyWentAndEnergyLosesNone) {
     const double after = nodes.potential(state.x) + free_kinetic(nodes, state.v);
     EXPECT_NEAR(after - before, sum.held_work - sum.damped + sum.numerical, 1e-11 * before) << name;
     EXPECT_GT(sum.damped, 0.01 * before) << name;
-    // Of a linear system the midpoint rule is the same.
+    // The midpoint rule is the same for a linear system.
     if (name == "energy" || name == "midpoint") {
       EXPECT_LE(largest, 1e-13 * before) << name;
     }
@@ -234,7 +234,7 @@ TEST(NodalIntegrators, AWeightThatChangesBetweenStepsIsNotTakenForTheMethodsOwnE
     nodes.version = static_cast<std::uint64_t>(k);
     const NodalReport report = integrator->step(state);
     ASSERT_TRUE(report.made);
-    // Of a linear system the midpoint rule adds rounding alone to some 10 J.
+    // The midpoint rule adds rounding alone to some 10 J of a linear system.
     EXPECT_LE(std::abs(report.numerical), 1e-12) << k;
   }
   // Broken on purpose: without the notice the change of weight looks like the method's.

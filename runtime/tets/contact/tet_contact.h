@@ -6,8 +6,8 @@
 // mu k <-d> / (v_0 h) for a step h: a larger v_0 is easier to solve. A penalty: under a load F a
 // point is F/k deep.
 //
-// Of another body d is its distance at rest, phi, at the place X that its bent elements put at the
-// point (tet_tree.h): x = sum_I B_I(X) x_I, so that with F = dx/dX
+// The distance d of another body is its distance at rest, phi, at the place X that its bent
+// elements put at the point (tet_tree.h): x = sum_I B_I(X) x_I, so that with F = dx/dX
 //   d phi = g . (dx - sum_I B_I dx_I),     g = F^-T grad phi,
 // and f = -k phi g pushes the point, -B_I f the other body's control points: the slope of
 // 1/2 k phi^2 exactly, at one place, so that momentum and angular momentum are kept. Where two
@@ -46,7 +46,7 @@ struct TetHull {
   std::size_t bytes() const;
 };
 using TetHullPointer = std::shared_ptr<const TetHull>;
-// Of the mesh's boundary, without distances.
+// The hull of the mesh's boundary, without distances.
 TetHullPointer boundary_hull(TetModelPointer model);
 
 // friction: mu of the pair.
@@ -118,7 +118,7 @@ class TetContact {
     std::size_t touching = 0;
   };
   Look look() const;
-  // The same of what stands still alone, at places x.
+  // Looks likewise at what stands still alone, at places x.
   Look look(const Eigen::VectorXd& x) const;
   std::size_t bytes() const;
 

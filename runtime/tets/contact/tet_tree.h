@@ -40,7 +40,7 @@ class TetTree {
   // x: control points. boxes: size() of them. Allocates nothing.
   void fit(const Eigen::VectorXd& x, std::vector<Box>& boxes) const;
 
-  // Of several elements the one in which the place lies deepest. Nothing where none holds it; flat
+  // Finds the element in which the place lies deepest. Nothing where none holds it; flat
   // and inverted elements hold nothing. Allocates nothing.
   std::optional<TetPlace> find(const Eigen::VectorXd& x, const std::vector<Box>& boxes,
                                const Eigen::Vector3d& place) const;

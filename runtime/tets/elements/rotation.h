@@ -1,9 +1,9 @@
 // Rotations in three dimensions: the one nearest to a matrix, small turns, axial vectors.
 //
 // The nearest rotation R of A maximises tr(R^T A) over all rotations, and so minimises |A - R|_F.
-// Of A = U S V^T with U, V rotations and S = diag(s_1 >= s_2 >= |s_3|), s_3 with the sign of det A,
-// it is U V^T: what is turned inside out is mended along its thinnest direction. Where det A > 0 it
-// is the factor of the polar decomposition, found by Newton's iteration (Higham 1986)
+// The rotation of A = U S V^T with U, V rotations and S = diag(s_1 >= s_2 >= |s_3|), s_3 with the
+// sign of det A, is U V^T: what is turned inside out is mended along its thinnest direction. Where
+// det A > 0 it is the factor of the polar decomposition, found by Newton's iteration (Higham 1986)
 //   X <- (g X + X^-T / g) / 2,    g = (|X^-1|_F / |X|_F)^1/2,
 // which fails for flat and inverted A; those take the singular value decomposition.
 #pragma once

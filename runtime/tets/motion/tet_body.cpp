@@ -11,7 +11,7 @@
 namespace tremolo {
 namespace {
 
-// Of a residual, over the stiffness times the places: a few roundings.
+// Rounding of a residual, over the stiffness times the places.
 constexpr double kRounding = 4e-15;
 
 Eigen::Index body_at(std::size_t node) {

@@ -94,7 +94,7 @@ class TetBody {
   const Eigen::VectorXd& trial_places() const { return s_; }
   const Eigen::VectorXd& trial_velocities() const { return velocity_; }
 
-  // Of the state: kinetic, elastic and of gravity, J.
+  // Energies of the state: kinetic, elastic and of gravity, J.
   double kinetic_energy() const { return system_.kinetic_energy(now_.v); }
   double elastic_energy();
   double gravity_energy() const;

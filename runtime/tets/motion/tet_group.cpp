@@ -8,7 +8,7 @@
 namespace tremolo {
 namespace {
 
-// Of a body's size: boxes this near overlap.
+// Boxes nearer than this share of a body's size overlap.
 constexpr double kBoxMargin = 0.02;
 // Bodies of a heap press on some hundred points each.
 constexpr std::size_t kTouchesOfBody = 256;

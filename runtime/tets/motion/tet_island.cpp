@@ -9,7 +9,7 @@ namespace {
 
 // How often a correction is shortened before it is given up.
 constexpr int kMostHalvings = 12;
-// Of a step that is one correction: what is left of it is left of the momenta.
+// Tolerance of a step that is one correction: its error is one of the momenta.
 constexpr double kLinearStepTolerance = 1e-10;
 
 double sum_of(const std::vector<double>& values) {
@@ -57,7 +57,7 @@ double TetIsland::find_residual() {
     contact->find(body->s_, body->velocity_);
     contact->add_forces(body->force_);
   });
-  // Of each pair one after the other, in an order that is always the same.
+  // Pairs follow one after the other, in an order that is always the same.
   for (const auto& [body, contact] : members_)
     if (contact != nullptr)
       for (std::uint32_t p = 0; p < contact->partners().size(); ++p)

@@ -1,6 +1,6 @@
 // A step of several bodies that may touch each other, as one equation.
 //
-// Of each body it is M g^2 (d - d_a) = F(x_v + d, g d) (tet_stage.h), F with the forces of its
+// Each body's equation is M g^2 (d - d_a) = F(x_v + d, g d) (tet_stage.h), F with the forces of its
 // contact. Newton's matrix is block-diagonal,
 //   M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv    of each body,
 // and the touches: with w the shares of a touch in the control points of both its sides, w B w^T.
