@@ -15,6 +15,7 @@ foreach(room common formats runtime)
           PATTERN "viewer" EXCLUDE)
 endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/runtime/tremolo.h ${PROJECT_SOURCE_DIR}/runtime/tremolo_cloth.h
+              ${PROJECT_SOURCE_DIR}/runtime/tremolo_tets.h
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tremolo COMPONENT development)
 
 # What this build tree can make, but was not asked to, is left out with a word.

@@ -1,6 +1,7 @@
-# libtremolo.so: the whole engine behind the C interface, tremolo.h and tremolo_cloth.h. It exports
-# the functions of these headers and nothing else: C++ across a library's boundary would bind both
-# sides to one compiler, one set of flags and one Eigen. C++ programs take the static libraries.
+# libtremolo.so: the whole engine behind the C interface, tremolo.h, tremolo_cloth.h and
+# tremolo_tets.h. It exports the functions of these headers and nothing else: C++ across a library's
+# boundary would bind both sides to one compiler, one set of flags and one Eigen. C++ programs take the
+# static libraries.
 include(CheckLinkerFlag)
 set(tremolo_abi ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 add_library(tremolo_shared SHARED ${PROJECT_SOURCE_DIR}/cmake/shared.c)
@@ -9,15 +10,15 @@ set_target_properties(tremolo_shared PROPERTIES
   EXPORT_NAME shared OUTPUT_NAME tremolo LINKER_LANGUAGE CXX
   VERSION ${PROJECT_VERSION} SOVERSION ${tremolo_abi}
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
-# All of the two that have functions of the headers, once each, though one comes by the other too.
-set(tremolo_whole $<TARGET_FILE:tremolo_c> $<TARGET_FILE:tremolo_cloth>)
+# All of the three that have functions of the headers, once each, though one comes by the others too.
+set(tremolo_whole $<TARGET_FILE:tremolo_c> $<TARGET_FILE:tremolo_cloth> $<TARGET_FILE:tremolo_tets>)
 target_link_libraries(tremolo_shared PRIVATE
   $<BUILD_INTERFACE:-Wl,--whole-archive> "$<BUILD_INTERFACE:${tremolo_whole}>"
   $<BUILD_INTERFACE:-Wl,--no-whole-archive> $<BUILD_INTERFACE:$<TARGET_FILE:tremolo_nodal>>
   $<BUILD_INTERFACE:$<TARGET_FILE:tremolo_runtime>>
   $<BUILD_INTERFACE:tremolo_formats> $<BUILD_INTERFACE:tremolo_common>
   $<BUILD_INTERFACE:Threads::Threads> $<BUILD_INTERFACE:tremolo_flags>)
-add_dependencies(tremolo_shared tremolo_c tremolo_runtime tremolo_cloth tremolo_nodal)
+add_dependencies(tremolo_shared tremolo_c tremolo_runtime tremolo_cloth tremolo_tets tremolo_nodal)
 set_property(TARGET tremolo_shared PROPERTY LINK_DEPENDS
   "${tremolo_whole};$<TARGET_FILE:tremolo_nodal>;$<TARGET_FILE:tremolo_runtime>")
 target_include_directories(tremolo_shared INTERFACE

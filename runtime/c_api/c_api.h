@@ -127,6 +127,15 @@ tremolo_status with(Handle* handle, Action&& action) noexcept {
   return with(handle, {}, std::forward<Action>(action));
 }
 
+// Runs action() -> Status where the pointers are there; kUsage for the first that is NULL.
+template <class Action>
+tremolo_status with_all(std::initializer_list<Argument> arguments, const Action& action) noexcept {
+  return guarded([&]() -> Status {
+    if (Status s = need(arguments); !s) return s;
+    return action();
+  });
+}
+
 // What bodies and worlds hand out. p and the parts of the energy may be NULL. length: of q and p.
 Status copy_state(const State& state, double* q, double* p, std::size_t length);
 void copy_energy(const Energy& energy, double* kinetic, double* potential, double* high_band);

@@ -24,18 +24,8 @@ using tremolo::Result;
 using tremolo::Status;
 using tremolo::Success;
 using tremolo::usage_error;
-using tremolo::c_api::Argument;
-using tremolo::c_api::guarded;
 using tremolo::c_api::need;
-
-// Runs action() -> Status where the pointers are there.
-template <class Action>
-tremolo_status with_all(std::initializer_list<Argument> arguments, const Action& action) noexcept {
-  return guarded([&]() -> Status {
-    if (Status s = need(arguments); !s) return s;
-    return action();
-  });
-}
+using tremolo::c_api::with_all;
 
 Status need_cloth(const ClothWorld& world, size_t cloth) {
   if (cloth < world.cloths()) return Success{};

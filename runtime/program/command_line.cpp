@@ -318,14 +318,12 @@ int export_scene(int count, char** words, const MotionOutputs& outputs, const Sc
   if (!text) return report_error(text.error());
   const Result<SceneKind> kind = scene_kind(*text, command.file);
   if (!kind) return report_error(kind.error());
-  if (*kind == SceneKind::kTets)
-    return report_error(usage_error(command.file +
-                                    ": bodies of kind \"tets\" are not exported; `tremolo run "
-                                    "--surfaces N --out DIR` writes their surfaces"));
-  if (*kind == SceneKind::kCloth && nodal == nullptr) return start_nodal(command.file, words);
+  const bool of_nodes = *kind == SceneKind::kCloth || *kind == SceneKind::kTets;
+  if (of_nodes && nodal == nullptr) return start_nodal(command.file, words);
   const Result<std::unique_ptr<MotionSource>> source =
-      *kind == SceneKind::kCloth ? nodal->cloth_motion(*text, command)
-                                 : scene_motion(*text, *kind, count, words, command);
+      !of_nodes                    ? scene_motion(*text, *kind, count, words, command)
+      : *kind == SceneKind::kCloth ? nodal->cloth_motion(*text, command)
+                                   : nodal->tets_motion(*text, command);
   return source ? export_motion_command(outputs, **source) : report_error(source.error());
 }
 

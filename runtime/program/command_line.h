@@ -28,6 +28,8 @@ struct NodalScenes {
   int (*run_tets)(const std::string& text, const SceneCommand& command);
   Result<std::unique_ptr<MotionSource>> (*cloth_motion)(const std::string& text,
                                                         const SceneCommand& command);
+  Result<std::unique_ptr<MotionSource>> (*tets_motion)(const std::string& text,
+                                                       const SceneCommand& command);
   int (*inspect_cloth)(const std::string& text, const SceneCommand& command);
 };
 

@@ -6,6 +6,7 @@
 #include "runtime/program/command_line.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/tets/run_tets.h"
+#include "runtime/program/tets/tets_motion.h"
 
 namespace tremolo {
 namespace {
@@ -27,12 +28,17 @@ int inspect_cloth_scene(const std::string& text, const SceneCommand& command) {
   return file ? inspect_cloth_command(*file, command.json) : report_error(file.error());
 }
 
-int run_tets_scene(const std::string& text, const SceneCommand& command) {
+Result<TetScene> tets_of(const std::string& text, const SceneCommand& command) {
   Result<TetScene> scene = parse_tets_scene(text, command.file);
-  if (!scene) return report_error(scene.error());
+  if (!scene) return scene.error();
   if (Status s = apply_tets_flags(command.flags, command.degree, command.told, *scene); !s)
-    return report_error(s.error());
-  return run_tets_command(*scene, command.json);
+    return s.error();
+  return scene;
+}
+
+int run_tets_scene(const std::string& text, const SceneCommand& command) {
+  const Result<TetScene> scene = tets_of(text, command);
+  return scene ? run_tets_command(*scene, command.json) : report_error(scene.error());
 }
 
 Result<std::unique_ptr<MotionSource>> cloth_source(const std::string& text,
@@ -42,11 +48,19 @@ Result<std::unique_ptr<MotionSource>> cloth_source(const std::string& text,
   return cloth_motion(std::move(*file));
 }
 
+Result<std::unique_ptr<MotionSource>> tets_source(const std::string& text,
+                                                  const SceneCommand& command) {
+  Result<TetScene> scene = tets_of(text, command);
+  if (!scene) return scene.error();
+  return tets_motion(std::move(*scene));
+}
+
 }  // namespace
 }  // namespace tremolo
 
 int main(int count, char** words) {
   using namespace tremolo;
-  const NodalScenes nodal = {run_cloth_scene, run_tets_scene, cloth_source, inspect_cloth_scene};
+  const NodalScenes nodal = {run_cloth_scene, run_tets_scene, cloth_source, tets_source,
+                             inspect_cloth_scene};
   return run_command_line(count, words, &nodal);
 }

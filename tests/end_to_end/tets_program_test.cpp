@@ -1,6 +1,8 @@
 // Scenes of bodies of tetrahedra as a user meets them: a bar and a floor made here, and bad input.
+#include <cstring>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -86,6 +88,57 @@ TEST_F(TetsProgram, ABodyThatBeginsInContactIsToldByName) {
   // Distances at rest are kept on a grid of twenty cells along the cube.
   EXPECT_NEAR(json::parse(other.out)["bodies"][1]["penetration_initial"].get<double>(), 0.015,
               0.002);
+}
+
+// The places of a .ply that tremolo wrote: x, y, z in floats behind the head.
+std::vector<float> ply_places(const std::string& path, std::size_t vertices) {
+  const std::string text = slurp(path);
+  const std::size_t head = text.find("end_header\n");
+  EXPECT_NE(head, std::string::npos) << path;
+  // Beside the place a vertex may have other numbers: so many bytes it takes.
+  const bool normals = text.find("property float nx") < head;
+  std::vector<float> places(3 * vertices);
+  for (std::size_t i = 0; i < vertices; ++i)
+    std::memcpy(&places[3 * i], text.data() + head + 11 + i * (normals ? 24 : 12), 12);
+  return places;
+}
+
+TEST_F(TetsProgram, OtherProgramsOpenTheMotionOfARun) {
+  const std::string made =
+      scene(0.5, cube("low", 0.001) + cube("high", 0.15, "spin = [3, 1, 0]\n"));
+  ASSERT_EQ(run(made, "--out out --surfaces 1").code, 0);
+  const ProgramResult result = run_program(
+      folder_, kTremolo +
+                   "export scene.toml --rate 100 --from 0.5 --to 0.5 --pc2 a.pc2 --pvd c.pvd "
+                   "--usda d.usda --glb e.glb --page f.html --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  // One frame, the last state: what is drawn is what the run has written.
+  const std::string cache = slurp(folder_ + "/a-high.pc2");
+  ASSERT_GT(cache.size(), 32U);
+  const std::size_t vertices = (cache.size() - 32) / 12;
+  const std::vector<float> drawn =
+      ply_places(folder_ + "/out/high/surface-0000-t0.500000s.ply", vertices);
+  for (std::size_t i = 0; i < 3 * vertices; ++i) {
+    float value = 0.0F;
+    std::memcpy(&value, cache.data() + 32 + 4 * i, 4);
+    ASSERT_NEAR(value, drawn[i], 1e-6) << i;
+  }
+  for (const char* file : {"/c.pvd", "/d.usda", "/e.glb", "/f.html"})
+    EXPECT_FALSE(slurp(folder_ + file).empty()) << file;
+  EXPECT_EQ(
+      run_program(folder_, kTremolo + "export scene.toml --page a.html --live x.tremolo").code, 2);
+}
+
+TEST_F(TetsProgram, AGlbHasTheWholeMotionToAThousandthOfTheSize) {
+  std::ofstream(folder_ + "/scene.toml")
+      << scene(0.5, cube("low", 0.001) + cube("high", 0.15, "spin = [3, 1, 0]\n"));
+  const ProgramResult result =
+      run_program(folder_, kTremolo + "export scene.toml --rate 50 --glb b.glb --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json report = json::parse(result.out);
+  EXPECT_EQ(report["frames"], 26);
+  EXPECT_LE(report["files"][0]["recorded_modes_error"].get<double>(), 1e-3);
+  EXPECT_LE(report["files"][0]["position_error"].get<double>(), 1e-4);
 }
 
 TEST_F(TetsProgram, WhatASceneGetsWrongIsRefusedByItsKey) {

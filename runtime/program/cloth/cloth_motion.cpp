@@ -1,8 +1,6 @@
 #include "runtime/program/cloth/cloth_motion.h"
 
-#include <algorithm>
 #include <filesystem>
-#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -15,17 +13,12 @@
 #include "runtime/exchange/collider_shape.h"
 #include "runtime/program/cloth/run_cloth.h"
 #include "runtime/program/export/export_motion.h"
+#include "runtime/program/export/scenery.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_progress.h"
 
 namespace tremolo {
 namespace {
-
-// Which of the world's colliders is which body of the animation, behind cloths and balls.
-struct Scenery {
-  std::vector<std::size_t> colliders;
-  std::vector<std::string> left_out;
-};
 
 // The cloth as it is cut, flat, which its vertices are displaced from.
 Result<AnimatedShape> cloth_shape(const SceneCloth& cloth) {
@@ -44,26 +37,6 @@ Result<AnimatedShape> cloth_shape(const SceneCloth& cloth) {
   return shape;
 }
 
-void add_scenery(AnimatedShape shape, std::string name, std::set<std::string>& taken,
-                 Animation& animation) {
-  while (!taken.insert(name).second) name += "-collider";
-  AnimatedBody body;
-  body.name = std::move(name);
-  body.shape = animation.shapes.size();
-  body.collider = true;
-  animation.shapes.push_back(std::move(shape));
-  animation.bodies.push_back(std::move(body));
-}
-
-// Planes are seen as far as the cloths' sizes and places at rest reach, and some more.
-double plane_size(const Animation& animation) {
-  double size = 0.0;
-  for (const AnimatedShape& shape : animation.shapes)
-    for (const Eigen::Vector3d& x : shape.surface.vertices)
-      size = std::max(size, x.cwiseAbs().maxCoeff());
-  return std::max(2.0 * size, 1.0);
-}
-
 Result<Scenery> add_tracks_of(const ClothScene& scene, bool colliders, Animation& animation) {
   std::set<std::string> taken;
   for (const SceneCloth& cloth : scene.cloths) {
@@ -79,21 +52,7 @@ Result<Scenery> add_tracks_of(const ClothScene& scene, bool colliders, Animation
   for (const SceneBall& ball : scene.balls)
     add_scenery(*collider_shape(SphereShape{ball.radius}, ball.name, 1.0), ball.name, taken,
                 animation);
-  Scenery scenery;
-  const double plane = plane_size(animation);
-  for (std::size_t k = 0; colliders && k < scene.colliders.size(); ++k) {
-    const SceneCollider& known = scene.colliders[k];
-    // A file holds distances, no triangles.
-    std::optional<AnimatedShape> shape;
-    if (known.file.empty()) shape = collider_shape(known.shape, known.name, plane);
-    if (!shape) {
-      scenery.left_out.push_back(known.name);
-      continue;
-    }
-    add_scenery(std::move(*shape), known.name, taken, animation);
-    scenery.colliders.push_back(k);
-  }
-  return scenery;
+  return colliders ? add_colliders(scene.colliders, taken, animation) : Scenery{};
 }
 
 void record_cloths(const ClothWorld& world, const Scenery& scenery, Animation& animation) {

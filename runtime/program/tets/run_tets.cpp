@@ -275,14 +275,12 @@ void TetsRun::print() const {
 Status keep_tets_apart(const TetScene& scene) {
   if (scene.outputs.out.empty()) return Success{};
   const std::filesystem::path out(scene.outputs.out);
-  std::vector<NamedFile> inputs{{scene.path, "the scene"}};
   std::vector<std::string> outputs{(out / kReportName).string()};
   for (const TetSceneBody& body : scene.bodies) {
-    inputs.push_back({body.model, "a file of tetrahedra"});
     outputs.push_back((out / body.name / kTableName).string());
     outputs.push_back((out / body.name / kFramesName).string());
   }
-  return keep_apart(outputs, inputs);
+  return keep_apart(outputs, inputs_of(scene));
 }
 
 Result<TetsRun> run_tets(const TetScene& scene) {
@@ -301,6 +299,13 @@ Result<TetsRun> run_tets(const TetScene& scene) {
 }
 
 }  // namespace
+
+std::vector<NamedFile> inputs_of(const TetScene& scene) {
+  std::vector<NamedFile> inputs{{scene.path, "the scene"}};
+  for (const TetSceneBody& body : scene.bodies)
+    inputs.push_back({body.model, "a file of tetrahedra"});
+  return inputs;
+}
 
 int run_tets_command(const TetScene& scene, bool json) {
   const Result<TetsRun> run = run_tets(scene);

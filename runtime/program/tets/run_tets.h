@@ -3,8 +3,10 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/result.h"
+#include "formats/file/output_guard.h"
 #include "runtime/program/run/run_options.h"
 #include "runtime/scene_reader/tets_reader.h"
 
@@ -15,6 +17,9 @@ namespace tremolo {
 // these bodies do not take or an unknown name; kContent for a value out of range.
 Status apply_tets_flags(const RunOptions& flags, const std::string& degree,
                         const std::function<bool(const char*)>& told, TetScene& scene);
+
+// The files that a run reads.
+std::vector<NamedFile> inputs_of(const TetScene& scene);
 
 // Runs the scene. json: one object on stdout, also when the run failed. The exit code; errors are
 // printed on stderr.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/result.h"
-#include "runtime/program/tets/tets_bodies.h"
+#include "runtime/tets/scene/tet_scene.h"
 
 namespace tremolo {
 

@@ -1,4 +1,4 @@
-#include "runtime/program/tets/tets_bodies.h"
+#include "runtime/tets/scene/tet_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -74,7 +74,7 @@ std::size_t TetsBodies::bytes() const {
 namespace {
 
 // The friction of a pair is the geometric mean.
-std::vector<TetObstacle> tets_obstacles(const TetScene& scene, const TetSceneBody& body) {
+std::vector<TetObstacle> tets_obstacles(const TetBodiesScene& scene, const TetSceneBody& body) {
   std::vector<TetObstacle> obstacles;
   for (const SceneCollider& collider : scene.colliders)
     obstacles.push_back(
@@ -84,14 +84,15 @@ std::vector<TetObstacle> tets_obstacles(const TetScene& scene, const TetSceneBod
 
 }  // namespace
 
-Result<TetsBodies> make_tets_bodies(const TetScene& scene) {
+Result<TetsBodies> make_tets_bodies(const TetBodiesScene& scene) {
   TetsBodies made;
   std::vector<TetBody> bodies;
   std::vector<TetContact> contacts;
   std::vector<double> frictions;
   for (const TetSceneBody& wanted : scene.bodies) {
     const auto told = [&](const Error& error) {
-      return Error{error.kind, scene.path + ": body '" + wanted.name + "': " + error.message};
+      const std::string file = scene.path.empty() ? "" : scene.path + ": ";
+      return Error{error.kind, file + "body '" + wanted.name + "': " + error.message};
     };
     auto found = std::find_if(made.kinds.begin(), made.kinds.end(),
                               [&](const TetsKind& kind) { return kind.path == wanted.model; });

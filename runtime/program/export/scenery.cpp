@@ -1,0 +1,51 @@
+#include "runtime/program/export/scenery.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "runtime/exchange/collider_shape.h"
+
+namespace tremolo {
+namespace {
+
+double plane_size(const Animation& animation) {
+  double size = 0.0;
+  for (const AnimatedShape& shape : animation.shapes)
+    for (const Eigen::Vector3d& x : shape.surface.vertices)
+      size = std::max(size, x.cwiseAbs().maxCoeff());
+  return std::max(2.0 * size, 1.0);
+}
+
+}  // namespace
+
+void add_scenery(AnimatedShape shape, std::string name, std::set<std::string>& taken,
+                 Animation& animation) {
+  while (!taken.insert(name).second) name += "-collider";
+  AnimatedBody body;
+  body.name = std::move(name);
+  body.shape = animation.shapes.size();
+  body.collider = true;
+  animation.shapes.push_back(std::move(shape));
+  animation.bodies.push_back(std::move(body));
+}
+
+Scenery add_colliders(std::span<const SceneCollider> colliders, std::set<std::string>& taken,
+                      Animation& animation) {
+  Scenery scenery;
+  const double plane = plane_size(animation);
+  for (std::size_t k = 0; k < colliders.size(); ++k) {
+    const SceneCollider& known = colliders[k];
+    std::optional<AnimatedShape> shape;
+    if (known.file.empty()) shape = collider_shape(known.shape, known.name, plane);
+    if (!shape) {
+      scenery.left_out.push_back(known.name);
+      continue;
+    }
+    add_scenery(std::move(*shape), known.name, taken, animation);
+    scenery.colliders.push_back(k);
+  }
+  return scenery;
+}
+
+}  // namespace tremolo

@@ -1,0 +1,129 @@
+/* Solids of whole tetrahedra from C: bodies that bend, turn, touch each other and what stands
+ * still, and fall asleep (docs/tets.md).
+ *
+ * As in tremolo.h, whose statuses and colliders are used: handles are owned until they are
+ * destroyed, NULL may be destroyed, and tremolo_last_error() says what went wrong. Units are SI.
+ *
+ *   tremolo_tets_scene_create(1.0 / 60, &scene);
+ *   tremolo_tets_options_init(&options);
+ *   options.file = "duck.tets";            // tremolo-precompute tets MESH -o duck.tets
+ *   tremolo_tets_scene_add(scene, &options, &body);
+ *   tremolo_tets_create(scene, &world);
+ *   for (...) {
+ *     tremolo_tets_step(world);
+ *     tremolo_tets_surface(world, body, positions, normals, 3 * tremolo_tets_vertices(world,
+ * body));
+ *   }
+ */
+#ifndef TREMOLO_TETS_H
+#define TREMOLO_TETS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "tremolo.h"
+
+/* NOLINTBEGIN(readability-identifier-naming) */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What there will be. */
+typedef struct tremolo_tets_scene tremolo_tets_scene;
+/* What moves. */
+typedef struct tremolo_tets_world tremolo_tets_world;
+
+/* step: s, of all bodies. Gravity is 9.81 m/s^2 downwards along z, nothing sleeps below 5 mm/s for
+ * less than 0.5 s, and one thread works. */
+tremolo_status tremolo_tets_scene_create(double step, tremolo_tets_scene** scene);
+void tremolo_tets_scene_destroy(tremolo_tets_scene* scene);
+tremolo_status tremolo_tets_scene_set_gravity(tremolo_tets_scene* scene,
+                                              const double gravity[3]); /* m/s^2 */
+/* Bodies that have been slower than speed, m/s, for `time`, s, fall asleep; speed 0: none does. */
+tremolo_status tremolo_tets_scene_set_sleep(tremolo_tets_scene* scene, double speed, double time);
+/* 1 to 256; no bit of a result depends on it. */
+tremolo_status tremolo_tets_scene_set_threads(tremolo_tets_scene* scene, uint32_t threads);
+
+typedef enum tremolo_tets_degree {
+  TREMOLO_TETS_LINEAR = 1,
+  TREMOLO_TETS_QUADRATIC = 2,
+  TREMOLO_TETS_ADAPTIVE = 3 /* each edge chooses its own */
+} tremolo_tets_degree;
+
+/* A body. Fill with tremolo_tets_options_init. `size` as in tremolo_body_options. */
+typedef struct tremolo_tets_options {
+  uint32_t size;
+  int32_t degree;         /* a tremolo_tets_degree; TREMOLO_TETS_ADAPTIVE */
+  const char* file;       /* of `tremolo-precompute tets`; must be told */
+  const char* method;     /* "bdf2"; the others are in docs/tets.md */
+  double position[3];     /* m, of the mesh's frame */
+  double quaternion[4];   /* w, x, y, z, of length one to 1e-6 */
+  double velocity[3];     /* m/s, of the centre of mass */
+  double spin[3];         /* rad/s, about it */
+  double alpha, beta;     /* Rayleigh's damping, 1/s and s; 0 */
+  double tolerance;       /* of a step's residual over the weight and the forces; 1e-6 */
+  double friction;        /* 0.3; of a pair the geometric mean */
+  int32_t max_iterations; /* corrections in a step; 20 */
+  int32_t take_unsolved;  /* 0: a step they do not solve is cut; else it is taken as it is */
+} tremolo_tets_options;
+
+void tremolo_tets_options_init(tremolo_tets_options* options);
+
+/* body (may be NULL) receives its number. */
+tremolo_status tremolo_tets_scene_add(tremolo_tets_scene* scene,
+                                      const tremolo_tets_options* options, size_t* body);
+/* A collider that stands at its pose (next_position, next_quaternion and restitution are not read);
+ * copied. */
+tremolo_status tremolo_tets_scene_add_collider(tremolo_tets_scene* scene,
+                                               const tremolo_placed_collider* collider);
+
+/* Reads the bodies' files; the scene is not needed after the call. TREMOLO_SYSTEM for a file that
+ * is not there, TREMOLO_CONTENT for one that is damaged and for values out of range. */
+tremolo_status tremolo_tets_create(const tremolo_tets_scene* scene, tremolo_tets_world** world);
+void tremolo_tets_destroy(tremolo_tets_world* world);
+
+/* One step of all bodies. TREMOLO_SOLVER, with the bodies' numbers in the message: these and those
+ * that they touch are as they were, the others have moved. */
+tremolo_status tremolo_tets_step(tremolo_tets_world* world);
+double tremolo_tets_time(const tremolo_tets_world* world); /* s; 0 for NULL */
+
+/* 0 for NULL and for a body that is not there. vertices, triangles: of the drawn surface. points:
+ * control points, the mesh's vertices and then its edges. */
+size_t tremolo_tets_bodies(const tremolo_tets_world* world);
+size_t tremolo_tets_vertices(const tremolo_tets_world* world, size_t body);
+size_t tremolo_tets_triangles(const tremolo_tets_world* world, size_t body);
+size_t tremolo_tets_points(const tremolo_tets_world* world, size_t body);
+
+/* The drawn surface, x y z x y z ..., m, and its normals, of length one; either may be NULL. length
+ * must be three times the vertices. */
+tremolo_status tremolo_tets_surface(tremolo_tets_world* world, size_t body, float* positions,
+                                    float* normals, size_t length);
+/* Three vertices a triangle; length must be three times the triangles. */
+tremolo_status tremolo_tets_triangle_corners(const tremolo_tets_world* world, size_t body,
+                                             uint32_t* out, size_t length);
+
+/* x y z x y z ... of the control points, m and m/s; length must be three times the points. */
+tremolo_status tremolo_tets_positions(const tremolo_tets_world* world, size_t body, double* out,
+                                      size_t length);
+tremolo_status tremolo_tets_velocities(const tremolo_tets_world* world, size_t body, double* out,
+                                       size_t length);
+tremolo_status tremolo_tets_set_state(tremolo_tets_world* world, size_t body,
+                                      const double* positions, const double* velocities,
+                                      size_t length);
+
+/* asleep: 1 or 0. quadratic_share: of the edges, 0 to 1. Any may be NULL. */
+tremolo_status tremolo_tets_look(const tremolo_tets_world* world, size_t body, int32_t* asleep,
+                                 double* quadratic_share);
+
+/* J, of all bodies; any may be NULL. contact: what is stored where bodies are pressed. */
+tremolo_status tremolo_tets_energy(tremolo_tets_world* world, double* kinetic, double* elastic,
+                                   double* gravity, double* contact);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* NOLINTEND(readability-identifier-naming) */
+
+#endif /* TREMOLO_TETS_H */
