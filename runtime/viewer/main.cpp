@@ -10,10 +10,10 @@
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run_flags.h"
 #include "runtime/viewer/cloth/cloth_scenes.h"
-#include "runtime/viewer/cloth/cloth_window.h"
 #include "runtime/viewer/live/viewed_scene.h"
 #include "runtime/viewer/offscreen/offscreen.h"
 #include "runtime/viewer/setup/viewer_options.h"
+#include "runtime/viewer/tets/tets_scenes.h"
 #include "runtime/viewer/window/window_command.h"
 
 namespace tremolo {
@@ -28,8 +28,10 @@ void add_picture_flags(CLI::App& app, ViewerOptions& o) {
   app.add_flag("--follow", o.follow, "the camera goes where the bodies' middle goes");
   app.add_option("--background", o.background, "studio, white or #rrggbb (without a ground)")
       ->capture_default_str();
-  app.add_option("--colour", o.colour,
-                 "body; moved: by how far a vertex is from its rest; stress: by von Mises' stress")
+  app.add_option(
+         "--colour", o.colour,
+         "body; moved: by how far a vertex is from its rest; stress: by von Mises' stress; degree: "
+         "of bodies of tetrahedra, red where all edges are quadratic")
       ->capture_default_str();
   app.add_option("--moved-full", o.moved_full, "m that are red; 0: the largest seen so far");
   app.add_option("--stress-full", o.stress_full, "Pa that are red; 0: the largest seen so far");
@@ -110,8 +112,10 @@ int view(int count, char** words) {
                           body = again.body;
                         }};
   if (is_cloth_file(options.file)) return view_cloth_command(options, flags);
-  if (!options.beside.empty())
-    return report_error(usage_error("--beside is of scenes of cloth"));
+  if (!options.beside.empty()) return report_error(usage_error("--beside is of scenes of cloth"));
+  if (is_tets_file(options.file)) return view_tets_command(options, flags);
+  if (options.colour == "degree")
+    return report_error(usage_error("--colour degree is of bodies of kind \"tets\""));
   const Result<ViewedScene> viewed = read_viewed_scene(options.file, flags);
   if (!viewed) return report_error(viewed.error());
   return options.offscreen ? offscreen_command(options, *viewed) : window_command(options, *viewed);

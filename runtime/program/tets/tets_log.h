@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "runtime/scene_reader/tets_reader.h"
 #include "runtime/tets/scene/tet_scene.h"
 
 namespace tremolo {

@@ -2,15 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include "formats/file/whole_file.h"
 #include "runtime/program/cloth/run_cloth.h"
+#include "runtime/program/output/tell.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/scene_reader/scene_kind.h"
+#include "runtime/viewer/surfaces/surface_window.h"
 
 namespace tremolo {
 namespace {
@@ -73,11 +77,12 @@ Result<ClothScenes> ClothScenes::create(std::vector<ClothFile> files) {
                            ": scenes that are seen side by side have one step: say --step");
     scenes.shown_.push_back({file, std::move(*world)});
   }
-  scenes.place();
+  scenes.place_beside();
+  scenes.list_parts();
   return scenes;
 }
 
-void ClothScenes::place() {
+void ClothScenes::place_beside() {
   double next = 0.0;
   for (std::size_t i = 0; i < shown_.size(); ++i) {
     const auto [low, high] = extent(shown_[i].world);
@@ -85,6 +90,73 @@ void ClothScenes::place() {
     shown_[i].aside = i == 0 ? Vector3d::Zero() : Vector3d(next - low, 0.0, 0.0);
     next = shown_[i].aside.x() + low + width;
   }
+}
+
+void ClothScenes::list_parts() {
+  for (std::size_t s = 0; s < shown_.size(); ++s)
+    for (std::size_t i = 0; i < shown_[s].world.cloths(); ++i) sheets_.push_back({s, i});
+  for (const bool colliders : {false, true})
+    for (std::size_t s = 0; s < shown_.size(); ++s) {
+      const ClothScene& scene = shown_[s].file.scene;
+      const std::size_t count = colliders ? scene.colliders.size() : scene.balls.size();
+      for (std::size_t i = 0; i < count; ++i) solids_.push_back({s, i, colliders});
+    }
+}
+
+std::vector<ShownSheet> ClothScenes::sheets() const {
+  std::vector<ShownSheet> sheets;
+  for (const Part& part : sheets_) {
+    const Shown& shown = shown_[part.scene];
+    sheets.push_back({shown.file.scene.cloths[part.number].name, shown.world.triangles(part.number),
+                      shown.world.particles(part.number)});
+  }
+  return sheets;
+}
+
+std::vector<ShownSolid> ClothScenes::solids() const {
+  std::vector<ShownSolid> solids;
+  for (const Part& part : solids_) {
+    const ClothScene& scene = shown_[part.scene].file.scene;
+    if (part.is_collider)
+      solids.push_back({scene.colliders[part.number].name, 0.0, &scene.colliders[part.number]});
+    else
+      solids.push_back({scene.balls[part.number].name, scene.balls[part.number].radius});
+  }
+  return solids;
+}
+
+void ClothScenes::place(std::size_t sheet, SheetNow& now) const {
+  const Shown& shown = shown_[sheets_[sheet].scene];
+  const Eigen::VectorXd& x = shown.world.positions(sheets_[sheet].number);
+  now.positions.assign(x.begin(), x.end());
+  for (std::size_t k = 0; k < now.positions.size(); ++k)
+    now.positions[k] += shown.aside[static_cast<Eigen::Index>(k % 3)];
+}
+
+Pose ClothScenes::pose(std::size_t solid) const {
+  const Part& part = solids_[solid];
+  const Shown& shown = shown_[part.scene];
+  Pose pose;
+  if (part.is_collider) {
+    pose = shown.world.collider_pose(part.number);
+  } else {
+    pose.position = shown.world.balls()[part.number].position;
+    pose.rotation = shown.world.balls()[part.number].rotation;
+  }
+  pose.position += shown.aside;
+  return pose;
+}
+
+std::vector<std::string> ClothScenes::told() const {
+  std::vector<std::string> lines;
+  for (const Shown& shown : shown_) {
+    const ClothEnergy energy = shown.world.energy();
+    lines.push_back(fmt::format("{}: {}", std::filesystem::path(shown.file.path).stem().string(),
+                                shown.file.scene.integrator));
+    lines.push_back(fmt::format("  energy {:.4g} J, by the method itself {:.3g} J", energy.total(),
+                                energy.numerical));
+  }
+  return lines;
 }
 
 Status ClothScenes::step() {
@@ -145,6 +217,33 @@ void ClothScenes::let_go() {
 std::optional<Vector3d> ClothScenes::hand() const {
   if (!hand_) return std::nullopt;
   return Vector3d(hand_->point + shown_[hand_->scene].aside);
+}
+
+namespace {
+
+Result<int> view_cloth(const ViewerOptions& options, const ViewFlags& flags) {
+  if (Status s = refuse_body_flags(options, "cloth"); !s) return s.error();
+  if (options.colour != "body")
+    return usage_error("--colour " + options.colour +
+                       " is not of cloth, which has its own colours");
+  std::vector<ClothFile> files;
+  for (const std::string& path : {options.file, options.beside}) {
+    if (path.empty()) continue;
+    Result<ClothFile> file = read_cloth_file(path, flags);
+    if (!file) return file.error();
+    files.push_back(std::move(*file));
+  }
+  Result<ClothScenes> scenes = ClothScenes::create(std::move(files));
+  if (!scenes) return scenes.error();
+  return view_surfaces(options, *scenes);
+}
+
+}  // namespace
+
+int view_cloth_command(const ViewerOptions& options, const ViewFlags& flags) {
+  const Result<int> code = view_cloth(options, flags);
+  if (!code) return report_error(code.error());
+  return flushed(*code);
 }
 
 }  // namespace tremolo

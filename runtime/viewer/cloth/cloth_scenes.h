@@ -8,8 +8,9 @@
 #include "common/result.h"
 #include "runtime/cloth/cloth_world.h"
 #include "runtime/scene_reader/cloth_reader.h"
-#include "runtime/viewer/camera/camera.h"
 #include "runtime/viewer/live/viewed_scene.h"
+#include "runtime/viewer/setup/viewer_options.h"
+#include "runtime/viewer/surfaces/moving_surfaces.h"
 
 namespace tremolo {
 
@@ -20,7 +21,7 @@ bool is_cloth_file(const std::string& file);
 // apply_cloth_flags(); kSystem where the file cannot be read.
 Result<ClothFile> read_cloth_file(const std::string& file, const ViewFlags& flags);
 
-class ClothScenes {
+class ClothScenes : public MovingSurfaces {
  public:
   // A scene's world, and where it is shown: `aside` m along x from where it is.
   struct Shown {
@@ -34,21 +35,24 @@ class ClothScenes {
   static Result<ClothScenes> create(std::vector<ClothFile> files);
 
   const std::vector<Shown>& shown() const { return shown_; }
-  double time() const { return shown_.front().world.time(); }
-  double step_size() const { return shown_.front().file.scene.options.step; }
-  // One step of each. Errors: those of ClothWorld::step.
-  Status step();
-  // From their beginning anew; the hand is empty then.
-  Status begin_again();
 
-  // Takes hold of the particle nearest to where the ray first meets a cloth; false where it meets
-  // none.
-  bool take(const CameraRay& ray);
-  // Where the hand shall be from the next step on, m, as shown.
-  void move_to(const Eigen::Vector3d& point);
-  void let_go();
-  // As shown, m; nothing while it is empty.
-  std::optional<Eigen::Vector3d> hand() const;
+  SceneGravity gravity() const override { return shown_.front().file.scene.gravity; }
+  std::vector<ShownSheet> sheets() const override;
+  std::vector<ShownSolid> solids() const override;
+  void place(std::size_t sheet, SheetNow& now) const override;
+  Pose pose(std::size_t solid) const override;
+  double time() const override { return shown_.front().world.time(); }
+  double step_size() const override { return shown_.front().file.scene.options.step; }
+  std::int64_t steps() const override { return shown_.front().world.steps(); }
+  // Errors: those of ClothWorld::step and create.
+  Status step() override;
+  Status begin_again() override;
+  std::vector<std::string> told() const override;
+  // The hand holds the particle nearest to where the ray first meets a cloth.
+  bool take(const CameraRay& ray) override;
+  void move_to(const Eigen::Vector3d& point) override;
+  void let_go() override;
+  std::optional<Eigen::Vector3d> hand() const override;
 
  private:
   struct Hand {
@@ -56,11 +60,22 @@ class ClothScenes {
     Eigen::Vector3d point = Eigen::Vector3d::Zero();  // of the scene, m
   };
 
+  // A cloth, ball or collider of a scene, by its numbers.
+  struct Part {
+    std::size_t scene = 0, number = 0;
+    bool is_collider = false;
+  };
+
   ClothScenes() = default;
-  void place();
+  void place_beside();
+  void list_parts();
 
   std::vector<Shown> shown_;
+  std::vector<Part> sheets_, solids_;
   std::optional<Hand> hand_;
 };
+
+// `tremolo view` of scenes with [[cloths]], with or without --offscreen; errors are printed.
+int view_cloth_command(const ViewerOptions& options, const ViewFlags& flags);
 
 }  // namespace tremolo

@@ -112,8 +112,9 @@ Status check_numbers(const ViewerOptions& options) {
     return content_error("--seconds must be finite and not negative");
   if (!(options.stress_full >= 0.0) || !std::isfinite(options.stress_full))
     return content_error("--stress-full must be positive and finite (Pa)");
-  if (options.colour != "body" && options.colour != "moved" && options.colour != "stress")
-    return usage_error("--colour " + options.colour + ": must be body, moved or stress");
+  constexpr std::string_view kColours[] = {"body", "moved", "stress", "degree"};
+  if (std::ranges::find(kColours, options.colour) == std::end(kColours))
+    return usage_error("--colour " + options.colour + ": must be body, moved, stress or degree");
   return Success{};
 }
 

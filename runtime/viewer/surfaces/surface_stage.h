@@ -1,28 +1,28 @@
-// Scenes of cloth as things that are drawn.
+// Surfaces that move as things that are drawn.
 #pragma once
 
 #include <vector>
 
-#include "runtime/viewer/cloth/cloth_scenes.h"
 #include "runtime/viewer/draw/renderer.h"
+#include "runtime/viewer/surfaces/moving_surfaces.h"
 
 namespace tremolo {
 
-class ClothStage {
+class SurfaceStage {
  public:
-  // With a context current, as long as it lives. paints: linear light, a cloth or ball one behind
-  // the other, scene by scene.
-  ClothStage(const ClothScenes& scenes, const std::vector<Eigen::Vector3f>& paints, bool colliders);
+  // With a context current, as long as it lives. paints: linear light, of sheets, then of balls.
+  SurfaceStage(const MovingSurfaces& scenes, const std::vector<Eigen::Vector3f>& paints,
+               bool colliders);
 
   // Where everything is now. No OpenGL.
-  void pose(const ClothScenes& scenes);
+  void pose(const MovingSurfaces& scenes);
   // Hands it to the card.
   void upload();
   // Valid until the next call; after upload().
   const std::vector<DrawnThing>& things();
   // Around all that throws shadows, of the last pose(); it does not shrink.
   const ShownBall& ball() const { return ball_; }
-  // All particles of the last pose(), and the corners of boxes around balls; m, as shown.
+  // All vertices of the last pose(), and the corners of boxes around balls; m, as shown.
   const std::vector<double>& points() const { return points_; }
   // Along z, m, and whether a level plane is the ground.
   double ground() const { return ground_; }
@@ -31,24 +31,26 @@ class ClothStage {
  private:
   struct Sheet {
     GpuMesh mesh;
-    std::size_t scene = 0, cloth = 0;
-    std::vector<float> positions, normals;
+    std::vector<Triangle> triangles;
+    bool numbered = false;
+    SheetNow now;
+    std::vector<float> positions, normals, colours;
     Eigen::Vector3f colour;
   };
-  // Balls and colliders: `number` of the scene's.
   struct Solid {
     GpuMesh mesh;
-    std::size_t scene = 0, number = 0;
-    bool is_ball = false;
-    double radius = 0.0;  // m, of a ball
+    std::size_t number = 0;  // of the scenes' solids
+    double radius = 0.0;     // m, of a ball; 0: a collider
+    bool is_plane = false;
     Eigen::Matrix4f pose = Eigen::Matrix4f::Identity();
     Eigen::Vector3f colour;
   };
 
-  void pose_sheet(const ClothScenes& scenes, Sheet& sheet);
-  void pose_solid(const ClothScenes& scenes, Solid& solid);
-  void add_solids(const ClothScenes& scenes, std::size_t scene, bool colliders,
-                  const std::vector<Eigen::Vector3f>& paints, std::size_t& next);
+  void add_solid(const ShownSolid& shown, std::size_t number, const Pose& pose, bool colliders,
+                 const std::vector<Eigen::Vector3f>& paints, std::size_t& next);
+  void take_normals(Sheet& sheet);
+  void pose_sheet(const MovingSurfaces& scenes, std::size_t number);
+  void pose_solid(const MovingSurfaces& scenes, Solid& solid);
   void enclose();
 
   std::vector<Sheet> sheets_;

@@ -1,4 +1,4 @@
-#include "runtime/viewer/cloth/cloth_pictures.h"
+#include "runtime/viewer/surfaces/surface_pictures.h"
 
 #include <memory>
 
@@ -6,49 +6,50 @@
 
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/interruption.h"
-#include "runtime/viewer/cloth/cloth_stage.h"
 #include "runtime/viewer/offscreen/egl_context.h"
 #include "runtime/viewer/offscreen/picture_target.h"
 #include "runtime/viewer/picture/picture_series.h"
 #include "runtime/viewer/setup/frame_times.h"
+#include "runtime/viewer/surfaces/surface_stage.h"
 
 namespace tremolo {
 namespace {
 
-constexpr LightCounts kClothLights{12, 36, 1024};
+constexpr LightCounts kSurfaceLights{12, 36, 1024};
 
 // Everything that draws; the context must go last.
-struct ClothStudio {
+struct SurfaceStudio {
   std::unique_ptr<EglContext> context;
   std::unique_ptr<Renderer> renderer;
-  std::unique_ptr<ClothStage> stage;
+  std::unique_ptr<SurfaceStage> stage;
   std::optional<PictureTarget> target;
 };
 
-Result<ClothStudio> open_cloth_studio(const ViewerOptions& options, const ViewSetup& setup,
-                                      const ClothScenes& scenes) {
-  ClothStudio studio;
+Result<SurfaceStudio> open_surface_studio(const ViewerOptions& options, const ViewSetup& setup,
+                                          const MovingSurfaces& scenes) {
+  SurfaceStudio studio;
   if (Status s = take(studio.context, EglContext::create()); !s) return s.error();
   if (Status s = take(studio.renderer, Renderer::create()); !s) return s.error();
-  studio.stage = std::make_unique<ClothStage>(scenes, setup.paints, !options.no_colliders);
+  studio.stage = std::make_unique<SurfaceStage>(scenes, setup.paints, !options.no_colliders);
   Result<PictureTarget> target = PictureTarget::create(setup.size);
   if (!target) return target.error();
   studio.target.emplace(std::move(*target));
   return studio;
 }
 
-struct ClothShots {
+struct SurfaceShots {
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();
   FrameTimes times;
   int signal = 0;
 };
 
-Status shoot_all(const ViewerOptions& options, const ViewSetup& setup, ClothScenes& scenes,
-                 ClothStudio& studio, PictureSeries& series, ClothShots& shots) {
+Status shoot_all(const ViewerOptions& options, const ViewSetup& setup, MovingSurfaces& scenes,
+                 SurfaceStudio& studio, PictureSeries& series, SurfaceShots& shots) {
   const Interruption interruption;
-  ClothStage& stage = *studio.stage;
+  SurfaceStage& stage = *studio.stage;
   PictureLook look;
-  look.lights = options.lights > 0 ? light_counts(options.lights, kClothLights.side) : kClothLights;
+  look.lights =
+      options.lights > 0 ? light_counts(options.lights, kSurfaceLights.side) : kSurfaceLights;
   look.light_azimuth = setup.camera.azimuth;
   look.wire = options.wire;
   look.background = setup.background;
@@ -62,7 +63,7 @@ Status shoot_all(const ViewerOptions& options, const ViewSetup& setup, ClothScen
       if (Status s = scenes.step(); !s) return s;
     shots.times.begin();
     stage.pose(scenes);
-    if (k == 0) camera = camera_of_cloth(setup, stage.points());
+    if (k == 0) camera = camera_of_points(setup, stage.points());
     shots.times.prepared();
     stage.upload();
     if (Status s = studio.renderer->draw(stage.things(), stage.ball(), camera, setup.size, look,
@@ -82,19 +83,16 @@ Status shoot_all(const ViewerOptions& options, const ViewSetup& setup, ClothScen
 
 }  // namespace
 
-Scene names_of(const ClothScenes& scenes) {
+Scene names_of(const MovingSurfaces& scenes) {
   Scene names;
-  names.gravity = scenes.shown().front().file.scene.gravity;
-  for (const ClothScenes::Shown& shown : scenes.shown()) {
-    for (const SceneCloth& cloth : shown.file.scene.cloths)
-      names.bodies.emplace_back().name = cloth.name;
-    for (const SceneBall& ball : shown.file.scene.balls)
-      names.bodies.emplace_back().name = ball.name;
-  }
+  names.gravity = scenes.gravity();
+  for (const ShownSheet& sheet : scenes.sheets()) names.bodies.emplace_back().name = sheet.name;
+  for (const ShownSolid& solid : scenes.solids())
+    if (solid.collider == nullptr) names.bodies.emplace_back().name = solid.name;
   return names;
 }
 
-Camera camera_of_cloth(const ViewSetup& setup, const std::vector<double>& points) {
+Camera camera_of_points(const ViewSetup& setup, const std::vector<double>& points) {
   Camera camera;
   camera.up = setup.up;
   camera.azimuth = setup.camera.azimuth;
@@ -104,17 +102,17 @@ Camera camera_of_cloth(const ViewSetup& setup, const std::vector<double>& points
   return camera;
 }
 
-Result<int> photograph_cloth(const ViewerOptions& options, ClothScenes& scenes) {
+Result<int> photograph_surfaces(const ViewerOptions& options, MovingSurfaces& scenes) {
   if (options.out.empty() && options.video.empty())
     return usage_error("--offscreen needs --out DIR, --video FILE.mp4|.webm, or both");
   const Result<ViewSetup> setup = make_setup(options, names_of(scenes));
   if (!setup) return setup.error();
-  Result<ClothStudio> studio = open_cloth_studio(options, *setup, scenes);
+  Result<SurfaceStudio> studio = open_surface_studio(options, *setup, scenes);
   if (!studio) return studio.error();
   Result<PictureSeries> series = PictureSeries::create(options.out, options.video, options.rate,
                                                        setup->size.width, setup->size.height);
   if (!series) return series.error();
-  ClothShots shots;
+  SurfaceShots shots;
   if (Status s = shoot_all(options, *setup, scenes, *studio, *series, shots); !s) return s.error();
   if (Status s = series->finish(); !s) return s.error();
   const int code = shots.signal != 0 ? 128 + shots.signal : 0;
@@ -129,7 +127,7 @@ Result<int> photograph_cloth(const ViewerOptions& options, ClothScenes& scenes) 
                                     {"prepare_ms", shots.times.prepare_ms()},
                                     {"draw_ms", shots.times.draw_ms()},
                                     {"software", studio->renderer->is_software()},
-                                    {"steps", scenes.shown().front().world.steps()},
+                                    {"steps", scenes.steps()},
                                     {"frames", shots.frames},
                                     {"exit_code", code}};
   print_json(json);

@@ -1,4 +1,4 @@
-#include "runtime/viewer/cloth/cloth_window.h"
+#include "runtime/viewer/surfaces/surface_window.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -14,17 +14,17 @@
 
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/interruption.h"
-#include "runtime/viewer/cloth/cloth_pictures.h"
-#include "runtime/viewer/cloth/cloth_stage.h"
+#include "runtime/viewer/surfaces/surface_pictures.h"
+#include "runtime/viewer/surfaces/surface_stage.h"
 #include "runtime/viewer/window/glfw_window.h"
 
 namespace tremolo {
 namespace {
 
-using ClothClock = std::chrono::steady_clock;
+using SurfaceClock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
-constexpr LightCounts kClothCard{8, 24, 1024}, kClothSoftware{2, 6, 512};
+constexpr LightCounts kSurfaceCard{8, 24, 1024}, kSurfaceSoftware{2, 6, 512};
 constexpr int kLeftButton = 0, kRightButton = 1, kMiddleButton = 2;  // as GLFW counts
 constexpr double kTurnOver = std::numbers::pi;  // rad for a way over the whole window
 constexpr double kNearer = 0.88;                // of the distance, a turn of the wheel
@@ -32,13 +32,13 @@ constexpr double kSteep = 0.495 * std::numbers::pi;
 constexpr double kBudget = 0.05;    // s of real time that the steps before a picture may take
 constexpr double kHiddenNap = 0.1;  // s between looks at a window that shows nothing
 
-double since(ClothClock::time_point then) {
-  return std::chrono::duration<double>(ClothClock::now() - then).count();
+double since(SurfaceClock::time_point then) {
+  return std::chrono::duration<double>(SurfaceClock::now() - then).count();
 }
 
-class ClothViewer {
+class SurfaceViewer {
  public:
-  ClothViewer(const ViewerOptions& options, const ViewSetup& setup, ClothScenes& scenes)
+  SurfaceViewer(const ViewerOptions& options, const ViewSetup& setup, MovingSurfaces& scenes)
       : options_(options), setup_(setup), scenes_(scenes), paused_(options.paused) {}
 
   Status open() {
@@ -46,8 +46,8 @@ class ClothViewer {
     if (Status s = take(window_, GlfwWindow::create("tremolo view: " + name, setup_.size)); !s)
       return s;
     if (Status s = take(renderer_, Renderer::create()); !s) return s;
-    stage_ = std::make_unique<ClothStage>(scenes_, setup_.paints, !options_.no_colliders);
-    camera_ = camera_of_cloth(setup_, stage_->points());
+    stage_ = std::make_unique<SurfaceStage>(scenes_, setup_.paints, !options_.no_colliders);
+    camera_ = camera_of_points(setup_, stage_->points());
     wire_ = options_.wire;
     window_->listen(
         {.button = [this](int button, bool down, bool shift) { press(button, down, shift); },
@@ -59,7 +59,7 @@ class ClothViewer {
 
   Status run() {
     const Interruption interruption;
-    const ClothClock::time_point begun = ClothClock::now();
+    const SurfaceClock::time_point begun = SurfaceClock::now();
     set_clock();
     while (!window_->closed() && interruption.signal() == 0) {
       if (options_.duration > 0.0 && since(begun) >= options_.duration) break;
@@ -85,7 +85,7 @@ class ClothViewer {
             {"pictures", pictures_},
             {"software", renderer_->is_software()},
             {"time", scenes_.time()},
-            {"steps", scenes_.shown().front().world.steps()},
+            {"steps", scenes_.steps()},
             {"pulls", pulls_},
             {"longest_pull", longest_pull_},
             {"trouble", trouble_},
@@ -101,7 +101,7 @@ class ClothViewer {
   }
 
   void set_clock() {
-    clock_began_ = ClothClock::now();
+    clock_began_ = SurfaceClock::now();
     clock_time_ = scenes_.time();
   }
 
@@ -171,7 +171,7 @@ class ClothViewer {
       set_clock();
       return;
     }
-    const ClothClock::time_point begun = ClothClock::now();
+    const SurfaceClock::time_point begun = SurfaceClock::now();
     const auto due = [this] { return clock_time_ + options_.slow * since(clock_began_); };
     while (scenes_.time() + scenes_.step_size() <= due() && trouble_.empty()) {
       make_step();
@@ -182,13 +182,8 @@ class ClothViewer {
   }
 
   void build_panel() {
-    ImGui::Begin("cloth");
-    for (const ClothScenes::Shown& shown : scenes_.shown()) {
-      const ClothEnergy energy = shown.world.energy();
-      ImGui::Text("%s: %s", std::filesystem::path(shown.file.path).stem().c_str(),
-                  shown.file.scene.integrator.c_str());
-      ImGui::Text("  energy %.4g J, by the method itself %.3g J", energy.total(), energy.numerical);
-    }
+    ImGui::Begin("scene");
+    for (const std::string& line : scenes_.told()) ImGui::TextUnformatted(line.c_str());
     ImGui::Text("%.2f s%s", scenes_.time(), paused_ ? ", paused" : "");
     ImGui::TextUnformatted("left: pull; right: turn; space, . , R, F, W");
     if (!trouble_.empty()) ImGui::TextWrapped("%s", trouble_.c_str());
@@ -202,7 +197,7 @@ class ClothViewer {
     ImGui::Render();
     stage_->upload();
     PictureLook look;
-    const LightCounts usual = renderer_->is_software() ? kClothSoftware : kClothCard;
+    const LightCounts usual = renderer_->is_software() ? kSurfaceSoftware : kSurfaceCard;
     look.lights = options_.lights > 0 ? light_counts(options_.lights, usual.side) : usual;
     look.light_azimuth = setup_.camera.azimuth;
     look.wire = wire_;
@@ -220,65 +215,47 @@ class ClothViewer {
 
   const ViewerOptions& options_;
   const ViewSetup& setup_;
-  ClothScenes& scenes_;
+  MovingSurfaces& scenes_;
   std::unique_ptr<GlfwWindow> window_;  // first: its context goes last
   std::unique_ptr<Renderer> renderer_;
-  std::unique_ptr<ClothStage> stage_;
+  std::unique_ptr<SurfaceStage> stage_;
   Camera camera_;
   Drag drag_ = Drag::kNone;
   double x_ = 0.5, y_ = 0.5;
   Vector3d taken_ = Vector3d::Zero();
   bool paused_ = false, wire_ = false, wants_reset_ = false;
-  ClothClock::time_point clock_began_;
+  SurfaceClock::time_point clock_began_;
   double clock_time_ = 0.0, longest_pull_ = 0.0;  // s; m
   std::int64_t pictures_ = 0, pulls_ = 0;
   std::string trouble_;
   int trouble_code_ = 0, signal_ = 0;
 };
 
-// What the viewer of bodies has and this one does not.
-Status refuse_flags(const ViewerOptions& options) {
-  if (!options.record_hand.empty())
-    return usage_error("--record-hand is of bodies: a scene of cloth has pins instead of hands");
-  if (options.colour != "body")
-    return usage_error("--colour " + options.colour + " is of bodies: cloth has its own colours");
-  if (!options.textures.empty())
-    return usage_error("--texture is of bodies: cloth has no texture coordinates");
-  if (!options.offscreen && !(options.out.empty() && options.video.empty()))
-    return usage_error("a window of cloth is not recorded: --offscreen writes --out and --video");
-  return Success{};
-}
-
-Result<int> view_cloth(const ViewerOptions& options, const ViewFlags& flags) {
-  if (Status s = refuse_flags(options); !s) return s.error();
-  std::vector<ClothFile> files;
-  for (const std::string& path : {options.file, options.beside}) {
-    if (path.empty()) continue;
-    Result<ClothFile> file = read_cloth_file(path, flags);
-    if (!file) return file.error();
-    files.push_back(std::move(*file));
-  }
-  Result<ClothScenes> scenes = ClothScenes::create(std::move(files));
-  if (!scenes) return scenes.error();
-  return options.offscreen ? photograph_cloth(options, *scenes) : show_cloth(options, *scenes);
-}
-
 }  // namespace
 
-Result<int> show_cloth(const ViewerOptions& options, ClothScenes& scenes) {
+Result<int> show_surfaces(const ViewerOptions& options, MovingSurfaces& scenes) {
   const Result<ViewSetup> setup = make_setup(options, names_of(scenes));
   if (!setup) return setup.error();
-  ClothViewer viewer(options, *setup, scenes);
+  SurfaceViewer viewer(options, *setup, scenes);
   if (Status s = viewer.open(); !s) return s.error();
   if (Status s = viewer.run(); !s) return s.error();
   if (options.json) print_json(viewer.json());
   return viewer.code();
 }
 
-int view_cloth_command(const ViewerOptions& options, const ViewFlags& flags) {
-  const Result<int> code = view_cloth(options, flags);
-  if (!code) return report_error(code.error());
-  return flushed(*code);
+Status refuse_body_flags(const ViewerOptions& options, const std::string& kind) {
+  if (!options.record_hand.empty())
+    return usage_error("--record-hand is of bodies with a basis, not of " + kind);
+  if (!options.textures.empty())
+    return usage_error("--texture is of bodies with a basis, not of " + kind);
+  if (!options.offscreen && !(options.out.empty() && options.video.empty()))
+    return usage_error("a window of " + kind +
+                       " is not recorded: --offscreen writes --out and --video");
+  return Success{};
+}
+
+Result<int> view_surfaces(const ViewerOptions& options, MovingSurfaces& scenes) {
+  return options.offscreen ? photograph_surfaces(options, scenes) : show_surfaces(options, scenes);
 }
 
 }  // namespace tremolo

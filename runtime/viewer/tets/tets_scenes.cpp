@@ -1,0 +1,137 @@
+#include "runtime/viewer/tets/tets_scenes.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "formats/file/whole_file.h"
+#include "runtime/program/output/tell.h"
+#include "runtime/program/tets/run_tets.h"
+#include "runtime/scene_reader/scene_kind.h"
+#include "runtime/viewer/surfaces/surface_window.h"
+
+namespace tremolo {
+namespace {
+
+// How many of the element's six edges are quadratic, over six.
+float quadratic_share(const TetModel& model, const TetModelElement& element,
+                      std::span<const std::uint8_t> degrees) {
+  int quadratic = 0;
+  for (std::size_t k = 4; k < kMostNodes; ++k)
+    if (degrees[element.nodes[k] - model.vertices()] == 2) ++quadratic;
+  return static_cast<float>(quadratic) / 6.0F;
+}
+
+}  // namespace
+
+bool is_tets_file(const std::string& file) {
+  if (!file.ends_with(".toml")) return false;
+  const Result<std::string> text = read_whole_file(file);
+  if (!text) return false;
+  const Result<SceneKind> kind = scene_kind(*text, file);
+  return kind && *kind == SceneKind::kTets;
+}
+
+Result<TetsScenes> TetsScenes::create(TetScene scene, bool by_degree) {
+  TetsScenes scenes;
+  scenes.scene_ = std::move(scene);
+  scenes.by_degree_ = by_degree;
+  if (Status s = scenes.begin_again(); !s) return s.error();
+  return scenes;
+}
+
+Status TetsScenes::begin_again() {
+  steps_ = 0;
+  return tremolo::take(bodies_, make_tets_bodies(scene_));
+}
+
+SceneGravity TetsScenes::gravity() const {
+  SceneGravity gravity;
+  gravity.times = {0.0};
+  gravity.values = {scene_.gravity};
+  return gravity;
+}
+
+std::vector<ShownSheet> TetsScenes::sheets() const {
+  std::vector<ShownSheet> sheets;
+  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+    const TetSurface& surface = *bodies_.kind(i).surface;
+    sheets.push_back(
+        {scene_.bodies[i].name, surface.rest().triangles, surface.vertices(), by_degree_});
+  }
+  return sheets;
+}
+
+std::vector<ShownSolid> TetsScenes::solids() const {
+  std::vector<ShownSolid> solids;
+  for (const SceneCollider& collider : scene_.colliders)
+    solids.push_back({collider.name, 0.0, &collider});
+  return solids;
+}
+
+void TetsScenes::place(std::size_t sheet, SheetNow& now) const {
+  const TetSurface& surface = *bodies_.kind(sheet).surface;
+  const TetBody& body = bodies_.group->body(sheet);
+  std::vector<Eigen::Vector3d> places(surface.vertices());
+  std::vector<Eigen::Vector3f> normals(surface.vertices());
+  surface.place(body.positions(), places, normals);
+  now.positions.clear();
+  now.normals.clear();
+  for (const Eigen::Vector3d& x : places)
+    now.positions.insert(now.positions.end(), x.begin(), x.end());
+  for (const Eigen::Vector3f& n : normals)
+    now.normals.insert(now.normals.end(), n.begin(), n.end());
+  now.numbers.clear();
+  if (!by_degree_) return;
+  for (const std::uint32_t element : surface.rest().tetrahedra)
+    now.numbers.push_back(
+        quadratic_share(body.model(), body.model().elements()[element], body.system().degrees()));
+}
+
+Status TetsScenes::step() {
+  std::vector<TetStepReport> reports(scene_.bodies.size());
+  if (!bodies_.group->step(reports))
+    for (std::size_t i = 0; i < reports.size(); ++i)
+      if (!reports[i].converged)
+        return Error{ErrorKind::kSolver,
+                     fmt::format("{}: body '{}': the step from t = {:.6g} s could not be solved",
+                                 scene_.path, scene_.bodies[i].name, time())};
+  ++steps_;
+  return Success{};
+}
+
+std::vector<std::string> TetsScenes::told() const {
+  const TetGroup& group = *bodies_.group;
+  double share = 0.0;
+  for (std::size_t i = 0; i < group.size(); ++i)
+    share += group.body(i).system().quadratic_share() / static_cast<double>(group.size());
+  return {fmt::format("{} bodies, {} asleep", group.size(), group.sleeping()),
+          fmt::format("{:.0f} % of their edges quadratic", 100.0 * share)};
+}
+
+namespace {
+
+Result<int> view_tets(const ViewerOptions& options, const ViewFlags& flags) {
+  if (Status s = refuse_body_flags(options, "tetrahedra"); !s) return s.error();
+  if (options.colour != "body" && options.colour != "degree")
+    return usage_error("--colour " + options.colour + " is not of bodies of tetrahedra");
+  const Result<std::string> text = read_whole_file(options.file);
+  if (!text) return text.error();
+  Result<TetScene> scene = parse_tets_scene(*text, options.file);
+  if (!scene) return scene.error();
+  if (Status s = apply_tets_flags(flags.flags, "", flags.told, *scene); !s) return s.error();
+  Result<TetsScenes> scenes = TetsScenes::create(std::move(*scene), options.colour == "degree");
+  if (!scenes) return scenes.error();
+  return view_surfaces(options, *scenes);
+}
+
+}  // namespace
+
+int view_tets_command(const ViewerOptions& options, const ViewFlags& flags) {
+  const Result<int> code = view_tets(options, flags);
+  if (!code) return report_error(code.error());
+  return flushed(*code);
+}
+
+}  // namespace tremolo
