@@ -99,6 +99,7 @@ void add_motion_outputs(CLI::App& app, MotionOutputs& o) {
   app.add_option("--up", o.up, "the world's axis that points up")
       ->check(CLI::IsMember({"y", "z"}))
       ->capture_default_str();
+  app.add_option("--beside", o.beside, "of cloth: a second scene, beside the first");
   app.add_flag("--json", o.json, "print one JSON object on stdout");
 }
 
@@ -318,6 +319,8 @@ int export_scene(int count, char** words, const MotionOutputs& outputs, const Sc
   if (!text) return report_error(text.error());
   const Result<SceneKind> kind = scene_kind(*text, command.file);
   if (!kind) return report_error(kind.error());
+  if (!command.beside.empty() && *kind != SceneKind::kCloth)
+    return report_error(usage_error("--beside is of scenes of cloth"));
   const bool of_nodes = *kind == SceneKind::kCloth || *kind == SceneKind::kTets;
   if (of_nodes && nodal == nullptr) return start_nodal(command.file, words);
   const Result<std::unique_ptr<MotionSource>> source =
@@ -338,9 +341,12 @@ int run_export(int count, char** words, const Request& request, const RunOptions
     if (const int code = export_command(still); code != 0) return code;
   if (!request.motion.any()) return 0;
   if (is_scene(still.model)) {
-    const SceneCommand command = {still.model, flags, told_flags(app), {}, request.motion.json};
+    const SceneCommand command = {
+        still.model, flags, told_flags(app), {}, request.motion.json, request.motion.beside};
     return export_scene(count, words, request.motion, command, nodal);
   }
+  if (!request.motion.beside.empty())
+    return report_error(usage_error("--beside is of scenes of cloth"));
   Request of_run = request;
   of_run.file = still.model;
   return export_motion_command(request.motion, *bodies_motion(bodies_of(of_run, flags)));

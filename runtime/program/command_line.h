@@ -12,13 +12,15 @@
 namespace tremolo {
 
 // What the command line says of a scene. file: its path. flags: as they were parsed; told: whether
-// one, as "--step", was given. degree: of --degree, empty where it was not given.
+// one, as "--step", was given. degree, beside: of --degree and --beside, empty where it was not
+// given.
 struct SceneCommand {
   std::string file;
   RunOptions flags;
   std::function<bool(const char*)> told;
   std::string degree;
   bool json = false;
+  std::string beside = {};
 };
 
 // What is done with the text of a scene with [[cloths]], and of one with [[bodies]] of kind "tets".

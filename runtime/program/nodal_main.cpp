@@ -1,5 +1,9 @@
 // tremolo-nodal: `tremolo run`, `inspect` and `export` of scenes of cloth and of bodies of
 // tetrahedra. A program of its own, which `tremolo` starts: who runs bases only need not build it.
+#include <utility>
+#include <vector>
+
+#include "formats/file/whole_file.h"
 #include "runtime/program/cloth/cloth_motion.h"
 #include "runtime/program/cloth/inspect_cloth.h"
 #include "runtime/program/cloth/run_cloth.h"
@@ -45,7 +49,17 @@ Result<std::unique_ptr<MotionSource>> cloth_source(const std::string& text,
                                                    const SceneCommand& command) {
   Result<ClothFile> file = cloths_of(text, command);
   if (!file) return file.error();
-  return cloth_motion(std::move(*file));
+  std::vector<ClothFile> files{std::move(*file)};
+  if (!command.beside.empty()) {
+    SceneCommand second = command;
+    second.file = command.beside;
+    const Result<std::string> its_text = read_whole_file(second.file);
+    if (!its_text) return its_text.error();
+    Result<ClothFile> beside = cloths_of(*its_text, second);
+    if (!beside) return beside.error();
+    files.push_back(std::move(*beside));
+  }
+  return cloth_motion(std::move(files));
 }
 
 Result<std::unique_ptr<MotionSource>> tets_source(const std::string& text,

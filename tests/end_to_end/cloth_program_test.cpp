@@ -1,5 +1,7 @@
 // Scenes with [[cloths]] as a user meets them: those of assets/scenes, small ones, and bad input.
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -147,6 +149,37 @@ TEST_F(ClothProgram, WritesPagesAndGlbToAThousandthOfItsSize) {
   EXPECT_EQ(live.code, 2) << live.err;
 }
 
+// The second scene's places are those of the first, and so far to the right as it is broad and a
+// quarter.
+TEST_F(ClothProgram, ASecondSceneIsWrittenBesideTheFirst) {
+  std::ofstream(folder_ + "/scene.toml") << small_sheet("name = \"sheet\"\n");
+  std::ofstream(folder_ + "/other.toml") << small_sheet("name = \"sheet\"\n");
+  const auto exported = [&](const std::string& flags) {
+    return run_program(folder_, kTremolo + "export scene.toml --rate 30 " + flags);
+  };
+  const ProgramResult result = exported("--beside other.toml --pc2 a.pc2 --page a.html --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(json::parse(result.out)["bodies"], 2);
+  const std::string first = testing::slurp(folder_ + "/a-sheet.pc2"),
+                    second = testing::slurp(folder_ + "/a-sheet-2.pc2");
+  ASSERT_EQ(first.size(), 32U + 16U * 36U * 12U);
+  ASSERT_EQ(first.size(), second.size());
+  float low = 1e9F, high = -1e9F;
+  for (std::size_t at = 32; at < 32 + 36 * 12; at += 12) {
+    float a[3], b[3];
+    std::memcpy(a, first.data() + at, 12);
+    std::memcpy(b, second.data() + at, 12);
+    EXPECT_EQ(a[1], b[1]);
+    EXPECT_EQ(a[2], b[2]);
+    low = std::min(low, a[0]);
+    high = std::max(high, a[0]);
+    EXPECT_NEAR(b[0] - a[0], 1.25, 1e-6);
+  }
+  EXPECT_NEAR(high - low, 1.0, 1e-6);
+  EXPECT_EQ(exported("--beside other.toml --step 0 --pc2 a.pc2").code, 3);
+  EXPECT_EQ(exported("--beside gone.toml --pc2 a.pc2").code, 1);
+}
+
 TEST_F(ClothProgram, OtherCommandsSayWhatGoesInstead) {
   std::ofstream(folder_ + "/bodies.toml") << "[[bodies]]\nfile = \"a.tremolo\"\n";
   const ProgramResult inspect = run_program(folder_, kTremolo + "inspect bodies.toml");
@@ -267,9 +300,9 @@ INSTANTIATE_TEST_SUITE_P(All, ClothScenes,
                                                               "cloth-spheres", "cloth-flag",
                                                               "cloth-trampoline", "cloth-curtain"),
                                             ::testing::ValuesIn(kLastingMethods)),
-                         [](const auto& info) {
-                           std::string name = std::string(std::get<0>(info.param)) + "_" +
-                                              std::string(std::get<1>(info.param));
+                         [](const auto& instance) {
+                           std::string name = std::string(std::get<0>(instance.param)) + "_" +
+                                              std::string(std::get<1>(instance.param));
                            for (char& c : name)
                              if (c == '-') c = '_';
                            return name;

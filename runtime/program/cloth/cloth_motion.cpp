@@ -1,6 +1,9 @@
 #include "runtime/program/cloth/cloth_motion.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -37,7 +40,8 @@ Result<AnimatedShape> cloth_shape(const SceneCloth& cloth) {
   return shape;
 }
 
-Result<Scenery> add_tracks_of(const ClothScene& scene, bool colliders, Animation& animation) {
+Result<Scenery> add_tracks_of(const ClothScene& scene, bool colliders, bool planes,
+                              Animation& animation) {
   std::set<std::string> taken;
   for (const SceneCloth& cloth : scene.cloths) {
     Result<AnimatedShape> shape = cloth_shape(cloth);
@@ -52,7 +56,7 @@ Result<Scenery> add_tracks_of(const ClothScene& scene, bool colliders, Animation
   for (const SceneBall& ball : scene.balls)
     add_scenery(*collider_shape(SphereShape{ball.radius}, ball.name, 1.0), ball.name, taken,
                 animation);
-  return colliders ? add_colliders(scene.colliders, taken, animation) : Scenery{};
+  return colliders ? add_colliders(scene.colliders, planes, taken, animation) : Scenery{};
 }
 
 void record_cloths(const ClothWorld& world, const Scenery& scenery, Animation& animation) {
@@ -77,7 +81,7 @@ void record_cloths(const ClothWorld& world, const Scenery& scenery, Animation& a
 }
 
 Result<RecordedMotion> animate_cloths(const ClothFile& file, const FrameRange& range,
-                                      bool colliders) {
+                                      bool colliders, bool planes) {
   const ClothScene& scene = file.scene;
   const Result<FrameSteps> frames = frame_steps(range, scene.options.step, scene.duration);
   if (!frames) return frames.error();
@@ -87,7 +91,7 @@ Result<RecordedMotion> animate_cloths(const ClothFile& file, const FrameRange& r
   motion.offset = frames->offset;
   motion.even_step = frames->even_step;
   motion.animation.rate = range.rate;
-  const Result<Scenery> scenery = add_tracks_of(scene, colliders, motion.animation);
+  const Result<Scenery> scenery = add_tracks_of(scene, colliders, planes, motion.animation);
   if (!scenery) return scenery.error();
   motion.left_out = scenery->left_out;
   ToldProgress progress(std::filesystem::path(file.path).stem().string(), scene.duration);
@@ -100,21 +104,75 @@ Result<RecordedMotion> animate_cloths(const ClothFile& file, const FrameRange& r
   return motion;
 }
 
+constexpr double kRoom = 1.25;  // from a scene to the next, in its width
+
+// The extent of the cloths along x in the first frame, m.
+std::pair<double, double> cloths_extent(const Animation& animation) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const AnimatedBody& body : animation.bodies) {
+    const std::vector<Eigen::Vector3d>& rest = animation.shape_of(body).surface.vertices;
+    for (std::size_t i = 0; i < rest.size() && !body.displacements.empty(); ++i) {
+      const double x = body.poses[0].position.x() + rest[i].x() + body.displacements[3 * i];
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
+  }
+  return {low, high};
+}
+
+// The name, with "-2" behind it as long as it is taken; then it is taken.
+std::string free_name(std::string name, std::set<std::string>& taken) {
+  while (!taken.insert(name).second) name += "-2";
+  return name;
+}
+
+// Adds the second recording's bodies to the right of the first's.
+void put_beside(RecordedMotion& first, RecordedMotion second) {
+  Animation& all = first.animation;
+  const auto [low, high] = cloths_extent(all);
+  const auto [its_low, its_high] = cloths_extent(second.animation);
+  const double aside = low + kRoom * (high - low) - its_low;
+  std::set<std::string> taken;
+  for (const AnimatedBody& body : all.bodies) taken.insert(body.name);
+  for (AnimatedBody& body : second.animation.bodies) {
+    body.name = free_name(std::move(body.name), taken);
+    body.shape += all.shapes.size();
+    for (Pose& pose : body.poses) pose.position.x() += aside;
+  }
+  std::move(second.animation.shapes.begin(), second.animation.shapes.end(),
+            std::back_inserter(all.shapes));
+  std::move(second.animation.bodies.begin(), second.animation.bodies.end(),
+            std::back_inserter(all.bodies));
+  first.left_out.insert(first.left_out.end(), second.left_out.begin(), second.left_out.end());
+}
+
 class ClothMotion : public MotionSource {
  public:
-  explicit ClothMotion(ClothFile file) : file_(std::move(file)) {}
+  explicit ClothMotion(std::vector<ClothFile> files) : files_(std::move(files)) {}
 
   std::vector<std::string> names() const override {
     std::vector<std::string> names;
-    for (const SceneCloth& cloth : file_.scene.cloths) names.push_back(cloth.name);
+    std::set<std::string> taken;
+    for (const ClothFile& file : files_)
+      for (const SceneCloth& cloth : file.scene.cloths)
+        names.push_back(free_name(cloth.name, taken));
     return names;
   }
 
-  std::vector<NamedFile> inputs() const override { return inputs_of(file_); }
+  std::vector<NamedFile> inputs() const override {
+    std::vector<NamedFile> inputs;
+    for (const ClothFile& file : files_)
+      for (NamedFile& input : inputs_of(file)) inputs.push_back(std::move(input));
+    return inputs;
+  }
 
   std::string told() const override {
-    return fmt::format("{:.4g} s by `{}` in steps of {:.4g} ms", file_.scene.duration,
-                       file_.scene.integrator, 1e3 * file_.scene.options.step);
+    const ClothScene& scene = files_.front().scene;
+    std::string methods;
+    for (const ClothFile& file : files_)
+      methods += (methods.empty() ? "`" : "; beside it by `") + file.scene.integrator + "`";
+    return fmt::format("{:.4g} s in steps of {:.4g} ms by {}", scene.duration,
+                       1e3 * scene.options.step, methods);
   }
 
   Status check(const MotionOutputs& outputs) const override {
@@ -125,17 +183,27 @@ class ClothMotion : public MotionSource {
   }
 
   Result<RecordedMotion> record(const FrameRange& range, bool colliders) const override {
-    return animate_cloths(file_, range, colliders);
+    Result<RecordedMotion> motion = animate_cloths(files_.front(), range, colliders, true);
+    for (std::size_t i = 1; motion && i < files_.size(); ++i) {
+      Result<RecordedMotion> next = animate_cloths(files_[i], range, colliders, false);
+      if (!next) return next.error();
+      if (next->animation.times != motion->animation.times)
+        return content_error(files_[i].path +
+                             ": its frames have other times than those of the first scene: say "
+                             "--step and --duration");
+      put_beside(*motion, std::move(*next));
+    }
+    return motion;
   }
 
  private:
-  ClothFile file_;
+  std::vector<ClothFile> files_;
 };
 
 }  // namespace
 
-std::unique_ptr<MotionSource> cloth_motion(ClothFile file) {
-  return std::make_unique<ClothMotion>(std::move(file));
+std::unique_ptr<MotionSource> cloth_motion(std::vector<ClothFile> files) {
+  return std::make_unique<ClothMotion>(std::move(files));
 }
 
 }  // namespace tremolo

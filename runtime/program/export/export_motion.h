@@ -24,6 +24,7 @@ struct MotionOutputs {
   bool no_colliders = false;
   std::vector<std::string> textures;
   std::string up = "z";
+  std::string beside;  // of cloth: a second scene, beside the first
   bool json = false;
 
   bool any() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "runtime/exchange/collider_shape.h"
 
@@ -30,12 +31,13 @@ void add_scenery(AnimatedShape shape, std::string name, std::set<std::string>& t
   animation.bodies.push_back(std::move(body));
 }
 
-Scenery add_colliders(std::span<const SceneCollider> colliders, std::set<std::string>& taken,
-                      Animation& animation) {
+Scenery add_colliders(std::span<const SceneCollider> colliders, bool planes,
+                      std::set<std::string>& taken, Animation& animation) {
   Scenery scenery;
   const double plane = plane_size(animation);
   for (std::size_t k = 0; k < colliders.size(); ++k) {
     const SceneCollider& known = colliders[k];
+    if (!planes && std::holds_alternative<PlaneShape>(known.shape)) continue;
     std::optional<AnimatedShape> shape;
     if (known.file.empty()) shape = collider_shape(known.shape, known.name, plane);
     if (!shape) {

@@ -23,9 +23,9 @@ struct Scenery {
 void add_scenery(AnimatedShape shape, std::string name, std::set<std::string>& taken,
                  Animation& animation);
 
-// Adds the colliders. Planes are drawn so far as all shapes' sizes and places at rest reach, and
-// some more.
-Scenery add_colliders(std::span<const SceneCollider> colliders, std::set<std::string>& taken,
-                      Animation& animation);
+// Adds the colliders, planes if they are asked for. Planes are drawn so far as all shapes' sizes
+// and places at rest reach, and some more.
+Scenery add_colliders(std::span<const SceneCollider> colliders, bool planes,
+                      std::set<std::string>& taken, Animation& animation);
 
 }  // namespace tremolo

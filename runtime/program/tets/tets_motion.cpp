@@ -100,7 +100,7 @@ Result<RecordedMotion> animate_tets(const TetScene& scene, const FrameRange& ran
   motion.animation.rate = range.rate;
   std::set<std::string> taken = add_tets(scene, *bodies, motion.animation);
   const Scenery scenery =
-      colliders ? add_colliders(scene.colliders, taken, motion.animation) : Scenery{};
+      colliders ? add_colliders(scene.colliders, true, taken, motion.animation) : Scenery{};
   motion.left_out = scenery.left_out;
   ToldProgress progress(std::filesystem::path(scene.path).stem().string(), scene.duration);
   std::vector<TetStepReport> reports(scene.bodies.size());
