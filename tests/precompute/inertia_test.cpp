@@ -123,12 +123,12 @@ InertiaIntegrals computed(const TwoMaterialBox& box, const BasisRows& fields, Ma
 
 // A few hundred elements are summed: rounding stays below 1e-13 of the largest entry.
 void expect_equal(const InertiaIntegrals& a, const InertiaIntegrals& b) {
-  constexpr double kRounding = 1e-12;
-  EXPECT_NEAR(a.mass, b.mass, kRounding * b.mass);
-  EXPECT_LE((a.first_moment - b.first_moment).norm(), kRounding * b.first_moment.norm());
-  EXPECT_LE((a.second_moment - b.second_moment).norm(), kRounding * b.second_moment.norm());
-  EXPECT_LE((a.linear - b.linear).norm(), kRounding * b.linear.norm());
-  EXPECT_LE((a.B - b.B).norm(), kRounding * b.B.norm());
+  constexpr double kFewRoundings = 1e-12;
+  EXPECT_NEAR(a.mass, b.mass, kFewRoundings * b.mass);
+  EXPECT_LE((a.first_moment - b.first_moment).norm(), kFewRoundings * b.first_moment.norm());
+  EXPECT_LE((a.second_moment - b.second_moment).norm(), kFewRoundings * b.second_moment.norm());
+  EXPECT_LE((a.linear - b.linear).norm(), kFewRoundings * b.linear.norm());
+  EXPECT_LE((a.B - b.B).norm(), kFewRoundings * b.B.norm());
 }
 
 TEST(InertiaIntegralsOfAMesh, AreSumsOverItsMassForBothOrders) {
