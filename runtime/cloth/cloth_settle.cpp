@@ -53,8 +53,8 @@ void ClothWorld::Inside::push_balls(double h) {
       MovingBall& ball = balls[r.touch.ball];
       if (ball.inverse_mass == 0.0) continue;
       const Vector3d change = -ball.inverse_mass * r.impulse;
-      // What goes from x0 to x1 at the mean of its velocities has its angular momentum changed by
-      // the impulse at (x0 + x1)/2: the particle under the midpoint's rules, and the ball.
+      // The impulse changes angular momentum as if it acted at (x0 + x1)/2 on all that goes from x0
+      // to x1 at the mean of its velocities: the particle under the midpoint's rules, and the ball.
       const auto at = 3 * static_cast<Eigen::Index>(r.particle);
       const auto& way = around.ways[r.touch.ball];
       const Vector3d arm = 0.5 * (cloth->before.x.segment<3>(at) + cloth->state.x.segment<3>(at) -
@@ -117,8 +117,8 @@ bool ClothWorld::Inside::stands_still() const {
 
 namespace {
 
-// How a cloth's free particles move as one rigid body would that has their momenta: at x with
-// velocity + turning x (x - centre). Of particles in a line none turns about it.
+// The motion of a rigid body that has the momenta of a cloth's free particles: at x with velocity +
+// turning x (x - centre). Particles in a line do not turn about it.
 struct RigidMotion {
   Vector3d centre = Vector3d::Zero(), velocity = Vector3d::Zero(), turning = Vector3d::Zero();
 

@@ -212,7 +212,7 @@ std::vector<SpringChunk> spring_chunks(std::span<const std::uint32_t> a,
     }
     first = end;
   }
-  // What is near in memory is then taken one soon after the other.
+  // Chunks near each other in memory are then taken soon after each other.
   std::stable_sort(
       chunks.begin(), chunks.end(),
       [a](const SpringChunk& one, const SpringChunk& two) { return a[one.first] < a[two.first]; });
@@ -272,7 +272,7 @@ struct SpringBlock {
   const BlockNumbers column = __builtin_shufflevector(e, e, 0, 0, 0, 1, 1, 1, 2, 2);
   const BlockNumbers row = __builtin_shufflevector(e, e, 0, 1, 2, 0, 1, 2, 0, 1);
   const BlockNumbers one = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0};
-  // As it is written it is symmetric to the last bit.
+  // Written like this it is symmetric to the last bit.
   return {along * (column * row) + across * one, along * (r[2] * r[2]) + across};
 }
 

@@ -47,7 +47,7 @@ void store_block(const Eigen::Matrix3d& block, double scale, size_t next, float*
   return sum[0] + sum[1] + sum[2];
 }
 
-// What the loops below read and write; names as in the class.
+// The loops below read and write this; names as in the class.
 struct CgView {
   size_t n;
   const std::uint32_t* first;

@@ -1,4 +1,4 @@
-// What stands about in a recording: colliders and balls, as bodies that do not deform.
+// The scenery of a recording: colliders and balls, as bodies that do not deform.
 #pragma once
 
 #include <set>

@@ -43,6 +43,7 @@ Result<TetsScenes> TetsScenes::create(TetScene scene, bool by_degree) {
 
 Status TetsScenes::begin_again() {
   steps_ = 0;
+  reports_.resize(scene_.bodies.size());
   return tremolo::take(bodies_, make_tets_bodies(scene_));
 }
 
@@ -90,10 +91,9 @@ void TetsScenes::place(std::size_t sheet, SheetNow& now) const {
 }
 
 Status TetsScenes::step() {
-  std::vector<TetStepReport> reports(scene_.bodies.size());
-  if (!bodies_.group->step(reports))
-    for (std::size_t i = 0; i < reports.size(); ++i)
-      if (!reports[i].converged)
+  if (!bodies_.group->step(reports_))
+    for (std::size_t i = 0; i < reports_.size(); ++i)
+      if (!reports_[i].converged)
         return Error{ErrorKind::kSolver,
                      fmt::format("{}: body '{}': the step from t = {:.6g} s could not be solved",
                                  scene_.path, scene_.bodies[i].name, time())};

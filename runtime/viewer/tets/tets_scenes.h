@@ -47,6 +47,7 @@ class TetsScenes : public MovingSurfaces {
 
   TetScene scene_;
   TetsBodies bodies_;
+  std::vector<TetStepReport> reports_;
   bool by_degree_ = false;
   std::int64_t steps_ = 0;
 };
