@@ -15,7 +15,7 @@
 namespace tremolo {
 namespace {
 
-constexpr const char* kSamples[] = {"beam", "basket", "bridge", "horse", "tower", "heart"};
+constexpr const char* kSampleNames[] = {"beam", "basket", "bridge", "horse", "tower", "heart"};
 constexpr int kSteps = 3333;     // 10 s at the default step
 constexpr int kPush = 100;       // steps: the square load lasts 0.3 s
 constexpr int kFiner = 6;        // the reference's steps in one of the default
@@ -85,7 +85,7 @@ class Defaults : public ::testing::TestWithParam<const char*> {
   Eigen::MatrixXd reference_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Six, Defaults, ::testing::ValuesIn(kSamples),
+INSTANTIATE_TEST_SUITE_P(Six, Defaults, ::testing::ValuesIn(kSampleNames),
                          [](const auto& sample) { return std::string(sample.param); });
 
 void Defaults::run_program() {
@@ -205,7 +205,7 @@ TEST_P(Defaults, EveryPublicEntryIsAccurateAndKeepsTheEnergy) {
 // Their own method is imexv: what its energy does is told, and has to stay in its bound.
 class Scenes : public ::testing::TestWithParam<const char*> {};
 
-INSTANTIATE_TEST_SUITE_P(Six, Scenes, ::testing::ValuesIn(kSamples),
+INSTANTIATE_TEST_SUITE_P(Six, Scenes, ::testing::ValuesIn(kSampleNames),
                          [](const auto& sample) { return std::string(sample.param); });
 
 TEST_P(Scenes, RunForTenSecondsInsideTheirBound) {
@@ -225,7 +225,7 @@ TEST_P(Scenes, RunForTenSecondsInsideTheirBound) {
 // The fast methods are chosen, and what they cannot do is found out.
 TEST(LanesUnderTheSamplesLoads, AreWatchedAndPutBackToASoundStateWhereTheyExplode) {
   std::size_t exploded = 0;
-  for (const char* name : kSamples) {
+  for (const char* name : kSampleNames) {
     Result<Model::Pointer> model =
         Model::load(std::string(TREMOLO_MODEL_DIR "/") + name + ".tremolo");
     ASSERT_TRUE(model) << model.error().message;

@@ -124,14 +124,14 @@ TEST_F(InertiaProgram, ABasisOfAFreeBodyMovesNeitherItsCentreNorTurnsIt) {
     }
 }
 
-struct Momenta {
+struct MeshMomenta {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
   double kinetic = 0;
 };
 
 // Momenta of the mesh's mass, from where each vertex is and how fast: velocity + R (omega x (X - C
 // + U q) + U p).
-Momenta momenta_of_mesh(const Body& body, const TetMesh& mesh) {
+MeshMomenta momenta_of_mesh(const Body& body, const TetMesh& mesh) {
   const State& state = body.state();
   const RigidState rigid = body.rigid_state();
   const Eigen::Matrix3d turn = body.pose().rotation.toRotationMatrix();
@@ -144,7 +144,7 @@ Momenta momenta_of_mesh(const Body& body, const TetMesh& mesh) {
     const Eigen::Vector3d arm = turn.transpose() * (places.col(v) - rigid.centre);
     velocities.col(v) = rigid.velocity + turn * (rigid.spin.cross(arm) + vertex->rows * state.p);
   }
-  Momenta sum;
+  MeshMomenta sum;
   const auto density = [](std::size_t) { return kDensityOfBar; };
   testing::for_each_mass_point(mesh, density, [&](const MassPoint& point) {
     Eigen::Vector3d x = Eigen::Vector3d::Zero(), v = Eigen::Vector3d::Zero();
@@ -175,7 +175,7 @@ TEST_F(InertiaProgram, MomentaAndEnergyOfAFreeBodyAreThoseOfItsMesh) {
     ASSERT_TRUE(body->set_state(q, p));
     ASSERT_TRUE(body->set_pose({{0.4, -0.7, 1.1}, turn_by({0.8, -1.1, 0.4})}));
     ASSERT_TRUE(body->set_motion({0.5, -0.2, 0.9}, {4.0, -7.0, 3.0}));
-    const Momenta mesh = momenta_of_mesh(*body, testing::of_order(mesh_, order));
+    const MeshMomenta mesh = momenta_of_mesh(*body, testing::of_order(mesh_, order));
     EXPECT_LE((body->linear_momentum() - mesh.linear).norm(), 1e-9 * mesh.linear.norm()) << order;
     EXPECT_LE((body->angular_momentum() - mesh.angular).norm(), 1e-9 * mesh.angular.norm())
         << order;

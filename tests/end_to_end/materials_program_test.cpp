@@ -80,18 +80,18 @@ const std::string kGripAndBlade =
     "G12=0.75e9, G23=0.04e9, G31=0.7e9, density=600' ";
 
 TEST_F(Materials, OfRegionsAreUsedAndToldInReportAndFile) {
-  const Json json = good("block.msh " + kGripAndBlade);
-  EXPECT_NEAR(json["total_mass_kg"], kHalf * (1100 + 600), 1e-9);
-  EXPECT_LE(json["polynomial_error"], 1e-12);
-  EXPECT_LE(json["mass_orthonormality_error"], 1e-10);
-  ASSERT_EQ(json["materials"].size(), 2u);
-  EXPECT_EQ(json["materials"][0]["region"], "grip");
-  EXPECT_EQ(json["materials"][0]["tetrahedra"], 48);
-  EXPECT_EQ(json["materials"][1]["young_123_pa"], Json({11e9, 0.9e9, 0.5e9}));
+  const Json report = good("block.msh " + kGripAndBlade);
+  EXPECT_NEAR(report["total_mass_kg"], kHalf * (1100 + 600), 1e-9);
+  EXPECT_LE(report["polynomial_error"], 1e-12);
+  EXPECT_LE(report["mass_orthonormality_error"], 1e-10);
+  ASSERT_EQ(report["materials"].size(), 2u);
+  EXPECT_EQ(report["materials"][0]["region"], "grip");
+  EXPECT_EQ(report["materials"][0]["tetrahedra"], 48);
+  EXPECT_EQ(report["materials"][1]["young_123_pa"], Json({11e9, 0.9e9, 0.5e9}));
   EXPECT_NE(last_err_.find("blade: 48 tetrahedra"), std::string::npos) << last_err_;
   const ProgramResult inspect = run_program(folder_, kInspect + "out.tremolo --json");
   ASSERT_EQ(inspect.code, 0) << inspect.err;
-  EXPECT_EQ(Json::parse(inspect.out)["provenance"]["materials"], json["materials"]);
+  EXPECT_EQ(Json::parse(inspect.out)["provenance"]["materials"], report["materials"]);
 }
 
 TEST_F(Materials, OfAVegFileAreTakenWhenAskedFor) {
@@ -132,20 +132,20 @@ TEST_F(Materials, ComeFromAConfigFileAsAList) {
       << "density = 500\nmaterial = [\"grip: young=2e7, poisson=0.4, density=1100\", \"blade: "
          "E1=11e9, E2=0.9e9, E3=0.5e9, nu12=0.37, nu23=0.47, nu31=0.02, G12=0.75e9, G23=0.04e9, "
          "G31=0.7e9, density=600\"]\npoint-mass = [\"x>0.39=0.5\", \"vertex:3=0.25\"]\n";
-  const Json json = good("block.msh --config config.toml");
-  EXPECT_NEAR(json["total_mass_kg"], kHalf * (1100 + 600) + 0.75, 1e-9);
-  EXPECT_EQ(json["materials"], good("block.msh " + kGripAndBlade)["materials"]);
+  const Json report = good("block.msh --config config.toml");
+  EXPECT_NEAR(report["total_mass_kg"], kHalf * (1100 + 600) + 0.75, 1e-9);
+  EXPECT_EQ(report["materials"], good("block.msh " + kGripAndBlade)["materials"]);
 }
 
 TEST_F(Materials, WithoutAnEntryAreTheUsualOneAndSelectorsStandForRegions) {
-  const Json json = good(
+  const Json report = good(
       "block.msh --density 900 --material 'blade: density=300' "
       "--material 'box:-1,-1,-1,0.11,1,1: young=5e6, density=1200'");
   // The box holds the vertices of the first of four columns of cells.
-  EXPECT_NEAR(json["total_mass_kg"], kHalf * (0.5 * 1200 + 0.5 * 900 + 300), 1e-9);
-  ASSERT_EQ(json["materials"].size(), 3u);
-  EXPECT_EQ(json["materials"][0]["region"], "default");
-  EXPECT_EQ(json["materials"][2]["tetrahedra"], 24);
+  EXPECT_NEAR(report["total_mass_kg"], kHalf * (0.5 * 1200 + 0.5 * 900 + 300), 1e-9);
+  ASSERT_EQ(report["materials"].size(), 3u);
+  EXPECT_EQ(report["materials"][0]["region"], "default");
+  EXPECT_EQ(report["materials"][2]["tetrahedra"], 24);
 }
 
 TEST_F(Materials, ThatAreAllAlikeGiveTheModelOfOne) {
@@ -167,10 +167,10 @@ TEST_F(Materials, OfAFreeBodyWithASoftHingeAreSolved) {
                    "--material 'grip: young=1e5, poisson=0.3' --material 'blade: young=1e9' "
                    "--point-mass 'x>0.39=40'");
   ASSERT_EQ(result.code, 0) << result.err;
-  const Json json = Json::parse(result.out);
-  EXPECT_EQ(json["rigid_modes"], 6);
-  EXPECT_TRUE(json["certified_by_inertia"]);
-  EXPECT_LE(json["polynomial_error"], 1e-9);
+  const Json report = Json::parse(result.out);
+  EXPECT_EQ(report["rigid_modes"], 6);
+  EXPECT_TRUE(report["certified_by_inertia"]);
+  EXPECT_LE(report["polynomial_error"], 1e-9);
 }
 
 TEST_F(Materials, AMillionTimesAsStiffOnASoftGripAreARigidPart) {

@@ -88,9 +88,9 @@ TEST_F(PrecomputeProgram, ALinearModelKeepsEveryLinearModeAskedForAndTellsACut) 
   const std::string linear = "block.veg -o out.tremolo --fix 'x<0.001' --linear-modes 40 --linear";
   const ProgramResult all = run(linear + " --json");
   ASSERT_EQ(all.code, 0) << all.err;
-  const auto json = nlohmann::json::parse(all.out);
-  EXPECT_EQ(json["r"], 40);
-  EXPECT_EQ(json["frequencies_hz"].size(), 40u);
+  const auto report = nlohmann::json::parse(all.out);
+  EXPECT_EQ(report["r"], 40);
+  EXPECT_EQ(report["frequencies_hz"].size(), 40u);
   EXPECT_EQ(all.err.find("of the 40 linear modes"), std::string::npos) << all.err;
   const ProgramResult cut = run(linear + " --modes 30 --json");
   ASSERT_EQ(cut.code, 0) << cut.err;
@@ -277,9 +277,9 @@ TEST_F(PrecomputeProgram, NearFromAnotherWorldIsRefused) {
 
 TEST_F(PrecomputeProgram, ALinearModelIsItsLinearModesAlone) {
   const std::string linear = "block.veg -o out.tremolo --fix 'x<0.001' --linear-modes 4 --linear";
-  const nlohmann::json json = told(linear);
-  EXPECT_EQ(json["r"], 4);
-  for (const auto& stage : json["stages"]) {
+  const nlohmann::json report = told(linear);
+  EXPECT_EQ(report["r"], 4);
+  for (const auto& stage : report["stages"]) {
     EXPECT_NE(stage["name"], "derivatives");
     EXPECT_NE(stage["name"], "coefficients");
   }
@@ -296,23 +296,23 @@ TEST_F(PrecomputeProgram, MakesABasisFileAndSaysWhatCameOut) {
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_NE(result.err.find("frequencies"), std::string::npos);
   EXPECT_NE(result.err.find("explicit methods are stable below a step of"), std::string::npos);
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json["order"], 2);
-  EXPECT_EQ(json["n"], block_.vertices.size() + mesh_edges(block_).size());
-  EXPECT_EQ(json["m"], block_.tetrahedra.size());
-  EXPECT_EQ(json["r"], 8);
-  EXPECT_LE(json["mass_orthonormality_error"], 1e-10);
-  EXPECT_LE(json["polynomial_error"], 1e-12);
-  for (double residual : json["mode_residuals"]) EXPECT_LE(residual, 1e-8);
-  EXPECT_EQ(json["cut_singular_values"].size(), 4 + 10 + 4 - 8);
-  for (const auto& stage : json["stages"]) {
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report["order"], 2);
+  EXPECT_EQ(report["n"], block_.vertices.size() + mesh_edges(block_).size());
+  EXPECT_EQ(report["m"], block_.tetrahedra.size());
+  EXPECT_EQ(report["r"], 8);
+  EXPECT_LE(report["mass_orthonormality_error"], 1e-10);
+  EXPECT_LE(report["polynomial_error"], 1e-12);
+  for (double residual : report["mode_residuals"]) EXPECT_LE(residual, 1e-8);
+  EXPECT_EQ(report["cut_singular_values"].size(), 4 + 10 + 4 - 8);
+  for (const auto& stage : report["stages"]) {
     EXPECT_GE(stage["seconds"], 0);
     EXPECT_GT(stage["peak_bytes"], 0);
   }
   const auto data = read_basis(folder_ + "/out.tremolo");
   ASSERT_TRUE(data) << data.error().message;
   EXPECT_EQ(data->lambda.size(), 8);
-  EXPECT_EQ(data->surface.vertex_ids.size() + data->interior.vertex_ids.size(), json["n"]);
+  EXPECT_EQ(data->surface.vertex_ids.size() + data->interior.vertex_ids.size(), report["n"]);
 }
 
 TEST_F(PrecomputeProgram, TheSameMeshGivesTheSameBytes) {
@@ -374,8 +374,8 @@ TEST_F(PrecomputeProgram, AConfigFileWithAnUnknownKeyIsRefused) {
 
 TEST_F(PrecomputeProgram, LumpedMassIsAnOptionThroughout) {
   ASSERT_EQ(run("block.veg -o a.tremolo --fix 'x<0.001' --mass lumped --json").code, 0);
-  const auto json = nlohmann::json::parse(slurp(folder_ + "/stdout.txt"));
-  EXPECT_LE(json["mass_orthonormality_error"], 1e-10);
+  const auto report = nlohmann::json::parse(slurp(folder_ + "/stdout.txt"));
+  EXPECT_LE(report["mass_orthonormality_error"], 1e-10);
   expect_failure(run(std::string("block.veg --mass wrong ") + kGood), 2, "--mass");
 }
 
@@ -413,9 +413,9 @@ TEST_F(PrecomputeProgram, OneRankNeedsNoTemporaryFolder) {
 TEST_F(PrecomputeProgram, AFreeBodyLeavesItsRigidMotionOut) {
   const ProgramResult result = run("block.veg -o free.tremolo --fix none --json --modes 8");
   ASSERT_EQ(result.code, 0) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json["rigid_modes"], 6);
-  EXPECT_TRUE(json["certified_by_inertia"]);
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report["rigid_modes"], 6);
+  EXPECT_TRUE(report["certified_by_inertia"]);
   EXPECT_NE(result.err.find("6 rigid motions are left out"), std::string::npos);
   const auto data = read_basis(folder_ + "/free.tremolo");
   ASSERT_TRUE(data);
@@ -620,9 +620,9 @@ TEST_F(PrecomputeProgram, ManyModesOfASmallMeshTakeSecondsAndAreHeardOf) {
   EXPECT_NE(result.err.find("basis: 5992 columns will take about"), std::string::npos)
       << result.err;
   EXPECT_NE(result.err.find("basis: singular values of 135 rows"), std::string::npos);
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_LE(json["mass_orthonormality_error"], 1e-10);
-  EXPECT_EQ(json["cut_singular_values"].size(), 135 - 20);
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_LE(report["mass_orthonormality_error"], 1e-10);
+  EXPECT_EQ(report["cut_singular_values"].size(), 135 - 20);
 }
 
 TEST_F(PrecomputeProgram, LayersAcrossWallsAndWhatTheyMeanAreTold) {
@@ -655,10 +655,10 @@ TEST_F(PrecomputeProgram, FreePartsOfMuchTheSameShapeAreSolvedForInBlocks) {
       run_on(many, "-o many.tremolo --fix none --linear --linear-modes 12 --json");
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_NE(result.err.find("(block Lanczos, shift-invert)"), std::string::npos) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json["rigid_modes"], 6 * kParts);
-  EXPECT_TRUE(json["certified_by_inertia"]);
-  EXPECT_LE(json["mass_orthonormality_error"], 1e-10);
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report["rigid_modes"], 6 * kParts);
+  EXPECT_TRUE(report["certified_by_inertia"]);
+  EXPECT_LE(report["mass_orthonormality_error"], 1e-10);
 }
 
 TEST_F(PrecomputeProgram, MoreFreePartsThanCanBeTakenAreRefusedAtOnce) {

@@ -50,13 +50,13 @@ class Quadratic : public ::testing::Test {
 };
 
 TEST_F(Quadratic, OrderElementsAndDofsAreTold) {
-  const nlohmann::json json = told(good());
+  const nlohmann::json report = told(good());
   const std::size_t edges = mesh_edges(block_).size();
-  EXPECT_EQ(json["order"], 2);
-  EXPECT_EQ(json["elements"], block_.tetrahedra.size());
-  EXPECT_EQ(json["n"], block_.vertices.size() + edges);
+  EXPECT_EQ(report["order"], 2);
+  EXPECT_EQ(report["elements"], block_.tetrahedra.size());
+  EXPECT_EQ(report["n"], block_.vertices.size() + edges);
   // One side of 2 x 2 cells: 9 corners, 16 edges of its 8 triangles.
-  EXPECT_EQ(json["dofs"], 3 * (block_.vertices.size() + edges - 9 - 16));
+  EXPECT_EQ(report["dofs"], 3 * (block_.vertices.size() + edges - 9 - 16));
   const ProgramResult inspected =
       run_program(folder_, TREMOLO_BIN_DIR "/tremolo inspect made.tremolo --json");
   ASSERT_EQ(inspected.code, 0) << inspected.err;
@@ -121,9 +121,9 @@ TEST_F(Quadratic, AFreeBodyOfSeveralMaterialsAndPointMassesIsOneOnRanksToo) {
   const std::string options =
       "block.veg --order 2 --young 1e6 --poisson 0.3 --density 1000 --fix none "
       "--point-mass 'x>0.99=5' --linear-modes 4 --modes 8 ";
-  const nlohmann::json json = told(options);
-  EXPECT_EQ(json["rigid_modes"], 6);
-  EXPECT_NEAR(json["total_mass_kg"].get<double>(), 1000 * 0.31 * 0.23 + 5, 1e-9);
+  const nlohmann::json report = told(options);
+  EXPECT_EQ(report["rigid_modes"], 6);
+  EXPECT_NEAR(report["total_mass_kg"].get<double>(), 1000 * 0.31 * 0.23 + 5, 1e-9);
   expect_same_model(made(options), made(options, kMayBeRoot + "mpiexec --oversubscribe -n 2 "),
                     1e-6);
 }
@@ -158,9 +158,9 @@ TEST_F(Quadratic, TheReferenceFindsItsOwnMatricesInTheBasis) {
   const ProgramResult statics =
       run("reference " + solid + "--static --compare made.tremolo --json");
   ASSERT_EQ(statics.code, 0) << statics.err;
-  const nlohmann::json json = nlohmann::json::parse(statics.out);
-  EXPECT_EQ(json["order"], 2);
-  EXPECT_LE(json["comparison"]["error_of_largest"].get<double>(), 0.01);
+  const nlohmann::json report = nlohmann::json::parse(statics.out);
+  EXPECT_EQ(report["order"], 2);
+  EXPECT_LE(report["comparison"]["error_of_largest"].get<double>(), 0.01);
   const ProgramResult motion =
       run("reference " + solid +
           "--load sine --step 0.01 --duration 0.3 --compare made.tremolo --json");

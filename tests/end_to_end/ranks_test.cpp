@@ -18,7 +18,7 @@ using testing::ModelDifference;
 constexpr double kDensity = 1000;  // the default
 constexpr double kSame = 1e-10;
 
-class Ranks : public ::testing::Test {
+class RanksAgree : public ::testing::Test {
  protected:
   void SetUp() override { folder_ = fresh_folder(); }
 
@@ -59,16 +59,16 @@ class Ranks : public ::testing::Test {
   std::string folder_;
 };
 
-TEST_F(Ranks, AHeldBody) {
+TEST_F(RanksAgree, AHeldBody) {
   expect_same(box_mesh({12, 4, 3}, {1.0, 0.21, 0.16}),
               "--fix 'x<0.001' --linear-modes 6 --modes 12");
 }
 
-TEST_F(Ranks, AFreeBody) {
+TEST_F(RanksAgree, AFreeBody) {
   expect_same(box_mesh({10, 4, 3}, {1.0, 0.34, 0.23}), "--fix none --linear-modes 5 --modes 10");
 }
 
-TEST_F(Ranks, PartsThatDoNotTouchAndVerticesOfNoElement) {
+TEST_F(RanksAgree, PartsThatDoNotTouchAndVerticesOfNoElement) {
   TetMesh mesh = box_mesh({8, 3, 3}, {1.0, 0.21, 0.16});
   mesh.vertices.emplace_back(0.5, 0.1, 0.9);
   const TetMesh second = box_mesh({7, 3, 2}, {0.8, 0.2, 0.13});
@@ -77,7 +77,7 @@ TEST_F(Ranks, PartsThatDoNotTouchAndVerticesOfNoElement) {
 }
 
 // Neither factor nor threads nor ranks are in the model.
-TEST_F(Ranks, WithoutAFactorItIsTheSameModel) {
+TEST_F(RanksAgree, WithoutAFactorItIsTheSameModel) {
   const TetMesh mesh = box_mesh({12, 4, 3}, {1.0, 0.21, 0.16});
   for (const std::string hold : {"'x<0.001'", "none"}) {
     write_veg(folder_ + "/mesh.veg", mesh);
@@ -92,7 +92,7 @@ TEST_F(Ranks, WithoutAFactorItIsTheSameModel) {
   }
 }
 
-TEST_F(Ranks, MemoryIsForetoldAndEachRankTellsItsOwn) {
+TEST_F(RanksAgree, MemoryIsForetoldAndEachRankTellsItsOwn) {
   write_veg(folder_ + "/mesh.veg", box_mesh({12, 4, 3}, {1.0, 0.21, 0.16}));
   const std::string arguments = "mesh.veg --fix 'x<0.001' --linear-modes 4 --modes 8 -o a.tremolo";
   const ProgramResult little = run(1, arguments + " --memory 1MB");
@@ -104,9 +104,9 @@ TEST_F(Ranks, MemoryIsForetoldAndEachRankTellsItsOwn) {
   const ProgramResult two = run(2, arguments + " --json");
   ASSERT_EQ(two.code, 0) << two.err;
   EXPECT_NE(two.err.find("peak memory of each rank"), std::string::npos) << two.err;
-  const auto json = nlohmann::json::parse(two.out);
-  EXPECT_EQ(json["ranks"], 2);
-  for (const auto& stage : json["stages_of_ranks"]) {
+  const auto report = nlohmann::json::parse(two.out);
+  EXPECT_EQ(report["ranks"], 2);
+  for (const auto& stage : report["stages_of_ranks"]) {
     ASSERT_EQ(stage["peak_bytes"].size(), 2u);
     for (const double bytes : stage["peak_bytes"]) EXPECT_GT(bytes, 1e6);
   }

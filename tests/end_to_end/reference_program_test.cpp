@@ -63,15 +63,15 @@ TEST_F(ReferenceProgram, MotionIsReportedAndRecorded) {
       reference(std::string(kBody) +
                 "--load square --step 0.004 --duration 0.48 --probe 14 --out made --json");
   ASSERT_EQ(result.code, 0) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json["steps"], 120);
-  EXPECT_EQ(json["integrator"], "avf");
-  EXPECT_LE(json["energy_drift_max"], 1e-7);
-  EXPECT_EQ(json["exit_code"], 0);
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report["steps"], 120);
+  EXPECT_EQ(report["integrator"], "avf");
+  EXPECT_LE(report["energy_drift_max"], 1e-7);
+  EXPECT_EQ(report["exit_code"], 0);
   const auto row = last_row(slurp(folder_ + "/made/run.csv"));
   EXPECT_NEAR(row.at("t"), 0.48, 1e-12);
-  EXPECT_NEAR(row.at("total"), json["energy_final"], 1e-9 * row.at("total"));
-  EXPECT_NEAR(row.at("u14z"), json["probes"][0]["displacement"][2], 1e-6);
+  EXPECT_NEAR(row.at("total"), report["energy_final"], 1e-9 * row.at("total"));
+  EXPECT_NEAR(row.at("u14z"), report["probes"][0]["displacement"][2], 1e-6);
 }
 
 TEST_F(ReferenceProgram, TheReducedModelAlongsideIsThatOfTremoloRun) {
@@ -101,10 +101,10 @@ TEST_F(ReferenceProgram, StaticsUnderGravityInPlaneStrain) {
       "--fix 'x<0.001' --fix-z 'x>=0%' --gravity 0,-9.81,0 --young 3e5 --static --probe "
       "near:0.4,0,0 --json");
   ASSERT_EQ(result.code, 0) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_LE(json["residual"], 1e-9);
-  EXPECT_LT(json["probes"][0]["displacement"][1], -1e-3);
-  EXPECT_EQ(json["probes"][0]["displacement"][2], 0.0);
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_LE(report["residual"], 1e-9);
+  EXPECT_LT(report["probes"][0]["displacement"][1], -1e-3);
+  EXPECT_EQ(report["probes"][0]["displacement"][2], 0.0);
 }
 
 // Its elements are those of the precompute, and as stiff.
@@ -115,9 +115,9 @@ TEST_F(ReferenceProgram, LayersAcrossWallsAreTold) {
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_NE(result.err.find("the thinnest walls, 0.01 m, are 1 layer"), std::string::npos)
       << result.err;
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_NEAR(json["locking"]["layers"].get<double>(), 1.0, 0.01);
-  EXPECT_GT(json["locking"]["frequency_excess"].get<double>(), 0.03);
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_NEAR(report["locking"]["layers"].get<double>(), 1.0, 0.01);
+  EXPECT_GT(report["locking"]["frequency_excess"].get<double>(), 0.03);
 }
 
 TEST_F(ReferenceProgram, WrongValuesAreRefusedWithTheirName) {
@@ -198,9 +198,9 @@ TEST_F(ReferenceProgram, AFailureIsInTheJson) {
   const ProgramResult result =
       reference(std::string(kBody) + "--static --scale 1e9 --max-iterations 3 --json");
   EXPECT_EQ(result.code, 4) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json["exit_code"], 4);
-  EXPECT_NE(json["reason"].get<std::string>().find("did not converge"), std::string::npos);
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report["exit_code"], 4);
+  EXPECT_NE(report["reason"].get<std::string>().find("did not converge"), std::string::npos);
 }
 
 TEST_F(ReferenceProgram, AReducedModelThatBreaksOffTakesNothingWithIt) {
@@ -218,11 +218,11 @@ TEST_F(ReferenceProgram, AReducedModelThatBreaksOffTakesNothingWithIt) {
     EXPECT_EQ(result.code, 4) << result.err;
     EXPECT_NE(result.err.find("tremolo-precompute: bad.tremolo: "), std::string::npos)
         << result.err;
-    const auto json = nlohmann::json::parse(result.out);
-    EXPECT_EQ(json["exit_code"], 4);
-    EXPECT_TRUE(json["comparisons"][0]["reason"].is_string());
-    EXPECT_TRUE(json["comparisons"][1]["reason"].is_null());
-    EXPECT_GT(json["comparisons"][1]["error_of_largest"], 0.0);
+    const auto report = nlohmann::json::parse(result.out);
+    EXPECT_EQ(report["exit_code"], 4);
+    EXPECT_TRUE(report["comparisons"][0]["reason"].is_string());
+    EXPECT_TRUE(report["comparisons"][1]["reason"].is_null());
+    EXPECT_GT(report["comparisons"][1]["error_of_largest"], 0.0);
     const auto row = last_row(slurp(folder_ + "/made/run.csv"));
     EXPECT_TRUE(std::isnan(row.at("norm")));
     EXPECT_GT(row.at("norm_2"), 0.0);
@@ -264,9 +264,9 @@ TEST_F(ReferenceProgram, WhatDoesNotConvergeEndsWithFourAndReportsHowFarItCame) 
   const ProgramResult result =
       reference(std::string(kBody) + "--load square --step 0.1 --max-iterations 1 --json");
   EXPECT_EQ(result.code, 4);
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json["exit_code"], 4);
-  EXPECT_EQ(json["steps"], 0);
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report["exit_code"], 4);
+  EXPECT_EQ(report["steps"], 0);
 }
 
 TEST_F(ReferenceProgram, OnlyTheReferenceHoldsSingleAxes) {

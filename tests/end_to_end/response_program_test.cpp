@@ -50,9 +50,9 @@ class Response : public ::testing::Test {
     for (const VertexId probe : probes) arguments += " --probe vertex:" + std::to_string(probe);
     const ProgramResult result = run_program(folder_, kPrecompute + arguments);
     EXPECT_EQ(result.code, 0) << result.err;
-    const auto json = nlohmann::json::parse(result.out, nullptr, false);
+    const auto report = nlohmann::json::parse(result.out, nullptr, false);
     std::vector<Vector3d> found;
-    for (const auto& probe : json["probes"]) {
+    for (const auto& probe : report["probes"]) {
       const auto& u = probe["displacement"];
       found.emplace_back(u[0].get<double>(), u[1].get<double>(), u[2].get<double>());
     }

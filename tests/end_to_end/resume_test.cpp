@@ -89,13 +89,13 @@ TEST_F(Resume, AnUndisturbedRunWithCheckpointsGivesTheSameFileAndLeavesNothing) 
 }
 
 #ifdef TREMOLO_LONG_TESTS
-constexpr bool kLong = true;
+constexpr bool kLongForm = true;
 #else
-constexpr bool kLong = false;
+constexpr bool kLongForm = false;
 #endif
 
 TEST_F(Resume, ARunKilledAtRandomMomentsGivesTheSameBytes) {
-  constexpr int kTrials = kLong ? 20 : 8;
+  constexpr int kTrials = kLongForm ? 20 : 8;
   write_veg(folder_ + "/bar.veg", box_mesh({30, 7, 7}, {0.4, 0.05, 0.06}));
   const std::string arguments =
       "bar.veg -o a.tremolo --order 1 --linear-modes 12 --modes 24 " + kHeld;
@@ -156,7 +156,7 @@ TEST_F(Resume, EveryWayOfSolvingGoesOnFromItsStages) {
                  : arguments + options.substr(0, dashes) + more + " " + options.substr(dashes);
     };
     const std::string bytes = undisturbed(with(""));
-    const int first = kLong ? 0 : way++ % stages, end = kLong ? stages : first + 1;
+    const int first = kLongForm ? 0 : way++ % stages, end = kLongForm ? stages : first + 1;
     for (int stage = first; stage < end; ++stage) {
       const ProgramResult ended = run_with("rename-kill", stage + 1, with(" --checkpoint"));
       ASSERT_EQ(ended.code, 137) << options << ended.err;

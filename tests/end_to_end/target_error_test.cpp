@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kProgram = TREMOLO_BIN_DIR "/tremolo-precompute";
+const std::string kTargetCommand = TREMOLO_BIN_DIR "/tremolo-precompute";
 const std::string kAssets = TREMOLO_SOURCE_DIR "/assets";
 
 class TargetError : public ::testing::Test {
@@ -25,7 +25,7 @@ class TargetError : public ::testing::Test {
   }
   ProgramResult precompute(const std::string& body, const std::string& more) {
     return run_program(folder_,
-                       kProgram + " " + body + " --threads 1 -o made.tremolo --json " + more);
+                       kTargetCommand + " " + body + " --threads 1 -o made.tremolo --json " + more);
   }
   // Makes the file, has the reference measure it under the same load, and compares the two.
   // Returns what the precompute said.
@@ -34,7 +34,7 @@ class TargetError : public ::testing::Test {
     EXPECT_EQ(made.code, 0) << made.err;
     if (made.code != 0) return {};
     const ProgramResult found =
-        run_program(folder_, kProgram + " reference " + body +
+        run_program(folder_, kTargetCommand + " reference " + body +
                                  " --threads 1 --static --compare made.tremolo --json");
     EXPECT_EQ(found.code, 0) << found.err;
     if (found.code != 0) return {};
@@ -147,8 +147,8 @@ TEST_F(TargetError, SeveralRanksAreRefused) {
       run_program(folder_,
                   "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 60 mpiexec "
                   "--oversubscribe -n 2 " +
-                      kProgram + " block.veg --threads 1 -o made.tremolo --fix 'x<0.001'" + kLoad +
-                      "--target-error 0.02");
+                      kTargetCommand + " block.veg --threads 1 -o made.tremolo --fix 'x<0.001'" +
+                      kLoad + "--target-error 0.02");
   EXPECT_EQ(result.code, 2) << result.err;
   EXPECT_NE(result.err.find("--target-error works in one process"), std::string::npos)
       << result.err;

@@ -11,14 +11,13 @@
 #include "tests/support/meshes/box_mesh.h"
 #include "tests/support/meshes/mesh_file.h"
 #include "tests/support/meshes/vega_files.h"
-#include "tests/support/run_program.h"
+#include "tests/support/programs.h"
 
 namespace tremolo {
 namespace {
 
 using namespace testing;
 
-const std::string kPrecompute = TREMOLO_BIN_DIR "/tremolo-precompute ";
 const std::string kTremolo = TREMOLO_BIN_DIR "/tremolo ";
 
 class Vega : public ::testing::Test {
@@ -91,10 +90,10 @@ TEST_F(Vega, AModelExportedAndImportedIsTheSameModelAndGivesTheSameBytes) {
                                    "block.vegb --import-basis model.U --import-cubic model.cub "
                                    "--density 1100 -o again.tremolo --json");
   ASSERT_EQ(result.code, 0) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json["import"]["mass"], "lumped");
-  EXPECT_LE(json["import"]["lumped_orthonormality_error"], 1e-9);
-  EXPECT_LE(json["import"]["force_error"], 1e-13);
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report["import"]["mass"], "lumped");
+  EXPECT_LE(report["import"]["lumped_orthonormality_error"], 1e-9);
+  EXPECT_LE(report["import"]["force_error"], 1e-13);
   EXPECT_NE(result.err.find("orthonormal in the lumped mass"), std::string::npos) << result.err;
   const auto first = read_basis(folder_ + "/model.tremolo");
   const auto second = read_basis(folder_ + "/again.tremolo");

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 const std::string kArguments =
     " --fix 'x<0.001' --load-at 'x>0.399' --load-force 0,0,-1 --linear-modes 4 --modes 8 "
     "--threads 1 --order 1 ";
-const std::string kOld = "an older file that must survive";
+const std::string kOlder = "an older file that must survive";
 
 using Files = std::map<std::string, std::string>;  // name -> bytes
 
@@ -58,7 +58,7 @@ class Faults : public ::testing::Test {
     work_ = fresh_folder();
     out_ = work_ + "/out";
     fs::create_directory(out_);
-    for (const std::string& name : names_) std::ofstream(out_ + "/" + name) << kOld;
+    for (const std::string& name : names_) std::ofstream(out_ + "/" + name) << kOlder;
   }
 
   ProgramResult run(const std::string& environment) {
@@ -89,7 +89,7 @@ class Faults : public ::testing::Test {
         EXPECT_TRUE(partials_allowed) << what << " left " << name;
         continue;
       }
-      EXPECT_TRUE(bytes == kOld || without_times(name, bytes) == without_times(name, new_[name]))
+      EXPECT_TRUE(bytes == kOlder || without_times(name, bytes) == without_times(name, new_[name]))
           << what << ": " << name << " is neither the old nor the new one";
     }
   }
@@ -102,7 +102,8 @@ class Faults : public ::testing::Test {
     const ProgramResult good = run("");
     ASSERT_EQ(good.code, 0) << good.err;
     new_ = files_in(out_);
-    for (const std::string& name : names_) ASSERT_NE(new_[name], kOld) << name << " is not written";
+    for (const std::string& name : names_)
+      ASSERT_NE(new_[name], kOlder) << name << " is not written";
     for (const std::string fault : {"write-short", "write-eintr", "fsync-eintr"}) came(fault, 0);
     for (const std::string fault :
          {"write-full", "open-full", "fsync-fail", "rename-fail", "close-fail"})
@@ -175,7 +176,7 @@ TEST_F(Faults, ALimitOnFileSizesIsAnErrorWithAPath) {
     const ProgramResult result = run("ulimit -f 4; ");
     EXPECT_EQ(result.code, 1) << command << result.err;
     EXPECT_NE(result.err.find(out_ + "/" + name), std::string::npos) << result.err;
-    EXPECT_EQ(files_in(out_), (Files{{name, kOld}})) << command;
+    EXPECT_EQ(files_in(out_), (Files{{name, kOlder}})) << command;
   }
 }
 
