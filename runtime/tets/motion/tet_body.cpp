@@ -1,7 +1,9 @@
 #include "runtime/tets/motion/tet_body.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -54,6 +56,7 @@ TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
       system_(model, options.law),
       choice_(*model, options.degree),
       solve_(model->pattern(), model->smooth()),
+      projection_(*model),
       matrix_(model->pattern()),
       alone_(std::make_unique<TetIsland>()) {
   const Eigen::Index size = model->rest().size();
@@ -119,11 +122,9 @@ double TetBody::set_degrees(std::span<const std::uint8_t> degrees) {
   solve_.choose(system_.active());
   has_acceleration_ = false;
   if (only_more) return 0.0;
-  for (Eigen::VectorXd* y : {&now_.x, &now_.v})
-    project_motion(system_, solve_, matrix_, correction_, *y);
-  if (options_.method == TetMethod::kBdf2)
-    for (Eigen::VectorXd* y : {&before_.x, &before_.v})
-      project_motion(system_, solve_, matrix_, correction_, *y);
+  const std::array<Eigen::VectorXd*, 4> vectors = {&now_.x, &now_.v, &before_.x, &before_.v};
+  const std::size_t count = options_.method == TetMethod::kBdf2 ? 4 : 2;
+  projection_.project(system_, std::span(vectors).first(count), !held_);
   if (!held_) restore_spin(model(), spin - angular_momentum(), now_.x, now_.v, correction_);
   return before - (kinetic_energy() + elastic_energy() + gravity_energy());
 }
@@ -171,15 +172,21 @@ double TetBody::stop_size() const {
 }
 
 // The matrix M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv.
-void TetBody::assemble(TangentKind tangent) {
+void TetBody::assemble(TangentKind tangent, bool single) {
   TetMatrixFactors factors;
   factors.mass = stage_.rate * (stage_.rate + options_.alpha);
   factors.tangent = {1.0, options_.beta * stage_.rate, tangent};
-  system_.assemble(factors, matrix_);
+  if (single)
+    system_.assemble(factors, solve_.begin_single());
+  else
+    system_.assemble(factors, matrix_);
 }
 
-void TetBody::take_preconditioner() {
-  solve_.take_diagonal(matrix_);
+void TetBody::take_preconditioner(bool single) {
+  if (single)
+    solve_.take_diagonal();
+  else
+    solve_.take_diagonal(matrix_);
   solve_.take_smooth(system_.mean_rotation(), stage_.rate * (stage_.rate + options_.alpha),
                      1.0 + options_.beta * stage_.rate);
 }
@@ -292,7 +299,8 @@ TetStepReport TetBody::step(TetContact* contact) {
 }
 
 std::size_t TetBody::bytes() const {
-  return system_.bytes() + solve_.bytes() + model().pattern()->blocks() * sizeof(Eigen::Matrix3d) +
+  return system_.bytes() + solve_.bytes() + projection_.bytes() +
+         model().pattern()->blocks() * sizeof(Eigen::Matrix3d) +
          static_cast<std::size_t>(now_.x.size()) * 24 * sizeof(double);
 }
 

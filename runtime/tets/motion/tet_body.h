@@ -12,6 +12,7 @@
 #include "runtime/tets/elements/tet_system.h"
 #include "runtime/tets/motion/degree_choice.h"
 #include "runtime/tets/solve/active_solve.h"
+#include "runtime/tets/solve/mass_projection.h"
 #include "runtime/tets/solve/tet_stage.h"
 
 namespace tremolo {
@@ -115,8 +116,8 @@ class TetBody {
   void find_forces();
   double close_residual();  // |r|^2
   double stop_size() const;
-  void assemble(TangentKind tangent);
-  void take_preconditioner();  // of what was assembled last, without touches
+  void assemble(TangentKind tangent, bool single);
+  void take_preconditioner(bool single);  // of what was assembled last, without touches
   void balance_momenta();
   void end();
   void find_acceleration();
@@ -127,6 +128,7 @@ class TetBody {
   TetSystem system_;
   DegreeChoice choice_;
   ActiveSolve solve_;
+  MassProjection projection_;
   BlockMatrix matrix_;
   TetMotion now_, before_, saved_, saved_before_;
   TetStage stage_;

@@ -104,10 +104,8 @@ void TetIsland::find_couplings() {
 // Conjugate gradients over all bodies; false where the matrix is not positive.
 bool TetIsland::search(double tolerance) {
   std::size_t most = 0;
-  for (const TetMember& member : members_) {
-    tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
+  for (const TetMember& member : members_)
     most += static_cast<std::size_t>(member.body->residual_.size());
-  }
   for_each(members_.size(), [&](std::size_t i) {
     TetBody& body = *members_[i].body;
     sizes_[i] = body.solve_.start(body.matrix_, body.residual_, tolerance >= kSingleTolerance);
@@ -145,13 +143,17 @@ bool TetIsland::search(double tolerance) {
 // of the correction before: R K R^T of another R has stiffness against turns, which nothing in the
 // residual bounds.
 void TetIsland::find_correction(bool exact, double tolerance) {
-  for (const TetMember& member : members_) member.body->residual_ = -member.body->residual_;
+  for (const TetMember& member : members_) {
+    member.body->residual_ = -member.body->residual_;
+    tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
+  }
+  const bool single = tolerance >= kSingleTolerance;
   for (const bool own : {true, false}) {
     if (own && !exact) continue;
     for_each(members_.size(), [&](std::size_t i) {
       TetBody& body = *members_[i].body;
-      body.assemble(own ? body.options_.tangent : TangentKind::kFrozen);
-      body.take_preconditioner();
+      body.assemble(own ? body.options_.tangent : TangentKind::kFrozen, single);
+      body.take_preconditioner(single);
     });
     find_couplings();
     if (search(tolerance)) break;
