@@ -11,6 +11,10 @@ namespace {
 constexpr int kMostHalvings = 12;
 // Tolerance of a step that is one correction: its error is one of the momenta.
 constexpr double kLinearStepTolerance = 1e-10;
+// A step ends at a kink of the bodies' touches after so many corrections none of which halved the
+// residual, where it is below this share of what the touches press with.
+constexpr int kSlowCorrections = 3;
+constexpr double kKinkShare = 1e-3;
 
 double sum_of(const std::vector<double>& values) {
   double sum = 0.0;
@@ -195,6 +199,19 @@ void TetIsland::take_whole(double& size) {
   size = find_residual();
 }
 
+// Whether |r| is no more than what the forces between bodies may jump by. A touch pulls on the
+// other body along F^-T grad phi, and where its place crosses from one element or cell of the
+// distances to the next this jumps: a body may come to rest where the residual has no zero, only a
+// change of sign.
+bool TetIsland::at_kink(double size) const {
+  double squared = 0.0;
+  for (const TetMember& member : members_)
+    if (member.contact != nullptr)
+      for (const TetTouch& touch : member.contact->touches())
+        if (touch.partner != kNoPartner) squared += touch.force.squaredNorm();
+  return size <= kKinkShare * std::sqrt(squared);
+}
+
 bool TetIsland::solve_stage() {
   bounded_ = std::all_of(members_.begin(), members_.end(), [](const TetMember& member) {
     return member.body->options_.take_unsolved;
@@ -206,17 +223,24 @@ bool TetIsland::solve_stage() {
     stops_[i] = members_[i].body->stop_size();
     most = std::max(most, members_[i].body->options_.max_iterations);
   }
-  for (int iteration = 0; iteration < most; ++iteration) {
+  int slow = 0;
+  bool kink = false;
+  for (int iteration = 0; iteration < most && !kink; ++iteration) {
     if (!std::isfinite(size)) return false;
     if (small_enough()) break;
     ++report_.iterations;
+    const double before = size;
     find_correction(true, 1.0);
-    if (bounded_)
+    if (bounded_) {
       take_whole(size);
-    else if (!take_correction(size))
-      return false;
+      continue;
+    }
+    const bool taken = take_correction(size);
+    slow = size > 0.5 * before ? slow + 1 : 0;
+    kink = (!taken || slow >= kSlowCorrections) && at_kink(size);
+    if (!taken && !kink) return false;
   }
-  if (!std::isfinite(size) || (!small_enough() && !bounded_)) return false;
+  if (!std::isfinite(size) || (!small_enough() && !bounded_ && !kink)) return false;
   report_.unsolved = report_.unsolved || !small_enough();
   // What touches changes its forces when it is moved: those that touch nothing can be balanced.
   if (members_.size() == 1 &&
