@@ -15,6 +15,9 @@ namespace {
 
 // Rounding of a residual, over the stiffness times the places.
 constexpr double kRounding = 4e-15;
+// Below so many directions of conjugate gradients no factorisation is thought of.
+constexpr int kManyDirections = 100;
+constexpr std::size_t kMostFactorBytes = std::size_t{1} << 30;
 
 Eigen::Index body_at(std::size_t node) {
   return static_cast<Eigen::Index>(3 * node);
@@ -191,6 +194,37 @@ void TetBody::take_preconditioner(bool single) {
                      1.0 + options_.beta * stage_.rate);
 }
 
+void TetBody::note_search(int iterations) {
+  search_iterations_ = iterations;
+  search_nodes_ = solve_.active_nodes();
+}
+
+bool TetBody::factor_pays() {
+  if (search_iterations_ < kManyDirections) return false;
+  const auto nodes = static_cast<double>(solve_.active_nodes());
+  const auto then = static_cast<double>(search_nodes_);
+  // With many more or fewer control points it is searched for again.
+  if (nodes < 0.8 * then || nodes > 1.25 * then) return false;
+  if (!factor_tried_) {
+    factor_tried_ = true;
+    Result<BlockCholesky> made = BlockCholesky::create(model().pattern(), kMostFactorBytes);
+    if (made) factor_.emplace(std::move(*made));
+  }
+  const double share = nodes / static_cast<double>(model().nodes());
+  const double direction = 18.0 * share * static_cast<double>(model().pattern()->blocks());
+  return factor_ && factor_->multiplications() < direction * search_iterations_;
+}
+
+bool TetBody::solve_by_factor() {
+  folded_.resize(model().nodes());
+  for (std::size_t i = 0; i < folded_.size(); ++i) folded_[i] = system_.active()[i] == 0 ? 1 : 0;
+  matrix_.hold(folded_);
+  if (!factor_->factor(matrix_)) return false;
+  correction_ = residual_;
+  factor_->solve(correction_);
+  return true;
+}
+
 // The rigid motions in the residual, which no elastic force balances, are taken out exactly.
 void TetBody::balance_momenta() {
   if (held_) return;
@@ -301,7 +335,8 @@ TetStepReport TetBody::step(TetContact* contact) {
 std::size_t TetBody::bytes() const {
   return system_.bytes() + solve_.bytes() + projection_.bytes() +
          model().pattern()->blocks() * sizeof(Eigen::Matrix3d) +
-         static_cast<std::size_t>(now_.x.size()) * 24 * sizeof(double);
+         static_cast<std::size_t>(now_.x.size()) * 24 * sizeof(double) +
+         (factor_ ? factor_->bytes() : 0);
 }
 
 }  // namespace tremolo

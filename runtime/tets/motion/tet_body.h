@@ -6,9 +6,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "runtime/sparse/block_cholesky.h"
 #include "runtime/tets/elements/tet_system.h"
 #include "runtime/tets/motion/degree_choice.h"
 #include "runtime/tets/solve/active_solve.h"
@@ -118,6 +120,12 @@ class TetBody {
   double stop_size() const;
   void assemble(TangentKind tangent, bool single);
   void take_preconditioner(bool single);  // of what was assembled last, without touches
+  // Of a body that touches nothing: how many directions its last search took, and whether a
+  // factorisation has fewer multiplications. It is made, of the fully quadratic pattern, when it is
+  // first thought of: slender bodies need it, and it takes more memory than the body.
+  void note_search(int iterations);
+  bool factor_pays();
+  bool solve_by_factor();  // correction_ = matrix_^-1 residual_; false where it is not positive
   void balance_momenta();
   void end();
   void find_acceleration();
@@ -130,6 +138,11 @@ class TetBody {
   ActiveSolve solve_;
   MassProjection projection_;
   BlockMatrix matrix_;
+  std::optional<BlockCholesky> factor_;
+  bool factor_tried_ = false;
+  int search_iterations_ = 0;
+  std::size_t search_nodes_ = 0;
+  std::vector<std::uint8_t> folded_;  // a flag for each control point that is not active
   TetMotion now_, before_, saved_, saved_before_;
   TetStage stage_;
   bool has_before_ = false, had_before_ = false, has_acceleration_ = false, held_ = false;

@@ -116,8 +116,10 @@ bool TetIsland::search(double tolerance) {
   });
   SearchSizes now = sum_of(sizes_);
   const double stop = tolerance * tolerance * now.square;
+  double share = 0.0;
   for (std::size_t n = 0; now.square > stop && n < most; ++n) {
-    for_each(members_.size(), [this](std::size_t i) {
+    for_each(members_.size(), [&](std::size_t i) {
+      if (n > 0) members_[i].body->solve_.turn(share);
       members_[i].body->solve_.multiply(members_[i].body->matrix_);
     });
     for (const Coupling& c : couplings_) {
@@ -135,8 +137,7 @@ bool TetIsland::search(double tolerance) {
     for_each(members_.size(),
              [&](std::size_t i) { sizes_[i] = members_[i].body->solve_.advance(before / along); });
     now = sum_of(sizes_);
-    const double share = now.product / before;
-    for_each(members_.size(), [&](std::size_t i) { members_[i].body->solve_.turn(share); });
+    share = now.product / before;
     ++report_.linear;
   }
   return true;
@@ -152,20 +153,34 @@ void TetIsland::find_correction(bool exact, double tolerance) {
     tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
   }
   const bool single = tolerance >= kSingleTolerance;
+  TetBody* alone = members_.size() == 1 && !touching() ? members_[0].body : nullptr;
+  bool by_factor = false;
   for (const bool own : {true, false}) {
     if (own && !exact) continue;
+    by_factor = alone != nullptr && alone->factor_pays();
     for_each(members_.size(), [&](std::size_t i) {
       TetBody& body = *members_[i].body;
-      body.assemble(own ? body.options_.tangent : TangentKind::kFrozen, single);
-      body.take_preconditioner(single);
+      body.assemble(own ? body.options_.tangent : TangentKind::kFrozen, single && !by_factor);
+      if (!by_factor) body.take_preconditioner(single);
     });
+    if (by_factor && alone->solve_by_factor()) break;
+    if (by_factor) continue;
     find_couplings();
-    if (search(tolerance)) break;
+    const int before = report_.linear;
+    const bool positive = search(tolerance);
+    if (alone != nullptr) alone->note_search(report_.linear - before);
+    if (positive) break;
   }
   for (const TetMember& member : members_) {
-    member.body->solve_.finish(member.body->correction_);
+    if (!by_factor) member.body->solve_.finish(member.body->correction_);
     member.body->system_.follow_ends(member.body->correction_);
   }
+}
+
+bool TetIsland::touching() const {
+  return std::any_of(members_.begin(), members_.end(), [](const TetMember& member) {
+    return member.contact != nullptr && !member.contact->touches().empty();
+  });
 }
 
 // Goes along the correction until the residual no longer points back. size: |r| at the end.
