@@ -63,6 +63,7 @@ Status TetModel::make_elements(const MaterialTable& materials) {
     elasticities_.push_back(make_elasticity(named.material));
   }
   elements_.reserve(mesh_.tetrahedra.size());
+  float_stiffness_.reserve(kFloatStiffness * mesh_.tetrahedra.size());
   for (std::size_t e = 0; e < mesh_.tetrahedra.size(); ++e) {
     TetModelElement made;
     made.material = materials.of_tet.empty() ? 0 : static_cast<std::uint32_t>(materials.of_tet[e]);
@@ -81,6 +82,9 @@ Status TetModel::make_elements(const MaterialTable& materials) {
       made.nodes[i] = static_cast<std::uint32_t>(nodes[i]);
     pack_stiffness(rest_stiffness(geometry, elasticity, 2), made.stiffness);
     pack_stiffness(rest_stiffness(geometry, elasticity, 1), made.linear_stiffness);
+    float_stiffness_.resize(float_stiffness_.size() + kFloatStiffness);
+    pack_floats(made.stiffness, made.linear_stiffness,
+                float_stiffness_.data() + float_stiffness_.size() - kFloatStiffness);
     elements_.push_back(made);
   }
   return Success{};
@@ -115,7 +119,7 @@ void TetModel::add_masses(const TetModelElement& element) {
 }
 
 std::size_t TetModel::bytes() const {
-  return elements_.size() * sizeof(TetModelElement) + masses_.size() * sizeof(double) +
+  return elements_.size() * bytes_per_element() + masses_.size() * sizeof(double) +
          pattern_->blocks() * sizeof(std::uint32_t) + nodes() * 6 * sizeof(double);
 }
 

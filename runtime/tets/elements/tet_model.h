@@ -18,18 +18,14 @@
 #include "common/elements/elasticity.h"
 #include "common/mesh/edge_points.h"
 #include "common/result.h"
+#include "runtime/kernels/aligned.h"
 #include "runtime/sparse/block_matrix.h"
+#include "runtime/tets/elements/float_blocks.h"
 #include "runtime/tets/elements/tet_element.h"
 
 namespace tremolo {
 
 inline constexpr std::size_t kLinearBlocks = 10;  // node_block() of four nodes
-
-// A block of an element in the matrix: where, and whether the matrix stores its transpose.
-struct BlockPlace {
-  std::uint32_t place = 0;
-  bool turned = false;
-};
 
 // An element among others. nodes: control points, corners first, edges as kTetEdges. stiffness: the
 // blocks of K for degree two, linear_stiffness: for degree one.
@@ -66,6 +62,10 @@ class TetModel {
   const Elasticity& elasticity(const TetModelElement& element) const {
     return elasticities_[element.material];
   }
+  // K of an element in single precision (float_blocks.h).
+  const float* float_stiffness(std::size_t element) const {
+    return float_stiffness_.data() + kFloatStiffness * element;
+  }
   const BlockPatternPointer& pattern() const { return pattern_; }
   // rho times the integral of B_I B_J for each block of the pattern, kg.
   std::span<const double> masses() const { return masses_; }
@@ -76,7 +76,9 @@ class TetModel {
   const std::shared_ptr<const SmoothSpace>& smooth() const { return smooth_; }
   // The memory of elements and matrices, and that of one element, bytes.
   std::size_t bytes() const;
-  static constexpr std::size_t bytes_per_element() { return sizeof(TetModelElement); }
+  static constexpr std::size_t bytes_per_element() {
+    return sizeof(TetModelElement) + kFloatStiffness * sizeof(float);
+  }
 
   // y = M x of the fully quadratic mesh; both 3 nodes() long, not the same vector.
   void mass_times(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
@@ -91,6 +93,7 @@ class TetModel {
   std::vector<double> lengths_;
   std::vector<Elasticity> elasticities_;
   std::vector<TetModelElement> elements_;
+  AlignedFloats float_stiffness_;
   BlockPatternPointer pattern_;
   std::vector<double> masses_;
   std::vector<std::uint8_t> held_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "runtime/tets/elements/element_lanes.h"
 #include "runtime/tets/elements/rotation.h"
 
 namespace tremolo {
@@ -13,6 +14,39 @@ Eigen::Index at_node(std::size_t node) {
   return static_cast<Eigen::Index>(3 * node);
 }
 
+// Adds a block of row r and column c.
+void add_to(NodeBlocks& blocks, std::size_t r, std::size_t c, const Eigen::Matrix3d& block) {
+  if (r >= c)
+    blocks[node_block(r, c)] += block;
+  else
+    blocks[node_block(c, r)] += block.transpose();
+}
+
+// B <- E^T B E of one quadratic element: rows and columns of linear edges' control points go half
+// and half to their ends. linear: a bit an edge. What is folded away means nothing afterwards.
+void fold_blocks(unsigned linear, NodeBlocks& b) {
+  for (std::size_t e = 0; e < 6; ++e) {
+    if ((linear >> e & 1U) == 0) continue;
+    const std::size_t i = 4 + e;
+    const std::array<std::size_t, 2> ends = {static_cast<std::size_t>(kTetEdges[e][0]),
+                                             static_cast<std::size_t>(kTetEdges[e][1])};
+    for (std::size_t j = 0; j < kMostNodes; ++j) {
+      if (j == i || (j >= 4 && j < i && (linear >> (j - 4) & 1U) != 0)) continue;
+      Eigen::Matrix3d half = 0.5 * b[j < i ? node_block(i, j) : node_block(j, i)];
+      if (j > i) half.transposeInPlace();
+      for (const std::size_t end : ends) {
+        if (j == end)
+          b[node_block(end, end)] += half + half.transpose();
+        else
+          add_to(b, end, j, half);
+      }
+    }
+    const Eigen::Matrix3d quarter = 0.25 * b[node_block(i, i)];
+    for (const std::size_t end : ends) b[node_block(end, end)] += quarter;
+    add_to(b, ends[0], ends[1], quarter);
+  }
+}
+
 }  // namespace
 
 TetSystem::TetSystem(TetModelPointer model, RotationLaw law)
@@ -20,7 +54,7 @@ TetSystem::TetSystem(TetModelPointer model, RotationLaw law)
       law_(law),
       degrees_(model_->edges(), 2),
       active_(model_->nodes()),
-      straight_(model_->elements().size(), 0),
+      linear_(model_->elements().size(), 0),
       shapes_(model_->elements().size()),
       evaluated_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * model_->nodes()))),
       sum_(static_cast<Eigen::Index>(3 * model_->nodes())) {
@@ -36,9 +70,10 @@ void TetSystem::set_degrees(std::span<const std::uint8_t> degrees) {
     if (degrees_[e] < 2) active_[model_->vertices() + e] = 0;
   const auto elements = model_->elements();
   for (std::size_t e = 0; e < elements.size(); ++e) {
-    straight_[e] = 1;
+    linear_[e] = 0;
     for (std::size_t i = 4; i < kMostNodes; ++i)
-      if (degrees_[elements[e].nodes[i] - model_->vertices()] > 1) straight_[e] = 0;
+      if (degrees_[elements[e].nodes[i] - model_->vertices()] < 2)
+        linear_[e] = static_cast<std::uint8_t>(linear_[e] | 1U << (i - 4));
   }
 }
 
@@ -75,18 +110,45 @@ NodeVectors TetSystem::gather(const TetModelElement& element, const Eigen::Vecto
   return local;
 }
 
+void TetSystem::find_shape(std::size_t e, const Eigen::VectorXd& x) {
+  const TetModelElement& element = model_->elements()[e];
+  shapes_[e] = tet_shape(element.element, model_->elasticity(element), law_,
+                         gather(element, x, straight(e) ? 4 : kMostNodes));
+}
+
 std::size_t TetSystem::evaluate(const Eigen::VectorXd& x) {
   if (has_shapes_ && x == evaluated_) return lost_;
   const auto elements = model_->elements();
   evaluated_ = x;
   has_shapes_ = true;
   lost_ = 0;
+  std::array<LaneElement, kElementLanes> group;
+  std::array<std::size_t, kElementLanes> members{};
+  std::size_t count = 0;
+  const auto flush = [&] {
+    if (count == 0) return;
+    const unsigned left = shapes_in_lanes(group.data(), count);
+    for (std::size_t k = 0; k < count; ++k)
+      if ((left >> k & 1U) != 0) find_shape(members[k], x);
+    count = 0;
+  };
   for (std::size_t e = 0; e < elements.size(); ++e) {
     const TetModelElement& element = elements[e];
-    shapes_[e] = tet_shape(element.element, model_->elasticity(element), law_,
-                           gather(element, x, straight(e) ? 4 : kMostNodes));
-    if (!shapes_[e].converged) ++lost_;
+    const Elasticity& elasticity = model_->elasticity(element);
+    if (straight(e) || law_ != RotationLaw::kLeastEnergy || !elasticity.isotropic) {
+      find_shape(e, x);
+      continue;
+    }
+    LaneElement& lane = group[count];
+    lane = {&element.element, &elasticity, {}, &shapes_[e]};
+    for (std::size_t i = 0; i < kMostNodes; ++i)
+      lane.nodes[i] = x.data() + at_node(element.nodes[i]);
+    members[count++] = e;
+    if (count == kElementLanes) flush();
   }
+  flush();
+  for (const TetShape& shape : shapes_)
+    if (!shape.converged) ++lost_;
   return lost_;
 }
 
@@ -135,46 +197,6 @@ void TetSystem::add_damping_force(const Eigen::VectorXd& v, double beta, Eigen::
   }
 }
 
-TetSystem::FoldMap TetSystem::fold_map(const TetModelElement& element) const {
-  FoldMap map;
-  for (std::size_t local = 0; local < kMostNodes; ++local) {
-    map[local] = {{local, 0}, 1, 1.0};
-    if (local < 4 || degrees_[element.nodes[local] - model_->vertices()] > 1) continue;
-    const auto& ends = kTetEdges[local - 4];
-    map[local] = {{static_cast<std::size_t>(ends[0]), static_cast<std::size_t>(ends[1])}, 2, 0.5};
-  }
-  return map;
-}
-
-// Adds E^T B E of one block of an element, and of its transpose where it is beside the diagonal.
-void TetSystem::fold_block(const TetModelElement& element, const FoldMap& map, std::size_t i,
-                           std::size_t j, const Eigen::Matrix3d& block, BlockMatrix& a) {
-  const FoldTargets &rows = map[i], &columns = map[j];
-  if (rows.count == 1 && columns.count == 1) {
-    const BlockPlace place = element.places[node_block(i, j)];
-    if (place.turned)
-      a.block(place.place) += block.transpose();
-    else
-      a.block(place.place) += block;
-    return;
-  }
-  const double weight = rows.weight * columns.weight;
-  for (std::size_t r = 0; r < rows.count; ++r)
-    for (std::size_t c = 0; c < columns.count; ++c) {
-      const std::size_t row = rows.to[r], column = columns.to[c];
-      if (i == j && row < column) continue;  // the same as the other way round
-      const BlockPlace place =
-          element.places[row < column ? node_block(column, row) : node_block(row, column)];
-      Eigen::Matrix3d& stored = a.block(place.place);
-      if (row == column && i != j)
-        stored += weight * (block + block.transpose());
-      else if ((row < column) != place.turned)
-        stored += weight * block.transpose();
-      else
-        stored += weight * block;
-    }
-}
-
 void TetSystem::assemble(const TetMatrixFactors& factors, BlockMatrix& a) const {
   std::array<std::array<double, kMostBlocks>, 2> shares;  // of the mass, by order
   for (const int order : {1, 2})
@@ -195,15 +217,43 @@ void TetSystem::assemble(const TetMatrixFactors& factors, BlockMatrix& a) const 
     else
       tet_tangent(element.element, model_->elasticity(element), law_, shapes_[e], stiffness,
                   factors.tangent, blocks);
-    const FoldMap map = fold_map(element);
-    const int nodes = nodes_of_order(order);
-    for (int i = 0; i < nodes; ++i)
-      for (int j = 0; j <= i; ++j) {
-        Eigen::Matrix3d& block = blocks[node_block(i, j)];
-        block.diagonal().array() += factors.mass * element.element.mass *
-                                    shares[static_cast<std::size_t>(order - 1)][node_block(i, j)];
-        fold_block(element, map, i, j, block, a);
+    const auto nodes = static_cast<std::size_t>(nodes_of_order(order));
+    const auto& share = shares[static_cast<std::size_t>(order - 1)];
+    for (std::size_t k = 0; k < node_block(nodes, 0); ++k)
+      blocks[k].diagonal().array() += factors.mass * element.element.mass * share[k];
+    const unsigned folded = order == 1 ? 0U : linear_[e];
+    if (folded != 0) fold_blocks(folded, blocks);
+    for (std::size_t i = 0; i < nodes; ++i)
+      for (std::size_t j = 0; j <= i; ++j) {
+        if (((folded << 4U >> i | folded << 4U >> j) & 1U) != 0) continue;
+        const BlockPlace place = element.places[node_block(i, j)];
+        if (place.turned)
+          a.block(place.place) += blocks[node_block(i, j)].transpose();
+        else
+          a.block(place.place) += blocks[node_block(i, j)];
       }
+  }
+}
+
+void TetSystem::assemble(const TetMatrixFactors& factors, const FloatTarget& target) const {
+  const bool turned =
+      factors.tangent.kind == TangentKind::kFrozen || law_ != RotationLaw::kLeastEnergy;
+  const double both = factors.tangent.position + factors.tangent.velocity;
+  NodeBlocks blocks;
+  for (std::size_t e = 0; e < shapes_.size(); ++e) {
+    const TetModelElement& element = model_->elements()[e];
+    const FloatElement adding{element.places.data(), linear_[e]};
+    const double mass = factors.mass * element.element.mass;
+    if (turned) {
+      add_turned(adding, model_->float_stiffness(e), shapes_[e].rotation, both, mass, target);
+      continue;
+    }
+    const std::span<const Eigen::Matrix3d> stiffness =
+        straight(e) ? std::span<const Eigen::Matrix3d>(element.linear_stiffness)
+                    : std::span<const Eigen::Matrix3d>(element.stiffness);
+    tet_tangent(element.element, model_->elasticity(element), law_, shapes_[e], stiffness,
+                factors.tangent, blocks);
+    add_blocks(adding, blocks, mass, target);
   }
 }
 

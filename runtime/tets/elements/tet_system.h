@@ -58,6 +58,8 @@ class TetSystem {
   void add_damping_force(const Eigen::VectorXd& v, double beta, Eigen::VectorXd& f) const;
   // a = E^T (..) E. Rows and columns of control points that are not active mean nothing.
   void assemble(const TetMatrixFactors& factors, BlockMatrix& a) const;
+  // The same in single precision, added to what is there.
+  void assemble(const TetMatrixFactors& factors, const FloatTarget& target) const;
 
   // Shares of control points among which are the ends of every edge: those of linear edges go half
   // and half to their ends.
@@ -73,23 +75,15 @@ class TetSystem {
   std::size_t bytes() const;
 
  private:
-  bool straight(std::size_t element) const { return straight_[element] != 0; }
+  bool straight(std::size_t element) const { return linear_[element] == kAllLinear; }
+  void find_shape(std::size_t element, const Eigen::VectorXd& x);  // by itself
   NodeVectors gather(const TetModelElement& element, const Eigen::VectorXd& x, int nodes) const;
   void scatter(const TetModelElement& element, const NodeVectors& force, Eigen::VectorXd& f) const;
-  // What one local control point of an element folds to: itself, or the two ends of its edge.
-  struct FoldTargets {
-    std::array<std::size_t, 2> to{};
-    std::size_t count = 1;
-    double weight = 1.0;
-  };
-  using FoldMap = std::array<FoldTargets, kMostNodes>;
-  FoldMap fold_map(const TetModelElement& element) const;
-  static void fold_block(const TetModelElement& element, const FoldMap& map, std::size_t i,
-                         std::size_t j, const Eigen::Matrix3d& block, BlockMatrix& a);
-
   TetModelPointer model_;
   RotationLaw law_;
-  std::vector<std::uint8_t> degrees_, active_, straight_;
+  static constexpr std::uint8_t kAllLinear = 63;
+  std::vector<std::uint8_t> degrees_, active_;
+  std::vector<std::uint8_t> linear_;  // of each element, a bit for each of its linear edges
   std::vector<TetShape> shapes_;
   Eigen::VectorXd evaluated_;  // the x of shapes_
   bool has_shapes_ = false;

@@ -80,22 +80,4 @@ std::span<const std::uint8_t> DegreeChoice::choose(const TetSystem& system, cons
   return wanted_;
 }
 
-void project_motion(const TetSystem& system, ActiveSolve& solve, BlockMatrix& matrix,
-                    Eigen::VectorXd& work, Eigen::VectorXd& y) {
-  // What is left of y where linear edges follow their ends; only near those that changed is it
-  // something, and a correction near them is sought.
-  work = y;
-  system.follow_ends(y);
-  work -= y;
-  Eigen::VectorXd& rest = work;
-  // The momentum that following has lost goes to the ends.
-  system.mass_times_folded(rest);
-  if (!(rest.squaredNorm() > 0.0)) return;
-  system.assemble({1.0, {0.0, 0.0, TangentKind::kFrozen}}, matrix);
-  // Rounding stops it before: the mass matrix has a condition of some tens.
-  solve.solve(matrix, rest, 1e-15, 200, rest);
-  y += rest;
-  system.follow_ends(y);
-}
-
 }  // namespace tremolo

@@ -10,9 +10,9 @@
 //
 // When edges become linear, x and v become E (E^T M E)^-1 E^T M x and likewise v, E the map from
 // free control points to all: the nearest motion in kinetic energy that the linear edges can make,
-// with the same linear momentum and centre, and no more kinetic energy. What x moved changes the
-// angular momentum; of a body that is not held a rigid rate of turn restores it. When edges become
-// quadratic nothing moves.
+// with the same linear momentum and centre, and no more kinetic energy (mass_projection.h). What x
+// moved changes the angular momentum; of a body that is not held a rigid rate of turn restores it.
+// When edges become quadratic nothing moves.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,6 @@
 #include <vector>
 
 #include "runtime/tets/elements/tet_system.h"
-#include "runtime/tets/solve/active_solve.h"
 #include "runtime/tets/solve/tet_stage.h"
 
 namespace tremolo {
@@ -59,10 +58,5 @@ class DegreeChoice {
   std::vector<std::uint8_t> wanted_;
   std::size_t changed_ = 0;
 };
-
-// Projects vectors onto what the system's degrees can make: y <- E (E^T M E)^-1 E^T M y, held
-// control points stay. matrix and work are room. Allocates nothing.
-void project_motion(const TetSystem& system, ActiveSolve& solve, BlockMatrix& matrix,
-                    Eigen::VectorXd& work, Eigen::VectorXd& y);
 
 }  // namespace tremolo

@@ -1,7 +1,9 @@
 #include "runtime/tets/motion/tet_body.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -13,6 +15,9 @@ namespace {
 
 // Rounding of a residual, over the stiffness times the places.
 constexpr double kRounding = 4e-15;
+// Below so many directions of conjugate gradients no factorisation is thought of.
+constexpr int kManyDirections = 100;
+constexpr std::size_t kMostFactorBytes = std::size_t{1} << 30;
 
 Eigen::Index body_at(std::size_t node) {
   return static_cast<Eigen::Index>(3 * node);
@@ -54,6 +59,7 @@ TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
       system_(model, options.law),
       choice_(*model, options.degree),
       solve_(model->pattern(), model->smooth()),
+      projection_(*model),
       matrix_(model->pattern()),
       alone_(std::make_unique<TetIsland>()) {
   const Eigen::Index size = model->rest().size();
@@ -119,11 +125,9 @@ double TetBody::set_degrees(std::span<const std::uint8_t> degrees) {
   solve_.choose(system_.active());
   has_acceleration_ = false;
   if (only_more) return 0.0;
-  for (Eigen::VectorXd* y : {&now_.x, &now_.v})
-    project_motion(system_, solve_, matrix_, correction_, *y);
-  if (options_.method == TetMethod::kBdf2)
-    for (Eigen::VectorXd* y : {&before_.x, &before_.v})
-      project_motion(system_, solve_, matrix_, correction_, *y);
+  const std::array<Eigen::VectorXd*, 4> vectors = {&now_.x, &now_.v, &before_.x, &before_.v};
+  const std::size_t count = options_.method == TetMethod::kBdf2 ? 4 : 2;
+  projection_.project(system_, std::span(vectors).first(count), !held_);
   if (!held_) restore_spin(model(), spin - angular_momentum(), now_.x, now_.v, correction_);
   return before - (kinetic_energy() + elastic_energy() + gravity_energy());
 }
@@ -171,17 +175,54 @@ double TetBody::stop_size() const {
 }
 
 // The matrix M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv.
-void TetBody::assemble(TangentKind tangent) {
+void TetBody::assemble(TangentKind tangent, bool single) {
   TetMatrixFactors factors;
   factors.mass = stage_.rate * (stage_.rate + options_.alpha);
   factors.tangent = {1.0, options_.beta * stage_.rate, tangent};
-  system_.assemble(factors, matrix_);
+  if (single)
+    system_.assemble(factors, solve_.begin_single());
+  else
+    system_.assemble(factors, matrix_);
 }
 
-void TetBody::take_preconditioner() {
-  solve_.take_diagonal(matrix_);
+void TetBody::take_preconditioner(bool single) {
+  if (single)
+    solve_.take_diagonal();
+  else
+    solve_.take_diagonal(matrix_);
   solve_.take_smooth(system_.mean_rotation(), stage_.rate * (stage_.rate + options_.alpha),
                      1.0 + options_.beta * stage_.rate);
+}
+
+void TetBody::note_search(int iterations) {
+  search_iterations_ = iterations;
+  search_nodes_ = solve_.active_nodes();
+}
+
+bool TetBody::factor_pays() {
+  if (search_iterations_ < kManyDirections) return false;
+  const auto nodes = static_cast<double>(solve_.active_nodes());
+  const auto then = static_cast<double>(search_nodes_);
+  // With many more or fewer control points it is searched for again.
+  if (nodes < 0.8 * then || nodes > 1.25 * then) return false;
+  if (!factor_tried_) {
+    factor_tried_ = true;
+    Result<BlockCholesky> made = BlockCholesky::create(model().pattern(), kMostFactorBytes);
+    if (made) factor_.emplace(std::move(*made));
+  }
+  const double share = nodes / static_cast<double>(model().nodes());
+  const double direction = 18.0 * share * static_cast<double>(model().pattern()->blocks());
+  return factor_ && factor_->multiplications() < direction * search_iterations_;
+}
+
+bool TetBody::solve_by_factor() {
+  folded_.resize(model().nodes());
+  for (std::size_t i = 0; i < folded_.size(); ++i) folded_[i] = system_.active()[i] == 0 ? 1 : 0;
+  matrix_.hold(folded_);
+  if (!factor_->factor(matrix_)) return false;
+  correction_ = residual_;
+  factor_->solve(correction_);
+  return true;
 }
 
 // The rigid motions in the residual, which no elastic force balances, are taken out exactly.
@@ -292,8 +333,10 @@ TetStepReport TetBody::step(TetContact* contact) {
 }
 
 std::size_t TetBody::bytes() const {
-  return system_.bytes() + solve_.bytes() + model().pattern()->blocks() * sizeof(Eigen::Matrix3d) +
-         static_cast<std::size_t>(now_.x.size()) * 24 * sizeof(double);
+  return system_.bytes() + solve_.bytes() + projection_.bytes() +
+         model().pattern()->blocks() * sizeof(Eigen::Matrix3d) +
+         static_cast<std::size_t>(now_.x.size()) * 24 * sizeof(double) +
+         (factor_ ? factor_->bytes() : 0);
 }
 
 }  // namespace tremolo

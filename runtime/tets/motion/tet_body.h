@@ -6,12 +6,15 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "runtime/sparse/block_cholesky.h"
 #include "runtime/tets/elements/tet_system.h"
 #include "runtime/tets/motion/degree_choice.h"
 #include "runtime/tets/solve/active_solve.h"
+#include "runtime/tets/solve/mass_projection.h"
 #include "runtime/tets/solve/tet_stage.h"
 
 namespace tremolo {
@@ -115,8 +118,14 @@ class TetBody {
   void find_forces();
   double close_residual();  // |r|^2
   double stop_size() const;
-  void assemble(TangentKind tangent);
-  void take_preconditioner();  // of what was assembled last, without touches
+  void assemble(TangentKind tangent, bool single);
+  void take_preconditioner(bool single);  // of what was assembled last, without touches
+  // Of a body that touches nothing: how many directions its last search took, and whether a
+  // factorisation has fewer multiplications. It is made, of the fully quadratic pattern, when it is
+  // first thought of: slender bodies need it, and it takes more memory than the body.
+  void note_search(int iterations);
+  bool factor_pays();
+  bool solve_by_factor();  // correction_ = matrix_^-1 residual_; false where it is not positive
   void balance_momenta();
   void end();
   void find_acceleration();
@@ -127,7 +136,13 @@ class TetBody {
   TetSystem system_;
   DegreeChoice choice_;
   ActiveSolve solve_;
+  MassProjection projection_;
   BlockMatrix matrix_;
+  std::optional<BlockCholesky> factor_;
+  bool factor_tried_ = false;
+  int search_iterations_ = 0;
+  std::size_t search_nodes_ = 0;
+  std::vector<std::uint8_t> folded_;  // a flag for each control point that is not active
   TetMotion now_, before_, saved_, saved_before_;
   TetStage stage_;
   bool has_before_ = false, had_before_ = false, has_acceleration_ = false, held_ = false;

@@ -11,6 +11,10 @@ namespace {
 constexpr int kMostHalvings = 12;
 // Tolerance of a step that is one correction: its error is one of the momenta.
 constexpr double kLinearStepTolerance = 1e-10;
+// A step ends at a kink of the bodies' touches after so many corrections none of which halved the
+// residual, where it is below this share of what the touches press with.
+constexpr int kSlowCorrections = 3;
+constexpr double kKinkShare = 1e-3;
 
 double sum_of(const std::vector<double>& values) {
   double sum = 0.0;
@@ -104,18 +108,18 @@ void TetIsland::find_couplings() {
 // Conjugate gradients over all bodies; false where the matrix is not positive.
 bool TetIsland::search(double tolerance) {
   std::size_t most = 0;
-  for (const TetMember& member : members_) {
-    tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
+  for (const TetMember& member : members_)
     most += static_cast<std::size_t>(member.body->residual_.size());
-  }
   for_each(members_.size(), [&](std::size_t i) {
     TetBody& body = *members_[i].body;
     sizes_[i] = body.solve_.start(body.matrix_, body.residual_, tolerance >= kSingleTolerance);
   });
   SearchSizes now = sum_of(sizes_);
   const double stop = tolerance * tolerance * now.square;
+  double share = 0.0;
   for (std::size_t n = 0; now.square > stop && n < most; ++n) {
-    for_each(members_.size(), [this](std::size_t i) {
+    for_each(members_.size(), [&](std::size_t i) {
+      if (n > 0) members_[i].body->solve_.turn(share);
       members_[i].body->solve_.multiply(members_[i].body->matrix_);
     });
     for (const Coupling& c : couplings_) {
@@ -133,8 +137,7 @@ bool TetIsland::search(double tolerance) {
     for_each(members_.size(),
              [&](std::size_t i) { sizes_[i] = members_[i].body->solve_.advance(before / along); });
     now = sum_of(sizes_);
-    const double share = now.product / before;
-    for_each(members_.size(), [&](std::size_t i) { members_[i].body->solve_.turn(share); });
+    share = now.product / before;
     ++report_.linear;
   }
   return true;
@@ -145,21 +148,39 @@ bool TetIsland::search(double tolerance) {
 // of the correction before: R K R^T of another R has stiffness against turns, which nothing in the
 // residual bounds.
 void TetIsland::find_correction(bool exact, double tolerance) {
-  for (const TetMember& member : members_) member.body->residual_ = -member.body->residual_;
+  for (const TetMember& member : members_) {
+    member.body->residual_ = -member.body->residual_;
+    tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
+  }
+  const bool single = tolerance >= kSingleTolerance;
+  TetBody* alone = members_.size() == 1 && !touching() ? members_[0].body : nullptr;
+  bool by_factor = false;
   for (const bool own : {true, false}) {
     if (own && !exact) continue;
+    by_factor = alone != nullptr && alone->factor_pays();
     for_each(members_.size(), [&](std::size_t i) {
       TetBody& body = *members_[i].body;
-      body.assemble(own ? body.options_.tangent : TangentKind::kFrozen);
-      body.take_preconditioner();
+      body.assemble(own ? body.options_.tangent : TangentKind::kFrozen, single && !by_factor);
+      if (!by_factor) body.take_preconditioner(single);
     });
+    if (by_factor && alone->solve_by_factor()) break;
+    if (by_factor) continue;
     find_couplings();
-    if (search(tolerance)) break;
+    const int before = report_.linear;
+    const bool positive = search(tolerance);
+    if (alone != nullptr) alone->note_search(report_.linear - before);
+    if (positive) break;
   }
   for (const TetMember& member : members_) {
-    member.body->solve_.finish(member.body->correction_);
+    if (!by_factor) member.body->solve_.finish(member.body->correction_);
     member.body->system_.follow_ends(member.body->correction_);
   }
+}
+
+bool TetIsland::touching() const {
+  return std::any_of(members_.begin(), members_.end(), [](const TetMember& member) {
+    return member.contact != nullptr && !member.contact->touches().empty();
+  });
 }
 
 // Goes along the correction until the residual no longer points back. size: |r| at the end.
@@ -193,6 +214,19 @@ void TetIsland::take_whole(double& size) {
   size = find_residual();
 }
 
+// Whether |r| is no more than what the forces between bodies may jump by. A touch pulls on the
+// other body along F^-T grad phi, and where its place crosses from one element or cell of the
+// distances to the next this jumps: a body may come to rest where the residual has no zero, only a
+// change of sign.
+bool TetIsland::at_kink(double size) const {
+  double squared = 0.0;
+  for (const TetMember& member : members_)
+    if (member.contact != nullptr)
+      for (const TetTouch& touch : member.contact->touches())
+        if (touch.partner != kNoPartner) squared += touch.force.squaredNorm();
+  return size <= kKinkShare * std::sqrt(squared);
+}
+
 bool TetIsland::solve_stage() {
   bounded_ = std::all_of(members_.begin(), members_.end(), [](const TetMember& member) {
     return member.body->options_.take_unsolved;
@@ -204,17 +238,24 @@ bool TetIsland::solve_stage() {
     stops_[i] = members_[i].body->stop_size();
     most = std::max(most, members_[i].body->options_.max_iterations);
   }
-  for (int iteration = 0; iteration < most; ++iteration) {
+  int slow = 0;
+  bool kink = false;
+  for (int iteration = 0; iteration < most && !kink; ++iteration) {
     if (!std::isfinite(size)) return false;
     if (small_enough()) break;
     ++report_.iterations;
+    const double before = size;
     find_correction(true, 1.0);
-    if (bounded_)
+    if (bounded_) {
       take_whole(size);
-    else if (!take_correction(size))
-      return false;
+      continue;
+    }
+    const bool taken = take_correction(size);
+    slow = size > 0.5 * before ? slow + 1 : 0;
+    kink = (!taken || slow >= kSlowCorrections) && at_kink(size);
+    if (!taken && !kink) return false;
   }
-  if (!std::isfinite(size) || (!small_enough() && !bounded_)) return false;
+  if (!std::isfinite(size) || (!small_enough() && !bounded_ && !kink)) return false;
   report_.unsolved = report_.unsolved || !small_enough();
   // What touches changes its forces when it is moved: those that touch nothing can be balanced.
   if (members_.size() == 1 &&

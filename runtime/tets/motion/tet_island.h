@@ -5,11 +5,15 @@
 //   M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv    of each body,
 // and the touches: with w the shares of a touch in the control points of both its sides, w B w^T.
 // They stay as they are and are multiplied one by one in conjugate gradients, which run over all
-// bodies at once, preconditioned by the diagonal's blocks. First with the exact derivative; where
-// that is indefinite, with R K R^T. Each correction is shortened until the residual no longer
-// points back. A step that is not solved is cut into two, then eight of implicit-euler; where even
-// those have no solution (an element goes through a flat shape and its rotation jumps), into eight
-// of one correction each with R K R^T.
+// bodies at once, preconditioned by the diagonal's blocks; a body by itself that takes too many
+// directions, a slender one, is factored instead (runtime/sparse/block_cholesky.h). First with the
+// exact derivative; where that is indefinite, with R K R^T. Each correction is shortened until the
+// residual no longer points back. A step that is not solved is cut into two, then eight of
+// implicit-euler; where even those have no solution (an element goes through a flat shape and its
+// rotation jumps), into eight of one correction each with R K R^T.
+//
+// A step also ends where the forces between bodies jump and no correction makes the residual
+// smaller, which is then a thousandth of them at most; it is told as unsolved.
 //
 // Where all bodies have `take_unsolved`, a step is max_iterations corrections at most, from where
 // the bodies are, none of them shortened: the linearly implicit step of real-time programs for one,
@@ -62,6 +66,8 @@ class TetIsland {
   bool make_linear_step(double h);
   bool make_parts(int parts, bool linear);
   bool solve_stage();
+  bool at_kink(double size) const;
+  bool touching() const;
   double find_residual();
   bool small_enough() const;
   void find_correction(bool exact, double tolerance);

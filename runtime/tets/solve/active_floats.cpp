@@ -1,5 +1,6 @@
 #include "runtime/tets/solve/active_floats.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -13,7 +14,7 @@ using std::size_t;
 typedef float Quad __attribute__((vector_size(16), may_alias));
 typedef double QuadDoubles __attribute__((vector_size(32)));
 
-constexpr size_t kQuads = 12;  // floats of a block
+constexpr size_t kQuads = kFloatBlock;
 
 [[gnu::always_inline]] inline Quad& quad_at(float* list, size_t node) {
   return *reinterpret_cast<Quad*>(list + 4 * node);
@@ -107,6 +108,8 @@ ActiveFloats::ActiveFloats(const BlockPattern& pattern, std::shared_ptr<const Sm
   first_.reserve(nodes + 1);
   column_.reserve(whole);
   place_.reserve(whole);
+  at_.assign(2 * pattern.blocks(), kNowhere);
+  diagonal_.reserve(nodes);
   blocks_.assign(kQuads * whole, 0.0F);
   inverse_.assign(kQuads * nodes, 0.0F);
   for (AlignedFloats* list : {&x_, &r_, &z_, &p_, &q_}) list->assign(4 * nodes, 0.0F);
@@ -146,14 +149,31 @@ void ActiveFloats::choose(const BlockPattern& pattern, std::span<const std::uint
     }
   for (size_t i = n_; i > 0; --i) first_[i] = first_[i - 1];
   first_[0] = 0;
+  std::fill(at_.begin(), at_.end(), kNowhere);
+  for (size_t k = 0; k < place_.size(); ++k) at_[place_[k]] = static_cast<std::uint32_t>(k);
+  diagonal_.resize(n_);
+  for (size_t i = 0; i < n_; ++i) diagonal_[i] = at_[2 * pattern.diagonal(nodes[i])];
 }
 
-double ActiveFloats::start(const BlockMatrix& a, const std::vector<Eigen::Matrix3d>& inverse,
+FloatTarget ActiveFloats::begin() {
+  std::fill_n(blocks_.begin(), kQuads * place_.size(), 0.0F);
+  return {blocks_.data(), at_.data()};
+}
+
+void ActiveFloats::take(const BlockMatrix& a) {
+  for (size_t k = 0; k < place_.size(); ++k)
+    put_block(a.block(place_[k] / 2), place_[k] % 2 != 0, blocks_.data() + kQuads * k);
+}
+
+Eigen::Matrix3d ActiveFloats::diagonal(std::uint32_t node) const {
+  using Block = Eigen::Map<const Eigen::Matrix3f, 0, Eigen::OuterStride<4>>;
+  return Block(blocks_.data() + kQuads * diagonal_[node]).cast<double>();
+}
+
+double ActiveFloats::start(const std::vector<Eigen::Matrix3d>& inverse,
                            const SmoothMatrix& smooth_inverse,
                            const std::vector<Eigen::Vector3d>& r) {
   smooth_inverse_ = smooth_inverse.cast<float>();
-  for (size_t k = 0; k < place_.size(); ++k)
-    put_block(a.block(place_[k] / 2), place_[k] % 2 != 0, blocks_.data() + kQuads * k);
   for (size_t i = 0; i < n_; ++i) {
     put_block(inverse[i], false, inverse_.data() + kQuads * i);
     Eigen::Map<Eigen::Vector3f>(r_.data() + 4 * i) = r[i].cast<float>();
@@ -197,7 +217,9 @@ void ActiveFloats::add_image(std::uint32_t node, const Eigen::Vector3d& value) {
 std::size_t ActiveFloats::bytes() const {
   return (blocks_.size() + inverse_.size() + 5 * x_.size()) * sizeof(float) +
          fields_.capacity() * sizeof(SmoothFields) + sizeof(smooth_inverse_) +
-         (first_.capacity() + column_.capacity() + place_.capacity()) * sizeof(std::uint32_t);
+         (first_.capacity() + column_.capacity() + place_.capacity() + at_.capacity() +
+          diagonal_.capacity()) *
+             sizeof(std::uint32_t);
 }
 
 }  // namespace tremolo

@@ -11,6 +11,7 @@
 
 #include "runtime/kernels/aligned.h"
 #include "runtime/sparse/block_matrix.h"
+#include "runtime/tets/elements/float_blocks.h"
 #include "runtime/tets/elements/smooth_modes.h"
 
 namespace tremolo {
@@ -25,10 +26,15 @@ class ActiveFloats {
   void choose(const BlockPattern& pattern, std::span<const std::uint32_t> nodes,
               std::span<const std::uint32_t> rank);
 
-  // Takes the matrix, the inverses of the diagonal's blocks and of A_c, r, and what starts from
-  // them: x = 0, p = z = P r. Returns r.z.
-  double start(const BlockMatrix& a, const std::vector<Eigen::Matrix3d>& inverse,
-               const SmoothMatrix& smooth_inverse, const std::vector<Eigen::Vector3d>& r);
+  // Sets the matrix to zero; elements are added where it says (float_blocks.h).
+  FloatTarget begin();
+  void take(const BlockMatrix& a);
+  Eigen::Matrix3d diagonal(std::uint32_t node) const;  // by rank
+
+  // Takes the inverses of the diagonal's blocks and of A_c, r, and what starts from them: x = 0,
+  // p = z = P r. Returns r.z.
+  double start(const std::vector<Eigen::Matrix3d>& inverse, const SmoothMatrix& smooth_inverse,
+               const std::vector<Eigen::Vector3d>& r);
   void multiply();           // q = A p
   double curvature() const;  // p.q
   // x += length p, r -= length q, z = P r: r.r and r.z.
@@ -49,8 +55,10 @@ class ActiveFloats {
   // Rows of the whole matrix; of each block its place in the pattern, doubled, and one more where
   // it is the transpose of what is stored.
   std::vector<std::uint32_t> first_, column_, place_;
-  AlignedFloats blocks_, inverse_;   // three columns of four floats each
-  AlignedFloats x_, r_, z_, p_, q_;  // four floats a node; z_ without its smooth part
+  std::vector<std::uint32_t> at_;        // the other way round: FloatTarget's
+  std::vector<std::uint32_t> diagonal_;  // of each row
+  AlignedFloats blocks_, inverse_;       // three columns of four floats each
+  AlignedFloats x_, r_, z_, p_, q_;      // four floats a node; z_ without its smooth part
   std::shared_ptr<const SmoothSpace> smooth_;
   std::vector<SmoothFields> fields_;  // of the active nodes
   Eigen::Matrix<float, kSmoothModes, kSmoothModes> smooth_inverse_;

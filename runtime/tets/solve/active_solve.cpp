@@ -57,7 +57,17 @@ FoldedPoint ActiveSolve::folded(std::span<const std::uint32_t> nodes,
 
 void ActiveSolve::take_diagonal(const BlockMatrix& a) {
   for (std::size_t i = 0; i < nodes_.size(); ++i) inverse_[i] = a.diagonal(nodes_[i]);
+  has_smooth_ = added_ = false;
+}
+
+FloatTarget ActiveSolve::begin_single() {
+  return floats_.begin();
+}
+
+void ActiveSolve::take_diagonal() {
+  for (std::uint32_t i = 0; i < nodes_.size(); ++i) inverse_[i] = floats_.diagonal(i);
   has_smooth_ = false;
+  added_ = true;
 }
 
 void ActiveSolve::take_smooth(const Eigen::Matrix3d& turn, double mass, double stiffness) {
@@ -102,7 +112,8 @@ SearchSizes ActiveSolve::start(const BlockMatrix& a, const Eigen::VectorXd& b, b
     sizes.square += r_[i].squaredNorm();
     sizes.product += r_[i].dot(z_[i]);
   }
-  if (single_) sizes.product = floats_.start(a, inverse_, smooth_inverse(), r_);
+  if (single_ && !added_) floats_.take(a);
+  if (single_) sizes.product = floats_.start(inverse_, smooth_inverse(), r_);
   return sizes;
 }
 

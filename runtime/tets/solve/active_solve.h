@@ -58,6 +58,10 @@ class ActiveSolve {
   // add_diagonal() before start(); then multiply(), what couples is added to q, advance(), turn().
   FoldedPoint folded(std::span<const std::uint32_t> nodes, std::span<const double> shares) const;
   void take_diagonal(const BlockMatrix& a);
+  // In single precision a matrix may instead be added up where it is multiplied: begin_single(),
+  // then take_diagonal(); start() does not take `a` then.
+  FloatTarget begin_single();
+  void take_diagonal();
   // The smooth part of the matrix, without touches (smooth_matrix()); after take_diagonal(), which
   // leaves it out.
   void take_smooth(const Eigen::Matrix3d& turn, double mass, double stiffness);
@@ -94,7 +98,7 @@ class ActiveSolve {
   std::vector<Eigen::Matrix3d> inverse_;
   Vectors x_, r_, z_, p_, q_;
   ActiveFloats floats_;
-  bool single_ = false;
+  bool single_ = false, added_ = false;  // added_: by begin_single()
 };
 
 }  // namespace tremolo

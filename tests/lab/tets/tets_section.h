@@ -8,7 +8,7 @@
 
 namespace tremolo::tets {
 
-// Adds the section with tets-bar.csv; the runs are in the store. Returns what was promised and
+// Adds the section with tets.csv; the runs are in the store. Returns what was promised and
 // measured. Throws a Failure.
 std::vector<Criterion> add_tets_section(Report& report, const Store& store);
 

@@ -1,0 +1,223 @@
+#include "runtime/tets/elements/float_blocks.h"
+
+#include "common/clones.h"
+
+namespace tremolo {
+namespace {
+
+using std::size_t;
+
+typedef float Quad __attribute__((vector_size(16), may_alias));
+typedef float Sixteen __attribute__((vector_size(64), may_alias));
+
+constexpr size_t kAllBlocks = kMostBlocks, kStraightBlocks = 10;
+
+// The shares of the mass, one a place of a block, zero behind the last.
+struct MassShares {
+  alignas(64) float quadratic[kQuadraticPlaces] = {};
+  alignas(64) float linear[kLinearPlaces] = {};
+
+  MassShares() {
+    for (int i = 0; i < kMostNodes; ++i)
+      for (int j = 0; j <= i; ++j) {
+        const size_t k = node_block(static_cast<size_t>(i), static_cast<size_t>(j));
+        quadratic[k] = static_cast<float>(mass_share(2, i, j));
+        if (i < 4) linear[k] = static_cast<float>(mass_share(1, i, j));
+      }
+  }
+};
+const MassShares& mass_shares() {
+  static const MassShares shares;
+  return shares;
+}
+
+// A block by columns.
+struct QuadBlock {
+  Quad column[3];
+};
+
+[[gnu::always_inline]] inline QuadBlock& block_at(float* blocks, size_t place) {
+  return *reinterpret_cast<QuadBlock*>(blocks + kFloatBlock * place);
+}
+
+// Columns a, b, c of four numbers become four columns of three.
+[[gnu::always_inline]] inline void turn_quads(Quad a, Quad b, Quad c, Quad* out) {
+  const Quad zero = {};
+  const Quad ab = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+  const Quad cz = __builtin_shufflevector(c, zero, 0, 4, 1, 5);
+  const Quad ab2 = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+  const Quad cz2 = __builtin_shufflevector(c, zero, 2, 6, 3, 7);
+  out[0] = __builtin_shufflevector(ab, cz, 0, 1, 4, 5);
+  out[1] = __builtin_shufflevector(ab, cz, 2, 3, 6, 7);
+  out[2] = __builtin_shufflevector(ab2, cz2, 0, 1, 4, 5);
+  out[3] = __builtin_shufflevector(ab2, cz2, 2, 3, 6, 7);
+}
+
+[[gnu::always_inline]] inline QuadBlock transposed(const QuadBlock& block) {
+  Quad out[4];
+  turn_quads(block.column[0], block.column[1], block.column[2], out);
+  return {{out[0], out[1], out[2]}};
+}
+
+[[gnu::always_inline]] inline QuadBlock scaled(const QuadBlock& block, float factor) {
+  return {{factor * block.column[0], factor * block.column[1], factor * block.column[2]}};
+}
+
+[[gnu::always_inline]] inline void add_quads(const QuadBlock& block, QuadBlock& to) {
+  for (size_t j = 0; j < 3; ++j) to.column[j] += block.column[j];
+}
+
+// Adds a block of row r and column c.
+[[gnu::always_inline]] inline void add_local(float* local, size_t r, size_t c,
+                                             const QuadBlock& block) {
+  if (r >= c)
+    add_quads(block, block_at(local, node_block(r, c)));
+  else
+    add_quads(transposed(block), block_at(local, node_block(c, r)));
+}
+
+// B <- E^T B E: rows and columns of linear edges go half and half to their ends.
+[[gnu::always_inline]] inline void fold_local(unsigned linear, float* local) {
+  for (size_t e = 0; e < 6; ++e) {
+    if ((linear >> e & 1U) == 0) continue;
+    const size_t i = 4 + e;
+    const size_t ends[2] = {static_cast<size_t>(kTetEdges[e][0]),
+                            static_cast<size_t>(kTetEdges[e][1])};
+    for (size_t j = 0; j < kMostNodes; ++j) {
+      if (j == i || (j >= 4 && j < i && (linear >> (j - 4) & 1U) != 0)) continue;
+      const QuadBlock own =
+          j < i ? block_at(local, node_block(i, j)) : transposed(block_at(local, node_block(j, i)));
+      const QuadBlock half = scaled(own, 0.5F);
+      for (const size_t end : ends) {
+        add_local(local, end, j, half);
+        if (j == end) add_quads(transposed(half), block_at(local, node_block(end, end)));
+      }
+    }
+    const QuadBlock quarter = scaled(block_at(local, node_block(i, i)), 0.25F);
+    for (const size_t end : ends) add_quads(quarter, block_at(local, node_block(end, end)));
+    add_local(local, ends[0], ends[1], quarter);
+  }
+}
+
+// Adds an element's blocks and their transposes to the matrix.
+[[gnu::always_inline]] inline void scatter_local(const FloatElement& element, float* local,
+                                                 const FloatTarget& target) {
+  const unsigned folded = element.straight() ? 0U : element.linear << 4U;
+  const size_t nodes = element.straight() ? 4 : kMostNodes;
+  if (folded != 0) fold_local(element.linear, local);
+  for (size_t i = 0; i < nodes; ++i)
+    for (size_t j = 0; j <= i; ++j) {
+      if (((folded >> i | folded >> j) & 1U) != 0) continue;
+      const size_t k = node_block(i, j);
+      const BlockPlace place = element.places[k];
+      const std::uint32_t* at = target.at + size_t{2} * place.place;
+      if (at[0] == kNowhere) continue;
+      const QuadBlock own = block_at(local, k);
+      add_quads(own, block_at(target.blocks, at[place.turned ? 1 : 0]));
+      if (i != j) add_quads(transposed(own), block_at(target.blocks, at[place.turned ? 0 : 1]));
+    }
+}
+
+// Sixteen blocks R K R^T plus shares times the mass, of entries that lie `stride` apart.
+[[gnu::always_inline]] inline void turn_sixteen(const float* k, size_t stride, const float* r,
+                                                float factor, float mass, const float* shares,
+                                                float* out) {
+  const auto entry = [&](size_t i, size_t j) {
+    return *reinterpret_cast<const Sixteen*>(k + stride * (3 * j + i));
+  };
+  Sixteen half[9];  // K R^T
+  for (size_t j = 0; j < 3; ++j)
+    for (size_t i = 0; i < 3; ++i)
+      half[3 * j + i] = entry(i, 0) * r[j] + entry(i, 1) * r[3 + j] + entry(i, 2) * r[6 + j];
+  alignas(64) float columns[3][16];
+  for (size_t j = 0; j < 3; ++j) {
+    for (size_t i = 0; i < 3; ++i) {
+      Sixteen sum = half[3 * j] * r[i] + half[3 * j + 1] * r[3 + i] + half[3 * j + 2] * r[6 + i];
+      sum *= factor;
+      if (i == j) sum += mass * *reinterpret_cast<const Sixteen*>(shares);
+      *reinterpret_cast<Sixteen*>(columns[i]) = sum;
+    }
+    for (size_t four = 0; four < 4; ++four) {
+      Quad turned[4];
+      turn_quads(*reinterpret_cast<const Quad*>(columns[0] + 4 * four),
+                 *reinterpret_cast<const Quad*>(columns[1] + 4 * four),
+                 *reinterpret_cast<const Quad*>(columns[2] + 4 * four), turned);
+      for (size_t b = 0; b < 4; ++b)
+        *reinterpret_cast<Quad*>(out + kFloatBlock * (4 * four + b) + 4 * j) = turned[b];
+    }
+  }
+}
+
+// r: R by columns. factors: of the stiffness, of the mass.
+struct TurnedBlocks {
+  const float* stiffness;
+  float r[9];
+  float factor, mass;
+  const MassShares* shares;
+};
+
+TREMOLO_CLONES
+void add_turned_blocks(const FloatElement& element, const TurnedBlocks& g,
+                       const FloatTarget& target) {
+  alignas(64) float local[kFloatBlock * kQuadraticPlaces];
+  if (element.straight()) {
+    turn_sixteen(g.stiffness + 9 * kQuadraticPlaces, kLinearPlaces, g.r, g.factor, g.mass,
+                 g.shares->linear, local);
+  } else {
+    for (size_t first = 0; first < kQuadraticPlaces; first += 16)
+      turn_sixteen(g.stiffness + first, kQuadraticPlaces, g.r, g.factor, g.mass,
+                   g.shares->quadratic + first, local + kFloatBlock * first);
+  }
+  scatter_local(element, local, target);
+}
+
+TREMOLO_CLONES
+void add_given_blocks(const FloatElement& element, const double* blocks, float mass,
+                      const float* shares, const FloatTarget& target) {
+  alignas(64) float local[kFloatBlock * kAllBlocks];
+  const size_t count = element.straight() ? kStraightBlocks : kAllBlocks;
+  for (size_t k = 0; k < count; ++k)
+    for (size_t j = 0; j < 3; ++j) {
+      const double* column = blocks + 9 * k + 3 * j;
+      Quad sum = {static_cast<float>(column[0]), static_cast<float>(column[1]),
+                  static_cast<float>(column[2]), 0.0F};
+      sum[j] += mass * shares[k];
+      *reinterpret_cast<Quad*>(local + kFloatBlock * k + 4 * j) = sum;
+    }
+  scatter_local(element, local, target);
+}
+
+}  // namespace
+
+void pack_floats(std::span<const Eigen::Matrix3d> quadratic,
+                 std::span<const Eigen::Matrix3d> linear, float* out) {
+  for (size_t c = 0; c < 9; ++c) {
+    for (size_t k = 0; k < kQuadraticPlaces; ++k)
+      out[kQuadraticPlaces * c + k] =
+          k < quadratic.size() ? static_cast<float>(quadratic[k].data()[c]) : 0.0F;
+    for (size_t k = 0; k < kLinearPlaces; ++k)
+      out[9 * kQuadraticPlaces + kLinearPlaces * c + k] =
+          k < linear.size() ? static_cast<float>(linear[k].data()[c]) : 0.0F;
+  }
+}
+
+void add_turned(const FloatElement& element, const float* stiffness,
+                const Eigen::Matrix3d& rotation, double factor, double mass,
+                const FloatTarget& target) {
+  TurnedBlocks g;
+  g.stiffness = stiffness;
+  for (int k = 0; k < 9; ++k) g.r[k] = static_cast<float>(rotation.data()[k]);
+  g.factor = static_cast<float>(factor);
+  g.mass = static_cast<float>(mass);
+  g.shares = &mass_shares();
+  add_turned_blocks(element, g, target);
+}
+
+void add_blocks(const FloatElement& element, const NodeBlocks& blocks, double mass,
+                const FloatTarget& target) {
+  const MassShares& shares = mass_shares();
+  add_given_blocks(element, blocks[0].data(), static_cast<float>(mass),
+                   element.straight() ? shares.linear : shares.quadratic, target);
+}
+
+}  // namespace tremolo

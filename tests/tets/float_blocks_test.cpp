@@ -1,0 +1,75 @@
+// A matrix added up in single precision against the one in double precision.
+#include <gtest/gtest.h>
+
+#include "runtime/tets/solve/active_floats.h"
+#include "tests/support/tet_bodies.h"
+
+namespace tremolo {
+namespace {
+
+using testing::random_degrees;
+using testing::random_state;
+using testing::tet_bar;
+using testing::TetRandom;
+
+using FloatView = Eigen::Map<const Eigen::Matrix3f, 0, Eigen::OuterStride<4>>;
+
+TEST(FloatBlocks, TheMatrixIsThatOfDoublesInBothTriangles) {
+  TetRandom random(21);
+  const TetModelPointer model = tet_bar({3, 2, 1}, {0.3, 0.15, 0.1}, true);
+  TetSystem system(model, RotationLaw::kLeastEnergy);
+  BlockMatrix matrix(model->pattern());
+  ActiveFloats floats(*model->pattern(), model->smooth());
+  for (const TangentKind kind : {TangentKind::kFrozen, TangentKind::kExact})
+    for (const double linear : {0.0, 0.5, 1.0}) {
+      std::vector<std::uint8_t> degrees(model->edges());
+      for (std::uint8_t& degree : degrees) degree = random.between(0.0, 1.0) < linear ? 1 : 2;
+      system.set_degrees(degrees);
+      Eigen::VectorXd x = model->rest() + random_state(random, model->rest().size(), 4e-3);
+      system.follow_ends(x);
+      system.evaluate(x);
+      const TetMatrixFactors factors{300.0, {1.0, 0.2, kind}};
+      system.assemble(factors, matrix);
+      std::vector<std::uint32_t> nodes, rank(model->nodes(), ActiveFloats::kNoRank);
+      for (std::uint32_t i = 0; i < model->nodes(); ++i)
+        if (system.active()[i] != 0) {
+          rank[i] = static_cast<std::uint32_t>(nodes.size());
+          nodes.push_back(i);
+        }
+      floats.choose(*model->pattern(), nodes, rank);
+      // Twice: the second begins from zero again.
+      FloatTarget target;
+      for (int turn = 0; turn < 2; ++turn) {
+        target = floats.begin();
+        system.assemble(factors, target);
+      }
+      double largest = 0.0;
+      for (const std::uint32_t i : nodes)
+        largest = std::max(largest, matrix.diagonal(i).cwiseAbs().maxCoeff());
+      std::size_t compared = 0;
+      for (std::size_t i = 0; i < model->nodes(); ++i)
+        for (std::size_t k = model->pattern()->first()[i]; k < model->pattern()->first()[i + 1];
+             ++k) {
+          const std::size_t j = model->pattern()->columns()[k];
+          const bool wanted = system.active()[i] != 0 && system.active()[j] != 0;
+          ASSERT_EQ(target.at[2 * k] != kNowhere, wanted);
+          ASSERT_EQ(target.at[2 * k + 1] != kNowhere, wanted && i != j);
+          if (!wanted) continue;
+          ++compared;
+          const Eigen::Matrix3f own = FloatView(target.blocks + kFloatBlock * target.at[2 * k]);
+          // Sums of some twenty roundings of floats.
+          EXPECT_LT((own.cast<double>() - matrix.block(k)).cwiseAbs().maxCoeff(), 1e-6 * largest);
+          if (i == j) continue;
+          const Eigen::Matrix3f other =
+              FloatView(target.blocks + kFloatBlock * target.at[2 * k + 1]);
+          EXPECT_EQ(own, other.transpose());
+        }
+      EXPECT_GT(compared, nodes.size());
+      for (std::uint32_t i = 0; i < nodes.size(); ++i)
+        EXPECT_LT((floats.diagonal(i) - matrix.diagonal(nodes[i])).cwiseAbs().maxCoeff(),
+                  1e-6 * largest);
+    }
+}
+
+}  // namespace
+}  // namespace tremolo
