@@ -1,6 +1,7 @@
 // A through arch bridge, 0.6 m long: two arch ribs, hangers, cross beams between the crowns, a deck
 // and an abutment at each end. One rib stands a little higher than the other, so that no two modes
 // mirror each other exactly.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -21,7 +22,8 @@ constexpr double kHalfDeck = 0.008;
 constexpr double kRib = 0.0095;
 constexpr double kHanger = 0.0056;
 constexpr double kWindBrace = 0.006;
-constexpr double kBridgeFillet = 0.006;
+constexpr double kBridgeFillet = 0.010;
+constexpr double kThinSize = 0.0058;  // wanted edge length in hangers and braces
 constexpr int kPanels = 10;
 constexpr int kArchPieces = 40;
 
@@ -86,6 +88,18 @@ double deck_distance(const Point& p) {
   return abutments;
 }
 
+// Fine in the hangers and braces, whose bending decides the softest modes, and at their ends;
+// coarse in the abutments.
+double bridge_size(const std::vector<BridgeRod>& rods, const Point& p) {
+  const bool abutment = std::abs(p.x()) > kHalfSpan - 0.015 && p.z() < kDeck;
+  const double coarse = abutment ? 0.018 : p.z() < kDeck + 0.012 ? 0.0092 : 0.0070;
+  double beside = 1.0;
+  for (const BridgeRod& rod : rods)
+    if (rod.radius < kRib)
+      beside = std::min(beside, shapes::capsule(p, rod.a, rod.b, rod.radius, rod.radius));
+  return std::clamp(kThinSize + 0.5 * std::max(0.0, beside), kThinSize, coarse);
+}
+
 }  // namespace
 
 Recipe bridge_recipe() {
@@ -94,11 +108,8 @@ Recipe bridge_recipe() {
   recipe.name = "bridge";
   recipe.bounds = {{-0.36, -0.1, -0.01}, {0.36, 0.1, 0.26}};
   recipe.distance = [rods](const Point& p) { return rods_distance(*rods, p, deck_distance(p)); };
-  recipe.size = [rods](const Point& p) {
-    const bool abutment = std::abs(p.x()) > kHalfSpan - 0.015 && p.z() < kDeck;
-    return abutment ? 0.018 : p.z() < kDeck + 0.012 ? 0.0125 : 0.01;
-  };
-  recipe.surface_error = 0.0013;
+  recipe.size = [rods](const Point& p) { return bridge_size(*rods, p); };
+  recipe.surface_error = 0.0016;
   return recipe;
 }
 
