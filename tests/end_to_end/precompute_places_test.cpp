@@ -1,4 +1,5 @@
-// tremolo-precompute and where things are: vertices by their places, axes, units, pictures of what is held.
+// tremolo-precompute and where things are: vertices by their places, axes, units, pictures of what
+// is held.
 #include <algorithm>
 #include <cmath>
 #include <cstring>

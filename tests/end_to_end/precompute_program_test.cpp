@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/basis/basis_reader.h"
-#include "tests/support/meshes/symmetric_mesh.h"
 #include "tests/support/meshes/joined_mesh.h"
+#include "tests/support/meshes/symmetric_mesh.h"
 #include "tests/support/precompute_folder.h"
 
 namespace tremolo {

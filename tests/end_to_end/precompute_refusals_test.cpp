@@ -1,5 +1,5 @@
-// tremolo-precompute and what it does not take: exit codes, messages, and outputs that appear whole or not
-// at all.
+// tremolo-precompute and what it does not take: exit codes, messages, and outputs that appear whole
+// or not at all.
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
