@@ -1,10 +1,12 @@
 // A drawn surface that hangs on a body of tetrahedra. A vertex with barycentric weights w in an
 // element is at
 //   x = sum_I B_I(w) x_I,       its normal along cof(F(w)) n,   F = sum_I x_I (grad B_I)^T,
-// with the quadratic Bernstein polynomials B_I: a linear edge has its control point at the mean of
+// which is F t x F s of two tangents at rest with t x s = n, each a sum of shares of the x_I, with
+// the quadratic Bernstein polynomials B_I: a linear edge has its control point at the mean of
 // its ends, so that the same formula serves it.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <Eigen/Core>
@@ -31,8 +33,8 @@ class TetSurface {
  private:
   TetModelPointer model_;
   TetsSurface surface_;
-  std::vector<std::array<double, kMostNodes>> values_;  // B_I(w)
-  std::vector<Eigen::Vector3f> normals_;                // at rest
+  // Of each vertex: B_I(w), and grad B_I . t, grad B_I . s.
+  std::vector<std::array<double, 3 * kMostNodes>> shares_;
 };
 
 }  // namespace tremolo

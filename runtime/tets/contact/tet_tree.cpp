@@ -14,6 +14,7 @@ namespace {
 constexpr int kMostInverseSteps = 12;
 // Newton's error squares: below rounding after a step of this size.
 constexpr double kLastInverseStep = 1e-8;
+constexpr double kNearInverse = 0.25;
 
 Eigen::Vector3d node_place(const TetModelElement& element, std::size_t node,
                            const Eigen::VectorXd& x) {
@@ -86,7 +87,7 @@ void TetTree::fit(const Eigen::VectorXd& x, std::vector<Box>& boxes) const {
 }
 
 std::optional<TetPlace> TetTree::solve(std::uint32_t index, const Eigen::VectorXd& x,
-                                       const Eigen::Vector3d& place) const {
+                                       const Eigen::Vector3d& place, double least) const {
   const TetModelElement& element = model_->elements()[index];
   Eigen::Matrix<double, 3, kMostNodes> nodes;
   for (std::size_t i = 0; i < kMostNodes; ++i)
@@ -105,6 +106,9 @@ std::optional<TetPlace> TetTree::solve(std::uint32_t index, const Eigen::VectorX
     const double length = change.cwiseAbs().maxCoeff();
     // An element that bends moves the answer by less than its own size.
     if (!(length < 1e3) || (step > 1 && found.weights.minCoeff() < -1.0)) return std::nullopt;
+    // Newton's error squares: what is to come is less than this change was.
+    if (step > 0 && length < kNearInverse && found.weights.minCoeff() < least - 2.0 * length)
+      return std::nullopt;
     if (length > kLastInverseStep) continue;
     place_of(element, nodes, found.weights, reached, found.gradient);
     for (int a = 0; a < 4; ++a)
@@ -131,7 +135,7 @@ std::optional<TetPlace> TetTree::find(const Eigen::VectorXd& x, const std::vecto
       waiting[count++] = i + 1;
       continue;
     }
-    const std::optional<TetPlace> found = solve(items_[i].element, x, place);
+    const std::optional<TetPlace> found = solve(items_[i].element, x, place, depth);
     if (!found || !(found->weights.minCoeff() > depth)) continue;
     depth = found->weights.minCoeff();
     best = found;

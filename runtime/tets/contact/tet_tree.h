@@ -45,9 +45,10 @@ class TetTree {
   std::optional<TetPlace> find(const Eigen::VectorXd& x, const std::vector<Box>& boxes,
                                const Eigen::Vector3d& place) const;
 
-  // The coordinates of a place in one element; nothing where Newton's method does not converge.
+  // The coordinates of a place in one element; nothing where Newton's method does not converge, or
+  // where it is nearly there and one of them will be less than `least`.
   std::optional<TetPlace> solve(std::uint32_t element, const Eigen::VectorXd& x,
-                                const Eigen::Vector3d& place) const;
+                                const Eigen::Vector3d& place, double least) const;
   // The place at rest.
   Eigen::Vector3d rest_place(const TetPlace& place) const;
   std::size_t bytes() const { return items_.capacity() * sizeof(Item); }

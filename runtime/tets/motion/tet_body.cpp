@@ -17,7 +17,7 @@ namespace {
 constexpr double kRounding = 4e-15;
 // Below so many directions of conjugate gradients no factorisation is thought of.
 constexpr int kManyDirections = 100;
-constexpr std::size_t kMostFactorBytes = std::size_t{1} << 30;
+constexpr std::size_t kMostFactorBytes = std::size_t{256} << 20;
 
 Eigen::Index body_at(std::size_t node) {
   return static_cast<Eigen::Index>(3 * node);
@@ -205,14 +205,16 @@ bool TetBody::factor_pays() {
   const auto then = static_cast<double>(search_nodes_);
   // With many more or fewer control points it is searched for again.
   if (nodes < 0.8 * then || nodes > 1.25 * then) return false;
+  const double share = nodes / static_cast<double>(model().nodes());
+  const double direction = 18.0 * share * static_cast<double>(model().pattern()->blocks());
+  const double search = direction * search_iterations_;
   if (!factor_tried_) {
     factor_tried_ = true;
     Result<BlockCholesky> made = BlockCholesky::create(model().pattern(), kMostFactorBytes);
-    if (made) factor_.emplace(std::move(*made));
+    // One that is far from paying is not kept.
+    if (made && made->multiplications() < 2.0 * search) factor_.emplace(std::move(*made));
   }
-  const double share = nodes / static_cast<double>(model().nodes());
-  const double direction = 18.0 * share * static_cast<double>(model().pattern()->blocks());
-  return factor_ && factor_->multiplications() < direction * search_iterations_;
+  return factor_ && factor_->multiplications() < search;
 }
 
 bool TetBody::solve_by_factor() {

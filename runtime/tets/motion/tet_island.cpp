@@ -15,6 +15,8 @@ constexpr double kLinearStepTolerance = 1e-10;
 // residual, where it is below this share of what the touches press with.
 constexpr int kSlowCorrections = 3;
 constexpr double kKinkShare = 1e-3;
+// Where no correction is left, below this share: what is cut instead is solved no better.
+constexpr double kLastKinkShare = 1e-2;
 
 double sum_of(const std::vector<double>& values) {
   double sum = 0.0;
@@ -218,13 +220,13 @@ void TetIsland::take_whole(double& size) {
 // other body along F^-T grad phi, and where its place crosses from one element or cell of the
 // distances to the next this jumps: a body may come to rest where the residual has no zero, only a
 // change of sign.
-bool TetIsland::at_kink(double size) const {
+bool TetIsland::at_kink(double size, double share) const {
   double squared = 0.0;
   for (const TetMember& member : members_)
     if (member.contact != nullptr)
       for (const TetTouch& touch : member.contact->touches())
         if (touch.partner != kNoPartner) squared += touch.force.squaredNorm();
-  return size <= kKinkShare * std::sqrt(squared);
+  return size <= share * std::sqrt(squared);
 }
 
 bool TetIsland::solve_stage() {
@@ -252,10 +254,12 @@ bool TetIsland::solve_stage() {
     }
     const bool taken = take_correction(size);
     slow = size > 0.5 * before ? slow + 1 : 0;
-    kink = (!taken || slow >= kSlowCorrections) && at_kink(size);
+    kink = (!taken && at_kink(size, kLastKinkShare)) ||
+           (slow >= kSlowCorrections && at_kink(size, kKinkShare));
     if (!taken && !kink) return false;
   }
-  if (!std::isfinite(size) || (!small_enough() && !bounded_ && !kink)) return false;
+  if (!std::isfinite(size)) return false;
+  if (!small_enough() && !bounded_ && !kink && !at_kink(size, kLastKinkShare)) return false;
   report_.unsolved = report_.unsolved || !small_enough();
   // What touches changes its forces when it is moved: those that touch nothing can be balanced.
   if (members_.size() == 1 &&

@@ -13,7 +13,8 @@
 // rotation jumps), into eight of one correction each with R K R^T.
 //
 // A step also ends where the forces between bodies jump and no correction makes the residual
-// smaller, which is then a thousandth of them at most; it is told as unsolved.
+// smaller, which is then a thousandth of them at most, a hundredth after the last correction; it is
+// told as unsolved.
 //
 // Where all bodies have `take_unsolved`, a step is max_iterations corrections at most, from where
 // the bodies are, none of them shortened: the linearly implicit step of real-time programs for one,
@@ -66,7 +67,7 @@ class TetIsland {
   bool make_linear_step(double h);
   bool make_parts(int parts, bool linear);
   bool solve_stage();
-  bool at_kink(double size) const;
+  bool at_kink(double size, double share) const;
   bool touching() const;
   double find_residual();
   bool small_enough() const;

@@ -18,6 +18,7 @@ constexpr int kReferenceCells = 5;
 constexpr double kYoungs[] = {2e5, 1e6};  // Pa
 constexpr double kMushroomYoung = 2e6, kCoilYoung = 2e7;
 constexpr double kUppers[] = {0.01, 0.002, 0.001, 0.0005};
+constexpr double kCoilUppers[] = {0.001, 0.0005, 0.0002, 0.0001};
 constexpr double kDefaultUpper = 0.001;
 constexpr double kEqualLook = 0.002;
 
@@ -67,7 +68,7 @@ std::vector<Row> stored_rows(const Store& store, const std::vector<BodyCase>& ca
 std::vector<Row> mesh_rows(const Store& store, ShapeKind shape, int cells, double young) {
   std::vector<BodyCase> cases = {{shape, cells, young, DegreeKind::kQuadratic},
                                  {shape, cells, young, DegreeKind::kLinear}};
-  for (const double upper : kUppers)
+  for (const double upper : shape == ShapeKind::kCoil ? kCoilUppers : kUppers)
     cases.push_back({shape, cells, young, DegreeKind::kAdaptive, upper});
   std::vector<Row> rows = stored_rows(store, cases, turns_of(cases));
   const double size = size_of(shape);
