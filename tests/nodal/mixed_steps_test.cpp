@@ -28,14 +28,14 @@ double left_after(const VectorXd& rates, int steps, bool mixing) {
 
 // As GMRES: so many steps as there are different rates, and one.
 TEST(MixedSteps, EndALinearIterationInAsManyStepsAsItHasRates) {
-  const VectorXd rates = (VectorXd(6) << 0.05, 0.3, 0.8, 1.4, 0.3, 1.4).finished();
+  const VectorXd rates{{0.05, 0.3, 0.8, 1.4, 0.3, 1.4}};
   EXPECT_LE(left_after(rates, 5, true),
             1e-6);  // 1e-10 of the squares is left out, times a condition
   EXPECT_GE(left_after(rates, 5, false), 0.5);
 }
 
 TEST(MixedSteps, ConvergeWhereTheStepsAloneDiverge) {
-  const VectorXd rates = (VectorXd(3) << 0.5, 1.0, 2.5).finished();
+  const VectorXd rates{{0.5, 1.0, 2.5}};
   EXPECT_GE(left_after(rates, 20, false), 100.0);
   EXPECT_LE(left_after(rates, 20, true), 1e-12);
 }
