@@ -17,7 +17,7 @@ if(TREMOLO_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined
                       -fno-omit-frame-pointer)
   if(NOT TREMOLO_SANITIZE_ALL)
-    # These are half of the time to compile; the first shows as a fault anyway.
+    # These are a third of the time to compile; the first shows as a fault anyway.
     add_compile_options(-fno-sanitize=null,alignment,vptr,object-size)
   endif()
   add_link_options(-fsanitize=address,undefined)
