@@ -15,7 +15,7 @@ namespace {
 // Three numbers and one more, which means nothing.
 typedef double Place __attribute__((vector_size(32)));
 
-// What the kernel reads and writes. elements: of each vertex.
+// The kernel reads and writes these. elements: of each vertex.
 struct PlaceRows {
   std::size_t count;
   const double* x;

@@ -33,7 +33,7 @@ class TetSurface {
  private:
   TetModelPointer model_;
   TetsSurface surface_;
-  // Of each vertex: B_I(w), and grad B_I . t, grad B_I . s.
+  // Each vertex has B_I(w), and grad B_I . t, grad B_I . s.
   std::vector<std::array<double, 3 * kMostNodes>> shares_;
 };
 

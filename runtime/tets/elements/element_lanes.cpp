@@ -27,7 +27,7 @@ struct LaneMatrix {
   LANE_INLINE const Lane& operator()(int i, int j) const { return a[3 * j + i]; }
 };
 
-// What the kernel reads and writes. x: by control points. gradients: by corners. good: all bits
+// The kernel reads and writes these. x: by control points. gradients: by corners. good: all bits
 // where the shape was found.
 struct LaneGroup {
   Lane x[3 * kMostNodes];

@@ -120,7 +120,7 @@ void find_least_energy(const TetElement& element, const Elasticity& elasticity, 
 }
 
 Eigen::Matrix3d bounded_inverse(const Eigen::Matrix3d& a) {
-  // Of a positive matrix the least eigenvalue is at least det / tr^2: then nothing is bounded, and
+  // The least eigenvalue of a positive matrix is at least det / tr^2: then nothing is bounded, and
   // cofactors lose no more than six digits.
   const double trace = a.trace(), determinant = a.determinant();
   if (a(0, 0) > 0.0 && a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0) > 0.0 &&

@@ -36,7 +36,7 @@ inline constexpr std::size_t kFloatStiffness = 9 * (kQuadraticPlaces + kLinearPl
 void pack_floats(std::span<const Eigen::Matrix3d> quadratic,
                  std::span<const Eigen::Matrix3d> linear, float* out);
 
-// What of an element is added. places: by node_block(). linear: a bit for each of its linear edges,
+// The element that is added. places: by node_block(). linear: a bit for each of its linear edges,
 // whose rows and columns go half and half to their ends; all of them: the element of degree one.
 struct FloatElement {
   const BlockPlace* places = nullptr;

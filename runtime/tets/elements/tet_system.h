@@ -58,7 +58,7 @@ class TetSystem {
   void add_damping_force(const Eigen::VectorXd& v, double beta, Eigen::VectorXd& f) const;
   // a = E^T (..) E. Rows and columns of control points that are not active mean nothing.
   void assemble(const TetMatrixFactors& factors, BlockMatrix& a) const;
-  // The same in single precision, added to what is there.
+  // This one adds the same in single precision to what is there.
   void assemble(const TetMatrixFactors& factors, const FloatTarget& target) const;
 
   // Shares of control points among which are the ends of every edge: those of linear edges go half
