@@ -1,8 +1,20 @@
 #include "runtime/threads/thread_pool.h"
 
 namespace tremolo {
+namespace {
 
-ThreadPool::ThreadPool(unsigned threads) {
+constexpr int kLooks = 1000;
+
+inline void pause_briefly() {
+#if defined(__x86_64__) && defined(__GNUC__)
+  __builtin_ia32_pause();
+#endif
+}
+
+}  // namespace
+
+ThreadPool::ThreadPool(unsigned threads)
+    : looks_(threads <= std::thread::hardware_concurrency() ? kLooks : 0) {
   try {
     for (unsigned t = 1; t < threads; ++t) helpers_.emplace_back([this, t] { help(t); });
   } catch (...) {
@@ -23,6 +35,15 @@ void ThreadPool::end() {
   helpers_.clear();
 }
 
+template <class Number>
+void ThreadPool::wait_while(const std::atomic<Number>& number, Number value) const {
+  for (int look = 0; look < looks_; ++look) {
+    if (number.load(std::memory_order_acquire) != value) return;
+    pause_briefly();
+  }
+  number.wait(value, std::memory_order_acquire);
+}
+
 void ThreadPool::run_erased(std::size_t count, Call call, void* body) {
   // Nothing to share: waking the others would cost more than the work.
   if (helpers_.empty() || count < 2) {
@@ -38,7 +59,7 @@ void ThreadPool::run_erased(std::size_t count, Call call, void* body) {
   round_.notify_all();
   work(0);
   for (std::int64_t done; (done = done_.load(std::memory_order_acquire)) != count_;)
-    done_.wait(done, std::memory_order_acquire);
+    wait_while(done_, done);
 }
 
 void ThreadPool::work(unsigned thread) {
@@ -55,7 +76,7 @@ void ThreadPool::work(unsigned thread) {
 void ThreadPool::help(unsigned thread) {
   std::uint32_t seen = 0;
   while (!ended_.load(std::memory_order_acquire)) {
-    round_.wait(seen, std::memory_order_acquire);
+    wait_while(round_, seen);
     seen = round_.load(std::memory_order_acquire);
     work(thread);
   }

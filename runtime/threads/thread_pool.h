@@ -1,5 +1,6 @@
 // Threads that wait for loops to share. Made once, so that a loop costs a wake-up and no
-// allocation.
+// allocation. Loops that follow each other within some 20 us cost no call of the system: who waits
+// looks again and again for that long before it sleeps, where there is a processor for each thread.
 #pragma once
 
 #include <atomic>
@@ -41,7 +42,10 @@ class ThreadPool {
   void work(unsigned thread);
   void help(unsigned thread);
   void end();
+  template <class Number>
+  void wait_while(const std::atomic<Number>& number, Number value) const;
 
+  int looks_ = 0;  // of one who waits, before it sleeps
   std::vector<std::thread> helpers_;
   Call call_ = nullptr;
   void* body_ = nullptr;

@@ -32,9 +32,9 @@ Searched search(const TetModel& model, const TetSystem& system, const BlockMatri
   SearchSizes now = solve.start(matrix, b, true);
   const double stop = 1e-8 * now.square;
   while (now.square > stop && found.iterations < 2000) {
-    solve.multiply(matrix);
+    const double along = solve.multiply(matrix);
     const double before = now.product;
-    now = solve.advance(before / solve.curvature());
+    now = solve.advance(before / along);
     solve.turn(now.product / before);
     ++found.iterations;
   }

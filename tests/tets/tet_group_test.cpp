@@ -91,6 +91,40 @@ TEST(TetTree, FindsAgainWhereAPointOfABentBodyWas) {
   EXPECT_FALSE(tree.find(x, boxes, {5.0, 0.0, 0.0}));
 }
 
+// Places that are known are not looked for again, but forces follow the velocities and the
+// friction; when one of both has moved, what is found is as if nothing had been known.
+TEST(TetContact, KnownPlacesGiveTheForcesOfAFreshSearch) {
+  const Eigen::Vector3d size(0.3, 0.1, 0.1);
+  const TetModelPointer model = tet_bar({3, 1, 1}, size, false);
+  const TetHullPointer hull = box_hull(model, size);
+  const std::vector<TetObstacle> floor = {{PlaneShape{}, {}, 0.4}};
+  TetRandom random(31);
+  std::array<Eigen::VectorXd, 2> x = {bent_state(*model, 0.2, {0.0, 0.0, -0.02}),
+                                      bent_state(*model, 0.5, {0.05, 0.04, 0.06})};
+  std::vector<TetContact> kept(2, TetContact(hull, floor));
+  const auto forces = [&](std::vector<TetContact>& contacts, const Eigen::VectorXd& v,
+                          double friction) {
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(v.size());
+    for (std::size_t i = 0; i < 2; ++i) contacts[i].fit(x[i]);
+    contacts[0].clear_partners();
+    contacts[0].add_partner({1, &contacts[1], &x[1], &v, friction});
+    contacts[0].find(x[0], 2.0 * v);
+    contacts[0].add_forces(f);
+    return f;
+  };
+  Eigen::VectorXd before = Eigen::VectorXd::Zero(x[0].size());
+  for (int turn = 0; turn < 6; ++turn) {
+    const Eigen::VectorXd v = testing::random_state(random, x[0].size(), 1.0);
+    if (turn == 2) x[0] = bent_state(*model, 0.3, {0.0, 0.0, -0.01});
+    if (turn == 4) x[1] = bent_state(*model, 0.4, {0.05, 0.03, 0.06});
+    std::vector<TetContact> fresh(2, TetContact(hull, floor));
+    const Eigen::VectorXd f = forces(kept, v, 0.1 * turn);
+    EXPECT_EQ(f, forces(fresh, v, 0.1 * turn)) << turn;
+    EXPECT_GT((f - before).norm(), 1e-3 * f.norm()) << turn;
+    before = f;
+  }
+}
+
 // Two bent bodies in each other: the force on all control points of both is the slope of the
 // energy, and neither a force nor a torque is left over.
 TEST(TetGroup, ForcesBetweenBodiesAreTheSlopeOfTheirEnergyAndKeepBothMomenta) {

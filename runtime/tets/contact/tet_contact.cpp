@@ -21,18 +21,17 @@ Depth depth_in(const TetObstacle& obstacle, const Eigen::Vector3d& x) {
 }
 
 // Force and stiffness of a touch: pressed is k <-d>, N, along g; speed the relative velocity.
-void set_law(const Eigen::Vector3d& g, double stiffness, double depth, double friction,
-             double creep, const Eigen::Vector3d& speed, TetTouch& touch) {
+void set_law(double friction, double creep, const Eigen::Vector3d& speed, TetTouch& touch) {
+  const Eigen::Vector3d& g = touch.slope;
   const double length = g.norm();
   const Eigen::Vector3d n = g / length;
-  const double pressed = stiffness * depth * length;
+  const double pressed = touch.stiffness * touch.depth * length;
   const Eigen::Vector3d along = speed - n.dot(speed) * n;
   const double size = std::sqrt(along.squaredNorm() + creep * creep);
   const double rub = friction * pressed / size;
-  touch.depth = depth;
-  touch.energy = 0.5 * stiffness * depth * depth;
+  touch.energy = 0.5 * touch.stiffness * touch.depth * touch.depth;
   touch.force = pressed * n - rub * along;
-  touch.place = stiffness * g * g.transpose();
+  touch.place = touch.stiffness * g * g.transpose();
   touch.speed = rub * (Eigen::Matrix3d::Identity() - n * n.transpose() -
                        along * along.transpose() / (size * size));
 }
@@ -60,26 +59,33 @@ TetContact::TetContact(TetHullPointer hull, std::vector<TetObstacle> obstacles, 
       creep_(creep),
       obstacles_(std::move(obstacles)),
       boxes_(hull_->tree.size()),
-      near_(obstacles_.size(), 1) {
+      near_(obstacles_.size(), 1),
+      fitted_(hull_->model->rest()) {
   touches_.reserve(hull_->points.size());
 }
 
-void TetContact::find_obstacles(std::uint32_t p, const Eigen::Vector3d& place,
-                                const Eigen::VectorXd& v) {
-  const TetPoint& point = hull_->points[p];
-  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+void TetContact::fit(const Eigen::VectorXd& x) {
+  if (times_ > 0 && x == fitted_) return;
+  fitted_ = x;
+  ++times_;
+  hull_->tree.fit(x, boxes_);
+}
+
+void TetContact::find_obstacles(std::uint32_t p, const Eigen::Vector3d& place) {
+  for (std::uint32_t o = 0; o < obstacles_.size(); ++o) {
     if (near_[o] == 0) continue;
     const auto [depth, n] = depth_in(obstacles_[o], place);
     if (!(depth > 0.0)) continue;
     TetTouch& touch = touches_.emplace_back();
     touch.point = p;
-    touch.partner = kNoPartner;
-    set_law(n, point.stiffness, depth, obstacles_[o].friction, creep_, at_point(point, v), touch);
+    touch.obstacle = o;
+    touch.depth = depth;
+    touch.slope = n;
+    touch.stiffness = hull_->points[p].stiffness;
   }
 }
 
-void TetContact::find_partner(std::uint32_t p, const Eigen::Vector3d& place,
-                              const Eigen::VectorXd& v, std::uint32_t number) {
+void TetContact::find_partner(std::uint32_t p, const Eigen::Vector3d& place, std::uint32_t number) {
   const TetPartner& partner = partners_[number];
   const TetHull& other = partner.contact->hull();
   const std::optional<TetPlace> found = other.tree.find(*partner.s, partner.contact->boxes_, place);
@@ -88,21 +94,32 @@ void TetContact::find_partner(std::uint32_t p, const Eigen::Vector3d& place,
   if (!(sample.distance < 0.0)) return;
   const Eigen::Vector3d g = found->gradient.transpose().inverse() * sample.gradient;
   if (!(g.squaredNorm() > 1e-12) || !g.allFinite()) return;
-  const TetPoint& point = hull_->points[p];
   TetTouch& touch = touches_.emplace_back();
   touch.point = p;
   touch.partner = number;
-  const TetModelElement& element = other.model->elements()[found->element];
-  touch.nodes = element.nodes;
+  touch.nodes = other.model->elements()[found->element].nodes;
   touch.values = found->values;
-  Eigen::Vector3d speed = at_point(point, v);
-  for (std::size_t i = 0; i < kMostNodes; ++i)
-    speed -= touch.values[i] * partner.v->segment<3>(3 * Eigen::Index{touch.nodes[i]});
-  const double both = point.stiffness * other.stiffness / (point.stiffness + other.stiffness);
-  set_law(g, both, -sample.distance, partner.friction, creep_, speed, touch);
+  touch.depth = -sample.distance;
+  touch.slope = g;
+  const double own = hull_->points[p].stiffness;
+  touch.stiffness = own * other.stiffness / (own + other.stiffness);
 }
 
-void TetContact::find(const Eigen::VectorXd& s, const Eigen::VectorXd& v) {
+// Also notes what is known from now on.
+bool TetContact::places_are_known() {
+  const std::size_t count = partners_.size() + 1;
+  bool known = known_.size() == count;
+  known_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const TetContact* contact = i == 0 ? this : partners_[i - 1].contact;
+    const Fitted now{contact, contact->times_};
+    known = known && known_[i] == now;
+    known_[i] = now;
+  }
+  return known;
+}
+
+void TetContact::find_places(const Eigen::VectorXd& s) {
   touches_.clear();
   const Eigen::Vector3d middle = box().center();
   const double reach = 0.5 * box().diagonal().norm();
@@ -110,9 +127,26 @@ void TetContact::find(const Eigen::VectorXd& s, const Eigen::VectorXd& v) {
     near_[o] = depth_in(obstacles_[o], middle).depth > -reach ? 1 : 0;
   for (std::uint32_t p = 0; p < hull_->points.size(); ++p) {
     const Eigen::Vector3d place = at_point(hull_->points[p], s);
-    find_obstacles(p, place, v);
+    find_obstacles(p, place);
     for (std::uint32_t other = 0; other < partners_.size(); ++other)
-      if (partners_[other].contact->box().contains(place)) find_partner(p, place, v, other);
+      if (partners_[other].contact->box().contains(place)) find_partner(p, place, other);
+  }
+}
+
+void TetContact::find(const Eigen::VectorXd& s, const Eigen::VectorXd& v) {
+  if (!places_are_known()) find_places(s);
+  for (TetTouch& touch : touches_) {
+    Eigen::Vector3d speed = at_point(hull_->points[touch.point], v);
+    double friction = 0.0;
+    if (touch.partner == kNoPartner) {
+      friction = obstacles_[touch.obstacle].friction;
+    } else {
+      const TetPartner& partner = partners_[touch.partner];
+      friction = partner.friction;
+      for (std::size_t i = 0; i < kMostNodes; ++i)
+        speed -= touch.values[i] * partner.v->segment<3>(3 * Eigen::Index{touch.nodes[i]});
+    }
+    set_law(friction, creep_, speed, touch);
   }
 }
 
@@ -156,8 +190,9 @@ TetContact::Look TetContact::look(const Eigen::VectorXd& x) const {
 }
 
 std::size_t TetContact::bytes() const {
-  return touches_.capacity() * sizeof(TetTouch) + boxes_.size() * sizeof(TetTree::Box) +
-         partners_.capacity() * sizeof(TetPartner);
+  return touches_.capacity() * sizeof(TetTouch) +
+         static_cast<std::size_t>(fitted_.size()) * sizeof(double) +
+         boxes_.size() * sizeof(TetTree::Box) + partners_.capacity() * sizeof(TetPartner);
 }
 
 }  // namespace tremolo

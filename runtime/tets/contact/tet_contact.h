@@ -72,15 +72,17 @@ struct TetPartner {
 
 inline constexpr std::uint32_t kNoPartner = ~std::uint32_t{0};
 
-// A point that touches. partner: which, kNoPartner of what stands still; nodes, values: its control
-// points there. force: on the point, N. place, speed: -df/dx and -df/dv between point and partner.
-// energy: of the penalty, J.
+// A point that touches. partner: which, kNoPartner of what stands still, which is then `obstacle`;
+// nodes, values: the partner's control points there. slope: g. stiffness: k, N/m. force: on the
+// point, N. place, speed: -df/dx and -df/dv between point and partner. energy: of the penalty, J.
 struct TetTouch {
   std::uint32_t point = 0;
   std::uint32_t partner = kNoPartner;
+  std::uint32_t obstacle = 0;
   std::array<std::uint32_t, kMostNodes> nodes{};
   std::array<double, kMostNodes> values{};
-  double depth = 0.0, energy = 0.0;
+  double depth = 0.0, stiffness = 0.0, energy = 0.0;
+  Eigen::Vector3d slope;
   Eigen::Vector3d force;
   Eigen::Matrix3d place, speed;
 };
@@ -97,13 +99,14 @@ class TetContact {
   std::span<const TetPartner> partners() const { return partners_; }
 
   // The boxes of the body's elements at x: before anything is looked for.
-  void fit(const Eigen::VectorXd& x) { hull_->tree.fit(x, boxes_); }
+  void fit(const Eigen::VectorXd& x);
   const TetTree::Box& box() const { return boxes_.front(); }
 
   // Finds what the points touch at places s with velocities v; it and its partners have been
-  // fitted. May be called for several bodies at once.
+  // fitted. Where none of them has moved since the last time, as between the end of a step and the
+  // beginning of the next, places are those that were found. May be called for several bodies at
+  // once.
   void find(const Eigen::VectorXd& s, const Eigen::VectorXd& v);
-  void clear_touches() { touches_.clear(); }
   std::span<const TetTouch> touches() const { return touches_; }
 
   // f += the forces on the body's own control points, not folded.
@@ -123,9 +126,15 @@ class TetContact {
   std::size_t bytes() const;
 
  private:
-  void find_obstacles(std::uint32_t p, const Eigen::Vector3d& place, const Eigen::VectorXd& v);
-  void find_partner(std::uint32_t p, const Eigen::Vector3d& place, const Eigen::VectorXd& v,
-                    std::uint32_t number);
+  struct Fitted {
+    const TetContact* contact = nullptr;
+    std::uint64_t times = 0;
+    bool operator==(const Fitted&) const = default;
+  };
+  bool places_are_known();
+  void find_places(const Eigen::VectorXd& s);
+  void find_obstacles(std::uint32_t p, const Eigen::Vector3d& place);
+  void find_partner(std::uint32_t p, const Eigen::Vector3d& place, std::uint32_t number);
 
   TetHullPointer hull_;
   double creep_;
@@ -134,6 +143,9 @@ class TetContact {
   std::vector<TetTree::Box> boxes_;
   std::vector<TetTouch> touches_;
   std::vector<std::uint8_t> near_;  // of the obstacles, which the body's box reaches
+  Eigen::VectorXd fitted_;          // x of fit()
+  std::uint64_t times_ = 0;         // how often that was another one
+  std::vector<Fitted> known_;       // itself and its partners, when places were found
 };
 
 }  // namespace tremolo

@@ -31,13 +31,14 @@ const MassShares& mass_shares() {
   return shares;
 }
 
-// A block by columns.
+// A block of an element, which are not in groups: by columns.
+constexpr size_t kLocalBlock = 12;
 struct QuadBlock {
   Quad column[3];
 };
 
 [[gnu::always_inline]] inline QuadBlock& block_at(float* blocks, size_t place) {
-  return *reinterpret_cast<QuadBlock*>(blocks + kFloatBlock * place);
+  return *reinterpret_cast<QuadBlock*>(blocks + kLocalBlock * place);
 }
 
 // Columns a, b, c of four numbers become four columns of three.
@@ -99,7 +100,12 @@ struct QuadBlock {
   }
 }
 
-// Adds an element's blocks and their transposes to the matrix.
+[[gnu::always_inline]] inline void add_to_group(const QuadBlock& block, float* at) {
+  for (size_t j = 0; j < 3; ++j)
+    *reinterpret_cast<Quad*>(at + kColumnStride * j) += block.column[j];
+}
+
+// Adds an element's blocks to the matrix.
 [[gnu::always_inline]] inline void scatter_local(const FloatElement& element, float* local,
                                                  const FloatTarget& target) {
   const unsigned folded = element.straight() ? 0U : element.linear << 4U;
@@ -110,11 +116,10 @@ struct QuadBlock {
       if (((folded >> i | folded >> j) & 1U) != 0) continue;
       const size_t k = node_block(i, j);
       const BlockPlace place = element.places[k];
-      const std::uint32_t* at = target.at + size_t{2} * place.place;
-      if (at[0] == kNowhere) continue;
+      const std::uint32_t at = target.at[place.place];
+      if (at == kNowhere) continue;
       const QuadBlock own = block_at(local, k);
-      add_quads(own, block_at(target.blocks, at[place.turned ? 1 : 0]));
-      if (i != j) add_quads(transposed(own), block_at(target.blocks, at[place.turned ? 0 : 1]));
+      add_to_group(place.turned ? transposed(own) : own, target.blocks + first_float(at));
     }
 }
 
@@ -143,7 +148,7 @@ struct QuadBlock {
                  *reinterpret_cast<const Quad*>(columns[1] + 4 * four),
                  *reinterpret_cast<const Quad*>(columns[2] + 4 * four), turned);
       for (size_t b = 0; b < 4; ++b)
-        *reinterpret_cast<Quad*>(out + kFloatBlock * (4 * four + b) + 4 * j) = turned[b];
+        *reinterpret_cast<Quad*>(out + kLocalBlock * (4 * four + b) + 4 * j) = turned[b];
     }
   }
 }
@@ -159,14 +164,14 @@ struct TurnedBlocks {
 TREMOLO_CLONES
 void add_turned_blocks(const FloatElement& element, const TurnedBlocks& g,
                        const FloatTarget& target) {
-  alignas(64) float local[kFloatBlock * kQuadraticPlaces];
+  alignas(64) float local[kLocalBlock * kQuadraticPlaces];
   if (element.straight()) {
     turn_sixteen(g.stiffness + 9 * kQuadraticPlaces, kLinearPlaces, g.r, g.factor, g.mass,
                  g.shares->linear, local);
   } else {
     for (size_t first = 0; first < kQuadraticPlaces; first += 16)
       turn_sixteen(g.stiffness + first, kQuadraticPlaces, g.r, g.factor, g.mass,
-                   g.shares->quadratic + first, local + kFloatBlock * first);
+                   g.shares->quadratic + first, local + kLocalBlock * first);
   }
   scatter_local(element, local, target);
 }
@@ -174,7 +179,7 @@ void add_turned_blocks(const FloatElement& element, const TurnedBlocks& g,
 TREMOLO_CLONES
 void add_given_blocks(const FloatElement& element, const double* blocks, float mass,
                       const float* shares, const FloatTarget& target) {
-  alignas(64) float local[kFloatBlock * kAllBlocks];
+  alignas(64) float local[kLocalBlock * kAllBlocks];
   const size_t count = element.straight() ? kStraightBlocks : kAllBlocks;
   for (size_t k = 0; k < count; ++k)
     for (size_t j = 0; j < 3; ++j) {
@@ -182,7 +187,7 @@ void add_given_blocks(const FloatElement& element, const double* blocks, float m
       Quad sum = {static_cast<float>(column[0]), static_cast<float>(column[1]),
                   static_cast<float>(column[2]), 0.0F};
       sum[j] += mass * shares[k];
-      *reinterpret_cast<Quad*>(local + kFloatBlock * k + 4 * j) = sum;
+      *reinterpret_cast<Quad*>(local + kLocalBlock * k + 4 * j) = sum;
     }
   scatter_local(element, local, target);
 }

@@ -19,11 +19,18 @@ struct BlockPlace {
   bool turned = false;
 };
 
-inline constexpr std::size_t kFloatBlock = 12;  // three columns of four numbers, the last one zero
+// A column of a block is four numbers, the last one zero. Four blocks make a group: their first
+// columns one after the other, their second ones, their third ones.
+inline constexpr std::size_t kGroupBlocks = 4;
+inline constexpr std::size_t kColumnStride = 4 * kGroupBlocks;
+inline constexpr std::size_t kFloatGroup = 3 * kColumnStride;
+constexpr std::size_t first_float(std::size_t block) {
+  return kFloatGroup * (block / kGroupBlocks) + 4 * (block % kGroupBlocks);
+}
 inline constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
 
-// at: of each block of the pattern its place among `blocks` and that of its transpose, which the
-// diagonal has none of; kNowhere for what is not multiplied.
+// at: of each block of the pattern its number among `blocks` (first_float()); kNowhere for what is
+// not multiplied.
 struct FloatTarget {
   float* blocks = nullptr;
   const std::uint32_t* at = nullptr;

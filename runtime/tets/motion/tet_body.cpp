@@ -17,6 +17,8 @@ namespace {
 constexpr double kRounding = 4e-15;
 // Below so many directions of conjugate gradients no factorisation is thought of.
 constexpr int kManyDirections = 100;
+// Of a direction, for each block of the matrix.
+constexpr double kDirectionMultiplications = 18.0;
 constexpr std::size_t kMostFactorBytes = std::size_t{256} << 20;
 
 Eigen::Index body_at(std::size_t node) {
@@ -32,6 +34,15 @@ Status check_range(const char* name, double value, double least, bool open) {
   if (std::isfinite(value) && (open ? value > least : value >= least)) return Success{};
   return content_error(std::string(name) + " is " + std::to_string(value) + ", expected " +
                        (open ? "above " : "at least ") + std::to_string(least));
+}
+
+// The factor of a slender body, whose matrix costs no more than so many directions to factor.
+std::optional<BlockCholesky> slender_factor(const BlockPatternPointer& pattern) {
+  const double search =
+      kManyDirections * kDirectionMultiplications * static_cast<double>(pattern->blocks());
+  Result<BlockCholesky> made = BlockCholesky::create(pattern, kMostFactorBytes);
+  if (!made || made->multiplications() > search) return std::nullopt;
+  return std::move(*made);
 }
 
 }  // namespace
@@ -61,6 +72,7 @@ TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
       solve_(model->pattern(), model->smooth()),
       projection_(*model),
       matrix_(model->pattern()),
+      factor_(slender_factor(model->pattern())),
       alone_(std::make_unique<TetIsland>()) {
   const Eigen::Index size = model->rest().size();
   for (TetMotion* motion : {&now_, &before_, &saved_, &saved_before_}) {
@@ -80,6 +92,7 @@ TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
   rounding_scale_ = std::sqrt(squared);
   Eigen::VectorXd ones = Eigen::VectorXd::Ones(size);
   weight_.resize(size);
+  if (factor_) folded_.resize(model->nodes());
   model->mass_times(ones, weight_);
   load_ = (weight_.array() * options.gravity.replicate(size / 3, 1).array()).matrix().norm();
   system_.set_degrees(choice_.first_degrees());
@@ -199,26 +212,19 @@ void TetBody::note_search(int iterations) {
   search_nodes_ = solve_.active_nodes();
 }
 
-bool TetBody::factor_pays() {
-  if (search_iterations_ < kManyDirections) return false;
+bool TetBody::factor_pays() const {
+  if (!factor_ || search_iterations_ < kManyDirections) return false;
   const auto nodes = static_cast<double>(solve_.active_nodes());
   const auto then = static_cast<double>(search_nodes_);
   // With many more or fewer control points it is searched for again.
   if (nodes < 0.8 * then || nodes > 1.25 * then) return false;
   const double share = nodes / static_cast<double>(model().nodes());
-  const double direction = 18.0 * share * static_cast<double>(model().pattern()->blocks());
-  const double search = direction * search_iterations_;
-  if (!factor_tried_) {
-    factor_tried_ = true;
-    Result<BlockCholesky> made = BlockCholesky::create(model().pattern(), kMostFactorBytes);
-    // One that is far from paying is not kept.
-    if (made && made->multiplications() < 2.0 * search) factor_.emplace(std::move(*made));
-  }
-  return factor_ && factor_->multiplications() < search;
+  const double direction =
+      kDirectionMultiplications * share * static_cast<double>(model().pattern()->blocks());
+  return factor_->multiplications() < direction * search_iterations_;
 }
 
 bool TetBody::solve_by_factor() {
-  folded_.resize(model().nodes());
   for (std::size_t i = 0; i < folded_.size(); ++i) folded_[i] = system_.active()[i] == 0 ? 1 : 0;
   matrix_.hold(folded_);
   if (!factor_->factor(matrix_)) return false;

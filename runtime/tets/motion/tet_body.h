@@ -121,10 +121,10 @@ class TetBody {
   void assemble(TangentKind tangent, bool single);
   void take_preconditioner(bool single);  // of what was assembled last, without touches
   // Of a body that touches nothing: how many directions its last search took, and whether a
-  // factorisation has fewer multiplications. It is made, of the fully quadratic pattern, when it is
-  // first thought of: slender bodies need it, and it takes more memory than the body.
+  // factorisation has fewer multiplications. Its memory, of the fully quadratic pattern, is taken
+  // when the body is made, and only of slender ones: of others it is more than the body's.
   void note_search(int iterations);
-  bool factor_pays();
+  bool factor_pays() const;
   bool solve_by_factor();  // correction_ = matrix_^-1 residual_; false where it is not positive
   void balance_momenta();
   void end();
@@ -139,7 +139,6 @@ class TetBody {
   MassProjection projection_;
   BlockMatrix matrix_;
   std::optional<BlockCholesky> factor_;
-  bool factor_tried_ = false;
   int search_iterations_ = 0;
   std::size_t search_nodes_ = 0;
   std::vector<std::uint8_t> folded_;  // a flag for each control point that is not active

@@ -43,6 +43,7 @@ TetGroup::TetGroup(std::vector<TetBody> bodies, std::vector<TetContact> contacts
   asleep_.assign(count, 0);
   wide_awake_.reserve(count);
   still_.assign(count, 0.0);
+  speeds_.assign(count, 0.0);
   members_.reserve(count);
   island_reports_.reserve(count);
   island_.reserve(count, count * kTouchesOfBody);
@@ -208,10 +209,12 @@ void TetGroup::fall_asleep() {
         break;
       }
   }
+  pool_->run(order_.size(), [this](std::size_t k, unsigned) {
+    const TetBody& body = bodies_[order_[k]];
+    speeds_[order_[k]] = std::sqrt(2.0 * body.kinetic_energy() / body.model().mass());
+  });
   for (const std::uint32_t i : order_) {
-    const double energy = bodies_[i].kinetic_energy();
-    const double speed = std::sqrt(2.0 * energy / bodies_[i].model().mass());
-    still_[i] = speed < options_.sleep_speed ? still_[i] + bodies_[i].options().step : 0.0;
+    still_[i] = speeds_[i] < options_.sleep_speed ? still_[i] + bodies_[i].options().step : 0.0;
     if (still_[i] < options_.sleep_time || contacts_[i].touches().empty()) wide_awake_[root(i)] = 1;
   }
   for (const std::uint32_t i : order_) {

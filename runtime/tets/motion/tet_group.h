@@ -74,7 +74,7 @@ class TetGroup {
   std::vector<Pair> pairs_;          // near each other, ascending
   std::vector<std::uint32_t> roots_, order_, starts_, naps_, local_;
   std::vector<std::uint8_t> asleep_, wide_awake_;
-  std::vector<double> still_;  // s
+  std::vector<double> still_, speeds_;  // s, m/s
   std::vector<TetMember> members_;
   std::vector<TetStepReport> island_reports_;
   double energy_of_sleep_ = 0.0;

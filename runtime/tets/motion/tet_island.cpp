@@ -37,6 +37,11 @@ SearchSizes sum_of(const std::vector<SearchSizes>& values) {
 
 void TetIsland::reserve(std::size_t bodies, std::size_t touches) {
   couplings_.reserve(touches);
+  ends_.reserve(2 * touches);
+  first_coupling_.reserve(bodies + 1);
+  first_end_.reserve(bodies + 1);
+  next_end_.reserve(bodies);
+  curvatures_.reserve(bodies);
   squares_.reserve(bodies);
   stops_.reserve(bodies);
   sizes_.reserve(bodies);
@@ -79,31 +84,83 @@ bool TetIsland::small_enough() const {
   return true;
 }
 
-void TetIsland::find_couplings() {
-  couplings_.clear();
-  for (std::uint32_t i = 0; i < members_.size(); ++i) {
-    const auto& [body, contact] = members_[i];
-    if (contact == nullptr) continue;
-    for (const TetTouch& touch : contact->touches()) {
-      Coupling coupling;
-      coupling.member = i;
-      coupling.block = touch.place + body->stage_.rate * touch.speed;
-      const TetPoint& point = contact->hull().points[touch.point];
-      std::array<double, kMostNodes> shares = point.shares;
-      const std::span<const std::uint32_t> nodes(point.nodes.data(), point.count);
-      body->system_.fold_point(nodes, std::span(shares.data(), point.count));
-      coupling.own = body->solve_.folded(nodes, shares);
-      if (touch.partner != kNoPartner) {
-        coupling.partner = contact->partners()[touch.partner].member;
-        TetBody& other = *members_[coupling.partner].body;
-        shares = touch.values;
-        other.system_.fold_point(touch.nodes, shares);
-        coupling.other = other.solve_.folded(touch.nodes, shares);
-        other.solve_.add_diagonal(coupling.other, coupling.block);
-      }
-      body->solve_.add_diagonal(coupling.own, coupling.block);
-      couplings_.push_back(coupling);
+// Where each body's couplings and ends begin, and which ends a coupling has: a body's own touches
+// come first, then those of others with it, in their order.
+void TetIsland::number_ends() {
+  const std::size_t count = members_.size();
+  first_coupling_.assign(count + 1, 0);
+  first_end_.assign(count + 1, 0);
+  const auto partner_of = [this](std::size_t i, const TetTouch& touch) {
+    return members_[i].contact->partners()[touch.partner].member;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    if (members_[i].contact == nullptr) continue;
+    const std::span<const TetTouch> touches = members_[i].contact->touches();
+    first_coupling_[i + 1] = static_cast<std::uint32_t>(touches.size());
+    first_end_[i + 1] += static_cast<std::uint32_t>(touches.size());
+    for (const TetTouch& touch : touches)
+      if (touch.partner != kNoPartner) ++first_end_[partner_of(i, touch) + 1];
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    first_coupling_[i + 1] += first_coupling_[i];
+    first_end_[i + 1] += first_end_[i];
+  }
+  couplings_.resize(first_coupling_[count]);
+  ends_.resize(first_end_[count]);
+  next_end_.assign(first_end_.begin(), first_end_.end() - 1);
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::uint32_t c = first_coupling_[i]; c < first_coupling_[i + 1]; ++c)
+      couplings_[c].own = next_end_[i]++;
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::uint32_t c = first_coupling_[i]; c < first_coupling_[i + 1]; ++c) {
+      const TetTouch& touch = members_[i].contact->touches()[c - first_coupling_[i]];
+      couplings_[c].other =
+          touch.partner == kNoPartner ? kNoEnd : next_end_[partner_of(i, touch)]++;
     }
+}
+
+// The ends of a body's own touches, on both sides.
+void TetIsland::find_ends(std::uint32_t member) {
+  const auto& [body, contact] = members_[member];
+  for (std::uint32_t c = first_coupling_[member]; c < first_coupling_[member + 1]; ++c) {
+    const TetTouch& touch = contact->touches()[c - first_coupling_[member]];
+    Coupling& coupling = couplings_[c];
+    coupling.block = touch.place + body->stage_.rate * touch.speed;
+    const TetPoint& point = contact->hull().points[touch.point];
+    std::array<double, kMostNodes> shares = point.shares;
+    const std::span<const std::uint32_t> nodes(point.nodes.data(), point.count);
+    body->system_.fold_point(nodes, std::span(shares.data(), point.count));
+    ends_[coupling.own].coupling = c;
+    ends_[coupling.own].point = body->solve_.folded(nodes, shares);
+    if (coupling.other == kNoEnd) continue;
+    const TetBody& other = *members_[contact->partners()[touch.partner].member].body;
+    shares = touch.values;
+    other.system_.fold_point(touch.nodes, shares);
+    ends_[coupling.other].coupling = c;
+    ends_[coupling.other].point = other.solve_.folded(touch.nodes, shares);
+  }
+}
+
+void TetIsland::find_couplings() {
+  number_ends();
+  for_each(members_.size(), [this](std::size_t i) { find_ends(static_cast<std::uint32_t>(i)); });
+  for_each(members_.size(), [this](std::size_t i) {
+    for (std::uint32_t e = first_end_[i]; e < first_end_[i + 1]; ++e)
+      members_[i].body->solve_.add_diagonal(ends_[e].point, couplings_[ends_[e].coupling].block);
+  });
+}
+
+// Adds what the touches of a body do to the image of the direction; both bodies of a touch find it
+// by themselves.
+void TetIsland::add_images(std::uint32_t member) {
+  ActiveSolve& solve = members_[member].body->solve_;
+  for (std::uint32_t e = first_end_[member]; e < first_end_[member + 1]; ++e) {
+    const Coupling& c = couplings_[ends_[e].coupling];
+    Eigen::Vector3d way = ends_[c.own].part;
+    if (c.other != kNoEnd) way -= ends_[c.other].part;
+    const Eigen::Vector3d answer = c.block * way;
+    solve.add_image(ends_[e].point, e == c.own ? answer : Eigen::Vector3d(-answer));
+    if (e == c.own) curvatures_[member] += way.dot(answer);
   }
 }
 
@@ -121,19 +178,16 @@ bool TetIsland::search(double tolerance) {
   double share = 0.0;
   for (std::size_t n = 0; now.square > stop && n < most; ++n) {
     for_each(members_.size(), [&](std::size_t i) {
-      if (n > 0) members_[i].body->solve_.turn(share);
-      members_[i].body->solve_.multiply(members_[i].body->matrix_);
+      ActiveSolve& solve = members_[i].body->solve_;
+      if (n > 0) solve.turn(share);
+      curvatures_[i] = solve.multiply(members_[i].body->matrix_);
+      for (std::uint32_t e = first_end_[i]; e < first_end_[i + 1]; ++e)
+        ends_[e].part = solve.direction_at(ends_[e].point);
     });
-    for (const Coupling& c : couplings_) {
-      ActiveSolve& own = members_[c.member].body->solve_;
-      Eigen::Vector3d way = own.direction_at(c.own);
-      if (c.partner != kNoPartner) way -= members_[c.partner].body->solve_.direction_at(c.other);
-      const Eigen::Vector3d answer = c.block * way;
-      own.add_image(c.own, answer);
-      if (c.partner != kNoPartner) members_[c.partner].body->solve_.add_image(c.other, -answer);
-    }
-    double along = 0.0;
-    for (const TetMember& member : members_) along += member.body->solve_.curvature();
+    if (!couplings_.empty())
+      for_each(members_.size(),
+               [this](std::size_t i) { add_images(static_cast<std::uint32_t>(i)); });
+    const double along = sum_of(curvatures_);
     if (!(along > 0.0)) return false;
     const double before = now.product;
     for_each(members_.size(),
@@ -150,10 +204,10 @@ bool TetIsland::search(double tolerance) {
 // of the correction before: R K R^T of another R has stiffness against turns, which nothing in the
 // residual bounds.
 void TetIsland::find_correction(bool exact, double tolerance) {
-  for (const TetMember& member : members_) {
-    member.body->residual_ = -member.body->residual_;
+  for (const TetMember& member : members_)
     tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
-  }
+  for_each(members_.size(),
+           [this](std::size_t i) { members_[i].body->residual_ = -members_[i].body->residual_; });
   const bool single = tolerance >= kSingleTolerance;
   TetBody* alone = members_.size() == 1 && !touching() ? members_[0].body : nullptr;
   bool by_factor = false;
@@ -173,10 +227,11 @@ void TetIsland::find_correction(bool exact, double tolerance) {
     if (alone != nullptr) alone->note_search(report_.linear - before);
     if (positive) break;
   }
-  for (const TetMember& member : members_) {
-    if (!by_factor) member.body->solve_.finish(member.body->correction_);
-    member.body->system_.follow_ends(member.body->correction_);
-  }
+  for_each(members_.size(), [&](std::size_t i) {
+    TetBody& body = *members_[i].body;
+    if (!by_factor) body.solve_.finish(body.correction_);
+    body.system_.follow_ends(body.correction_);
+  });
 }
 
 bool TetIsland::touching() const {
@@ -212,7 +267,8 @@ bool TetIsland::take_correction(double& size) {
 // The whole correction: a shorter one of all bodies would stop those in the air where one meets
 // another.
 void TetIsland::take_whole(double& size) {
-  for (const TetMember& member : members_) member.body->way_ += member.body->correction_;
+  for_each(members_.size(),
+           [this](std::size_t i) { members_[i].body->way_ += members_[i].body->correction_; });
   size = find_residual();
 }
 
@@ -233,13 +289,12 @@ bool TetIsland::solve_stage() {
   bounded_ = std::all_of(members_.begin(), members_.end(), [](const TetMember& member) {
     return member.body->options_.take_unsolved;
   });
-  for (const TetMember& member : members_) member.body->guess(bounded_);
+  for_each(members_.size(), [this](std::size_t i) { members_[i].body->guess(bounded_); });
   double size = find_residual();
+  for_each(members_.size(), [this](std::size_t i) { stops_[i] = members_[i].body->stop_size(); });
   int most = 0;
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    stops_[i] = members_[i].body->stop_size();
-    most = std::max(most, members_[i].body->options_.max_iterations);
-  }
+  for (const TetMember& member : members_)
+    most = std::max(most, member.body->options_.max_iterations);
   int slow = 0;
   bool kink = false;
   for (int iteration = 0; iteration < most && !kink; ++iteration) {
@@ -281,9 +336,9 @@ TetMethod TetIsland::common_method() const {
 }
 
 bool TetIsland::make_step(TetMethod method, double h) {
-  for (const TetMember& member : members_) member.body->begin(method, h);
+  for_each(members_.size(), [&](std::size_t i) { members_[i].body->begin(method, h); });
   if (!solve_stage()) return false;
-  for (const TetMember& member : members_) member.body->end();
+  for_each(members_.size(), [this](std::size_t i) { members_[i].body->end(); });
   return true;
 }
 
@@ -324,8 +379,9 @@ void TetIsland::step(std::span<const TetMember> members, std::span<TetStepReport
   report_ = {};
   squares_.assign(members.size(), 0.0);
   stops_.assign(members.size(), 0.0);
+  curvatures_.assign(members.size(), 0.0);
   sizes_.assign(members.size(), {});
-  for (const TetMember& member : members) member.body->keep_state();
+  for_each(members.size(), [this](std::size_t i) { members_[i].body->keep_state(); });
   report_.converged = make_step(common_method(), members.front().body->options_.step) ||
                       make_parts(2, false) || make_parts(8, false) || make_parts(8, true);
   std::fill(reports.begin(), reports.end(), report_);

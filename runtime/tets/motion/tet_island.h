@@ -54,11 +54,19 @@ class TetIsland {
   void step(std::span<const TetMember> members, std::span<TetStepReport> reports);
 
  private:
+  // One side of a touch: its share in a body's control points. part: what the search's direction
+  // is there.
+  struct TouchEnd {
+    std::uint32_t coupling = 0;
+    FoldedPoint point;
+    Eigen::Vector3d part;
+  };
+  // A touch: its ends' numbers, other is kNoEnd of what stands still.
   struct Coupling {
-    std::uint32_t member = 0, partner = kNoPartner;
-    FoldedPoint own, other;
+    std::uint32_t own = 0, other = kNoEnd;
     Eigen::Matrix3d block;
   };
+  static constexpr std::uint32_t kNoEnd = ~std::uint32_t{0};
 
   template <class Body>
   void for_each(std::size_t count, const Body& body);
@@ -73,7 +81,10 @@ class TetIsland {
   bool small_enough() const;
   void find_correction(bool exact, double tolerance);
   bool search(double tolerance);
+  void number_ends();
   void find_couplings();
+  void find_ends(std::uint32_t member);
+  void add_images(std::uint32_t member);
   bool take_correction(double& size);
   void take_whole(double& size);
 
@@ -81,8 +92,11 @@ class TetIsland {
   std::span<const TetMember> members_;  // in a step
   bool bounded_ = false;                // all take what max_iterations find
   TetStepReport report_;
-  std::vector<Coupling> couplings_;
+  std::vector<Coupling> couplings_;  // body by body
+  std::vector<TouchEnd> ends_;       // body by body
+  std::vector<std::uint32_t> first_coupling_, first_end_, next_end_;
   std::vector<double> squares_, stops_;  // |r|^2 and where to stop, of each body
+  std::vector<double> curvatures_;       // p.A p, of each body with the touches of its own points
   std::vector<SearchSizes> sizes_;
 };
 

@@ -14,7 +14,9 @@ using std::size_t;
 typedef float Quad __attribute__((vector_size(16), may_alias));
 typedef double QuadDoubles __attribute__((vector_size(32)));
 
-constexpr size_t kQuads = kFloatBlock;
+typedef float Sixteen __attribute__((vector_size(64), may_alias));
+
+constexpr size_t kInverse = 12;  // three columns of four floats
 
 [[gnu::always_inline]] inline Quad& quad_at(float* list, size_t node) {
   return *reinterpret_cast<Quad*>(list + 4 * node);
@@ -22,38 +24,89 @@ constexpr size_t kQuads = kFloatBlock;
 [[gnu::always_inline]] inline Quad quad_of(const float* list, size_t node) {
   return *reinterpret_cast<const Quad*>(list + 4 * node);
 }
-[[gnu::always_inline]] inline Quad times_quad(const float* block, Quad x) {
+// stride: of the columns, in vectors of four.
+[[gnu::always_inline]] inline Quad times_quad(const float* block, size_t stride, Quad x) {
   const Quad* column = reinterpret_cast<const Quad*>(block);
-  return column[0] * x[0] + column[1] * x[1] + column[2] * x[2];
+  return column[0] * x[0] + column[stride] * x[1] + column[2 * stride] * x[2];
+}
+[[gnu::always_inline]] inline Sixteen four_of(Quad a, Quad b, Quad c, Quad d) {
+  using Eight = float __attribute__((vector_size(32)));
+  const Eight low = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+  const Eight high = __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7);
+  return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+}
+// In each vector of four: (a0, b0, a1, b1) and (a2, b2, a3, b3).
+[[gnu::always_inline]] inline Sixteen low_pairs(Sixteen a, Sixteen b) {
+  return __builtin_shufflevector(a, b, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29);
+}
+[[gnu::always_inline]] inline Sixteen high_pairs(Sixteen a, Sixteen b) {
+  return __builtin_shufflevector(a, b, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31);
+}
+// In each vector of four: the sums of a, of b and of c.
+[[gnu::always_inline]] inline Sixteen sums_of_quads(Sixteen a, Sixteen b, Sixteen c) {
+  const Sixteen zero = {};
+  const Sixteen ab = low_pairs(a, b) + high_pairs(a, b);
+  const Sixteen cz = low_pairs(c, zero) + high_pairs(c, zero);
+  return __builtin_shufflevector(ab, cz, 0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29) +
+         __builtin_shufflevector(ab, cz, 2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30,
+                                 31);
 }
 
-void put_block(const Eigen::Matrix3d& block, bool turned, float* at) {
-  for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < 3; ++i)
-      at[4 * j + i] = static_cast<float>(turned ? block(j, i) : block(i, j));
+void put_block(const Eigen::Matrix3d& block, size_t stride, float* at) {
+  for (size_t j = 0; j < 3; ++j)
+    for (size_t i = 0; i < 3; ++i)
+      at[stride * j + i] =
+          static_cast<float>(block(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+}
+
+size_t whole_groups(size_t blocks) {
+  return (blocks + kGroupBlocks - 1) / kGroupBlocks * kGroupBlocks;
 }
 
 struct FloatRows {
   size_t n;
   const std::uint32_t *first, *column;
-  const float* blocks;
+  const float *diagonal, *rows;
   const float* p;
   float* q;
 };
 
+// q = A p and p.q, to which both triangles give the same. Row by row, ascending: a block's
+// transpose adds to a row that has been set.
 TREMOLO_CLONES
-void multiply_rows(const FloatRows& g) {
+double multiply_rows(const FloatRows& g) {
+  QuadDoubles product = {};
   for (size_t i = 0; i < g.n; ++i) {
-    Quad even = {}, odd = {};
-    const size_t end = g.first[i + 1];
-    size_t k = g.first[i];
-    for (; k + 1 < end; k += 2) {
-      even += times_quad(g.blocks + kQuads * k, quad_of(g.p, g.column[k]));
-      odd += times_quad(g.blocks + kQuads * (k + 1), quad_of(g.p, g.column[k + 1]));
+    const Quad own = quad_of(g.p, i);
+    const Sixteen owns = four_of(own, own, own, own);
+    Sixteen sum = {};
+    for (size_t k = g.first[i]; k < g.first[i + 1]; k += kGroupBlocks) {
+      const std::uint32_t* at = g.column + k;
+      const Sixteen* block = reinterpret_cast<const Sixteen*>(g.rows + first_float(k));
+      const Sixteen p = four_of(quad_of(g.p, at[0]), quad_of(g.p, at[1]), quad_of(g.p, at[2]),
+                                quad_of(g.p, at[3]));
+      sum += block[0] *
+             __builtin_shufflevector(p, p, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12);
+      sum += block[1] *
+             __builtin_shufflevector(p, p, 1, 1, 1, 1, 5, 5, 5, 5, 9, 9, 9, 9, 13, 13, 13, 13);
+      sum += block[2] *
+             __builtin_shufflevector(p, p, 2, 2, 2, 2, 6, 6, 6, 6, 10, 10, 10, 10, 14, 14, 14, 14);
+      const Sixteen turned = sums_of_quads(block[0] * owns, block[1] * owns, block[2] * owns);
+      quad_at(g.q, at[0]) += __builtin_shufflevector(turned, turned, 0, 1, 2, 3);
+      quad_at(g.q, at[1]) += __builtin_shufflevector(turned, turned, 4, 5, 6, 7);
+      quad_at(g.q, at[2]) += __builtin_shufflevector(turned, turned, 8, 9, 10, 11);
+      quad_at(g.q, at[3]) += __builtin_shufflevector(turned, turned, 12, 13, 14, 15);
     }
-    if (k < end) even += times_quad(g.blocks + kQuads * k, quad_of(g.p, g.column[k]));
-    quad_at(g.q, i) = even + odd;
+    const Quad lower = __builtin_shufflevector(sum, sum, 0, 1, 2, 3) +
+                       __builtin_shufflevector(sum, sum, 4, 5, 6, 7);
+    const Quad upper = __builtin_shufflevector(sum, sum, 8, 9, 10, 11) +
+                       __builtin_shufflevector(sum, sum, 12, 13, 14, 15);
+    const Quad diagonal = times_quad(g.diagonal + first_float(i), kGroupBlocks, own);
+    const Quad below = lower + upper;
+    quad_at(g.q, i) = diagonal + below;
+    product += __builtin_convertvector(own * (diagonal + 2.0F * below), QuadDoubles);
   }
+  return product[0] + product[1] + product[2];
 }
 
 TREMOLO_CLONES
@@ -80,7 +133,7 @@ void advance_rows(const FloatVectors& g, float length) {
     quad_at(g.x, i) += step * quad_of(g.p, i);
     const Quad r = quad_of(g.r, i) - step * quad_of(g.q, i);
     quad_at(g.r, i) = r;
-    quad_at(g.z, i) = times_quad(g.inverse + kQuads * i, r);
+    quad_at(g.z, i) = times_quad(g.inverse + kInverse * i, 1, r);
     for (size_t k = 0; k < kSmoothFields; ++k) image[k] += g.fields[i][k] * r;
   }
   for (size_t k = 0; k < kSmoothFields; ++k) quad_at(g.image, k) = image[k];
@@ -104,14 +157,15 @@ void turn_rows(float* p, const float* z, const SmoothFields* fields, const float
 
 ActiveFloats::ActiveFloats(const BlockPattern& pattern, std::shared_ptr<const SmoothSpace> smooth)
     : smooth_(std::move(smooth)) {
-  const size_t nodes = pattern.size(), whole = 2 * pattern.blocks() - nodes;
+  const size_t nodes = pattern.size();
+  size_t most = whole_groups(nodes);
+  for (size_t i = 0; i < nodes; ++i)
+    most += whole_groups(pattern.first()[i + 1] - pattern.first()[i] - 1);
   first_.reserve(nodes + 1);
-  column_.reserve(whole);
-  place_.reserve(whole);
-  at_.assign(2 * pattern.blocks(), kNowhere);
-  diagonal_.reserve(nodes);
-  blocks_.assign(kQuads * whole, 0.0F);
-  inverse_.assign(kQuads * nodes, 0.0F);
+  column_.reserve(most);
+  at_.assign(pattern.blocks(), kNowhere);
+  blocks_.assign(first_float(most), 0.0F);
+  inverse_.assign(kInverse * nodes, 0.0F);
   for (AlignedFloats* list : {&x_, &r_, &z_, &p_, &q_}) list->assign(4 * nodes, 0.0F);
   fields_.reserve(nodes);
   smooth_part_.assign(std::size_t{4} * kSmoothFields, 0.0F);
@@ -124,50 +178,40 @@ void ActiveFloats::choose(const BlockPattern& pattern, std::span<const std::uint
   for (const std::uint32_t node : nodes) fields_.push_back(smooth_->at[node]);
   const auto first = pattern.first();
   const auto columns = pattern.columns();
-  first_.assign(n_ + 1, 0);
-  for (const std::uint32_t node : nodes)
-    for (size_t k = first[node]; k < first[node + 1]; ++k) {
-      if (rank[columns[k]] == kNoRank) continue;
-      ++first_[rank[node] + 1];
-      if (columns[k] != node) ++first_[rank[columns[k]] + 1];
-    }
-  for (size_t i = 0; i < n_; ++i) first_[i + 1] += first_[i];
-  column_.resize(first_[n_]);
-  place_.resize(first_[n_]);
-  // Filled from where each row begins, which is put back at the end.
-  for (const std::uint32_t node : nodes)
-    for (size_t k = first[node]; k < first[node + 1]; ++k) {
-      const std::uint32_t row = rank[node], other = rank[columns[k]];
-      if (other == kNoRank) continue;
-      const std::uint32_t at = first_[row]++;
-      column_[at] = other;
-      place_[at] = static_cast<std::uint32_t>(2 * k);
-      if (other == row) continue;
-      const std::uint32_t turned = first_[other]++;
-      column_[turned] = row;
-      place_[turned] = static_cast<std::uint32_t>(2 * k + 1);
-    }
-  for (size_t i = n_; i > 0; --i) first_[i] = first_[i - 1];
-  first_[0] = 0;
+  const size_t diagonal = whole_groups(n_);
   std::fill(at_.begin(), at_.end(), kNowhere);
-  for (size_t k = 0; k < place_.size(); ++k) at_[place_[k]] = static_cast<std::uint32_t>(k);
-  diagonal_.resize(n_);
-  for (size_t i = 0; i < n_; ++i) diagonal_[i] = at_[2 * pattern.diagonal(nodes[i])];
+  first_.clear();
+  column_.clear();
+  for (const std::uint32_t node : nodes) {
+    const std::uint32_t row = rank[node];
+    first_.push_back(static_cast<std::uint32_t>(column_.size()));
+    for (size_t k = first[node]; k + 1 < first[node + 1]; ++k) {
+      if (rank[columns[k]] == kNoRank) continue;
+      at_[k] = static_cast<std::uint32_t>(diagonal + column_.size());
+      column_.push_back(rank[columns[k]]);
+    }
+    // Blocks of zeros, whose images the row itself takes before it is set.
+    column_.resize(whole_groups(column_.size()), row);
+    at_[pattern.diagonal(node)] = row;
+  }
+  first_.push_back(static_cast<std::uint32_t>(column_.size()));
 }
 
 FloatTarget ActiveFloats::begin() {
-  std::fill_n(blocks_.begin(), kQuads * place_.size(), 0.0F);
+  std::fill_n(blocks_.begin(), first_float(whole_groups(n_) + column_.size()), 0.0F);
   return {blocks_.data(), at_.data()};
 }
 
 void ActiveFloats::take(const BlockMatrix& a) {
-  for (size_t k = 0; k < place_.size(); ++k)
-    put_block(a.block(place_[k] / 2), place_[k] % 2 != 0, blocks_.data() + kQuads * k);
+  begin();
+  for (size_t k = 0; k < at_.size(); ++k)
+    if (at_[k] != kNowhere)
+      put_block(a.block(k), kColumnStride, blocks_.data() + first_float(at_[k]));
 }
 
 Eigen::Matrix3d ActiveFloats::diagonal(std::uint32_t node) const {
-  using Block = Eigen::Map<const Eigen::Matrix3f, 0, Eigen::OuterStride<4>>;
-  return Block(blocks_.data() + kQuads * diagonal_[node]).cast<double>();
+  using Block = Eigen::Map<const Eigen::Matrix3f, 0, Eigen::OuterStride<kColumnStride>>;
+  return Block(blocks_.data() + first_float(node)).cast<double>();
 }
 
 double ActiveFloats::start(const std::vector<Eigen::Matrix3d>& inverse,
@@ -175,7 +219,7 @@ double ActiveFloats::start(const std::vector<Eigen::Matrix3d>& inverse,
                            const std::vector<Eigen::Vector3d>& r) {
   smooth_inverse_ = smooth_inverse.cast<float>();
   for (size_t i = 0; i < n_; ++i) {
-    put_block(inverse[i], false, inverse_.data() + kQuads * i);
+    put_block(inverse[i], 4, inverse_.data() + kInverse * i);
     Eigen::Map<Eigen::Vector3f>(r_.data() + 4 * i) = r[i].cast<float>();
     quad_at(x_.data(), i) = quad_at(q_.data(), i) = quad_at(p_.data(), i) = Quad{};
   }
@@ -184,12 +228,9 @@ double ActiveFloats::start(const std::vector<Eigen::Matrix3d>& inverse,
   return product;
 }
 
-void ActiveFloats::multiply() {
-  multiply_rows({n_, first_.data(), column_.data(), blocks_.data(), p_.data(), q_.data()});
-}
-
-double ActiveFloats::curvature() const {
-  return product_of(p_.data(), q_.data(), n_);
+double ActiveFloats::multiply() {
+  return multiply_rows({n_, first_.data(), column_.data(), blocks_.data(),
+                        blocks_.data() + first_float(whole_groups(n_)), p_.data(), q_.data()});
 }
 
 std::pair<double, double> ActiveFloats::advance(double length) {
@@ -217,9 +258,7 @@ void ActiveFloats::add_image(std::uint32_t node, const Eigen::Vector3d& value) {
 std::size_t ActiveFloats::bytes() const {
   return (blocks_.size() + inverse_.size() + 5 * x_.size()) * sizeof(float) +
          fields_.capacity() * sizeof(SmoothFields) + sizeof(smooth_inverse_) +
-         (first_.capacity() + column_.capacity() + place_.capacity() + at_.capacity() +
-          diagonal_.capacity()) *
-             sizeof(std::uint32_t);
+         (first_.capacity() + column_.capacity() + at_.capacity()) * sizeof(std::uint32_t);
 }
 
 }  // namespace tremolo

@@ -1,7 +1,7 @@
 // Conjugate gradients over active control points in single precision (active_solve.h), for
 // corrections of which two or three digits are asked: what takes the time is the matrix, read from
-// memory in every iteration, and in floats, with the blocks of both triangles row by row in vectors
-// of four, it takes a third of what doubles take. Sums of products are in doubles.
+// memory in every iteration: in floats, and only the blocks below the diagonal, each multiplied
+// with its transpose while it is there. Sums of products are in doubles.
 #pragma once
 
 #include <cstdint>
@@ -35,8 +35,7 @@ class ActiveFloats {
   // p = z = P r. Returns r.z.
   double start(const std::vector<Eigen::Matrix3d>& inverse, const SmoothMatrix& smooth_inverse,
                const std::vector<Eigen::Vector3d>& r);
-  void multiply();           // q = A p
-  double curvature() const;  // p.q
+  double multiply();  // q = A p; returns p.q
   // x += length p, r -= length q, z = P r: r.r and r.z.
   std::pair<double, double> advance(double length);
   void turn(double share);  // p = z + share p
@@ -52,13 +51,13 @@ class ActiveFloats {
   }
 
   std::size_t n_ = 0;
-  // Rows of the whole matrix; of each block its place in the pattern, doubled, and one more where
-  // it is the transpose of what is stored.
-  std::vector<std::uint32_t> first_, column_, place_;
-  std::vector<std::uint32_t> at_;        // the other way round: FloatTarget's
-  std::vector<std::uint32_t> diagonal_;  // of each row
-  AlignedFloats blocks_, inverse_;       // three columns of four floats each
-  AlignedFloats x_, r_, z_, p_, q_;      // four floats a node; z_ without its smooth part
+  // Rows of the blocks below the diagonal, each filled up with zeros to whole groups: where each
+  // begins, and of each block its column.
+  std::vector<std::uint32_t> first_, column_;
+  std::vector<std::uint32_t> at_;    // of the pattern's blocks: FloatTarget's
+  AlignedFloats blocks_;             // the diagonal's, and then the rows', in groups
+  AlignedFloats inverse_;            // three columns of four floats each
+  AlignedFloats x_, r_, z_, p_, q_;  // four floats a node; z_ without its smooth part
   std::shared_ptr<const SmoothSpace> smooth_;
   std::vector<SmoothFields> fields_;  // of the active nodes
   Eigen::Matrix<float, kSmoothModes, kSmoothModes> smooth_inverse_;

@@ -117,24 +117,22 @@ SearchSizes ActiveSolve::start(const BlockMatrix& a, const Eigen::VectorXd& b, b
   return sizes;
 }
 
-void ActiveSolve::multiply(const BlockMatrix& a) {
+double ActiveSolve::multiply(const BlockMatrix& a) {
   if (single_) return floats_.multiply();
+  double product = 0.0;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const Eigen::Vector3d own = p_[i];
-    Eigen::Vector3d sum = a.diagonal(nodes_[i]) * own;
+    const Eigen::Vector3d diagonal = a.diagonal(nodes_[i]) * own;
+    Eigen::Vector3d lower = Eigen::Vector3d::Zero();
     for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) {
       const Eigen::Matrix3d& block = a.block(entries_[k].place);
-      sum.noalias() += block * p_[entries_[k].column];
+      lower.noalias() += block * p_[entries_[k].column];
       q_[entries_[k].column].noalias() += block.transpose() * own;
     }
-    q_[i] = sum;
+    q_[i] = diagonal + lower;
+    // Both triangles give the same to p.q.
+    product += own.dot(diagonal) + 2.0 * own.dot(lower);
   }
-}
-
-double ActiveSolve::curvature() const {
-  if (single_) return floats_.curvature();
-  double product = 0.0;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) product += p_[i].dot(q_[i]);
   return product;
 }
 
@@ -188,8 +186,7 @@ ActiveReport ActiveSolve::solve(const BlockMatrix& a, const Eigen::VectorXd& b, 
   SearchSizes now = start(a, b, tolerance >= kSingleTolerance);
   const double first = now.square, stop = tolerance * tolerance * first;
   while (now.square > stop && report.iterations < most_iterations) {
-    multiply(a);
-    const double along = curvature();
+    const double along = multiply(a);
     report.positive = along > 0.0;
     if (!report.positive) break;
     const double before = now.product;

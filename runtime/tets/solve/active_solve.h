@@ -68,8 +68,7 @@ class ActiveSolve {
   void add_diagonal(const FoldedPoint& point, const Eigen::Matrix3d& block);
   // x = 0, r = b, p = z = P r. single: what follows is in single precision.
   SearchSizes start(const BlockMatrix& a, const Eigen::VectorXd& b, bool single);
-  void multiply(const BlockMatrix& a);  // q = A p
-  double curvature() const;             // p.q
+  double multiply(const BlockMatrix& a);  // q = A p; returns p.q
   // x += length p, r -= length q, z = P r.
   SearchSizes advance(double length);
   void turn(double share);  // p = z + share p
