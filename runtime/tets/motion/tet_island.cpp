@@ -36,7 +36,7 @@ SearchSizes sum_of(const std::vector<SearchSizes>& values) {
 }  // namespace
 
 void TetIsland::reserve(std::size_t bodies, std::size_t touches) {
-  couplings_.reserve(touches);
+  couplings_.reserve(touches + bodies);  // a hand a body
   squares_.reserve(bodies);
   stops_.reserve(bodies);
   sizes_.reserve(bodies);
@@ -79,10 +79,25 @@ bool TetIsland::small_enough() const {
   return true;
 }
 
+// The spring and the damper of a body's hand, which hang on nothing else.
+TetIsland::Coupling TetIsland::hand_coupling(std::uint32_t member) {
+  TetBody& body = *members_[member].body;
+  const TetHand& hand = *body.hand_;
+  Coupling coupling;
+  coupling.member = member;
+  coupling.block = (hand.stiffness + body.stage_.rate * hand.damping) * Eigen::Matrix3d::Identity();
+  std::array<double, kMostNodes> shares = hand.shares;
+  body.system_.fold_point(hand.nodes, shares);
+  coupling.own = body.solve_.folded(hand.nodes, shares);
+  body.solve_.add_diagonal(coupling.own, coupling.block);
+  return coupling;
+}
+
 void TetIsland::find_couplings() {
   couplings_.clear();
   for (std::uint32_t i = 0; i < members_.size(); ++i) {
     const auto& [body, contact] = members_[i];
+    if (body->hand_) couplings_.push_back(hand_coupling(i));
     if (contact == nullptr) continue;
     for (const TetTouch& touch : contact->touches()) {
       Coupling coupling;
@@ -155,7 +170,9 @@ void TetIsland::find_correction(bool exact, double tolerance) {
     tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
   }
   const bool single = tolerance >= kSingleTolerance;
-  TetBody* alone = members_.size() == 1 && !touching() ? members_[0].body : nullptr;
+  // The factor is of the body's own matrix, without what couples it to others or to a hand.
+  TetBody* alone =
+      members_.size() == 1 && !touching() && !members_[0].body->hand_ ? members_[0].body : nullptr;
   bool by_factor = false;
   for (const bool own : {true, false}) {
     if (own && !exact) continue;

@@ -3,14 +3,15 @@
 // Each body's equation is M g^2 (d - d_a) = F(x_v + d, g d) (tet_stage.h), F with the forces of its
 // contact. Newton's matrix is block-diagonal,
 //   M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv    of each body,
-// and the touches: with w the shares of a touch in the control points of both its sides, w B w^T.
-// They stay as they are and are multiplied one by one in conjugate gradients, which run over all
-// bodies at once, preconditioned by the diagonal's blocks; a body by itself that takes too many
-// directions, a slender one, is factored instead (runtime/sparse/block_cholesky.h). First with the
-// exact derivative; where that is indefinite, with R K R^T. Each correction is shortened until the
-// residual no longer points back. A step that is not solved is cut into two, then eight of
-// implicit-euler; where even those have no solution (an element goes through a flat shape and its
-// rotation jumps), into eight of one correction each with R K R^T.
+// and the touches and hands (tet_hand.h): with w the shares of a touch in the control points of
+// both its sides, w B w^T. They stay as they are and are multiplied one by one in conjugate
+// gradients, which run over all bodies at once, preconditioned by the diagonal's blocks; a body by
+// itself that takes too many directions, a slender one, is factored instead
+// (runtime/sparse/block_cholesky.h). First with the exact derivative; where that is indefinite,
+// with R K R^T. Each correction is shortened until the residual no longer points back. A step that
+// is not solved is cut into two, then eight of implicit-euler; where even those have no solution
+// (an element goes through a flat shape and its rotation jumps), into eight of one correction each
+// with R K R^T.
 //
 // A step also ends where the forces between bodies jump and no correction makes the residual
 // smaller, which is then a thousandth of them at most, a hundredth after the last correction; it is
@@ -73,6 +74,7 @@ class TetIsland {
   bool small_enough() const;
   void find_correction(bool exact, double tolerance);
   bool search(double tolerance);
+  Coupling hand_coupling(std::uint32_t member);
   void find_couplings();
   bool take_correction(double& size);
   void take_whole(double& size);
