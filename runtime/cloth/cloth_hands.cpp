@@ -8,10 +8,13 @@ namespace tremolo {
 
 using Eigen::Vector3d;
 
-// A particle that is held counts with its motion no more, and one that is let go does again.
+// A particle that is held counts with its motion no more, and one that is let go does again. What
+// methods carry from step to step is forgotten only where a particle becomes held or free.
 void ClothWorld::Inside::hold(WorldCloth& cloth, std::size_t particle, const Vector3d& at) {
-  const double before = free_cloth_kinetic(cloth);
+  const bool was_free = cloth.model.held()[particle] == 0;
+  const double before = was_free ? free_cloth_kinetic(cloth) : 0.0;
   cloth.model.hold(particle, at);
+  if (!was_free) return;
   told.pins += free_cloth_kinetic(cloth) - before;
   cloth.integrator->reset();
 }
@@ -34,22 +37,24 @@ Status ClothWorld::Inside::add_hand(const ClothHand& wanted) {
     return content_error("a hand holds particle " + std::to_string(hand.particle) + " of cloth '" +
                          wanted.cloth + "', but there are " + std::to_string(particles));
   if (Status s = take(hand.path, MotionPath::create(wanted.motion)); !s) return s;
+  cloths[hand.cloth]->model.expect_hold();
   hands.push_back(std::move(hand));
   return Success{};
 }
 
-// Before a step: to where each is at its end.
+// Before a step: to where each is at its end. Those whose time is over let go first, so that
+// another one may hold the same particle.
 void ClothWorld::Inside::move_hands() {
   const double h = scene.options.step, t = static_cast<double>(steps) * h;
   const double now = t + kSameTime * h, end = static_cast<double>(steps + 1) * h;
   for (WorldHand& hand : hands) {
+    if (hand.over || now < hand.until) continue;
+    hand.over = true;
+    if (hand.holds) let_go(*cloths[hand.cloth], hand.particle);
+  }
+  for (WorldHand& hand : hands) {
     if (hand.over || now < hand.from) continue;
     WorldCloth& cloth = *cloths[hand.cloth];
-    if (now >= hand.until) {
-      hand.over = true;
-      if (hand.holds) let_go(cloth, hand.particle);
-      continue;
-    }
     const std::size_t piece = hand.path.piece(t + 0.5 * h);
     if (!hand.holds) {
       const Pose begun = hand.path.pose_in(piece, t);

@@ -39,6 +39,8 @@ class ClothModel : public NodalSystem {
   Status pin(std::span<const std::size_t> particles, MotionPath path, double until);
   // Lets go what is held until `time` or before; true if that was any.
   bool release_pins(double time);
+  // Makes room for one more hold, which then allocates nothing; there is room for sixteen.
+  void expect_hold() { hands_.reserve(hands_.capacity() + 1); }
   // A hand's hold on one particle, which goes before pins. particle: below size().
   void hold(std::size_t particle, const Eigen::Vector3d& at);
   // The step from `time`, s, with the length `h`, begins at x: what hands hold goes straight and

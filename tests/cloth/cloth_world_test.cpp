@@ -167,6 +167,48 @@ TEST(ClothWorld, AHandOfTheSceneGoesItsWayFromWhereItTookTheParticle) {
   EXPECT_EQ(other->energy().pins, 0.0);
 }
 
+// Methods that carry something from step to step go on with it.
+TEST(ClothWorld, AHandThatRestsIsAPin) {
+  for (const char* method : {"symplectic-euler", "implicit-euler", "newmark", "bdf2", "energy"}) {
+    ClothScene held = sheet_in_hand(method, 5e-4);
+    ClothScene pinned = held;
+    held.hands[0].from = 0.0;
+    held.hands[0].motion.parts.clear();
+    pinned.hands.clear();
+    ClothPin pin;
+    pin.particles = {held.hands[0].particle};
+    pin.until = held.hands[0].until;
+    pinned.cloths[0].pins = {pin};
+    Result<ClothWorld> world = ClothWorld::create(held), other = ClothWorld::create(pinned);
+    ASSERT_TRUE(world && other) << method;
+    for (int k = 0; k < 160; ++k) {
+      ASSERT_TRUE(world->step());
+      ASSERT_TRUE(other->step());
+      ASSERT_EQ(world->positions(0), other->positions(0)) << method << k;
+    }
+    EXPECT_EQ(world->model(0).held()[17], 0) << method;
+  }
+}
+
+TEST(ClothWorld, OfHandsOnOneParticleTheNextTakesItWhereTheLastLetsGo) {
+  ClothScene scene = sheet_in_hand("implicit-euler", 0.01);
+  ClothHand next = scene.hands[0];
+  next.from = scene.hands[0].until;
+  next.until = 0.1;
+  next.motion.parts.clear();
+  scene.hands.insert(scene.hands.begin(), next);
+  Result<ClothWorld> world = ClothWorld::create(scene);
+  ASSERT_TRUE(world) << world.error().message;
+  for (int k = 0; k < 6; ++k) ASSERT_TRUE(world->step());
+  const Vector3d there = world->positions(0).segment<3>(51);
+  for (int k = 6; k < 10; ++k) {
+    ASSERT_TRUE(world->step());
+    EXPECT_EQ(Vector3d(world->positions(0).segment<3>(51)), there);
+  }
+  ASSERT_TRUE(world->step());
+  EXPECT_EQ(world->model(0).held()[17], 0);
+}
+
 // However many parts a step is cut into, it ends with the speed of the hand's way.
 TEST(ClothWorld, AHandGoesEvenlyThroughAStepThatIsCut) {
   ClothScene scene = sheet_in_hand("implicit-euler", 0.02);

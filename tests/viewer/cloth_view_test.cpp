@@ -190,5 +190,24 @@ TEST(ClothView, ADragInTheWindowPullsAParticleAndTheRecordDoesItAgain) {
   EXPECT_EQ(world->energy().pins, json["hand_work"].get<double>());
 }
 
+TEST(ClothView, AKeyThatIsHeldDownSwitchesOnceAndStepsOften) {
+  const std::string folder = fresh_folder();
+  std::ofstream(folder + "/square.toml") << kSquare;
+  const auto [shots, no_window] =
+      testing::hold_keys(folder, "m bracketleft period", "square.toml --paused");
+  if (!no_window.empty()) GTEST_SKIP() << no_window;
+  const auto& [result, json] = shots;
+  ASSERT_EQ(result.code, 0) << result.err;
+  ASSERT_FALSE(json.is_discarded()) << result.out << result.err;
+  Result<ClothScenes> scenes = two_squares();
+  ASSERT_TRUE(scenes) << scenes.error().message;
+  const auto names = scenes->methods();
+  const auto usual = std::find(names.begin(), names.end(), scenes->chosen()[0]);
+  EXPECT_EQ(json["methods"][0], *(usual + 1)) << result.out;
+  EXPECT_EQ(json["step"], 0.5 * scenes->step_size()) << result.out;
+  // So keys do repeat here.
+  EXPECT_GT(json["steps"].get<int>(), 5) << result.out;
+}
+
 }  // namespace
 }  // namespace tremolo

@@ -116,6 +116,9 @@ void TetGroup::end_nap(std::uint32_t nap) {
 }
 
 Status TetGroup::set_hand(std::size_t i, const std::optional<TetHand>& hand) {
+  if (i >= bodies_.size())
+    return usage_error("there are " + std::to_string(bodies_.size()) + " bodies, no body " +
+                       std::to_string(i));
   if (Status s = bodies_[i].set_hand(hand); !s) return s;
   if (asleep_[i] != 0) end_nap(naps_[i]);
   return Success{};

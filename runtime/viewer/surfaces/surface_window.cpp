@@ -53,7 +53,7 @@ class SurfaceViewer {
         {.button = [this](int button, bool down, bool shift) { press(button, down, shift); },
          .move = [this](double x, double y) { move(x, y); },
          .wheel = [this](double turns) { camera_.distance *= std::pow(kNearer, turns); },
-         .key = [this](int key) { press_key(key); }});
+         .key = [this](int key, bool again) { press_key(key, again); }});
     return Success{};
   }
 
@@ -148,7 +148,9 @@ class SurfaceViewer {
     }
   }
 
-  void press_key(int key) {
+  // A key that is held down makes steps and does nothing else again.
+  void press_key(int key, bool again) {
+    if (again && key != GLFW_KEY_PERIOD) return;
     if (key == GLFW_KEY_ESCAPE) window_->close();
     if (key == GLFW_KEY_R) wants_reset_ = true;
     if (key == GLFW_KEY_F) frame_points(stage_->points(), aspect(), camera_);
