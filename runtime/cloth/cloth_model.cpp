@@ -108,8 +108,23 @@ void ClothModel::hold(std::size_t particle, const Vector3d& at) {
   if (const auto known = std::find_if(hands_.begin(), hands_.end(), same); known != hands_.end())
     known->at = at;
   else
-    hands_.push_back({particle, at});
+    hands_.push_back({.particle = particle, .at = at, .from = at});
   held_[particle] = 1;
+}
+
+void ClothModel::begin_holds(double time, double h, const Eigen::VectorXd& x) {
+  for (Hand& hand : hands_) {
+    hand.from = x.segment<3>(3 * static_cast<Eigen::Index>(hand.particle));
+    hand.begun = time;
+    hand.length = h;
+  }
+}
+
+Vector3d ClothModel::Hand::place(double time) const {
+  const double gone = time - begun;
+  // Rounded sums of a step's parts may end a little before it.
+  if (gone >= (1.0 - kSameTime) * length) return at;
+  return from + std::max(0.0, gone / length) * (at - from);
 }
 
 bool ClothModel::let_go(std::size_t particle) {
@@ -152,7 +167,7 @@ void ClothModel::put_held(double time, Eigen::VectorXd& x) const {
     }
   }
   for (const Hand& hand : hands_)
-    x.segment<3>(3 * static_cast<Eigen::Index>(hand.particle)) = hand.at;
+    x.segment<3>(3 * static_cast<Eigen::Index>(hand.particle)) = hand.place(time);
 }
 
 void ClothModel::force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, ForcePart part,

@@ -39,8 +39,13 @@ class ClothModel : public NodalSystem {
   Status pin(std::span<const std::size_t> particles, MotionPath path, double until);
   // Lets go what is held until `time` or before; true if that was any.
   bool release_pins(double time);
+  // Makes room for one more hold, which then allocates nothing; there is room for sixteen.
+  void expect_hold() { hands_.reserve(hands_.capacity() + 1); }
   // A hand's hold on one particle, which goes before pins. particle: below size().
   void hold(std::size_t particle, const Eigen::Vector3d& at);
+  // The step from `time`, s, with the length `h`, begins at x: what hands hold goes straight and
+  // evenly from there to where they hold it. A hold that no step has begun is there at once.
+  void begin_holds(double time, double h, const Eigen::VectorXd& x);
   // True if it was held by a hand; a pin may hold it still.
   bool let_go(std::size_t particle);
 
@@ -87,7 +92,10 @@ class ClothModel : public NodalSystem {
   };
   struct Hand {
     std::size_t particle = 0;
-    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    Eigen::Vector3d at = Eigen::Vector3d::Zero(), from = Eigen::Vector3d::Zero();
+    double begun = 0.0, length = 0.0;  // of the step, s
+
+    Eigen::Vector3d place(double time) const;
   };
 
   explicit ClothModel(ClothParts parts);

@@ -117,6 +117,19 @@ Status check_collider(const SceneCollider& collider) {
   return check_cloth_motion(collider.motion);
 }
 
+Status check_hand(const ClothScene& scene, const ClothHand& hand) {
+  const auto named = [&hand](const SceneCloth& cloth) { return cloth.name == hand.cloth; };
+  const auto cloth = std::find_if(scene.cloths.begin(), scene.cloths.end(), named);
+  if (cloth == scene.cloths.end()) return content_error("there is no cloth '" + hand.cloth + "'");
+  const std::size_t particles = cloth->grid.columns * cloth->grid.rows;
+  if (particles > 0 && hand.particle >= particles)
+    return content_error("there is no particle " + std::to_string(hand.particle) + " of cloth '" +
+                         hand.cloth + "', only " + std::to_string(particles));
+  if (!(hand.from >= 0.0) || !(hand.until > hand.from))
+    return content_error("until must be later than from, and from not negative (s)");
+  return check_cloth_motion(hand.motion);
+}
+
 // Each with a name of its own.
 template <class Thing, class Check>
 Status check_named(const std::vector<Thing>& things, const std::string& kind, const Check& good) {
@@ -159,7 +172,11 @@ Status check_scene(const ClothScene& scene) {
   if (Status s = check_weather(scene); !s) return s;
   if (Status s = check_named(scene.cloths, "cloth", check_cloth); !s) return s;
   if (Status s = check_named(scene.balls, "ball", check_ball); !s) return s;
-  return check_named(scene.colliders, "collider", check_collider);
+  if (Status s = check_named(scene.colliders, "collider", check_collider); !s) return s;
+  for (std::size_t i = 0; i < scene.hands.size(); ++i)
+    if (Status s = check_hand(scene, scene.hands[i]); !s)
+      return about("hand " + std::to_string(i + 1), s.error());
+  return Success{};
 }
 
 }  // namespace tremolo

@@ -79,6 +79,17 @@ struct SceneBall {
   double restitution = 0.3;
 };
 
+// A hand that holds a particle of a cloth, named, from the step that begins at `from`, s, to
+// `until`: where it is then, and from there on as the motion maps the world. It is on its way's end
+// at the end of each step.
+struct ClothHand {
+  std::string cloth;
+  std::size_t particle = 0;
+  Motion motion;
+  double from = 0.0;
+  double until = kForEver;
+};
+
 struct ClothScene {
   std::string integrator = "implicit-euler";
   NodalOptions options;
@@ -90,11 +101,13 @@ struct ClothScene {
   std::vector<SceneCloth> cloths;
   std::vector<SceneBall> balls;
   std::vector<SceneCollider> colliders;
+  std::vector<ClothHand> hands;
 };
 
 // Errors, kContent, naming cloth, ball, collider or key: none of both grid and file, or both,
 // sizes and stiffnesses out of range (negative, not finite), a mass or density that is not
-// positive, pins that name no particle, names that stand twice, an integrator that is none.
+// positive, pins and hands that name no particle, names that stand twice, an integrator that is
+// none.
 Status check_scene(const ClothScene& scene);
 
 }  // namespace tremolo

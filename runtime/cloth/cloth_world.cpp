@@ -18,17 +18,6 @@ Vector3d wind_at(const ClothScene& scene, double t) {
   return scene.wind * (1.0 + scene.gust * std::sin(2.0 * M_PI * scene.gust_hz * t));
 }
 
-double free_cloth_kinetic(const WorldCloth& cloth) {
-  const auto held = cloth.model.held();
-  double twice = 0.0;
-  for (std::size_t i = 0; i < held.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    if (held[i] == 0)
-      twice += cloth.model.mass()[k] * cloth.state.v.segment<3>(3 * k).squaredNorm();
-  }
-  return 0.5 * twice;
-}
-
 // Sum of m x over a cloth, kg m.
 Vector3d first_moment(const WorldCloth& cloth) {
   Vector3d sum = Vector3d::Zero();
@@ -44,6 +33,17 @@ double ball_kinetic(const MovingBall& ball) {
 }
 
 }  // namespace
+
+double free_cloth_kinetic(const WorldCloth& cloth) {
+  const auto held = cloth.model.held();
+  double twice = 0.0;
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (held[i] == 0)
+      twice += cloth.model.mass()[k] * cloth.state.v.segment<3>(3 * k).squaredNorm();
+  }
+  return 0.5 * twice;
+}
 
 ClothWorld::ClothWorld(std::unique_ptr<Inside> inside) : inside_(std::move(inside)) {}
 ClothWorld::ClothWorld(ClothWorld&&) noexcept = default;
@@ -94,6 +94,7 @@ Status ClothWorld::Inside::advance_cloths(double t) {
   for (const auto& cloth : cloths) cloth->before = cloth->state;
   for (const auto& cloth : cloths) {
     cloth->state.time = t;
+    cloth->model.begin_holds(t, scene.options.step, cloth->state.x);
     const NodalReport report = cloth->integrator->step(cloth->state);
     if (!report.made) {
       for (const auto& other : cloths) {
@@ -161,7 +162,8 @@ bool ClothWorld::Inside::touch(double t, double h) {
 Status ClothWorld::step() {
   Inside& in = *inside_;
   const double h = in.scene.options.step, t = time();
-  in.release_pins(t + 1e-9 * h);
+  in.release_pins(t + kSameTime * h);
+  in.move_hands();
   in.set_weather(t + 0.5 * h);
   in.colliders.move(in.steps, h);
   const bool presses = in.cloths.front()->reactions != nullptr;
@@ -216,30 +218,6 @@ Status ClothWorld::set_state(std::size_t cloth, const Eigen::VectorXd& x,
   of.state.x = x;
   of.state.v = v;
   of.integrator->reset();
-  return Success{};
-}
-
-Status ClothWorld::hold(std::size_t cloth, std::size_t particle, const Vector3d& at) {
-  if (cloth >= cloths() || particle >= particles(cloth))
-    return usage_error("there is no particle " + std::to_string(particle) + " of cloth " +
-                       std::to_string(cloth));
-  if (!at.allFinite()) return usage_error("the point that holds is not finite");
-  WorldCloth& of = *inside_->cloths[cloth];
-  const double before = free_cloth_kinetic(of);
-  of.model.hold(particle, at);
-  inside_->told.pins += free_cloth_kinetic(of) - before;
-  of.integrator->reset();
-  return Success{};
-}
-
-Status ClothWorld::let_go(std::size_t cloth, std::size_t particle) {
-  if (cloth >= cloths() || particle >= particles(cloth))
-    return usage_error("there is no particle " + std::to_string(particle) + " of cloth " +
-                       std::to_string(cloth));
-  WorldCloth& of = *inside_->cloths[cloth];
-  const double before = free_cloth_kinetic(of);
-  if (of.model.let_go(particle)) of.integrator->reset();
-  inside_->told.pins += free_cloth_kinetic(of) - before;
   return Success{};
 }
 

@@ -11,6 +11,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -47,6 +48,14 @@ class ClothWorld {
   const ClothScene& scene() const;
   double time() const;
   std::int64_t steps() const;
+
+  // Another method and another step, s, from now on; the time goes to the nearest multiple of it.
+  // Errors, and nothing is changed: those below; kSystem.
+  Status set_method(std::string_view integrator, double step);
+  // The step, s, up to which a method is stable, at rest and as the cloths lie now; infinity for
+  // methods that have no limit. Errors (kUsage): a name that is none, a `step` that is not positive
+  // and finite, or beyond the limit.
+  Result<double> stability_limit_of(std::string_view integrator, double step) const;
 
   // Why a step was not made; nothing was moved then.
   Status step();

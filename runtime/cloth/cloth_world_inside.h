@@ -24,6 +24,18 @@ struct WorldCloth {
   bool touched = false;
 };
 
+// Kinetic energy of the particles that are not held, J.
+double free_cloth_kinetic(const WorldCloth& cloth);
+
+// A hand of the scene. base: where its particle was when it was taken, without the motion, m.
+struct WorldHand {
+  std::size_t cloth = 0, particle = 0;
+  MotionPath path;
+  double from = 0.0, until = kForEver;
+  bool holds = false, over = false;
+  Eigen::Vector3d base = Eigen::Vector3d::Zero();
+};
+
 struct ClothWorld::Inside {
   ClothScene scene;
   std::vector<std::unique_ptr<WorldCloth>> cloths;
@@ -31,6 +43,7 @@ struct ClothWorld::Inside {
   std::vector<MovingBall> balls;
   std::vector<Ball> shown;
   SceneColliders colliders;
+  std::vector<WorldHand> hands;
   ClothContact contact;
   ClothSurroundings around;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
@@ -40,7 +53,11 @@ struct ClothWorld::Inside {
   std::int64_t steps = 0, iterations = 0, cut_steps = 0;
 
   Status add_cloth(const SceneCloth& wanted);
-  Status check_limit();
+  Status check_limit() const;
+  Status add_hand(const ClothHand& wanted);
+  void hold(WorldCloth& cloth, std::size_t particle, const Eigen::Vector3d& at);
+  void let_go(WorldCloth& cloth, std::size_t particle);
+  void move_hands();
   Status check_apart() const;
   void set_weather(double t);
   void release_pins(double t);

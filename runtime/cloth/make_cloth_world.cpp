@@ -1,6 +1,7 @@
 // ClothWorld::create: a scene's cloths, balls and colliders, and what is refused.
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <string>
 #include <utility>
@@ -79,20 +80,69 @@ Status ClothWorld::Inside::add_cloth(const SceneCloth& wanted) {
 void ClothWorld::Inside::make_reactions() {
   around.balls = balls;
   around.ways.resize(balls.size());
-  if (!solves_steps() || (balls.empty() && scene.colliders.empty())) return;
+  const bool any = solves_steps() && !(balls.empty() && scene.colliders.empty());
   for (const auto& cloth : cloths) {
+    if (any == (cloth->reactions != nullptr)) continue;
+    cloth->model.set_contact(nullptr);
+    cloth->reactions.reset();
+    if (!any) continue;
     cloth->reactions =
         std::make_unique<ClothReactions>(cloth->model, around, cloth->scene.thickness);
     cloth->model.set_contact(cloth->reactions.get());
   }
 }
 
-Status ClothWorld::Inside::check_limit() {
-  const double step = scene.options.step;
+namespace {
+
+Status check_stable(std::string_view integrator, double step, double limit) {
   if (step <= limit * (1.0 + 1e-9)) return Success{};
   return usage_error("a step of " + number_text(1e3 * step) + " ms is unstable with " +
-                     scene.integrator + ": the limit is " + milliseconds_text(limit) +
+                     std::string(integrator) + ": the limit is " + milliseconds_text(limit) +
                      (limit > 0.0 ? "" : " without dampers"));
+}
+
+}  // namespace
+
+Status ClothWorld::Inside::check_limit() const {
+  return check_stable(scene.integrator, scene.options.step, limit);
+}
+
+Result<double> ClothWorld::stability_limit_of(std::string_view integrator, double step) const {
+  if (!(step > 0.0) || !std::isfinite(step))
+    return usage_error("a step must be positive and finite, got " + number_text(step) + " s");
+  const auto names = nodal_integrator_names();
+  if (std::find(names.begin(), names.end(), integrator) == names.end())
+    return usage_error("there is no method '" + std::string(integrator) + "'");
+  double limit = std::numeric_limits<double>::infinity();
+  for (const auto& cloth : inside_->cloths) {
+    for (const Eigen::VectorXd* x :
+         std::initializer_list<const Eigen::VectorXd*>{&cloth->model.parts().x, &cloth->state.x})
+      limit = std::min(limit, stable_step(integrator, cloth->model, *x));
+    if (Status s = check_stable(integrator, step, limit); !s)
+      return of_cloth(cloth->scene, s.error());
+  }
+  return limit;
+}
+
+Status ClothWorld::set_method(std::string_view integrator, double step) {
+  const Result<double> limit = stability_limit_of(integrator, step);
+  if (!limit) return limit.error();
+  Inside& in = *inside_;
+  NodalOptions options = in.scene.options;
+  options.step = step;
+  std::vector<std::unique_ptr<NodalIntegrator>> made;
+  for (const auto& cloth : in.cloths) {
+    auto one = make_nodal_integrator(integrator, cloth->model, options);
+    if (!one) return of_cloth(cloth->scene, one.error());
+    made.push_back(std::move(*one));
+  }
+  for (std::size_t i = 0; i < made.size(); ++i) in.cloths[i]->integrator = std::move(made[i]);
+  in.steps = std::llround(time() / step);
+  in.scene.integrator = integrator;
+  in.scene.options = options;
+  in.limit = *limit;
+  in.make_reactions();
+  return Success{};
 }
 
 Status ClothWorld::Inside::check_apart() const {
@@ -142,6 +192,8 @@ Result<ClothWorld> ClothWorld::create(const ClothScene& scene) {
   if (Status s = take(inside->colliders, make_colliders(scene)); !s) return s.error();
   if (Status s = inside->check_apart(); !s) return s.error();
   inside->make_reactions();
+  for (const ClothHand& hand : scene.hands)
+    if (Status s = inside->add_hand(hand); !s) return s.error();
   return ClothWorld(std::move(inside));
 }
 

@@ -1,5 +1,6 @@
 #include "runtime/scene_reader/cloth_reader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -123,6 +124,29 @@ Result<SceneBall> read_ball(const toml::table& table, std::size_t number, const 
   return ball;
 }
 
+// cloths: those of the scene, read already; a hand that names none holds the first one.
+Result<ClothHand> read_cloth_hand(const toml::table& table, std::size_t number,
+                                  const std::string& path, std::vector<std::string>& files,
+                                  const std::vector<SceneCloth>& cloths) {
+  ClothHand hand;
+  const std::string what = "hand " + std::to_string(number);
+  TomlKeys keys(table, path, what);
+  if (!keys.has("at")) keys.fail("at", "it has no `at`");
+  if (!cloths.empty()) hand.cloth = cloths.front().name;
+  keys.read("cloth", hand.cloth);
+  const auto named = [&hand](const SceneCloth& cloth) { return cloth.name == hand.cloth; };
+  const auto cloth = std::find_if(cloths.begin(), cloths.end(), named);
+  if (cloth == cloths.end())
+    keys.fail("cloth", "there is no cloth '" + hand.cloth + "'");
+  else
+    hand.particle = read_particle(keys, "at", *cloth);
+  keys.read("from", hand.from);
+  keys.read("until", hand.until);
+  if (Status s = take(hand.motion, read_motion(keys, path, what, files)); !s) return s.error();
+  if (Status s = keys.finish(); !s) return s.error();
+  return hand;
+}
+
 void read_solve(TomlKeys& keys, ClothScene& scene) {
   keys.read("step", scene.options.step);
   keys.read("duration", scene.duration);
@@ -156,6 +180,7 @@ Result<ClothFile> parse_cloths(std::string_view text, const std::string& path) {
   if (!table) return table.error();
   ClothFile file;
   file.path = path;
+  file.text = text;
   ClothScene& scene = file.scene;
   TomlKeys keys(*table, path, "");
   read_solve(keys, scene);
@@ -169,6 +194,12 @@ Result<ClothFile> parse_cloths(std::string_view text, const std::string& path) {
     return s.error();
   if (Status s = read_all(keys, "balls", path, files, scene.balls, read_ball); !s) return s.error();
   if (Status s = read_all(keys, "colliders", path, files, scene.colliders, read_collider); !s)
+    return s.error();
+  const auto read_hand_of = [&scene](const toml::table& entry, std::size_t number,
+                                     const std::string& from, std::vector<std::string>& known) {
+    return read_cloth_hand(entry, number, from, known, scene.cloths);
+  };
+  if (Status s = read_all(keys, "hands", path, files, scene.hands, read_hand_of); !s)
     return s.error();
   if (Status s = keys.finish(); !s) return s.error();
   if (Status s = check_scene(scene); !s) return error_of_file(path, s.error());

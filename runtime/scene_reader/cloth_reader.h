@@ -11,9 +11,11 @@
 
 namespace tremolo {
 
-// files: what the scene was read from beside `path`: CSV files of gravity and motions.
+// text: the file's. files: what the scene was read from beside `path`: CSV files of gravity and
+// motions.
 struct ClothFile {
   std::string path;
+  std::string text;
   ClothScene scene;
   SceneOutputs outputs;
   std::vector<std::string> files;

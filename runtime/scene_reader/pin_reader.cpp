@@ -144,6 +144,17 @@ Result<ClothPin> read_pin(const toml::table& table, const std::string& path,
 
 }  // namespace
 
+std::size_t read_particle(TomlKeys& keys, const char* key, const SceneCloth& cloth) {
+  std::string place;
+  keys.read_text_or_number(key, place);
+  std::vector<std::size_t> particles;
+  if (keys.good()) add_place(keys, key, cloth, place, particles);
+  if (keys.good() && particles.size() != 1)
+    keys.fail(key, "'" + place + "' is " + std::to_string(particles.size()) +
+                       " particles, a hand holds one: near:X,Y,Z takes the nearest");
+  return keys.good() ? particles.front() : 0;
+}
+
 Status read_pins(TomlKeys& keys, const std::string& path, const std::string& what,
                  std::vector<std::string>& files, SceneCloth& cloth) {
   const toml::node* node = keys.find("pins");

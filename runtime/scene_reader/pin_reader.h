@@ -19,4 +19,7 @@ namespace tremolo {
 Status read_pins(TomlKeys& keys, const std::string& path, const std::string& what,
                  std::vector<std::string>& files, SceneCloth& cloth);
 
+// One particle of a cloth, by a place as above. Errors also for places of several.
+std::size_t read_particle(TomlKeys& keys, const char* key, const SceneCloth& cloth);
+
 }  // namespace tremolo

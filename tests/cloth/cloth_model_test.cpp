@@ -265,5 +265,23 @@ TEST(ClothModel, AGridWeighsWhatItsAreaDoes) {
   EXPECT_EQ(model.parts().triangles.size(), 2U * 12 * 8);
 }
 
+TEST(ClothModel, AHoldGoesStraightThroughAStep) {
+  ClothModel model = testing::sample_model(testing::sample_sheet(4, 4));
+  VectorXd x = model.parts().x;
+  const Vector3d begun = x.segment<3>(15), goal = begun + Vector3d(0.1, -0.2, 0.3);
+  model.hold(5, goal);
+  const auto at = [&model](double time) {
+    VectorXd y = model.parts().x;
+    model.put_held(time, y);
+    return Vector3d(y.segment<3>(15));
+  };
+  EXPECT_EQ(at(0.0), goal);
+  model.begin_holds(2.0, 0.5, x);
+  EXPECT_EQ(at(2.0), begun);
+  EXPECT_LE((at(2.125) - (0.75 * begun + 0.25 * goal)).norm(), 1e-15);
+  EXPECT_EQ(at(2.5), goal);
+  EXPECT_EQ(at(2.5 - 1e-12), goal);
+}
+
 }  // namespace
 }  // namespace tremolo

@@ -121,12 +121,127 @@ TEST(ClothWorld, HandsHoldAndLetGo) {
   EXPECT_FALSE(world->hold(0, 100000, at));
 }
 
+// A sheet in the air and a hand on its particle 17 from 0.02 s to 0.06 s.
+ClothScene sheet_in_hand(const std::string& method, double step) {
+  ClothScene scene = sheet_above_ball(true);
+  scene.integrator = method;
+  scene.options.step = step;
+  scene.balls.clear();
+  ClothHand hand;
+  hand.cloth = scene.cloths[0].name;
+  hand.particle = 17;
+  hand.from = 0.02;
+  hand.until = 0.06;
+  const Pose up{Vector3d(0.05, 0.0, 0.1), Eigen::Quaterniond::Identity()};
+  hand.motion.parts = {
+      KeyframeMotion{.keys = {{0.0, {}}, {0.1, up}}, .interpolation = Interpolation::kLinear}};
+  scene.hands = {hand};
+  return scene;
+}
+
+TEST(ClothWorld, AHandOfTheSceneGoesItsWayFromWhereItTookTheParticle) {
+  const ClothScene scene = sheet_in_hand("symplectic-euler", 5e-4);
+  ClothScene without = scene;
+  without.hands.clear();
+  Result<ClothWorld> world = ClothWorld::create(scene), other = ClothWorld::create(without);
+  ASSERT_TRUE(world && other) << (world ? other : world).error().message;
+  const auto place = [](const ClothWorld& of) { return Vector3d(of.positions(0).segment<3>(51)); };
+  const Vector3d speed(0.5, 0.0, 1.0);
+  Vector3d taken = Vector3d::Zero();
+  for (int k = 0; k < 160; ++k) {
+    if (k == 40) taken = place(*world);
+    ASSERT_TRUE(world->step());
+    ASSERT_TRUE(other->step());
+    if (k < 40) {
+      EXPECT_EQ(world->positions(0), other->positions(0)) << k;
+    } else if (k < 120) {
+      // Rounding of places of 1 m.
+      EXPECT_LE((place(*world) - taken - (k - 39) * 5e-4 * speed).norm(), 1e-14) << k;
+      EXPECT_EQ(world->model(0).held()[17], 1);
+    } else {
+      EXPECT_EQ(world->model(0).held()[17], 0);
+    }
+  }
+  // It lifts the sheet.
+  EXPECT_GT(world->energy().pins, 0.0);
+  EXPECT_EQ(other->energy().pins, 0.0);
+}
+
+// Methods that carry something from step to step go on with it.
+TEST(ClothWorld, AHandThatRestsIsAPin) {
+  for (const char* method : {"symplectic-euler", "implicit-euler", "newmark", "bdf2", "energy"}) {
+    ClothScene held = sheet_in_hand(method, 5e-4);
+    ClothScene pinned = held;
+    held.hands[0].from = 0.0;
+    held.hands[0].motion.parts.clear();
+    pinned.hands.clear();
+    ClothPin pin;
+    pin.particles = {held.hands[0].particle};
+    pin.until = held.hands[0].until;
+    pinned.cloths[0].pins = {pin};
+    Result<ClothWorld> world = ClothWorld::create(held), other = ClothWorld::create(pinned);
+    ASSERT_TRUE(world && other) << method;
+    for (int k = 0; k < 160; ++k) {
+      ASSERT_TRUE(world->step());
+      ASSERT_TRUE(other->step());
+      ASSERT_EQ(world->positions(0), other->positions(0)) << method << k;
+    }
+    EXPECT_EQ(world->model(0).held()[17], 0) << method;
+  }
+}
+
+TEST(ClothWorld, OfHandsOnOneParticleTheNextTakesItWhereTheLastLetsGo) {
+  ClothScene scene = sheet_in_hand("implicit-euler", 0.01);
+  ClothHand next = scene.hands[0];
+  next.from = scene.hands[0].until;
+  next.until = 0.1;
+  next.motion.parts.clear();
+  scene.hands.insert(scene.hands.begin(), next);
+  Result<ClothWorld> world = ClothWorld::create(scene);
+  ASSERT_TRUE(world) << world.error().message;
+  for (int k = 0; k < 6; ++k) ASSERT_TRUE(world->step());
+  const Vector3d there = world->positions(0).segment<3>(51);
+  for (int k = 6; k < 10; ++k) {
+    ASSERT_TRUE(world->step());
+    EXPECT_EQ(Vector3d(world->positions(0).segment<3>(51)), there);
+  }
+  ASSERT_TRUE(world->step());
+  EXPECT_EQ(world->model(0).held()[17], 0);
+}
+
+// However many parts a step is cut into, it ends with the speed of the hand's way.
+TEST(ClothWorld, AHandGoesEvenlyThroughAStepThatIsCut) {
+  ClothScene scene = sheet_in_hand("implicit-euler", 0.02);
+  scene.hands.clear();
+  scene.options.max_iterations = 8;
+  scene.options.tolerance = 1e-8;
+  Result<ClothWorld> world = ClothWorld::create(scene);
+  ASSERT_TRUE(world) << world.error().message;
+  const Vector3d way(0.01, 0.02, 0.03), begun = world->positions(0).head<3>();
+  for (int k = 1; k <= 3; ++k) {
+    ASSERT_TRUE(world->hold(0, 0, begun + k * way));
+    ASSERT_TRUE(world->step()) << k;
+    EXPECT_EQ(world->cut_steps(), k);
+    EXPECT_EQ(Vector3d(world->positions(0).head<3>()), begun + k * way);
+    // Rounding of places of 1 m over a 64th of the step at least.
+    EXPECT_LE((world->velocities(0).head<3>() - way / 0.02).norm(), 1e-11);
+  }
+}
+
 TEST(ClothWorld, BadScenesAreRefusedByName) {
   struct Bad {
     const char* word;
     std::function<void(ClothScene&)> spoil;
   };
-  const std::array<Bad, 9> all = {
+  const auto held = [](std::string cloth, std::size_t particle, double from, double until) {
+    return [=](ClothScene& s) { s.hands = {ClothHand{cloth, particle, {}, from, until}}; };
+  };
+  const std::string sheet = sheet_above_ball(true).cloths[0].name;
+  const std::array<Bad, 13> all = {
+      Bad{"hand 1: there is no cloth 'silk'", held("silk", 0, 0.0, 1.0)},
+      Bad{"hand 1: there is no particle 196", held(sheet, 196, 0.0, 1.0)},
+      Bad{"hand 1: until must be later than from", held(sheet, 0, 2.0, 1.0)},
+      Bad{"hand 1: until must be later than from", held(sheet, 0, -1.0, 1.0)},
       Bad{"stiffness", [](ClothScene& s) { s.cloths[0].shear.stiffness = -1.0; }},
       Bad{"density", [](ClothScene& s) { s.cloths[0].density = 0.0; }},
       Bad{"columns", [](ClothScene& s) { s.cloths[0].grid.columns = 1; }},

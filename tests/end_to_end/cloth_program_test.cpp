@@ -220,6 +220,12 @@ TEST_F(ClothProgram, BadInputIsNamed) {
       {head + "[[balls]]\nmass = 0\n", "mass"},
       {head + "[[balls]]\nfixed = true\nmass = 2\n", "is of a ball that is not fixed"},
       {head + "[[balls]]\nposition = [0.3, 0.3, 0]\nradius = 0.2\n", "ball-1"},
+      {head + "[[hands]]\nfrom = 1\n", "hand 1: it has no `at`"},
+      {head + "[[hands]]\nat = 16\n", "there is no particle 16"},
+      {head + "[[hands]]\nat = \"top\"\n", "'top' is 4 particles, a hand holds one"},
+      {head + "[[hands]]\nat = 1\ncloth = \"silk\"\n", "there is no cloth 'silk'"},
+      {head + "[[hands]]\nat = 1\nfrom = 2\nuntil = 1\n", "until must be later than from"},
+      {head + "[[hands]]\nat = 1\nstiffness = 3\n", "hand 1: unknown key 'stiffness'"},
       {"integrator = \"ep4\"\n" + head, "ep4"},
       {head + "[[bodies]]\nname = \"horse\"\n", "do not go together"},
   });

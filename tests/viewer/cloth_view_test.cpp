@@ -61,6 +61,71 @@ TEST(ClothView, TheSecondSceneStandsBesideTheFirstAndIsTakenThere) {
   EXPECT_FALSE(scenes->hand());
 }
 
+TEST(ClothView, MethodsAndStepsAreSwitchedAndRefusedBeyondTheirLimit) {
+  Result<ClothScenes> scenes = two_squares();
+  ASSERT_TRUE(scenes) << scenes.error().message;
+  ASSERT_EQ(scenes->methods().size(), 12U);
+  for (int k = 0; k < 6; ++k) ASSERT_TRUE(scenes->step());
+  ASSERT_TRUE(scenes->choose(1, "energy"));
+  EXPECT_EQ(scenes->chosen(), (std::vector<std::string>{"implicit-euler", "energy"}));
+  const Eigen::VectorXd x = scenes->shown()[0].world.positions(0);
+  const Status refused = scenes->choose(0, "rk4");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("the limit is"), std::string::npos)
+      << refused.error().message;
+  EXPECT_FALSE(scenes->choose(0, "magic"));
+  EXPECT_FALSE(scenes->set_step_size(0.0));
+  EXPECT_EQ(scenes->chosen()[0], "implicit-euler");
+  EXPECT_EQ(scenes->shown()[0].world.positions(0), x);
+  ASSERT_TRUE(scenes->set_step_size(1e-4));
+  EXPECT_NEAR(scenes->time(), 0.1, 5e-5);
+  EXPECT_EQ(scenes->shown()[1].world.scene().options.step, 1e-4);
+  ASSERT_TRUE(scenes->choose(0, "rk4"));
+  for (int k = 0; k < 10; ++k) ASSERT_TRUE(scenes->step());
+  EXPECT_NEAR(scenes->time(), 0.101, 5e-5);
+  // The step that the first one cannot take is given to neither.
+  EXPECT_FALSE(scenes->set_step_size(1.0 / 60.0));
+  EXPECT_EQ(scenes->shown()[1].world.scene().options.step, 1e-4);
+  ASSERT_TRUE(scenes->begin_again());
+  EXPECT_EQ(scenes->chosen()[0], "rk4");
+  EXPECT_EQ(scenes->step_size(), 1e-4);
+}
+
+// Two pulls, of which the second is not let go.
+TEST(ClothView, ARecordedHandDoesItAgainToTheBit) {
+  for (const char* method : {"implicit-euler", "bdf2", "energy"}) {
+    Result<ClothFile> file = parse_cloths(kSquare, "square.toml");
+    ASSERT_TRUE(file) << file.error().message;
+    file->scene.integrator = method;
+    Result<ClothScenes> scenes = ClothScenes::create({*file});
+    ASSERT_TRUE(scenes) << scenes.error().message;
+    ASSERT_TRUE(scenes->record_hand());
+    EXPECT_FALSE(scenes->choose(0, "energy"));
+    EXPECT_FALSE(scenes->set_step_size(0.001));
+    for (int k = 0; k < 40; ++k) {
+      if (k == 3 || k == 25) {
+        ASSERT_TRUE(scenes->take({Vector3d(0.22, -0.28, 3.0), -Vector3d::UnitZ()})) << k;
+      }
+      if (k == 17) scenes->let_go();
+      // It rests for some steps in between.
+      if (scenes->hand())
+        scenes->move_to(*scenes->hand() + Vector3d(0.0013, 0.0007, k < 8 || k > 12 ? 0.003 : 0.0));
+      ASSERT_TRUE(scenes->step());
+    }
+    const std::string path = fresh_folder() + "/hand.toml";
+    ASSERT_TRUE(scenes->write_hand(path));
+    const Result<ClothFile> again = parse_cloths(testing::slurp(path), path);
+    ASSERT_TRUE(again) << again.error().message;
+    ASSERT_EQ(again->scene.hands.size(), 2U);
+    EXPECT_EQ(again->scene.integrator, method);
+    Result<ClothWorld> world = ClothWorld::create(again->scene);
+    ASSERT_TRUE(world) << world.error().message;
+    for (int k = 0; k < 40; ++k) ASSERT_TRUE(world->step());
+    EXPECT_EQ(world->positions(0), scenes->shown()[0].world.positions(0)) << method;
+    EXPECT_EQ(world->energy().pins, scenes->shown()[0].world.energy().pins) << method;
+  }
+}
+
 TEST(ClothView, ASheetIsDrawnWhereItIs) {
   if (const std::string why = testing::no_pictures(); !why.empty()) GTEST_SKIP() << why;
   const std::string folder = fresh_folder();
@@ -95,18 +160,19 @@ TEST(ClothView, FlagsThatAreOfBodiesAreRefused) {
   const std::string folder = fresh_folder();
   std::ofstream(folder + "/square.toml") << kSquare;
   for (const char* flags :
-       {"--colour stress --offscreen --out a", "--record-hand a.toml", "--texture a.png",
-        "--offscreen", "--video a.mp4", "--beside square.toml --step 0 --offscreen --out a"}) {
+       {"--colour stress --offscreen --out a", "--record-hand a.toml --offscreen --out a",
+        "--record-hand a.toml --beside square.toml", "--texture a.png", "--offscreen",
+        "--video a.mp4", "--beside square.toml --step 0 --offscreen --out a"}) {
     const ProgramResult result = run_program(folder, testing::kView + "square.toml " + flags);
     EXPECT_TRUE(result.code == 2 || result.code == 3) << flags << result.err;
   }
 }
 
-TEST(ClothView, ADragInTheWindowPullsAParticle) {
+TEST(ClothView, ADragInTheWindowPullsAParticleAndTheRecordDoesItAgain) {
   const std::string folder = fresh_folder();
   std::ofstream(folder + "/square.toml") << kSquare;
-  const auto [shots, no_window] =
-      testing::drag_in_window(folder, "390 290", "square.toml --camera 0,80 --paused");
+  const auto [shots, no_window] = testing::drag_in_window(
+      folder, "390 290", "square.toml --camera 0,80 --record-hand hand.toml");
   if (!no_window.empty()) GTEST_SKIP() << no_window;
   const auto& [result, json] = shots;
   ASSERT_EQ(result.code, 0) << result.err;
@@ -114,6 +180,33 @@ TEST(ClothView, ADragInTheWindowPullsAParticle) {
   EXPECT_EQ(json["pulls"], 1) << result.out;
   EXPECT_GT(json["longest_pull"].get<double>(), 0.02) << result.out;
   EXPECT_GT(json["pictures"].get<int>(), 3);
+  const std::string path = folder + "/hand.toml";
+  const Result<ClothFile> again = parse_cloths(testing::slurp(path), path);
+  ASSERT_TRUE(again) << again.error().message;
+  ASSERT_EQ(again->scene.hands.size(), 1U);
+  Result<ClothWorld> world = ClothWorld::create(again->scene);
+  ASSERT_TRUE(world) << world.error().message;
+  while (world->steps() < json["steps"].get<int>()) ASSERT_TRUE(world->step());
+  EXPECT_EQ(world->energy().pins, json["hand_work"].get<double>());
+}
+
+TEST(ClothView, AKeyThatIsHeldDownSwitchesOnceAndStepsOften) {
+  const std::string folder = fresh_folder();
+  std::ofstream(folder + "/square.toml") << kSquare;
+  const auto [shots, no_window] =
+      testing::hold_keys(folder, "m bracketleft period", "square.toml --paused");
+  if (!no_window.empty()) GTEST_SKIP() << no_window;
+  const auto& [result, json] = shots;
+  ASSERT_EQ(result.code, 0) << result.err;
+  ASSERT_FALSE(json.is_discarded()) << result.out << result.err;
+  Result<ClothScenes> scenes = two_squares();
+  ASSERT_TRUE(scenes) << scenes.error().message;
+  const auto names = scenes->methods();
+  const auto usual = std::find(names.begin(), names.end(), scenes->chosen()[0]);
+  EXPECT_EQ(json["methods"][0], *(usual + 1)) << result.out;
+  EXPECT_EQ(json["step"], 0.5 * scenes->step_size()) << result.out;
+  // So keys do repeat here.
+  EXPECT_GT(json["steps"].get<int>(), 5) << result.out;
 }
 
 }  // namespace

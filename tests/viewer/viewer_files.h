@@ -37,24 +37,37 @@ inline Shots shoot(const std::string& folder, const std::string& what, const std
   return shots;
 }
 
-// The window of `tremolo view WHAT`, dragged from its middle X, Y, in pixels, and closed after some
+// The window of `tremolo view WHAT` with the mouse at its middle X, Y, in pixels, closed after some
 // seconds. no_window: why there is none here; empty where there was one.
 struct Windowed {
   Shots shots;
   std::string no_window;
 };
 
-inline Windowed drag_in_window(const std::string& folder, const std::string& middle,
-                               const std::string& what) {
+// before: variables of the script's.
+inline Windowed use_window(const std::string& folder, const std::string& before,
+                           const std::string& middle, const std::string& what) {
   Windowed run;
   auto& [result, json] = run.shots;
-  result = run_program(folder, TREMOLO_SOURCE_DIR "/tests/viewer/window.sh . 9 " + middle + " " +
-                                   kView + what + " --lights 2 --size 780x580 --json");
+  result = run_program(folder, before + TREMOLO_SOURCE_DIR "/tests/viewer/window.sh . 9 " + middle +
+                                   " " + kView + what + " --lights 2 --size 780x580 --json");
   if (result.code == 77) run.no_window = "there is no Xvfb or no xdotool";
   if (result.code == 1 && result.err.find("no window with OpenGL") != std::string::npos)
     run.no_window = result.err;
   json = nlohmann::json::parse(result.out, nullptr, false);
   return run;
+}
+
+// Dragged from there.
+inline Windowed drag_in_window(const std::string& folder, const std::string& middle,
+                               const std::string& what) {
+  return use_window(folder, "", middle, what);
+}
+
+// Each of the keys, as xdotool names them, is held down until it repeats.
+inline Windowed hold_keys(const std::string& folder, const std::string& keys,
+                          const std::string& what) {
+  return use_window(folder, "HOLD='" + keys + "' ", "390 290", what);
 }
 
 }  // namespace tremolo::testing

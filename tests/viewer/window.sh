@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # A window under Xvfb, driven as a user would: a body is pulled, the window made tiny and large again,
-# a key pressed. usage: window.sh FOLDER SECONDS X Y PROGRAM ARGUMENT...; exit code 77: no Xvfb.
-# Standard output is the program's.
+# a key pressed. usage: window.sh FOLDER SECONDS X Y PROGRAM ARGUMENT...; exit code 77: no Xvfb. With HOLD=KEYS
+# each of these keys is held down for so long that it repeats, and nothing else is done. Standard output is the
+# program's.
 set -u
 folder=$1 seconds=$2 x=$3 y=$4
 shift 4
@@ -25,6 +26,14 @@ if [ -n "$window" ]; then
   sleep 1
   xdotool mousemove "$x" "$y"
   sleep 0.5
+  for key in ${HOLD:-}; do
+    xdotool keydown "$key"
+    sleep 1.2
+    xdotool keyup "$key"
+    sleep 0.2
+  done
+fi
+if [ -n "$window" ] && [ -z "${HOLD:-}" ]; then
   xdotool mousedown 1
   sleep 1
   for _ in 1 2 3 4 5 6; do

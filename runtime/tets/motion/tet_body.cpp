@@ -171,6 +171,56 @@ void TetBody::find_forces() {
     force_.segment<3>(body_at(i)) = weight_[body_at(i)] * options_.gravity;
   system_.add_force(force_);
   if (options_.beta > 0.0) system_.add_damping_force(velocity_, options_.beta, force_);
+  if (hand_) add_hand_force();
+}
+
+void TetBody::add_hand_force() {
+  add_to_held(hand_->stiffness * (hand_->point - hand_->of(s_)) +
+              hand_->damping * (hand_->velocity - hand_->of(velocity_)));
+}
+
+// A force on the place that the hand holds.
+void TetBody::add_to_held(const Eigen::Vector3d& force) {
+  for (std::size_t k = 0; k < hand_->nodes.size(); ++k)
+    force_.segment<3>(body_at(hand_->nodes[k])) += hand_->shares[k] * force;
+}
+
+Status TetBody::set_hand(const std::optional<TetHand>& hand) {
+  if (hand) {
+    for (const std::uint32_t node : hand->nodes)
+      if (node >= model().nodes())
+        return usage_error("a hand holds control point " + std::to_string(node) +
+                           ", but there are " + std::to_string(model().nodes()));
+    for (const double value : {hand->stiffness, hand->damping})
+      if (!(value >= 0.0) || !std::isfinite(value))
+        return usage_error("a hand's stiffness and damping must be finite and not negative");
+    const bool finite = std::all_of(hand->shares.begin(), hand->shares.end(),
+                                    [](double share) { return std::isfinite(share); });
+    if (!finite || !hand->point.allFinite() || !hand->velocity.allFinite())
+      return usage_error("a hand's place, point or velocity is not finite");
+  }
+  hand_ = hand;
+  has_acceleration_ = false;
+  return Success{};
+}
+
+Eigen::Matrix3d TetBody::give_at(const TetHand& place) {
+  constexpr double kGiveTolerance = 1e-6;
+  constexpr int kGiveIterations = 2000;
+  system_.evaluate(now_.x);
+  system_.assemble({0.0, {1.0, 0.0, TangentKind::kFrozen}}, matrix_);
+  Eigen::Matrix3d give;
+  for (int axis = 0; axis < 3; ++axis) {
+    residual_.setZero();
+    for (std::size_t k = 0; k < place.nodes.size(); ++k)
+      residual_[body_at(place.nodes[k]) + axis] += place.shares[k];
+    system_.fold(residual_);
+    clear_held(system_.active(), residual_);
+    solve_.solve(matrix_, residual_, kGiveTolerance, kGiveIterations, correction_);
+    system_.follow_ends(correction_);
+    give.col(axis) = place.of(correction_);
+  }
+  return give;
 }
 
 // r = E^T (M g^2 (d - d_a) - F); not folded, it stays in force_.
@@ -233,9 +283,10 @@ bool TetBody::solve_by_factor() {
   return true;
 }
 
-// The rigid motions in the residual, which no elastic force balances, are taken out exactly.
+// The rigid motions in the residual, which no elastic force balances, are taken out exactly; where
+// something holds the body they are no longer free.
 void TetBody::balance_momenta() {
-  if (held_) return;
+  if (held_ || hand_) return;
   for (int pass = 0; pass < 3; ++pass) {
     if (!rigid_correction(model(), s_, residual_, stage_.rate * stage_.rate, correction_)) return;
     way_ += correction_;
@@ -256,13 +307,14 @@ void TetBody::find_acceleration() {
   way_.setZero();
   find_forces();
   close_residual();
-  if (options_.alpha > 0.0 || options_.beta > 0.0) {
+  if (options_.alpha > 0.0 || options_.beta > 0.0 || hand_) {
     // With a rate of zero the velocity was zero: damping of the state's own comes on top.
     force_.setZero();
     velocity_ = options_.alpha * now_.v;
     model().mass_times(velocity_, force_);
     force_ = -force_;
     if (options_.beta > 0.0) system_.add_damping_force(now_.v, options_.beta, force_);
+    if (hand_) add_to_held(-hand_->damping * hand_->of(now_.v));
     system_.fold(force_);
     clear_held(system_.active(), force_);
     residual_ -= force_;

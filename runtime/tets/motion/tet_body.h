@@ -13,6 +13,7 @@
 #include "runtime/sparse/block_cholesky.h"
 #include "runtime/tets/elements/tet_system.h"
 #include "runtime/tets/motion/degree_choice.h"
+#include "runtime/tets/motion/tet_hand.h"
 #include "runtime/tets/solve/active_solve.h"
 #include "runtime/tets/solve/mass_projection.h"
 #include "runtime/tets/solve/tet_stage.h"
@@ -85,6 +86,14 @@ class TetBody {
   // it took, J.
   double set_degrees(std::span<const std::uint8_t> degrees);
 
+  // What pulls at the body from the next step on; nothing: no hand. Errors (kUsage), and nothing is
+  // changed: control points that are none, a stiffness or damping that is negative, what is not
+  // finite.
+  Status set_hand(const std::optional<TetHand>& hand);
+  const std::optional<TetHand>& hand() const { return hand_; }
+  // By how much a force on a place of a body that is held moves it at rest where it is now, m/N.
+  Eigen::Matrix3d give_at(const TetHand& place);
+
   // Makes a step by itself. contact: what it touches; null: nothing. Where it fails, the state is
   // as before.
   TetStepReport step(TetContact* contact = nullptr);
@@ -116,6 +125,8 @@ class TetBody {
   void guess(bool stay);  // the way to begin with; stay: none, where the body is
   // The forces at way_, without contact, go to force_, and then become the residual.
   void find_forces();
+  void add_hand_force();
+  void add_to_held(const Eigen::Vector3d& force);
   double close_residual();  // |r|^2
   double stop_size() const;
   void assemble(TangentKind tangent, bool single);
@@ -149,6 +160,7 @@ class TetBody {
       weight_;
   double rounding_scale_ = 0.0, load_ = 0.0, time_ = 0.0;
   std::int64_t steps_ = 0;
+  std::optional<TetHand> hand_;
   std::unique_ptr<TetIsland> alone_;
 };
 

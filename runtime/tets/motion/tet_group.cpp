@@ -108,6 +108,23 @@ void TetGroup::find_touches() {
     contacts_[i].find(bodies_[i].positions(), bodies_[i].velocities());
 }
 
+void TetGroup::end_nap(std::uint32_t nap) {
+  for (std::uint32_t i = 0; i < bodies_.size(); ++i)
+    if (asleep_[i] != 0 && naps_[i] == nap) {
+      asleep_[i] = 0;
+      still_[i] = 0.0;
+    }
+}
+
+Status TetGroup::set_hand(std::size_t i, const std::optional<TetHand>& hand) {
+  if (i >= bodies_.size())
+    return usage_error("there are " + std::to_string(bodies_.size()) + " bodies, no body " +
+                       std::to_string(i));
+  if (Status s = bodies_[i].set_hand(hand); !s) return s;
+  if (asleep_[i] != 0) end_nap(naps_[i]);
+  return Success{};
+}
+
 // Until no body that moves touches one that sleeps.
 void TetGroup::wake() {
   bool woke = true;
@@ -115,12 +132,7 @@ void TetGroup::wake() {
     woke = false;
     for (const auto& [a, b] : pairs_) {
       if (asleep_[a] == asleep_[b] || !touches(a, b)) continue;
-      const std::uint32_t nap = naps_[asleep_[a] != 0 ? a : b];
-      for (std::uint32_t i = 0; i < bodies_.size(); ++i)
-        if (asleep_[i] != 0 && naps_[i] == nap) {
-          asleep_[i] = 0;
-          still_[i] = 0.0;
-        }
+      end_nap(naps_[asleep_[a] != 0 ? a : b]);
       woke = true;
     }
     if (woke) find_pairs();
@@ -215,7 +227,8 @@ void TetGroup::fall_asleep() {
   });
   for (const std::uint32_t i : order_) {
     still_[i] = speeds_[i] < options_.sleep_speed ? still_[i] + bodies_[i].options().step : 0.0;
-    if (still_[i] < options_.sleep_time || contacts_[i].touches().empty()) wide_awake_[root(i)] = 1;
+    if (still_[i] < options_.sleep_time || contacts_[i].touches().empty() || bodies_[i].hand())
+      wide_awake_[root(i)] = 1;
   }
   for (const std::uint32_t i : order_) {
     if (wide_awake_[root(i)] != 0) continue;

@@ -45,6 +45,10 @@ class TetGroup {
   // J, what falling asleep has taken so far.
   double energy_of_sleep() const { return energy_of_sleep_; }
 
+  // As TetBody::set_hand of a body, which wakes with all that sleep with it and stays awake as long
+  // as it is held.
+  Status set_hand(std::size_t i, const std::optional<TetHand>& hand);
+
   // Takes all bodies one step further; one report a body. False where a body's step could not be
   // made: the bodies of its island are then as before, the others have moved.
   bool step(std::span<TetStepReport> reports);
@@ -59,6 +63,7 @@ class TetGroup {
   void find_pairs();
   bool touches(std::uint32_t a, std::uint32_t b);
   void wake();
+  void end_nap(std::uint32_t nap);
   void join_islands();
   void take_island(std::span<const std::uint32_t> island, std::span<TetStepReport> reports);
   void fall_asleep();

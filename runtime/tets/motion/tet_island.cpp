@@ -36,8 +36,8 @@ SearchSizes sum_of(const std::vector<SearchSizes>& values) {
 }  // namespace
 
 void TetIsland::reserve(std::size_t bodies, std::size_t touches) {
-  couplings_.reserve(touches);
-  ends_.reserve(2 * touches);
+  couplings_.reserve(touches + bodies);  // a hand a body
+  ends_.reserve(2 * touches + bodies);
   first_coupling_.reserve(bodies + 1);
   first_end_.reserve(bodies + 1);
   next_end_.reserve(bodies);
@@ -84,8 +84,13 @@ bool TetIsland::small_enough() const {
   return true;
 }
 
+std::span<const TetTouch> TetIsland::touches_of(std::size_t member) const {
+  const TetContact* contact = members_[member].contact;
+  return contact != nullptr ? contact->touches() : std::span<const TetTouch>();
+}
+
 // Where each body's couplings and ends begin, and which ends a coupling has: a body's own touches
-// come first, then those of others with it, in their order.
+// and its hand come first, then the touches of others with it, in their order.
 void TetIsland::number_ends() {
   const std::size_t count = members_.size();
   first_coupling_.assign(count + 1, 0);
@@ -94,10 +99,10 @@ void TetIsland::number_ends() {
     return members_[i].contact->partners()[touch.partner].member;
   };
   for (std::size_t i = 0; i < count; ++i) {
-    if (members_[i].contact == nullptr) continue;
-    const std::span<const TetTouch> touches = members_[i].contact->touches();
-    first_coupling_[i + 1] = static_cast<std::uint32_t>(touches.size());
-    first_end_[i + 1] += static_cast<std::uint32_t>(touches.size());
+    const std::span<const TetTouch> touches = touches_of(i);
+    const std::size_t own = touches.size() + (members_[i].body->hand_ ? 1 : 0);
+    first_coupling_[i + 1] = static_cast<std::uint32_t>(own);
+    first_end_[i + 1] += static_cast<std::uint32_t>(own);
     for (const TetTouch& touch : touches)
       if (touch.partner != kNoPartner) ++first_end_[partner_of(i, touch) + 1];
   }
@@ -109,21 +114,38 @@ void TetIsland::number_ends() {
   ends_.resize(first_end_[count]);
   next_end_.assign(first_end_.begin(), first_end_.end() - 1);
   for (std::size_t i = 0; i < count; ++i)
-    for (std::uint32_t c = first_coupling_[i]; c < first_coupling_[i + 1]; ++c)
-      couplings_[c].own = next_end_[i]++;
-  for (std::size_t i = 0; i < count; ++i)
     for (std::uint32_t c = first_coupling_[i]; c < first_coupling_[i + 1]; ++c) {
-      const TetTouch& touch = members_[i].contact->touches()[c - first_coupling_[i]];
-      couplings_[c].other =
-          touch.partner == kNoPartner ? kNoEnd : next_end_[partner_of(i, touch)]++;
+      couplings_[c].own = next_end_[i]++;
+      couplings_[c].other = kNoEnd;
     }
+  for (std::size_t i = 0; i < count; ++i) {
+    Coupling* coupling = couplings_.data() + first_coupling_[i];
+    for (const TetTouch& touch : touches_of(i)) {
+      if (touch.partner != kNoPartner) coupling->other = next_end_[partner_of(i, touch)]++;
+      ++coupling;
+    }
+  }
 }
 
-// The ends of a body's own touches, on both sides.
+// The spring and the damper of a body's hand, which hang on nothing else.
+void TetIsland::find_hand_end(std::uint32_t member) {
+  TetBody& body = *members_[member].body;
+  const TetHand& hand = *body.hand_;
+  const std::uint32_t c = first_coupling_[member + 1] - 1;
+  couplings_[c].block =
+      (hand.stiffness + body.stage_.rate * hand.damping) * Eigen::Matrix3d::Identity();
+  std::array<double, kMostNodes> shares = hand.shares;
+  body.system_.fold_point(hand.nodes, shares);
+  ends_[couplings_[c].own].coupling = c;
+  ends_[couplings_[c].own].point = body.solve_.folded(hand.nodes, shares);
+}
+
+// The ends of a body's own touches, on both sides, and of its hand.
 void TetIsland::find_ends(std::uint32_t member) {
   const auto& [body, contact] = members_[member];
-  for (std::uint32_t c = first_coupling_[member]; c < first_coupling_[member + 1]; ++c) {
-    const TetTouch& touch = contact->touches()[c - first_coupling_[member]];
+  if (body->hand_) find_hand_end(member);
+  std::uint32_t c = first_coupling_[member];
+  for (const TetTouch& touch : touches_of(member)) {
     Coupling& coupling = couplings_[c];
     coupling.block = touch.place + body->stage_.rate * touch.speed;
     const TetPoint& point = contact->hull().points[touch.point];
@@ -132,11 +154,12 @@ void TetIsland::find_ends(std::uint32_t member) {
     body->system_.fold_point(nodes, std::span(shares.data(), point.count));
     ends_[coupling.own].coupling = c;
     ends_[coupling.own].point = body->solve_.folded(nodes, shares);
+    const std::uint32_t number = c++;
     if (coupling.other == kNoEnd) continue;
     const TetBody& other = *members_[contact->partners()[touch.partner].member].body;
     shares = touch.values;
     other.system_.fold_point(touch.nodes, shares);
-    ends_[coupling.other].coupling = c;
+    ends_[coupling.other].coupling = number;
     ends_[coupling.other].point = other.solve_.folded(touch.nodes, shares);
   }
 }
@@ -150,8 +173,8 @@ void TetIsland::find_couplings() {
   });
 }
 
-// Adds what the touches of a body do to the image of the direction; both bodies of a touch find it
-// by themselves.
+// Adds what the touches and the hand of a body do to the image of the direction; both bodies of a
+// touch find it by themselves.
 void TetIsland::add_images(std::uint32_t member) {
   ActiveSolve& solve = members_[member].body->solve_;
   for (std::uint32_t e = first_end_[member]; e < first_end_[member + 1]; ++e) {
@@ -209,7 +232,9 @@ void TetIsland::find_correction(bool exact, double tolerance) {
   for_each(members_.size(),
            [this](std::size_t i) { members_[i].body->residual_ = -members_[i].body->residual_; });
   const bool single = tolerance >= kSingleTolerance;
-  TetBody* alone = members_.size() == 1 && !touching() ? members_[0].body : nullptr;
+  // The factor is of the body's own matrix, without what couples it to others or to a hand.
+  TetBody* alone =
+      members_.size() == 1 && !touching() && !members_[0].body->hand_ ? members_[0].body : nullptr;
   bool by_factor = false;
   for (const bool own : {true, false}) {
     if (own && !exact) continue;

@@ -3,14 +3,15 @@
 // Each body's equation is M g^2 (d - d_a) = F(x_v + d, g d) (tet_stage.h), F with the forces of its
 // contact. Newton's matrix is block-diagonal,
 //   M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv    of each body,
-// and the touches: with w the shares of a touch in the control points of both its sides, w B w^T.
-// They stay as they are and are multiplied one by one in conjugate gradients, which run over all
-// bodies at once, preconditioned by the diagonal's blocks; a body by itself that takes too many
-// directions, a slender one, is factored instead (runtime/sparse/block_cholesky.h). First with the
-// exact derivative; where that is indefinite, with R K R^T. Each correction is shortened until the
-// residual no longer points back. A step that is not solved is cut into two, then eight of
-// implicit-euler; where even those have no solution (an element goes through a flat shape and its
-// rotation jumps), into eight of one correction each with R K R^T.
+// and the touches and hands (tet_hand.h): with w the shares of a touch in the control points of
+// both its sides, w B w^T. They stay as they are and are multiplied one by one in conjugate
+// gradients, which run over all bodies at once, preconditioned by the diagonal's blocks; a body by
+// itself that takes too many directions, a slender one, is factored instead
+// (runtime/sparse/block_cholesky.h). First with the exact derivative; where that is indefinite,
+// with R K R^T. Each correction is shortened until the residual no longer points back. A step that
+// is not solved is cut into two, then eight of implicit-euler; where even those have no solution
+// (an element goes through a flat shape and its rotation jumps), into eight of one correction each
+// with R K R^T.
 //
 // A step also ends where the forces between bodies jump and no correction makes the residual
 // smaller, which is then a thousandth of them at most, a hundredth after the last correction; it is
@@ -54,14 +55,14 @@ class TetIsland {
   void step(std::span<const TetMember> members, std::span<TetStepReport> reports);
 
  private:
-  // One side of a touch: its share in a body's control points. part: what the search's direction
-  // is there.
+  // One side of a touch or a hand: its share in a body's control points. part: what the search's
+  // direction is there.
   struct TouchEnd {
     std::uint32_t coupling = 0;
     FoldedPoint point;
     Eigen::Vector3d part;
   };
-  // A touch: its ends' numbers, other is kNoEnd of what stands still.
+  // A touch or a hand: its ends' numbers, other is kNoEnd of what stands still and of hands.
   struct Coupling {
     std::uint32_t own = 0, other = kNoEnd;
     Eigen::Matrix3d block;
@@ -81,9 +82,11 @@ class TetIsland {
   bool small_enough() const;
   void find_correction(bool exact, double tolerance);
   bool search(double tolerance);
+  std::span<const TetTouch> touches_of(std::size_t member) const;
   void number_ends();
   void find_couplings();
   void find_ends(std::uint32_t member);
+  void find_hand_end(std::uint32_t member);
   void add_images(std::uint32_t member);
   bool take_correction(double& size);
   void take_whole(double& size);
@@ -92,7 +95,7 @@ class TetIsland {
   std::span<const TetMember> members_;  // in a step
   bool bounded_ = false;                // all take what max_iterations find
   TetStepReport report_;
-  std::vector<Coupling> couplings_;  // body by body
+  std::vector<Coupling> couplings_;  // body by body: touches, then the hand
   std::vector<TouchEnd> ends_;       // body by body
   std::vector<std::uint32_t> first_coupling_, first_end_, next_end_;
   std::vector<double> squares_, stops_;  // |r|^2 and where to stop, of each body

@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "formats/file/whole_file.h"
@@ -14,6 +13,7 @@
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/scene_reader/scene_kind.h"
+#include "runtime/viewer/surfaces/ray_meets.h"
 #include "runtime/viewer/surfaces/surface_window.h"
 
 namespace tremolo {
@@ -22,20 +22,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kRoom = 1.25;  // from a scene to the next, in its width
-
-// Where the ray meets the triangle: how far along the ray's direction, by Möller and Trumbore
-// (1997); nothing where it passes by.
-std::optional<double> meets(const CameraRay& ray, const Vector3d& a, const Vector3d& b,
-                            const Vector3d& c) {
-  const Vector3d ab = b - a, ac = c - a, normal = ray.direction.cross(ac);
-  const double size = ab.dot(normal);
-  if (size == 0.0) return std::nullopt;
-  const Vector3d from = ray.origin - a, turned = from.cross(ab);
-  const double u = from.dot(normal) / size, v = ray.direction.dot(turned) / size;
-  const double far = ac.dot(turned) / size;
-  if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0 && far > 0.0)) return std::nullopt;
-  return far;
-}
 
 // The extent of a scene's cloths along x at their start.
 std::pair<double, double> extent(const ClothWorld& world) {
@@ -152,7 +138,7 @@ std::vector<std::string> ClothScenes::told() const {
   for (const Shown& shown : shown_) {
     const ClothEnergy energy = shown.world.energy();
     lines.push_back(fmt::format("{}: {}", std::filesystem::path(shown.file.path).stem().string(),
-                                shown.file.scene.integrator));
+                                shown.world.scene().integrator));
     lines.push_back(fmt::format("  energy {:.4g} J, by the method itself {:.3g} J", energy.total(),
                                 energy.numerical));
   }
@@ -161,8 +147,9 @@ std::vector<std::string> ClothScenes::told() const {
 
 Status ClothScenes::step() {
   if (hand_) {
-    if (Status s = shown_[hand_->scene].world.hold(hand_->cloth, hand_->particle, hand_->point); !s)
-      return s;
+    ClothWorld& world = shown_[hand_->scene].world;
+    if (records_) record_.before_step(world, hand_->cloth, hand_->particle, hand_->way);
+    if (Status s = world.hold(hand_->cloth, hand_->particle, hand_->point()); !s) return s;
   }
   for (Shown& one : shown_)
     if (Status s = one.world.step(); !s) return error_of_file(one.file.path, s.error());
@@ -172,11 +159,57 @@ Status ClothScenes::step() {
 Status ClothScenes::begin_again() {
   hand_.reset();
   for (Shown& one : shown_) {
-    Result<ClothWorld> world = ClothWorld::create(one.file.scene);
+    // With the method and the step that were chosen.
+    ClothScene scene = one.file.scene;
+    scene.integrator = one.world.scene().integrator;
+    scene.options.step = one.world.scene().options.step;
+    Result<ClothWorld> world = ClothWorld::create(scene);
     if (!world) return error_of_file(one.file.path, value_error(world.error()));
     one.world = std::move(*world);
   }
+  record_.clear();
   return Success{};
+}
+
+std::optional<double> ClothScenes::hand_work() const {
+  double work = 0.0;
+  for (const Shown& shown : shown_) work += shown.world.energy().pins;
+  return work;
+}
+
+std::vector<std::string> ClothScenes::chosen() const {
+  std::vector<std::string> names;
+  for (const Shown& shown : shown_) names.push_back(shown.world.scene().integrator);
+  return names;
+}
+
+Status ClothScenes::choose(std::size_t scene, std::string_view method) {
+  if (records_) return usage_error("the method stays as it is while a hand is recorded");
+  return shown_[scene].world.set_method(method, step_size());
+}
+
+Status ClothScenes::set_step_size(double step) {
+  if (records_) return usage_error("the step stays as it is while a hand is recorded");
+  for (const Shown& shown : shown_) {
+    const auto limit = shown.world.stability_limit_of(shown.world.scene().integrator, step);
+    if (!limit) return limit.error();
+  }
+  for (Shown& shown : shown_)
+    if (Status s = shown.world.set_method(shown.world.scene().integrator, step); !s) return s;
+  return Success{};
+}
+
+Status ClothScenes::record_hand() {
+  if (shown_.size() > 1)
+    return usage_error("--record-hand is of one scene, not of two side by side");
+  records_ = true;
+  return Success{};
+}
+
+Status ClothScenes::write_hand(const std::string& path) {
+  const Shown& shown = shown_.front();
+  record_.end(shown.world.time());
+  return write_recorded_cloth(path, shown.file, shown.world.scene(), record_.hands());
 }
 
 bool ClothScenes::take(const CameraRay& ray) {
@@ -197,7 +230,7 @@ bool ClothScenes::take(const CameraRay& ray) {
         const VertexId corner = *std::min_element(t.begin(), t.end(), [&](VertexId a, VertexId b) {
           return (at(a) - place).squaredNorm() < (at(b) - place).squaredNorm();
         });
-        hand_ = Hand{i, cloth, static_cast<std::size_t>(corner), at(corner)};
+        hand_ = Hand{i, cloth, static_cast<std::size_t>(corner), at(corner), Vector3d::Zero()};
       }
     }
   }
@@ -205,18 +238,19 @@ bool ClothScenes::take(const CameraRay& ray) {
 }
 
 void ClothScenes::move_to(const Vector3d& point) {
-  if (hand_) hand_->point = point - shown_[hand_->scene].aside;
+  if (hand_) hand_->way = point - shown_[hand_->scene].aside - hand_->begun;
 }
 
 void ClothScenes::let_go() {
   // The particle is one that was taken.
   if (hand_) (void)shown_[hand_->scene].world.let_go(hand_->cloth, hand_->particle);
+  record_.end(time());
   hand_.reset();
 }
 
 std::optional<Vector3d> ClothScenes::hand() const {
   if (!hand_) return std::nullopt;
-  return Vector3d(hand_->point + shown_[hand_->scene].aside);
+  return Vector3d(hand_->point() + shown_[hand_->scene].aside);
 }
 
 namespace {

@@ -8,6 +8,7 @@
 #include "common/result.h"
 #include "runtime/cloth/cloth_world.h"
 #include "runtime/scene_reader/cloth_reader.h"
+#include "runtime/viewer/cloth/cloth_hand_record.h"
 #include "runtime/viewer/live/viewed_scene.h"
 #include "runtime/viewer/setup/viewer_options.h"
 #include "runtime/viewer/surfaces/moving_surfaces.h"
@@ -42,7 +43,7 @@ class ClothScenes : public MovingSurfaces {
   void place(std::size_t sheet, SheetNow& now) const override;
   Pose pose(std::size_t solid) const override;
   double time() const override { return shown_.front().world.time(); }
-  double step_size() const override { return shown_.front().file.scene.options.step; }
+  double step_size() const override { return shown_.front().world.scene().options.step; }
   std::int64_t steps() const override { return shown_.front().world.steps(); }
   // Errors: those of ClothWorld::step and create.
   Status step() override;
@@ -53,11 +54,22 @@ class ClothScenes : public MovingSurfaces {
   void move_to(const Eigen::Vector3d& point) override;
   void let_go() override;
   std::optional<Eigen::Vector3d> hand() const override;
+  std::optional<double> hand_work() const override;
+  // The twelve. Refused while a hand is recorded, and beyond a method's stability.
+  std::span<const std::string_view> methods() const override { return nodal_integrator_names(); }
+  std::vector<std::string> chosen() const override;
+  Status choose(std::size_t scene, std::string_view method) override;
+  Status set_step_size(double step) override;
+  // Refused of scenes side by side.
+  Status record_hand() override;
+  Status write_hand(const std::string& path) override;
 
  private:
+  // begun: where the particle was, of the scene, m; the hand is `way` from there.
   struct Hand {
     std::size_t scene = 0, cloth = 0, particle = 0;
-    Eigen::Vector3d point = Eigen::Vector3d::Zero();  // of the scene, m
+    Eigen::Vector3d begun = Eigen::Vector3d::Zero(), way = Eigen::Vector3d::Zero();
+    Eigen::Vector3d point() const { return begun + way; }
   };
 
   // A cloth, ball or collider of a scene, by its numbers.
@@ -73,6 +85,8 @@ class ClothScenes : public MovingSurfaces {
   std::vector<Shown> shown_;
   std::vector<Part> sheets_, solids_;
   std::optional<Hand> hand_;
+  ClothHandRecord record_;
+  bool records_ = false;
 };
 
 // `tremolo view` of scenes with [[cloths]], with or without --offscreen; errors are printed.

@@ -1,75 +1,28 @@
 #include <filesystem>
-#include <sstream>
 #include <string>
 
 #include <toml++/toml.h>
 
-#include "formats/file/atomic_file.h"
 #include "runtime/viewer/live/hand_record.h"
+#include "runtime/viewer/live/recorded_text.h"
 
 namespace tremolo {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Keys whose value is a file's name, seen from the folder of the scene.
-bool names_file(std::string_view key, const toml::node& node) {
-  if (!node.is_string()) return false;
-  for (const char* known : {"model", "file", "signal", "bone-weights", "gravity"})
-    if (key == known) return true;
-  return false;
-}
-
-std::string named_from(const fs::path& folder, const fs::path& file) {
-  std::error_code ignored;
-  const fs::path there = fs::weakly_canonical(file, ignored);
-  const fs::path from = fs::weakly_canonical(folder.empty() ? "." : folder, ignored);
-  const fs::path relative = there.lexically_relative(from);
-  return (relative.empty() ? there : relative).generic_string();
-}
-
-struct Folders {
-  fs::path old_one, new_one;
-};
-
-void move_paths(toml::node& node, const Folders& folders);
-
-void move_paths(toml::table& table, const Folders& folders) {
-  for (auto&& [key, value] : table) {
-    if (!names_file(key.str(), value)) {
-      move_paths(value, folders);
-      continue;
-    }
-    toml::value<std::string>& text = *value.as_string();
-    text = named_from(folders.new_one, folders.old_one / *text);
-  }
-}
-
-void move_paths(toml::node& node, const Folders& folders) {
-  if (toml::table* table = node.as_table()) move_paths(*table, folders);
-  if (toml::array* array = node.as_array())
-    for (toml::node& entry : *array) move_paths(entry, folders);
-}
-
 toml::array numbers(const Eigen::Vector3d& v) {
   return toml::array{v[0], v[1], v[2]};
 }
 
 toml::table table_of(const SceneHand& hand) {
-  toml::array keys;
-  for (const Keyframe& key : std::get<KeyframeMotion>(hand.motion.parts.front()).keys) {
-    toml::array row{key.time};
-    for (const double x : key.pose.position) row.push_back(x);
-    keys.push_back(std::move(row));
-  }
-  toml::table motion{{"kind", "keyframes"}, {"interpolation", "linear"}, {"keys", std::move(keys)}};
   toml::table table{{"body", hand.body},
                     {"at", std::stoll(hand.at)},
                     {"stiffness", hand.stiffness},
                     {"damping", hand.damping},
                     {"from", hand.from}};
   if (hand.until < kForEver) table.insert("until", hand.until);
-  table.insert("motion", toml::array{std::move(motion)});
+  table.insert("motion", hand_motion_table(hand.motion));
   return table;
 }
 
@@ -131,12 +84,7 @@ void say_method(const LiveWorld& live, std::size_t i, toml::table& table) {
 
 Result<toml::table> begun_table(const LiveWorld& live, const fs::path& folder) {
   const ViewedScene& viewed = live.viewed();
-  if (!viewed.text.empty()) {
-    // It has been read before.
-    toml::table table = toml::parse(viewed.text);
-    move_paths(table, {fs::path(viewed.file).parent_path(), folder});
-    return table;
-  }
+  if (!viewed.text.empty()) return moved_scene(viewed.text, viewed.file, folder);
   toml::array bodies;
   for (std::size_t i = 0; i < viewed.scene.bodies.size(); ++i) {
     Result<toml::table> body = table_of(viewed.scene.bodies[i], viewed.starts[i], folder);
@@ -166,12 +114,9 @@ Status write_recorded_scene(const std::string& path, const LiveWorld& live,
       ++at;
     if (at < live.world().size()) say_method(live, at, body);
   }
-  if (!table.contains("hands")) table.insert("hands", toml::array{});
-  for (const SceneHand& hand : hands) table["hands"].as_array()->push_back(table_of(hand));
-  if (table["hands"].as_array()->empty()) table.erase("hands");
-  std::ostringstream text;
-  text << "# Recorded by tremolo view: a hand does what the mouse did.\n" << table << "\n";
-  return write_file(path, text.str());
+  std::vector<toml::table> tables;
+  for (const SceneHand& hand : hands) tables.push_back(table_of(hand));
+  return write_scene_with_hands(path, table, tables);
 }
 
 }  // namespace tremolo

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -68,6 +69,37 @@ class MovingSurfaces {
   virtual void move_to(const Eigen::Vector3d& point) = 0;
   virtual void let_go() = 0;
   virtual std::optional<Eigen::Vector3d> hand() const = 0;
+
+  // What holds gave since the beginning, the scenes' own pins among them, J; nothing where that is
+  // not counted.
+  virtual std::optional<double> hand_work() const { return std::nullopt; }
+
+  // Methods that the user may choose from; none: the scenes have one each that stays. chosen(): of
+  // each scene by which it is stepped.
+  virtual std::span<const std::string_view> methods() const { return {}; }
+  virtual std::vector<std::string> chosen() const { return {}; }
+  // Another method of one scene, another step, s, of all. Errors, and nothing is changed: kUsage
+  // where they are refused, with the reason.
+  virtual Status choose(std::size_t scene, std::string_view method);
+  virtual Status set_step_size(double step);
+
+  // A hand is recorded from the beginning on, and written at the end as a scene that does the same
+  // again. Errors: kUsage where these scenes cannot be.
+  virtual Status record_hand();
+  virtual Status write_hand(const std::string& path);
 };
+
+inline Status MovingSurfaces::choose(std::size_t, std::string_view) {
+  return usage_error("the method of these scenes stays as it is");
+}
+inline Status MovingSurfaces::set_step_size(double) {
+  return usage_error("the step of these scenes stays as it is");
+}
+inline Status MovingSurfaces::record_hand() {
+  return usage_error("--record-hand is of bodies with a basis and of cloth");
+}
+inline Status MovingSurfaces::write_hand(const std::string&) {
+  return record_hand();
+}
 
 }  // namespace tremolo

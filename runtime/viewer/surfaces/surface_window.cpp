@@ -53,7 +53,7 @@ class SurfaceViewer {
         {.button = [this](int button, bool down, bool shift) { press(button, down, shift); },
          .move = [this](double x, double y) { move(x, y); },
          .wheel = [this](double turns) { camera_.distance *= std::pow(kNearer, turns); },
-         .key = [this](int key) { press_key(key); }});
+         .key = [this](int key, bool again) { press_key(key, again); }});
     return Success{};
   }
 
@@ -81,6 +81,7 @@ class SurfaceViewer {
 
   int code() const { return signal_ != 0 ? 128 + signal_ : trouble_code_; }
   nlohmann::ordered_json json() const {
+    const std::optional<double> work = scenes_.hand_work();
     return {{"file", options_.file},
             {"pictures", pictures_},
             {"software", renderer_->is_software()},
@@ -88,6 +89,10 @@ class SurfaceViewer {
             {"steps", scenes_.steps()},
             {"pulls", pulls_},
             {"longest_pull", longest_pull_},
+            {"methods", scenes_.chosen()},
+            {"step", scenes_.step_size()},
+            {"hand_work", work ? nlohmann::ordered_json(*work) : nlohmann::ordered_json()},
+            {"refused", refused_},
             {"trouble", trouble_},
             {"exit_code", code()}};
   }
@@ -143,7 +148,9 @@ class SurfaceViewer {
     }
   }
 
-  void press_key(int key) {
+  // A key that is held down makes steps and does nothing else again.
+  void press_key(int key, bool again) {
+    if (again && key != GLFW_KEY_PERIOD) return;
     if (key == GLFW_KEY_ESCAPE) window_->close();
     if (key == GLFW_KEY_R) wants_reset_ = true;
     if (key == GLFW_KEY_F) frame_points(stage_->points(), aspect(), camera_);
@@ -153,7 +160,27 @@ class SurfaceViewer {
       paused_ = true;
       make_step();
     }
+    if (key == GLFW_KEY_M && !scenes_.methods().empty()) choose_next();
+    if (key == GLFW_KEY_LEFT_BRACKET) set_step(0.5 * scenes_.step_size());
+    if (key == GLFW_KEY_RIGHT_BRACKET) set_step(2.0 * scenes_.step_size());
     set_clock();
+  }
+
+  // Why the user's last wish was refused stands in the panel until the next one.
+  void tell_if_refused(const Status& status) {
+    refused_ = status ? std::string() : status.error().message;
+    set_clock();
+  }
+
+  void set_step(double step) { tell_if_refused(scenes_.set_step_size(step)); }
+
+  // The first scene's next one; of those that are refused the one behind is the next.
+  void choose_next() {
+    const auto names = scenes_.methods();
+    if (wanted_.empty()) wanted_ = scenes_.chosen().front();
+    const auto at = std::find(names.begin(), names.end(), wanted_);
+    wanted_ = names[static_cast<std::size_t>(at + 1 - names.begin()) % names.size()];
+    tell_if_refused(scenes_.choose(0, wanted_));
   }
 
   void make_step() {
@@ -181,11 +208,32 @@ class SurfaceViewer {
     }
   }
 
+  void build_methods() {
+    const std::vector<std::string> chosen = scenes_.chosen();
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const std::string label = i == 0 ? "method" : "method of " + std::to_string(i + 1);
+      if (!ImGui::BeginCombo(label.c_str(), chosen[i].c_str())) continue;
+      for (const std::string_view name : scenes_.methods())
+        if (ImGui::Selectable(std::string(name).c_str(), name == chosen[i])) {
+          if (i == 0) wanted_ = name;
+          tell_if_refused(scenes_.choose(i, name));
+        }
+      ImGui::EndCombo();
+    }
+    if (chosen.empty()) return;
+    auto step_ms = static_cast<float>(1e3 * scenes_.step_size());
+    if (ImGui::InputFloat("step, ms", &step_ms, 0.5f, 2.0f, "%.3f",
+                          ImGuiInputTextFlags_EnterReturnsTrue))
+      set_step(1e-3 * static_cast<double>(step_ms));
+    if (!refused_.empty()) ImGui::TextWrapped("%s", refused_.c_str());
+  }
+
   void build_panel() {
     ImGui::Begin("scene");
     for (const std::string& line : scenes_.told()) ImGui::TextUnformatted(line.c_str());
     ImGui::Text("%.2f s%s", scenes_.time(), paused_ ? ", paused" : "");
-    ImGui::TextUnformatted("left: pull; right: turn; space, . , R, F, W");
+    build_methods();
+    ImGui::TextUnformatted("left: pull; right: turn; space, . , R, F, W, M, [, ]");
     if (!trouble_.empty()) ImGui::TextWrapped("%s", trouble_.c_str());
     ImGui::End();
   }
@@ -228,6 +276,7 @@ class SurfaceViewer {
   double clock_time_ = 0.0, longest_pull_ = 0.0;  // s; m
   std::int64_t pictures_ = 0, pulls_ = 0;
   std::string trouble_;
+  std::string refused_, wanted_;
   int trouble_code_ = 0, signal_ = 0;
 };
 
@@ -236,16 +285,20 @@ class SurfaceViewer {
 Result<int> show_surfaces(const ViewerOptions& options, MovingSurfaces& scenes) {
   const Result<ViewSetup> setup = make_setup(options, names_of(scenes));
   if (!setup) return setup.error();
+  if (!options.record_hand.empty())
+    if (Status s = scenes.record_hand(); !s) return s.error();
   SurfaceViewer viewer(options, *setup, scenes);
   if (Status s = viewer.open(); !s) return s.error();
   if (Status s = viewer.run(); !s) return s.error();
+  if (!options.record_hand.empty())
+    if (Status s = scenes.write_hand(options.record_hand); !s) return s.error();
   if (options.json) print_json(viewer.json());
   return viewer.code();
 }
 
 Status refuse_body_flags(const ViewerOptions& options, const std::string& kind) {
-  if (!options.record_hand.empty())
-    return usage_error("--record-hand is of bodies with a basis, not of " + kind);
+  if (options.offscreen && !options.record_hand.empty())
+    return usage_error("--record-hand is of a window, not of --offscreen");
   if (!options.textures.empty())
     return usage_error("--texture is of bodies with a basis, not of " + kind);
   if (!options.offscreen && !(options.out.empty() && options.video.empty()))

@@ -54,7 +54,8 @@ Result<std::unique_ptr<GlfwWindow>> GlfwWindow::create(const std::string& title,
   });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
     const auto& tell = window_of(w)->events_.key;
-    if (tell && action != GLFW_RELEASE && !ImGui::GetIO().WantTextInput) tell(key);
+    if (tell && action != GLFW_RELEASE && !ImGui::GetIO().WantTextInput)
+      tell(key, action == GLFW_REPEAT);
   });
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;

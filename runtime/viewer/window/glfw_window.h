@@ -18,7 +18,8 @@ struct WindowEvents {
   std::function<void(int button, bool down, bool shift)> button;
   std::function<void(double x, double y)> move;
   std::function<void(double turns)> wheel;
-  std::function<void(int key)> key;  // of GLFW
+  // key: of GLFW. again: the key is held down and repeats.
+  std::function<void(int key, bool again)> key;
 };
 
 class GlfwWindow {

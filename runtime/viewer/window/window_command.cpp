@@ -166,10 +166,12 @@ class Viewer {
                           bool shift) { mouse_->button(button, down, shift, aspect()); },
          .move = [this](double x, double y) { mouse_->move(x, y, aspect()); },
          .wheel = [this](double turns) { mouse_->wheel(turns); },
-         .key = [this](int key) { press_key(key); }});
+         .key = [this](int key, bool again) { press_key(key, again); }});
   }
 
-  void press_key(int key) {
+  // A key that is held down makes steps and does nothing else again.
+  void press_key(int key, bool again) {
+    if (again && key != GLFW_KEY_PERIOD) return;
     if (key == GLFW_KEY_ESCAPE) window_->close();
     if (key == GLFW_KEY_R) panel_.wants_reset = true;
     if (key == GLFW_KEY_F) panel_.wants_frame = true;
