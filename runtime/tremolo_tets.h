@@ -112,6 +112,20 @@ tremolo_status tremolo_tets_set_state(tremolo_tets_world* world, size_t body,
                                       const double* positions, const double* velocities,
                                       size_t length);
 
+/* A hand pulls at a vertex of the drawn surface, from the next step on: a spring, N/m, and a
+ * damper, N s/m, to a point, m, that is there at the step's end and moves with `velocity`, m/s
+ * (NULL: 0). Both are implicit: no stiffness is too large. Called again it goes on; a body has one
+ * hand, which wakes it and all that sleeps with it. TREMOLO_USAGE for a vertex that is not there
+ * and for values that are negative or not finite. */
+tremolo_status tremolo_tets_pull(tremolo_tets_world* world, size_t body, size_t vertex,
+                                 double stiffness, double damping, const double point[3],
+                                 const double velocity[3]);
+tremolo_status tremolo_tets_let_go(tremolo_tets_world* world, size_t body);
+/* A stiffness and a damping that suit the vertex: a held body goes four fifths of a slow hand's
+ * way, a free one swings about it with 2 Hz. TREMOLO_USAGE where the vertex is fixed. */
+tremolo_status tremolo_tets_suitable(tremolo_tets_world* world, size_t body, size_t vertex,
+                                     double* stiffness, double* damping);
+
 /* asleep: 1 or 0. quadratic_share: of the edges, 0 to 1. Any may be NULL. */
 tremolo_status tremolo_tets_look(const tremolo_tets_world* world, size_t body, int32_t* asleep,
                                  double* quadratic_share);

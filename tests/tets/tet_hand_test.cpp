@@ -153,6 +153,31 @@ TEST(TetHand, AHeldBodyGivesAsMuchAsASlowPullMovesIt) {
   EXPECT_NEAR(way.z(), 0.8e-4, 0.1e-4);
 }
 
+// Newmark knows the force where a step begins; a hand that moves on has not pulled otherwise then.
+TEST(TetHand, NewmarkGoesOnWithAHandThatMoves) {
+  TetBodyOptions options;
+  options.method = TetMethod::kNewmark;
+  options.step = 0.004;
+  options.tolerance = 1e-11;
+  TetBody body = body_with(tet_bar({2, 1, 1}, {0.2, 0.1, 0.1}, false), options);
+  TetHand hand = hand_on(body, 30.0, 2.0);
+  const auto force = [&] {
+    return Vector3d(hand.stiffness * (hand.point - hand.of(body.positions())) +
+                    hand.damping * (hand.velocity - hand.of(body.velocities())));
+  };
+  for (int n = 0; n < 5; ++n) {
+    const Vector3d before = body.momentum(), begun = force();
+    hand.velocity = {0.5, -0.2, 0.1};
+    hand.point += options.step * hand.velocity;
+    ASSERT_TRUE(body.set_hand(hand));
+    // The first time it is there anew, with its force of the step's end.
+    const Vector3d first = n == 0 ? force() : begun;
+    ASSERT_TRUE(body.step().converged);
+    const Vector3d given = 0.5 * options.step * (first + force());
+    EXPECT_LE((body.momentum() - before - given).norm(), 1e-9 * given.norm()) << n;
+  }
+}
+
 TEST(TetHand, WakesWhatSleepsAndKeepsItAwake) {
   TetBodyOptions options;
   options.step = 0.02;
@@ -186,6 +211,10 @@ TEST(TetHand, WhatIsNoHandIsRefused) {
   hand = hand_on(body, 1.0, std::numeric_limits<double>::quiet_NaN());
   EXPECT_FALSE(body.set_hand(hand));
   EXPECT_FALSE(body.hand());
+  std::vector<TetBody> bodies;
+  bodies.push_back(std::move(body));
+  TetGroup group(std::move(bodies), std::vector<TetContact>(), {0.3}, {});
+  EXPECT_FALSE(group.set_hand(1, std::nullopt));
 }
 
 }  // namespace

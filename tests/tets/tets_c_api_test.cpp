@@ -160,6 +160,51 @@ TEST_F(CApiTets, TheDrawnSurfaceIsThatOfCpp) {
   EXPECT_EQ(corners, (std::vector<uint32_t>{0, 1, 2, 1, 3, 2}));
 }
 
+TEST_F(CApiTets, AHandPullsAsInCpp) {
+  ASSERT_EQ(tremolo_tets_create(scene_, &world_), TREMOLO_OK) << tremolo_last_error();
+  Result<TetsBodies> other = make_tets_bodies(same_scene());
+  ASSERT_TRUE(other);
+  std::vector<TetStepReport> reports(2);
+  TetBody& body = other->group->body(1);
+  TetHand hand = hand_at(body.model(), other->kind(1).surface->rest(), 2);
+  ASSERT_TRUE(suit_springs(body, hand));
+  double stiffness = 0.0, damping = 0.0;
+  ASSERT_EQ(tremolo_tets_suitable(world_, 1, 2, &stiffness, &damping), TREMOLO_OK);
+  EXPECT_EQ(stiffness, hand.stiffness);
+  EXPECT_EQ(damping, hand.damping);
+  // A free body: m (2 pi 2)^2, half the critical damping.
+  EXPECT_NEAR(stiffness, body.model().mass() * 157.91367, 1e-4);
+  EXPECT_NEAR(damping, body.model().mass() * 12.56637, 1e-5);
+  const double velocity[3] = {0.1, 0.0, 0.4};
+  double point[3] = {0.1, 0.0, 0.3};
+  for (int step = 0; step < 20; ++step) {
+    if (step < 15) {
+      for (int k = 0; k < 3; ++k) point[k] += 0.01 * velocity[k];
+      ASSERT_EQ(tremolo_tets_pull(world_, 1, 2, stiffness, damping, point, velocity), TREMOLO_OK);
+      hand.point = Eigen::Vector3d(point);
+      hand.velocity = Eigen::Vector3d(velocity);
+      ASSERT_TRUE(other->group->set_hand(1, hand));
+    } else {
+      ASSERT_EQ(tremolo_tets_let_go(world_, 1), TREMOLO_OK);
+      ASSERT_TRUE(other->group->set_hand(1, std::nullopt));
+    }
+    ASSERT_EQ(tremolo_tets_step(world_), TREMOLO_OK) << tremolo_last_error();
+    ASSERT_TRUE(other->group->step(reports));
+    Eigen::VectorXd x(body.positions().size());
+    ASSERT_EQ(tremolo_tets_positions(world_, 1, x.data(), static_cast<size_t>(x.size())),
+              TREMOLO_OK);
+    EXPECT_EQ(x, body.positions()) << step;
+  }
+  // Without the hand it would have fallen for 0.2 s.
+  EXPECT_GT(body.momentum().z(), -0.6 * 9.81 * 0.2 * body.model().mass());
+  EXPECT_EQ(tremolo_tets_pull(world_, 1, 4, 1.0, 0.0, point, nullptr), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_tets_pull(world_, 2, 0, 1.0, 0.0, point, nullptr), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_tets_pull(world_, 1, 0, -1.0, 0.0, point, nullptr), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_tets_pull(world_, 1, 0, 1.0, 0.0, nullptr, nullptr), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_tets_suitable(world_, 1, 4, &stiffness, &damping), TREMOLO_USAGE);
+  EXPECT_EQ(tremolo_tets_let_go(world_, 2), TREMOLO_USAGE);
+}
+
 TEST_F(CApiTets, WhatIsWrongIsSaid) {
   EXPECT_EQ(tremolo_tets_scene_create(0.01, nullptr), TREMOLO_USAGE);
   EXPECT_EQ(tremolo_tets_step(nullptr), TREMOLO_USAGE);

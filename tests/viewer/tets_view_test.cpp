@@ -1,6 +1,8 @@
 // Bodies of tetrahedra in the viewer: surfaces, their numbers, pictures.
+#include <algorithm>
 #include <fstream>
 
+#include "common/mesh/surface_mesh.h"
 #include "formats/tets/tets_file.h"
 #include "runtime/viewer/tets/tets_scenes.h"
 #include "tests/support/meshes/small_tets.h"
@@ -9,7 +11,46 @@
 namespace tremolo {
 namespace {
 
+using Eigen::Vector3d;
 using testing::fresh_folder;
+
+// All of the mesh's boundary is drawn, with its own vertices.
+TetsSurface drawn_boundary(const TetMesh& mesh) {
+  const BoundarySurface boundary = boundary_surface(mesh);
+  TetsSurface drawn;
+  drawn.triangles = boundary.triangles;
+  for (const VertexId v : boundary.vertex_ids) {
+    drawn.vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+    for (std::uint32_t tet = 0; drawn.tetrahedra.size() < drawn.vertices.size(); ++tet)
+      for (int c = 0; c < 4; ++c)
+        if (mesh.tetrahedra[tet][static_cast<std::size_t>(c)] == v &&
+            drawn.tetrahedra.size() < drawn.vertices.size()) {
+          drawn.tetrahedra.push_back(tet);
+          drawn.weights.push_back(Eigen::Vector4d::Unit(c));
+        }
+  }
+  return drawn;
+}
+
+// A bar whose end is held, and a free one half a metre above it, without weight.
+std::string two_whole_bars(const std::string& folder) {
+  TetsData data = testing::small_tets();
+  data.surface = drawn_boundary(data.mesh);
+  EXPECT_TRUE(write_tets(folder + "/held.tets", data));
+  data.held.clear();
+  EXPECT_TRUE(write_tets(folder + "/free.tets", data));
+  std::ofstream(folder + "/bars.toml")
+      << "step = 0.01\nduration = 60\ngravity = [0, 0, 0]\n[[bodies]]\nname = \"held\"\n"
+         "kind = \"tets\"\nmodel = \"held.tets\"\nbeta = 0.02\n[[bodies]]\nname = \"free\"\n"
+         "kind = \"tets\"\nmodel = \"free.tets\"\nposition = [0, 0, 0.5]\n";
+  return folder + "/bars.toml";
+}
+
+Result<TetsScenes> scenes_of(const std::string& file) {
+  Result<TetScene> scene = parse_tets_scene(testing::slurp(file), file);
+  if (!scene) return scene.error();
+  return TetsScenes::create(std::move(*scene), false);
+}
 
 // A bar whose end is held, and a free one above it.
 std::string two_bars(const std::string& folder) {
@@ -50,6 +91,89 @@ TEST(TetsView, SheetsAreTheBodiesSurfacesNumberedByTheirDegrees) {
   ASSERT_TRUE(scenes->begin_again());
   scenes->place(1, later);
   EXPECT_EQ(later.positions, now.positions);
+}
+
+TEST(TetsView, ARayTakesTheNearestVertexFromEverySide) {
+  Result<TetsScenes> scenes = scenes_of(two_whole_bars(fresh_folder()));
+  ASSERT_TRUE(scenes) << scenes.error().message;
+  const Vector3d size(0.2, 0.1, 0.1), above(0.0, 0.0, 0.5);
+  int tried = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vector3d sides(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1);
+    const Vector3d place = sides.cwiseProduct(size) + above;
+    for (int axis = 0; axis < 3; ++axis) {
+      // A centimetre inwards along both of the face's edges, seen from the face's side.
+      const Vector3d inwards = 0.01 * (Vector3d::Ones() - 2.0 * sides);
+      Vector3d met = place + inwards;
+      met[axis] = place[axis];
+      const Vector3d out = (2.0 * sides[axis] - 1.0) * Vector3d::Unit(axis);
+      // From below the other bar hides it, whose left end cannot be taken.
+      double away = 2.0;
+      if (out.z() < -0.5) {
+        EXPECT_EQ(scenes->take({met + away * out, -out}), sides.x() > 0.5) << corner;
+        if (scenes->hand()) EXPECT_LE(scenes->hand()->z(), 0.1) << corner;
+        away = 0.2;
+      }
+      ASSERT_TRUE(scenes->take({met + away * out, -out})) << corner << axis;
+      EXPECT_LE((*scenes->hand() - place).norm(), 1e-12) << corner << axis;
+      EXPECT_LE((*scenes->held() - place).norm(), 1e-12) << corner << axis;
+      ++tried;
+    }
+  }
+  EXPECT_EQ(tried, 24);
+  // Along the diagonal between a face's triangles, slanted, and past everything.
+  EXPECT_TRUE(scenes->take({Vector3d(0.05, 0.05, 3.0), -Vector3d::UnitZ()}));
+  EXPECT_TRUE(scenes->take({Vector3d(0.05, -2.0, 0.55), Vector3d::UnitY()}));
+  EXPECT_TRUE(scenes->take({Vector3d(1.1, 2.05, 3.55), Vector3d(-1.0, -2.0, -3.0).normalized()}));
+  EXPECT_FALSE(scenes->take({Vector3d(0.25, 0.05, 3.0), -Vector3d::UnitZ()}));
+  EXPECT_FALSE(scenes->take({Vector3d(0.05, 0.05, 3.0), Vector3d::UnitZ()}));
+  EXPECT_FALSE(scenes->hand());
+}
+
+TEST(TetsView, AHandPullsAHeldBarFourFifthsOfItsWayAndTakesAFreeOneAlong) {
+  Result<TetsScenes> scenes = scenes_of(two_whole_bars(fresh_folder()));
+  ASSERT_TRUE(scenes) << scenes.error().message;
+  // What is fixed cannot be pulled.
+  EXPECT_FALSE(scenes->take({Vector3d(-1.0, 0.01, 0.01), Vector3d::UnitX()}));
+  ASSERT_TRUE(scenes->take({Vector3d(1.0, 0.09, 0.09), -Vector3d::UnitX()}));
+  const Vector3d begun = *scenes->held();
+  EXPECT_LE((begun - Vector3d(0.2, 0.1, 0.1)).norm(), 1e-12);
+  const Vector3d way(0.0, 0.0, 0.002);
+  for (int k = 1; k <= 300; ++k) {
+    scenes->move_to(begun + std::min(1.0, 0.01 * k) * way);
+    ASSERT_TRUE(scenes->step());
+  }
+  EXPECT_NEAR((*scenes->held() - begun).z(), 0.8 * way.z(), 0.05 * way.z());
+  scenes->let_go();
+  for (int k = 0; k < 600; ++k) ASSERT_TRUE(scenes->step());
+  ASSERT_TRUE(scenes->take({Vector3d(1.0, 0.09, 0.09), -Vector3d::UnitX()}));
+  EXPECT_LE((*scenes->held() - begun).norm(), 1e-5);
+  // The free one follows, and swings about the hand with 2 Hz: after four seconds it is there, and
+  // turns a little.
+  ASSERT_TRUE(scenes->take({Vector3d(0.1, 0.05, 3.0), -Vector3d::UnitZ()}));
+  const Vector3d taken = *scenes->held(), goal = taken + Vector3d(0.0, 0.0, 0.3);
+  scenes->move_to(goal);
+  for (int k = 0; k < 400; ++k) ASSERT_TRUE(scenes->step());
+  EXPECT_LE((*scenes->held() - goal).norm(), 0.01);
+  ASSERT_TRUE(scenes->begin_again());
+  EXPECT_FALSE(scenes->hand());
+}
+
+TEST(TetsView, ADragInTheWindowPullsABar) {
+  const std::string folder = fresh_folder();
+  two_whole_bars(folder);
+  std::ofstream(folder + "/one.toml")
+      << "step = 0.01\nduration = 60\ngravity = [0, 0, 0]\n[[bodies]]\nname = \"held\"\n"
+         "kind = \"tets\"\nmodel = \"held.tets\"\nbeta = 0.02\n";
+  const auto [shots, no_window] =
+      testing::drag_in_window(folder, "390 290", "one.toml --camera 0,0");
+  if (!no_window.empty()) GTEST_SKIP() << no_window;
+  const auto& [result, json] = shots;
+  ASSERT_EQ(result.code, 0) << result.err;
+  ASSERT_FALSE(json.is_discarded()) << result.out << result.err;
+  EXPECT_EQ(json["pulls"], 1) << result.out;
+  EXPECT_GT(json["longest_pull"].get<double>(), 0.01) << result.out;
+  EXPECT_EQ(json["trouble"], "") << result.out;
 }
 
 TEST(TetsView, PicturesAreTakenAndWhatIsOfOtherBodiesIsRefused) {

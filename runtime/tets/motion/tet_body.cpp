@@ -199,8 +199,11 @@ Status TetBody::set_hand(const std::optional<TetHand>& hand) {
     if (!finite || !hand->point.allFinite() || !hand->velocity.allFinite())
       return usage_error("a hand's place, point or velocity is not finite");
   }
+  // A hand that goes on is not there anew: its force at the step's beginning was that of before.
+  const bool same = hand && hand_ && hand->nodes == hand_->nodes && hand->shares == hand_->shares &&
+                    hand->stiffness == hand_->stiffness && hand->damping == hand_->damping;
   hand_ = hand;
-  has_acceleration_ = false;
+  if (!same) has_acceleration_ = false;
   return Success{};
 }
 

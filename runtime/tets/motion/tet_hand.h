@@ -6,9 +6,12 @@
 
 #include <Eigen/Core>
 
+#include "formats/tets/tets_file.h"
 #include "runtime/tets/elements/tet_model.h"
 
 namespace tremolo {
+
+class TetBody;
 
 // With x = sum_I B_I x_I the place, v its velocity, p the point when a step takes its forces (at
 // its end; of midpoint in its middle) and w the point's velocity: f = k (p - x) + d (w - v) on the
@@ -29,5 +32,14 @@ struct TetHand {
     return sum;
   }
 };
+
+// A hand at a vertex of the drawn surface of the model's file: its control points and shares; it
+// pulls by nothing. vertex: one of the surface's.
+TetHand hand_at(const TetModel& model, const TetsSurface& surface, std::size_t vertex);
+
+// Stiffness and damping that suit a place: so stiff that a held body goes four fifths of the hand's
+// way under a slow pull, and a free one swings about the hand with 2 Hz; so damped, by half of what
+// is critical, that the pull does not ring. Errors (kUsage): the place is fixed.
+Status suit_springs(TetBody& body, TetHand& hand);
 
 }  // namespace tremolo

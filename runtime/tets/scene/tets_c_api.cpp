@@ -109,6 +109,14 @@ Result<tremolo::TetSceneBody> to_body(const tremolo_tets_options& given, size_t 
   return body;
 }
 
+Result<tremolo::TetHand> hand_of(const tremolo_tets_world& world, size_t body, size_t vertex) {
+  const tremolo::TetsKind& kind = world.bodies.kind(body);
+  if (vertex >= kind.surface->vertices())
+    return usage_error("the drawn surface has " + std::to_string(kind.surface->vertices()) +
+                       " vertices, no vertex " + std::to_string(vertex));
+  return hand_at(*kind.model, kind.surface->rest(), vertex);
+}
+
 // The numbers of bodies whose step could not be made.
 std::string not_made(std::span<const tremolo::TetStepReport> reports) {
   std::string numbers;
@@ -315,6 +323,37 @@ tremolo_status tremolo_tets_set_state(tremolo_tets_world* world, size_t body,
     const auto count = static_cast<Eigen::Index>(size);
     return world->bodies.group->body(body).set_state(Eigen::VectorXd::Map(positions, count),
                                                      Eigen::VectorXd::Map(velocities, count));
+  });
+}
+
+tremolo_status tremolo_tets_pull(tremolo_tets_world* world, size_t body, size_t vertex,
+                                 double stiffness, double damping, const double point[3],
+                                 const double velocity[3]) {
+  return with_body(world, body, [&]() -> Status {
+    if (Status s = tremolo::c_api::need({{point, "the hand's point"}}); !s) return s;
+    Result<tremolo::TetHand> hand = hand_of(*world, body, vertex);
+    if (!hand) return hand.error();
+    hand->stiffness = stiffness;
+    hand->damping = damping;
+    hand->point = Vector3d(point);
+    if (velocity != nullptr) hand->velocity = Vector3d(velocity);
+    return world->bodies.group->set_hand(body, *hand);
+  });
+}
+
+tremolo_status tremolo_tets_let_go(tremolo_tets_world* world, size_t body) {
+  return with_body(world, body, [&] { return world->bodies.group->set_hand(body, std::nullopt); });
+}
+
+tremolo_status tremolo_tets_suitable(tremolo_tets_world* world, size_t body, size_t vertex,
+                                     double* stiffness, double* damping) {
+  return with_body(world, body, [&]() -> Status {
+    Result<tremolo::TetHand> hand = hand_of(*world, body, vertex);
+    if (!hand) return hand.error();
+    if (Status s = suit_springs(world->bodies.group->body(body), *hand); !s) return s;
+    if (stiffness != nullptr) *stiffness = hand->stiffness;
+    if (damping != nullptr) *damping = hand->damping;
+    return Success{};
   });
 }
 

@@ -11,7 +11,7 @@
 namespace tremolo {
 
 // How far along the ray's direction it meets the triangle, by Möller and Trumbore (1997); nothing
-// where it passes by.
+// where it passes by. A ray along a common edge meets both triangles, whatever is rounded.
 inline std::optional<double> meets(const CameraRay& ray, const Eigen::Vector3d& a,
                                    const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   using Eigen::Vector3d;
@@ -21,7 +21,8 @@ inline std::optional<double> meets(const CameraRay& ray, const Eigen::Vector3d& 
   const Vector3d from = ray.origin - a, turned = from.cross(ab);
   const double u = from.dot(normal) / size, v = ray.direction.dot(turned) / size;
   const double far = ac.dot(turned) / size;
-  if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0 && far > 0.0)) return std::nullopt;
+  constexpr double kEdge = 1e-9;  // of the triangle
+  if (!(u >= -kEdge && v >= -kEdge && u + v <= 1.0 + kEdge && far > 0.0)) return std::nullopt;
   return far;
 }
 

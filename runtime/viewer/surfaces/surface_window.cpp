@@ -233,7 +233,8 @@ class SurfaceViewer {
     for (const std::string& line : scenes_.told()) ImGui::TextUnformatted(line.c_str());
     ImGui::Text("%.2f s%s", scenes_.time(), paused_ ? ", paused" : "");
     build_methods();
-    ImGui::TextUnformatted("left: pull; right: turn; space, . , R, F, W, M, [, ]");
+    ImGui::Text("left: pull; right: turn; space, . , R, F, W%s",
+                scenes_.methods().empty() ? "" : ", M, [, ]");
     if (!trouble_.empty()) ImGui::TextWrapped("%s", trouble_.c_str());
     ImGui::End();
   }

@@ -1,6 +1,8 @@
 #include "runtime/viewer/tets/tets_scenes.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,10 +11,13 @@
 #include "runtime/program/output/tell.h"
 #include "runtime/program/tets/run_tets.h"
 #include "runtime/scene_reader/scene_kind.h"
+#include "runtime/viewer/surfaces/ray_meets.h"
 #include "runtime/viewer/surfaces/surface_window.h"
 
 namespace tremolo {
 namespace {
+
+using Eigen::Vector3d;
 
 // How many of the element's six edges are quadratic, over six.
 float quadratic_share(const TetModel& model, const TetModelElement& element,
@@ -43,6 +48,7 @@ Result<TetsScenes> TetsScenes::create(TetScene scene, bool by_degree) {
 
 Status TetsScenes::begin_again() {
   steps_ = 0;
+  hold_.reset();
   reports_.resize(scene_.bodies.size());
   return tremolo::take(bodies_, make_tets_bodies(scene_));
 }
@@ -91,6 +97,12 @@ void TetsScenes::place(std::size_t sheet, SheetNow& now) const {
 }
 
 Status TetsScenes::step() {
+  if (hold_) {
+    TetHand& hand = hold_->hand;
+    hand.velocity = (hold_->goal - hand.point) / scene_.step;
+    hand.point = hold_->goal;
+    if (Status s = bodies_.group->set_hand(hold_->body, hand); !s) return s;
+  }
   if (!bodies_.group->step(reports_))
     for (std::size_t i = 0; i < reports_.size(); ++i)
       if (!reports_[i].converged)
@@ -108,6 +120,56 @@ std::vector<std::string> TetsScenes::told() const {
     share += group.body(i).system().quadratic_share() / static_cast<double>(group.size());
   return {fmt::format("{} bodies, {} asleep", group.size(), group.sleeping()),
           fmt::format("{:.0f} % of their edges quadratic", 100.0 * share)};
+}
+
+bool TetsScenes::take(const CameraRay& ray) {
+  let_go();
+  double nearest = std::numeric_limits<double>::infinity();
+  std::size_t body = 0, vertex = 0;
+  for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+    const TetSurface& surface = *bodies_.kind(i).surface;
+    std::vector<Vector3d> at(surface.vertices());
+    std::vector<Eigen::Vector3f> normals(surface.vertices());
+    surface.place(bodies_.group->body(i).positions(), at, normals);
+    for (const Triangle& t : surface.rest().triangles) {
+      const auto place = [&at](VertexId v) { return at[static_cast<std::size_t>(v)]; };
+      const auto far = meets(ray, place(t[0]), place(t[1]), place(t[2]));
+      if (!far || *far >= nearest) continue;
+      nearest = *far;
+      body = i;
+      const Vector3d met = ray.origin + *far * ray.direction;
+      const auto off = [&](VertexId v) { return (place(v) - met).squaredNorm(); };
+      vertex = static_cast<std::size_t>(*std::min_element(
+          t.begin(), t.end(), [&off](VertexId a, VertexId b) { return off(a) < off(b); }));
+    }
+  }
+  if (!std::isfinite(nearest)) return false;
+  TetBody& held = bodies_.group->body(body);
+  TetHand hand = hand_at(held.model(), bodies_.kind(body).surface->rest(), vertex);
+  if (!suit_springs(held, hand)) return false;
+  hand.point = hand.of(held.positions());
+  hold_ = Hold{body, hand, hand.point};
+  return true;
+}
+
+void TetsScenes::move_to(const Vector3d& point) {
+  if (hold_) hold_->goal = point;
+}
+
+void TetsScenes::let_go() {
+  // The body is one that was taken.
+  if (hold_) (void)bodies_.group->set_hand(hold_->body, std::nullopt);
+  hold_.reset();
+}
+
+std::optional<Vector3d> TetsScenes::hand() const {
+  if (!hold_) return std::nullopt;
+  return hold_->goal;
+}
+
+std::optional<Vector3d> TetsScenes::held() const {
+  if (!hold_) return std::nullopt;
+  return hold_->hand.of(bodies_.group->body(hold_->body).positions());
 }
 
 namespace {

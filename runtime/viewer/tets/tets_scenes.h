@@ -1,6 +1,7 @@
 // Scenes of bodies of tetrahedra as surfaces that move.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,13 +37,23 @@ class TetsScenes : public MovingSurfaces {
   Status step() override;
   Status begin_again() override;
   std::vector<std::string> told() const override;
-  // Bodies of tetrahedra cannot be held.
-  bool take(const CameraRay&) override { return false; }
-  void move_to(const Eigen::Vector3d&) override {}
-  void let_go() override {}
-  std::optional<Eigen::Vector3d> hand() const override { return std::nullopt; }
+  // The vertex of the drawn surface that is nearest to where the ray first meets it is taken, and
+  // pulled by suitable springs (tet_hand.h).
+  bool take(const CameraRay& ray) override;
+  void move_to(const Eigen::Vector3d& point) override;
+  void let_go() override;
+  std::optional<Eigen::Vector3d> hand() const override;
+  // Where the vertex that is held is, m.
+  std::optional<Eigen::Vector3d> held() const;
 
  private:
+  // goal: where the hand's point is at the end of the next step, m.
+  struct Hold {
+    std::size_t body = 0;
+    TetHand hand;
+    Eigen::Vector3d goal = Eigen::Vector3d::Zero();
+  };
+
   TetsScenes() = default;
 
   TetScene scene_;
@@ -50,6 +61,7 @@ class TetsScenes : public MovingSurfaces {
   std::vector<TetStepReport> reports_;
   bool by_degree_ = false;
   std::int64_t steps_ = 0;
+  std::optional<Hold> hold_;
 };
 
 // `tremolo view` of such a scene, with or without --offscreen; errors are printed.
