@@ -145,35 +145,6 @@ Status ClothWorld::set_method(std::string_view integrator, double step) {
   return Success{};
 }
 
-Status ClothWorld::Inside::check_apart() const {
-  for (const auto& cloth : cloths) {
-    const auto held = cloth->model.held();
-    for (std::size_t i = 0; i < held.size(); ++i) {
-      const Vector3d x = cloth->state.x.segment<3>(3 * static_cast<Eigen::Index>(i));
-      if (held[i] != 0) continue;
-      const auto inside = [&](const std::string& what, double distance) -> Status {
-        if (distance >= -cloth->scene.thickness) return Success{};
-        return content_error("cloth '" + cloth->scene.name + "': particle " + std::to_string(i) +
-                             " begins " + number_text(-distance) + " m inside " + what);
-      };
-      for (std::size_t k = 0; k < balls.size(); ++k)
-        if (Status s = inside("ball '" + scene.balls[k].name + "'",
-                              (x - balls[k].now.position).norm() - balls[k].radius);
-            !s)
-          return s;
-      for (std::size_t k = 0; k < scene.colliders.size(); ++k) {
-        const PlacedCollider& placed = colliders.placed()[k];
-        const Vector3d place = placed.start.rotation.conjugate() * (x - placed.start.position);
-        if (Status s = inside("collider '" + scene.colliders[k].name + "'",
-                              signed_distance(placed.shape, place).distance);
-            !s)
-          return s;
-      }
-    }
-  }
-  return Success{};
-}
-
 Result<ClothWorld> ClothWorld::create(const ClothScene& scene) {
   if (Status s = check_scene(scene); !s) return s.error();
   auto inside = std::make_unique<Inside>();

@@ -220,6 +220,11 @@ TEST_F(ClothProgram, BadInputIsNamed) {
       {head + "[[balls]]\nmass = 0\n", "mass"},
       {head + "[[balls]]\nfixed = true\nmass = 2\n", "is of a ball that is not fixed"},
       {head + "[[balls]]\nposition = [0.3, 0.3, 0]\nradius = 0.2\n", "ball-1"},
+      {head + "[[balls]]\nposition = [0.5, 0.5, 0.02]\nradius = 0.1\n",
+       "begins 0.08 m inside ball 'ball-1'"},
+      {head + "[[colliders]]\nname = \"s\"\nshape = \"sphere\"\nposition = [0.9, 0.9, 0]\n"
+              "radius = 0.1\n",
+       "inside collider 's'"},
       {head + "[[hands]]\nfrom = 1\n", "hand 1: it has no `at`"},
       {head + "[[hands]]\nat = 16\n", "there is no particle 16"},
       {head + "[[hands]]\nat = \"top\"\n", "'top' is 4 particles, a hand holds one"},
