@@ -192,6 +192,14 @@ Result<ClothFile> parse_cloths(std::string_view text, const std::string& path) {
   std::vector<std::string>& files = file.files;
   if (Status s = read_all(keys, kClothTables, path, files, scene.cloths, read_cloth); !s)
     return s.error();
+  // Nothing keeps cloths apart, so whoever has several must say that they may go through each
+  // other.
+  bool may_pass = false;
+  keys.read("cloths-pass", may_pass);
+  if (scene.cloths.size() > 1 && !may_pass)
+    keys.fail(kClothTables,
+              "cloth does not touch cloth: several in one scene go through each other, which "
+              "`cloths-pass = true` allows");
   if (Status s = read_all(keys, "balls", path, files, scene.balls, read_ball); !s) return s.error();
   if (Status s = read_all(keys, "colliders", path, files, scene.colliders, read_collider); !s)
     return s.error();

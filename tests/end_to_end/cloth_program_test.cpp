@@ -232,8 +232,18 @@ TEST_F(ClothProgram, BadInputIsNamed) {
       {head + "[[hands]]\nat = 1\nfrom = 2\nuntil = 1\n", "until must be later than from"},
       {head + "[[hands]]\nat = 1\nstiffness = 3\n", "hand 1: unknown key 'stiffness'"},
       {"integrator = \"ep4\"\n" + head, "ep4"},
+      {head + "name = \"low\"\n" + head + "name = \"high\"\n", "`cloths-pass = true` allows"},
+      {"self-contact = true\n" + head, "unknown key 'self-contact'"},
       {head + "[[bodies]]\nname = \"horse\"\n", "do not go together"},
   });
+}
+
+TEST_F(ClothProgram, SeveralClothsPassWhereTheSceneSaysThatTheyMay) {
+  const std::string grid = "[[cloths]]\ncolumns = 4\nrows = 4\n";
+  const ProgramResult result = run(
+      "cloths-pass = true\n" + grid + "name = \"low\"\n" + grid + "name = \"high\"\n", "--json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(json::parse(result.out)["cloths"].size(), 2U);
 }
 
 TEST_F(ClothProgram, BadMeshesAreNamed) {
