@@ -1,4 +1,4 @@
-// An oval woven basket with a roped rim and a roped handle, 0.32 m long: willow weavers run in and
+// An oval woven basket with a roped rim and a roped handle, 0.33 m long: willow weavers run in and
 // out around upright stakes and are fused to them. All lengths in metres.
 #include <algorithm>
 #include <cmath>
@@ -13,17 +13,17 @@ namespace {
 using shapes::Point;
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kStakes = 18;  // even: neighbouring weavers then pass a stake on opposite sides
-constexpr int kWeavers = 4;
+constexpr int kStakes = 14;  // even: neighbouring weavers then pass a stake on opposite sides
+constexpr int kWeavers = 3;
 constexpr double kBottom = 0.009;  // z of the middle of the floor
 constexpr double kRim = 0.118;     // z of the middle of the rim
-constexpr double kStakeRadius = 0.0070;
-constexpr double kWeaverRadius = 0.0076;
-constexpr double kFirstWeaver = 0.031;  // z of the lowest weaver
-constexpr double kWeaverPitch = 0.020;
-constexpr double kWave = 0.0048;       // how far a weaver swings in and out
-constexpr double kCaneFillet = 0.008;  // rounds the creases between fused canes
-constexpr double kRopeFillet = 0.005;  // the same between the two strands of a rope
+constexpr double kStakeRadius = 0.0102;
+constexpr double kWeaverRadius = 0.0110;
+constexpr double kFirstWeaver = 0.034;  // z of the lowest weaver
+constexpr double kWeaverPitch = 0.027;
+constexpr double kWave = 0.0055;       // how far a weaver swings in and out
+constexpr double kCaneFillet = 0.020;  // rounds the creases between fused canes
+constexpr double kRopeFillet = 0.012;  // the same between the two strands of a rope
 constexpr double kHandleTop = 0.265;
 
 // Distance of the wall's middle from the axis at height z and angle theta. The wall leans outwards
@@ -63,7 +63,7 @@ double stake(const Point& p, const Polar& polar) {
       const double r = wall_radius(z, theta);
       return Point(r * std::cos(theta), r * std::sin(theta), z);
     };
-    const Point foot = at(kBottom);
+    const Point foot = at(kBottom + 0.006);
     const Point middle = at(0.5 * kRim);
     const Point top = at(kRim);
     nearest = std::min({nearest, shapes::capsule(p, foot, middle, kStakeRadius, kStakeRadius),
@@ -73,11 +73,11 @@ double stake(const Point& p, const Polar& polar) {
 }
 
 double rim(const Polar& p) {
-  return rope(p.radius - wall_radius(kRim, p.theta), p.z - kRim, 11.0 * p.theta, 0.0062, 0.0080);
+  return rope(p.radius - wall_radius(kRim, p.theta), p.z - kRim, 11.0 * p.theta, 0.0042, 0.0100);
 }
 
 double foot_ring(const Polar& p) {
-  return std::hypot(p.radius - wall_radius(kBottom, p.theta), p.z - kBottom) - 0.0095;
+  return std::hypot(p.radius - wall_radius(kBottom, p.theta), p.z - kBottom) - 0.0080;
 }
 
 double floor_plate(const Polar& p) {
@@ -99,7 +99,7 @@ double handle(const Point& p) {
   const double slope = std::hypot(x / foot, z / rise);
   const double across = slope > 1e-9 ? level * (level - 1.0) / slope : -foot;
   const double angle = std::atan2(z, x);
-  const double arch = rope(across, p.y() - lean, 12.0 * angle, 0.0060, 0.0085);
+  const double arch = rope(across, p.y() - lean, 12.0 * angle, 0.0040, 0.0105);
   return std::max(arch, kRim - 0.005 - p.z());
 }
 
@@ -113,6 +113,14 @@ double basket_distance(const Point& p) {
   return 0.85 * d;  // the weavers' swing steepens the function by up to a sixth
 }
 
+// Fine in the rim and its joints with stakes and handle, which decide the softest modes; coarse in
+// the floor, which hardly moves.
+double basket_size(const Point& p) {
+  if (p.z() < kBottom + 0.012) return 0.011;
+  if (p.z() < kRim - 0.012) return 0.0067;
+  return p.z() < kRim + 0.012 ? 0.0056 : 0.0069;
+}
+
 }  // namespace
 
 Recipe basket_recipe() {
@@ -120,8 +128,8 @@ Recipe basket_recipe() {
   recipe.name = "basket";
   recipe.bounds = {Point(-0.185, -0.155, -0.01), Point(0.185, 0.155, 0.29)};
   recipe.distance = basket_distance;
-  recipe.size = [](const Point&) { return 0.0092; };
-  recipe.surface_error = 0.0013;
+  recipe.size = basket_size;
+  recipe.surface_error = 0.0015;
   return recipe;
 }
 

@@ -126,8 +126,12 @@ study() { # MODEL
 
 for model in $models; do study "$model"; done
 
-awk 'FNR > 1 || NR == 1' "$out"/{beam,horse,heart,bridge,basket,tower}.csv 2> /dev/null \
-  > "$out/error.csv" || true
+# Only tables that there are: awk ends at the first file that it cannot open.
+tables=()
+for model in beam horse heart bridge basket tower; do
+  [ ! -s "$out/$model.csv" ] || tables+=("$out/$model.csv")
+done
+awk 'FNR > 1 || NR == 1' "${tables[@]}" > "$out/error.csv"
 
 # One row a model and load: reduction and integration (ep4) in per cent, a column for each r.
 awk -F, '
