@@ -36,6 +36,7 @@ struct LaneGroup {
   LaneMatrix rotation;
   LaneMatrix seen[4], stress[4], mean;
   Lane b[3];
+  LaneMatrix hessian, turned;  // by a turn of the shape that was found; lower triangles
   LaneMask good;
 };
 
@@ -118,10 +119,12 @@ LANE_INLINE void add_turned(const LaneGroup& g, Lane weight, const LaneMatrix& s
     }
 }
 
-// Gradient and lower triangle of the Hessian of the energy by a turn (element_turn.h).
-LANE_INLINE void find_turn(const LaneGroup& g, Lane* gradient, LaneMatrix& h) {
+// Gradient and lower triangles of the Hessian of the energy by a turn and of `of_turned`, its part
+// that is positive (element_turn.h).
+LANE_INLINE void find_turn(const LaneGroup& g, Lane* gradient, LaneMatrix& h,
+                           LaneMatrix& of_turned) {
   const Lane weight = 0.25 * g.volume;
-  for (int k = 0; k < 9; ++k) h.a[k] = Lane{};
+  for (int k = 0; k < 9; ++k) h.a[k] = of_turned.a[k] = Lane{};
   gradient[0] = gradient[1] = gradient[2] = Lane{};
   for (int s = 0; s < 4; ++s) {
     const LaneMatrix both = product(g.seen[s], g.stress[s]);
@@ -133,7 +136,7 @@ LANE_INLINE void find_turn(const LaneGroup& g, Lane* gradient, LaneMatrix& h) {
       h(i, i) -= weight * (trace - both(i, i));
       for (int j = 0; j < i; ++j) h(i, j) += 0.5 * weight * (both(i, j) + both(j, i));
     }
-    add_turned(g, weight, g.seen[s], h);
+    add_turned(g, weight, g.seen[s], of_turned);
   }
   const Lane trace = g.mean(0, 0) + g.mean(1, 1) + g.mean(2, 2);
   LaneMatrix p;
@@ -147,9 +150,11 @@ LANE_INLINE void find_turn(const LaneGroup& g, Lane* gradient, LaneMatrix& h) {
   }
   for (int i = 0; i < 3; ++i) {
     gradient[i] += g.couple * (p(0, i) * g.b[0] + p(1, i) * g.b[1] + p(2, i) * g.b[2]);
-    for (int j = 0; j <= i; ++j)
-      h(i, j) += g.couple * (p(0, i) * p(0, j) + p(1, i) * p(1, j) + p(2, i) * p(2, j) -
-                             g.b[i] * g.b[j] - 0.5 * (turned(i, j) + turned(j, i)));
+    for (int j = 0; j <= i; ++j) {
+      of_turned(i, j) += g.couple * (p(0, i) * p(0, j) + p(1, i) * p(1, j) + p(2, i) * p(2, j));
+      h(i, j) +=
+          of_turned(i, j) - g.couple * (g.b[i] * g.b[j] + 0.5 * (turned(i, j) + turned(j, i)));
+    }
   }
 }
 
@@ -224,9 +229,8 @@ void search_in_lanes(LaneGroup& g) {
   LaneMask done = {};
   for (int step = 0; step < kMostLaneSteps; ++step) {
     Lane gradient[3], w[3];
-    LaneMatrix h;
-    find_turn(g, gradient, h);
-    find_step(h, gradient, w, g.good);
+    find_turn(g, gradient, g.hessian, g.turned);
+    find_step(g.hessian, gradient, w, g.good);
     const Lane square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
     g.good &= square < kLongestLaneStep * kLongestLaneStep;  // false of what is not a number
     // Lanes that are found, or lost, keep what they have.
@@ -239,11 +243,18 @@ void search_in_lanes(LaneGroup& g) {
     if (all != 0) break;
   }
   g.good &= done;
+  Lane gradient[3];
+  find_turn(g, gradient, g.hessian, g.turned);
   for (int s = 0; s < 4; ++s) g.good &= strain_of(g.seen[s]) < kMostLaneStrain * kMostLaneStrain;
 }
 
 void put_lane(const LaneMatrix& from, size_t lane, Eigen::Matrix3d& to) {
   for (int k = 0; k < 9; ++k) to.data()[k] = from.a[k][lane];
+}
+
+void put_symmetric(const LaneMatrix& lower, size_t lane, Eigen::Matrix3d& to) {
+  for (int j = 0; j < 3; ++j)
+    for (int i = j; i < 3; ++i) to(i, j) = to(j, i) = lower(i, j)[lane];
 }
 
 }  // namespace
@@ -278,6 +289,9 @@ unsigned shapes_in_lanes(const LaneElement* group, size_t count) {
       put_lane(g.seen[s], lane, shape.seen[s]);
       put_lane(g.stress[s], lane, shape.stress[s]);
     }
+    put_symmetric(g.hessian, lane, shape.hessian);
+    put_symmetric(g.turned, lane, shape.turned);
+    shape.has_turn = true;
     for (int i = 0; i < 3; ++i) shape.couple[i] = group[lane].element->couple * g.b[i][lane];
   }
   return lost;

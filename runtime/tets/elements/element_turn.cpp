@@ -77,6 +77,13 @@ TurnDerivatives turn_derivatives(const TetElement& element, const Elasticity& el
   return d;
 }
 
+TurnMatrices turn_matrices(const TetElement& element, const Elasticity& elasticity,
+                           const TetShape& shape) {
+  if (shape.has_turn) return {shape.hessian, shape.turned};
+  const TurnDerivatives d = turn_derivatives(element, elasticity, shape);
+  return {d.hessian, d.turned};
+}
+
 void turn_shape(const TetElement& element, const Elasticity& elasticity, const Eigen::Vector3d& w,
                 TetShape& shape) {
   const Eigen::Matrix3d turn = rotation_by(w);

@@ -26,6 +26,14 @@ struct TurnDerivatives {
 TurnDerivatives turn_derivatives(const TetElement& element, const Elasticity& elasticity,
                                  const TetShape& shape);
 
+// H and `turned` alone, which the shape may have already.
+struct TurnMatrices {
+  Eigen::Matrix3d hessian;
+  Eigen::Matrix3d turned;
+};
+TurnMatrices turn_matrices(const TetElement& element, const Elasticity& elasticity,
+                           const TetShape& shape);
+
 // tr(S) 1 - S.
 Eigen::Matrix3d trace_minus(const Eigen::Matrix3d& s);
 

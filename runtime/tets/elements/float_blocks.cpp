@@ -1,16 +1,14 @@
 #include "runtime/tets/elements/float_blocks.h"
 
 #include "common/clones.h"
+#include "runtime/tets/elements/quads.h"
 
 namespace tremolo {
 namespace {
 
 using std::size_t;
 
-typedef float Quad __attribute__((vector_size(16), may_alias));
 typedef float Sixteen __attribute__((vector_size(64), may_alias));
-
-constexpr size_t kAllBlocks = kMostBlocks, kStraightBlocks = 10;
 
 // The shares of the mass, one a place of a block, zero behind the last.
 struct MassShares {
@@ -31,33 +29,11 @@ const MassShares& mass_shares() {
   return shares;
 }
 
-// A block of an element, which are not in groups: by columns.
+// Blocks of an element are not in groups.
 constexpr size_t kLocalBlock = 12;
-struct QuadBlock {
-  Quad column[3];
-};
 
 [[gnu::always_inline]] inline QuadBlock& block_at(float* blocks, size_t place) {
   return *reinterpret_cast<QuadBlock*>(blocks + kLocalBlock * place);
-}
-
-// Columns a, b, c of four numbers become four columns of three.
-[[gnu::always_inline]] inline void turn_quads(Quad a, Quad b, Quad c, Quad* out) {
-  const Quad zero = {};
-  const Quad ab = __builtin_shufflevector(a, b, 0, 4, 1, 5);
-  const Quad cz = __builtin_shufflevector(c, zero, 0, 4, 1, 5);
-  const Quad ab2 = __builtin_shufflevector(a, b, 2, 6, 3, 7);
-  const Quad cz2 = __builtin_shufflevector(c, zero, 2, 6, 3, 7);
-  out[0] = __builtin_shufflevector(ab, cz, 0, 1, 4, 5);
-  out[1] = __builtin_shufflevector(ab, cz, 2, 3, 6, 7);
-  out[2] = __builtin_shufflevector(ab2, cz2, 0, 1, 4, 5);
-  out[3] = __builtin_shufflevector(ab2, cz2, 2, 3, 6, 7);
-}
-
-[[gnu::always_inline]] inline QuadBlock transposed(const QuadBlock& block) {
-  Quad out[4];
-  turn_quads(block.column[0], block.column[1], block.column[2], out);
-  return {{out[0], out[1], out[2]}};
 }
 
 [[gnu::always_inline]] inline QuadBlock scaled(const QuadBlock& block, float factor) {
@@ -161,35 +137,78 @@ struct TurnedBlocks {
   const MassShares* shares;
 };
 
+[[gnu::always_inline]] inline void turn_all(const FloatElement& element, const TurnedBlocks& g,
+                                            float* local) {
+  if (element.straight()) {
+    turn_sixteen(g.stiffness + 9 * kQuadraticPlaces, kLinearPlaces, g.r, g.factor, g.mass,
+                 g.shares->linear, local);
+    return;
+  }
+  for (size_t first = 0; first < kQuadraticPlaces; first += 16)
+    turn_sixteen(g.stiffness + first, kQuadraticPlaces, g.r, g.factor, g.mass,
+                 g.shares->quadratic + first, local + kLocalBlock * first);
+}
+
 TREMOLO_CLONES
 void add_turned_blocks(const FloatElement& element, const TurnedBlocks& g,
                        const FloatTarget& target) {
   alignas(64) float local[kLocalBlock * kQuadraticPlaces];
-  if (element.straight()) {
-    turn_sixteen(g.stiffness + 9 * kQuadraticPlaces, kLinearPlaces, g.r, g.factor, g.mass,
-                 g.shares->linear, local);
-  } else {
-    for (size_t first = 0; first < kQuadraticPlaces; first += 16)
-      turn_sixteen(g.stiffness + first, kQuadraticPlaces, g.r, g.factor, g.mass,
-                   g.shares->quadratic + first, local + kLocalBlock * first);
-  }
+  turn_all(element, g, local);
   scatter_local(element, local, target);
 }
 
-TREMOLO_CLONES
-void add_given_blocks(const FloatElement& element, const double* blocks, float mass,
-                      const float* shares, const FloatTarget& target) {
-  alignas(64) float local[kLocalBlock * kAllBlocks];
-  const size_t count = element.straight() ? kStraightBlocks : kAllBlocks;
-  for (size_t k = 0; k < count; ++k)
-    for (size_t j = 0; j < 3; ++j) {
-      const double* column = blocks + 9 * k + 3 * j;
-      Quad sum = {static_cast<float>(column[0]), static_cast<float>(column[1]),
-                  static_cast<float>(column[2]), 0.0F};
-      sum[j] += mass * shares[k];
-      *reinterpret_cast<Quad*>(local + kLocalBlock * k + 4 * j) = sum;
+// A_IJ -= right_I left_J^T + couple (g_J g_I^T - g_I.g_J).
+template <size_t rank>
+[[gnu::always_inline]] inline void subtract_parts(const FloatParts& parts, size_t nodes,
+                                                  float* local) {
+  for (size_t i = 0; i < nodes; ++i) {
+    Quad right[rank];
+    for (size_t m = 0; m < rank; ++m)
+      right[m] = *reinterpret_cast<const Quad*>(parts.right + 4 * (kRanks * i + m));
+    const float* own = parts.gradient + 4 * i;
+    for (size_t j = 0; j <= i; ++j) {
+      QuadBlock& block = block_at(local, node_block(i, j));
+      const float* left = parts.left + 4 * kRanks * j;
+      const Quad pull = parts.couple * *reinterpret_cast<const Quad*>(parts.gradient + 4 * j);
+      const float both = pull[0] * own[0] + pull[1] * own[1] + pull[2] * own[2];
+      Quad x = block.column[0] - pull * own[0] + Quad{both, 0.0F, 0.0F, 0.0F};
+      Quad y = block.column[1] - pull * own[1] + Quad{0.0F, both, 0.0F, 0.0F};
+      Quad z = block.column[2] - pull * own[2] + Quad{0.0F, 0.0F, both, 0.0F};
+#pragma GCC unroll 6
+      for (size_t m = 0; m < rank; ++m) {
+        x -= right[m] * left[4 * m];
+        y -= right[m] * left[4 * m + 1];
+        z -= right[m] * left[4 * m + 2];
+      }
+      block.column[0] = x;
+      block.column[1] = y;
+      block.column[2] = z;
     }
+  }
+}
+
+TREMOLO_CLONES
+void add_exact_blocks(const FloatElement& element, const TurnedBlocks& g, const FloatParts& parts,
+                      const FloatTarget& target) {
+  alignas(64) float local[kLocalBlock * kQuadraticPlaces];
+  turn_all(element, g, local);
+  const size_t nodes = element.straight() ? 4 : kMostNodes;
+  if (parts.damped)
+    subtract_parts<kRanks>(parts, nodes, local);
+  else
+    subtract_parts<kRanks / 2>(parts, nodes, local);
   scatter_local(element, local, target);
+}
+
+TurnedBlocks turned_blocks(const float* stiffness, const Eigen::Matrix3d& rotation, double factor,
+                           double mass) {
+  TurnedBlocks g;
+  g.stiffness = stiffness;
+  for (int k = 0; k < 9; ++k) g.r[k] = static_cast<float>(rotation.data()[k]);
+  g.factor = static_cast<float>(factor);
+  g.mass = static_cast<float>(mass);
+  g.shares = &mass_shares();
+  return g;
 }
 
 }  // namespace
@@ -209,20 +228,12 @@ void pack_floats(std::span<const Eigen::Matrix3d> quadratic,
 void add_turned(const FloatElement& element, const float* stiffness,
                 const Eigen::Matrix3d& rotation, double factor, double mass,
                 const FloatTarget& target) {
-  TurnedBlocks g;
-  g.stiffness = stiffness;
-  for (int k = 0; k < 9; ++k) g.r[k] = static_cast<float>(rotation.data()[k]);
-  g.factor = static_cast<float>(factor);
-  g.mass = static_cast<float>(mass);
-  g.shares = &mass_shares();
-  add_turned_blocks(element, g, target);
+  add_turned_blocks(element, turned_blocks(stiffness, rotation, factor, mass), target);
 }
 
-void add_blocks(const FloatElement& element, const NodeBlocks& blocks, double mass,
-                const FloatTarget& target) {
-  const MassShares& shares = mass_shares();
-  add_given_blocks(element, blocks[0].data(), static_cast<float>(mass),
-                   element.straight() ? shares.linear : shares.quadratic, target);
+void add_exact(const FloatElement& element, const float* stiffness, const Eigen::Matrix3d& rotation,
+               double factor, double mass, const FloatParts& parts, const FloatTarget& target) {
+  add_exact_blocks(element, turned_blocks(stiffness, rotation, factor, mass), parts, target);
 }
 
 }  // namespace tremolo

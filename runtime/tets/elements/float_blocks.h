@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "runtime/tets/elements/float_parts.h"
 #include "runtime/tets/elements/tet_element.h"
 
 namespace tremolo {
@@ -56,8 +57,8 @@ struct FloatElement {
 void add_turned(const FloatElement& element, const float* stiffness,
                 const Eigen::Matrix3d& rotation, double factor, double mass,
                 const FloatTarget& target);
-// Adds blocks that are there already, and the mass.
-void add_blocks(const FloatElement& element, const NodeBlocks& blocks, double mass,
-                const FloatTarget& target);
+// The same with what the exact tangent has beside.
+void add_exact(const FloatElement& element, const float* stiffness, const Eigen::Matrix3d& rotation,
+               double factor, double mass, const FloatParts& parts, const FloatTarget& target);
 
 }  // namespace tremolo

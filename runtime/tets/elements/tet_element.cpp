@@ -34,20 +34,15 @@ NodeVectors turned_forces(const TetElement& element, const TetShape& shape,
   return shape.rotation * piola.forces(element.geometry);
 }
 
-// K' times the rigid turn about axis j of the shape, in the element's frame; and the body forces
-// themselves turned about it.
-struct TurnColumns {
-  std::array<NodeVectors, 3> turned;  // K' Y_j
-  std::array<NodeVectors, 3> slopes;  // df/dw_j = e_j x f - K' Y_j
-};
-TurnColumns turn_columns(const TetElement& element, const Elasticity& elasticity,
-                         const TetShape& shape) {
+// With Y_j the rigid turn about axis j of the shape, in the element's frame: turned_j = K' Y_j, and
+// slopes_j = df/dw_j = e_j x f - K' Y_j with the body's forces f turned about it.
+void find_turn_columns(const TetElement& element, const Elasticity& elasticity,
+                       const TetShape& shape, TangentParts& columns) {
   const double share = 1.0 / shape.samples;
   const double weight = share * element.geometry.volume;
   const Eigen::Matrix3d p = trace_minus(shape.mean);
   const Eigen::Matrix3d couple = share * cross_matrix(shape.couple);
   const auto points = sample_points(shape.order, 2);
-  TurnColumns columns;
   for (int j = 0; j < 3; ++j) {
     const Eigen::Matrix3d unit = cross_matrix(Eigen::Vector3d::Unit(j));
     const Eigen::Matrix3d by_couple = share * element.couple * cross_matrix(p.col(j));
@@ -61,32 +56,25 @@ TurnColumns turn_columns(const TetElement& element, const Elasticity& elasticity
     columns.turned[j] = turned.forces(element.geometry);
     columns.slopes[j] = slope.forces(element.geometry);
   }
-  return columns;
 }
 
-// out_IJ -= factor A_I M A_J^T over the lower blocks; A_I is made of the columns' node I.
+// out_IJ -= A_I M A_J^T over the lower blocks; A_I is made of the columns' node I.
 void subtract_low_rank(const std::array<NodeVectors, 3>& columns, const Eigen::Matrix3d& middle,
-                       double factor, NodeBlocks& out) {
+                       NodeBlocks& out) {
   const Eigen::Index nodes = columns[0].cols();
   std::array<Eigen::Matrix3d, kMostNodes> left, right;
   for (Eigen::Index i = 0; i < nodes; ++i) {
     for (std::size_t j = 0; j < 3; ++j)
       left[i].col(static_cast<Eigen::Index>(j)) = columns[j].col(i);
-    right[i] = left[i] * (factor * middle);
+    right[i] = left[i] * middle;
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(nodes); ++i)
     for (std::size_t j = 0; j <= i; ++j)
       out[node_block(i, j)].noalias() -= right[i] * left[j].transpose();
 }
 
-// Mean of the gradients of the polynomials, one column a node, 1/m.
-NodeGradients mean_gradients(const ElementGeometry& element, int order) {
-  return node_gradients(element, order, SamplePoint{});
-}
-
 // out_IJ += factor [g_I]^T [g_J]: the couple's own stiffness.
-void add_couple(const TetElement& element, int order, double factor, NodeBlocks& out) {
-  const NodeGradients g = mean_gradients(element.geometry, order);
+void add_couple(const NodeVectors& g, double factor, NodeBlocks& out) {
   for (int i = 0; i < g.cols(); ++i)
     for (int j = 0; j <= i; ++j) {
       Eigen::Matrix3d& block = out[node_block(i, j)];
@@ -164,7 +152,7 @@ NodeVectors tet_damping_force(const TetElement& element, const Elasticity& elast
     return turned_forces(element, shape, stresses, Eigen::Vector3d::Zero());
   const Eigen::Matrix3d p = trace_minus(shape.mean);
   const Eigen::Vector3d of_mean = axial(back * field(SamplePoint{}));
-  const TurnDerivatives d = turn_derivatives(element, elasticity, shape);
+  const TurnMatrices d = turn_matrices(element, elasticity, shape);
   const Eigen::Vector3d w =
       bounded_inverse(d.turned) * (pull - element.couple * p.transpose() * of_mean);
   const Eigen::Matrix3d turn = cross_matrix(w);
@@ -181,6 +169,19 @@ std::size_t pack_stiffness(const ElementStiffness& stiffness, std::span<Eigen::M
   return count;
 }
 
+TangentParts tangent_parts(const TetElement& element, const Elasticity& elasticity,
+                           const TetShape& shape, const TangentFactors& factors) {
+  TangentParts parts;
+  find_turn_columns(element, elasticity, shape, parts);
+  const TurnMatrices d = turn_matrices(element, elasticity, shape);
+  parts.of_slopes = factors.position * bounded_inverse(d.hessian);
+  parts.of_turned.setZero();
+  if (factors.velocity != 0.0) parts.of_turned = factors.velocity * bounded_inverse(d.turned);
+  parts.gradients = node_gradients(element.geometry, shape.order, SamplePoint{});
+  parts.couple = (factors.position + factors.velocity) * element.couple;
+  return parts;
+}
+
 void tet_tangent(const TetElement& element, const Elasticity& elasticity, RotationLaw law,
                  const TetShape& shape, std::span<const Eigen::Matrix3d> stiffness,
                  const TangentFactors& factors, NodeBlocks& out) {
@@ -190,12 +191,10 @@ void tet_tangent(const TetElement& element, const Elasticity& elasticity, Rotati
   const bool exact = factors.kind == TangentKind::kExact && law == RotationLaw::kLeastEnergy;
   if (!exact) return turn_blocks(shape.rotation, both, stiffness.first(blocks), out.data());
   for (std::size_t k = 0; k < blocks; ++k) out[k] = both * stiffness[k];
-  const TurnColumns columns = turn_columns(element, elasticity, shape);
-  const TurnDerivatives d = turn_derivatives(element, elasticity, shape);
-  add_couple(element, shape.order, both * element.couple, out);
-  subtract_low_rank(columns.slopes, bounded_inverse(d.hessian), factors.position, out);
-  if (factors.velocity != 0.0)
-    subtract_low_rank(columns.turned, bounded_inverse(d.turned), factors.velocity, out);
+  const TangentParts parts = tangent_parts(element, elasticity, shape, factors);
+  add_couple(parts.gradients, parts.couple, out);
+  subtract_low_rank(parts.slopes, parts.of_slopes, out);
+  if (factors.velocity != 0.0) subtract_low_rank(parts.turned, parts.of_turned, out);
   turn_blocks(shape.rotation, 1.0, std::span(out).first(blocks), out.data());
 }
 

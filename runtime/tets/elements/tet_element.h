@@ -52,7 +52,8 @@ TetElement make_tet_element(const std::array<Eigen::Vector3d, 4>& corners,
 
 // An element at given control points. samples: how many strain samples (1 or 4). seen: S at each.
 // stress: sigma at each, Pa. mean: of S. couple: m b, J; zero for kCorners. converged: R makes the
-// energy stationary to rounding, so that force and energy belong together.
+// energy stationary to rounding, so that force and energy belong together. has_turn: hessian and
+// turned are those of turn_derivatives() (element_turn.h) already.
 struct TetShape {
   int order = 1;
   int samples = 1;
@@ -62,6 +63,8 @@ struct TetShape {
   Eigen::Matrix3d mean;
   Eigen::Vector3d couple = Eigen::Vector3d::Zero();
   bool converged = true;
+  bool has_turn = false;
+  Eigen::Matrix3d hessian, turned;
 };
 
 // x: finite. Never NaN, also of flat and inverted elements. Allocates nothing.
@@ -96,6 +99,20 @@ struct TangentFactors {
   double velocity = 0.0;
   TangentKind kind = TangentKind::kFrozen;
 };
+
+// What the exact tangent has beside both sums of K, in the element's frame:
+//   A_IJ = (position + velocity) (K_IJ + couple [g_I]^T [g_J])
+//        - position slopes_I of_slopes slopes_J^T - velocity turned_I of_turned turned_J^T.
+// gradients: g, of the polynomials' means, 1/m, a column a node. slopes_I is made of the three
+// columns' node I. of_slopes and of_turned have their factors in them, couple has both.
+struct TangentParts {
+  std::array<NodeVectors, 3> slopes, turned;
+  Eigen::Matrix3d of_slopes, of_turned;
+  NodeVectors gradients;
+  double couple = 0.0;
+};
+TangentParts tangent_parts(const TetElement& element, const Elasticity& elasticity,
+                           const TetShape& shape, const TangentFactors& factors);
 
 // stiffness: the blocks of K.
 void tet_tangent(const TetElement& element, const Elasticity& elasticity, RotationLaw law,

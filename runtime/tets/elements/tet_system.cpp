@@ -239,21 +239,17 @@ void TetSystem::assemble(const TetMatrixFactors& factors, const FloatTarget& tar
   const bool turned =
       factors.tangent.kind == TangentKind::kFrozen || law_ != RotationLaw::kLeastEnergy;
   const double both = factors.tangent.position + factors.tangent.velocity;
-  NodeBlocks blocks;
+  FloatParts parts;
   for (std::size_t e = 0; e < shapes_.size(); ++e) {
     const TetModelElement& element = model_->elements()[e];
+    const TetShape& shape = shapes_[e];
     const FloatElement adding{element.places.data(), linear_[e]};
     const double mass = factors.mass * element.element.mass;
-    if (turned) {
-      add_turned(adding, model_->float_stiffness(e), shapes_[e].rotation, both, mass, target);
-      continue;
-    }
-    const std::span<const Eigen::Matrix3d> stiffness =
-        straight(e) ? std::span<const Eigen::Matrix3d>(element.linear_stiffness)
-                    : std::span<const Eigen::Matrix3d>(element.stiffness);
-    tet_tangent(element.element, model_->elasticity(element), law_, shapes_[e], stiffness,
-                factors.tangent, blocks);
-    add_blocks(adding, blocks, mass, target);
+    const float* stiffness = model_->float_stiffness(e);
+    if (turned) add_turned(adding, stiffness, shape.rotation, both, mass, target);
+    if (turned) continue;
+    find_float_parts(element.element, model_->elasticity(element), shape, factors.tangent, parts);
+    add_exact(adding, stiffness, shape.rotation, both, mass, parts, target);
   }
 }
 
