@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "runtime/tets/elements/element_turn.h"
 #include "tests/support/tet_bodies.h"
 
 namespace tremolo {
@@ -69,6 +70,12 @@ TEST(ElementLanes, FindTheShapeThatIsFoundAloneFromWhereverItIsNear) {
           }
           EXPECT_LT((found.couple - wanted.couple).norm(),
                     1e-13 * c.model->elements()[k].element.couple);
+          const TetModelElement& element = c.model->elements()[k];
+          const TurnDerivatives d =
+              turn_derivatives(element.element, c.model->elasticity(element), wanted);
+          ASSERT_TRUE(found.has_turn);
+          EXPECT_LT((found.hessian - d.hessian).norm(), 1e-12 * d.hessian.norm());
+          EXPECT_LT((found.turned - d.turned).norm(), 1e-12 * d.turned.norm());
         }
         for (std::size_t k = count; k < kElementLanes; ++k)
           EXPECT_EQ(c.shapes[k].rotation, turn_by(2.0 + off));

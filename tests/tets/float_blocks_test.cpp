@@ -14,9 +14,23 @@ using testing::TetRandom;
 
 using FloatView = Eigen::Map<const Eigen::Matrix3f, 0, Eigen::OuterStride<kColumnStride>>;
 
-TEST(FloatBlocks, TheMatrixIsThatOfDoubles) {
+Material gel_with_a_grain() {
+  OrthotropicElasticity grain;
+  grain.young = {1.1e5, 0.9e5, 1.6e5};
+  grain.poisson = {0.3, 0.25, 0.2};
+  grain.shear = {0.4e5, 0.5e5, 0.3e5};
+  Material material = testing::kTetGel;
+  material.orthotropic = grain;
+  return material;
+}
+
+class FloatBlocks : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(IsotropicAndNot, FloatBlocks, ::testing::Bool());
+
+TEST_P(FloatBlocks, TheMatrixIsThatOfDoubles) {
   TetRandom random(21);
-  const TetModelPointer model = tet_bar({3, 2, 1}, {0.3, 0.15, 0.1}, true);
+  const TetModelPointer model = tet_bar({3, 2, 1}, {0.3, 0.15, 0.1}, true,
+                                        GetParam() ? testing::kTetGel : gel_with_a_grain());
   TetSystem system(model, RotationLaw::kLeastEnergy);
   BlockMatrix matrix(model->pattern());
   ActiveFloats floats(*model->pattern(), model->smooth());

@@ -2,10 +2,12 @@
 // in states that no mesh should be in.
 #include "runtime/tets/elements/tet_element.h"
 
+#include <algorithm>
 #include <tuple>
 
 #include <gtest/gtest.h>
 
+#include "runtime/tets/elements/float_parts.h"
 #include "runtime/tets/elements/rotation.h"
 #include "tests/support/meshes/random_tet.h"
 
@@ -60,6 +62,53 @@ TEST_P(TetElements, AnyRigidMotionCostsNoForceAndNoEnergy) {
       EXPECT_LE(energy_at(tet, law, moved), 1e-20 * energy_at(tet, law, bent));
     }
   }
+}
+
+using FloatColumn = Eigen::Map<const Eigen::Vector3f>;
+
+// The columns of the exact tangent in single precision are those in double precision, turned.
+TEST_P(TetElements, PartsInFloatsAreThoseInDoubles) {
+  TetRandom random(17);
+  for (const double velocity : {0.0, 0.3})
+    for (int trial = 0; trial < 20; ++trial) {
+      const RandomTet tet = random.tet(material());
+      const NodeVectors rest = rest_points(tet.corners, order());
+      const NodeVectors x = random.moved(NodeVectors(random.rotation() * rest), 0.1);
+      const TetShape shape = tet_shape(tet.element, tet.elasticity, RotationLaw::kLeastEnergy, x);
+      const TangentFactors factors{1.0, velocity, TangentKind::kExact};
+      const TangentParts wanted = tangent_parts(tet.element, tet.elasticity, shape, factors);
+      FloatParts found;
+      find_float_parts(tet.element, tet.elasticity, shape, factors, found);
+      EXPECT_EQ(found.damped, velocity != 0.0);
+      EXPECT_FLOAT_EQ(found.couple, static_cast<float>(wanted.couple));
+      for (std::size_t first = 0; first < (found.damped ? kRanks : 3); first += 3) {
+        const auto& columns = first == 0 ? wanted.slopes : wanted.turned;
+        const Eigen::Matrix3d& middle = first == 0 ? wanted.of_slopes : wanted.of_turned;
+        double largest = 0.0;
+        for (const NodeVectors& column : columns)
+          largest = std::max(largest, column.cwiseAbs().maxCoeff());
+        for (Eigen::Index i = 0; i < x.cols(); ++i) {
+          Eigen::Matrix3d left;
+          for (std::size_t m = 0; m < 3; ++m)
+            left.col(static_cast<Eigen::Index>(m)) = shape.rotation * columns[m].col(i);
+          const Eigen::Matrix3d right = left * middle;
+          for (std::size_t m = 0; m < 3; ++m) {
+            const std::size_t at = 4 * (kRanks * static_cast<std::size_t>(i) + first + m);
+            const auto column = static_cast<Eigen::Index>(m);
+            // Some tens of roundings of floats.
+            EXPECT_LT((FloatColumn(found.left + at).cast<double>() - left.col(column)).norm(),
+                      3e-6 * largest);
+            EXPECT_LT((FloatColumn(found.right + at).cast<double>() - right.col(column)).norm(),
+                      3e-6 * largest * middle.norm());
+          }
+        }
+      }
+      for (Eigen::Index i = 0; i < x.cols(); ++i)
+        EXPECT_LT((FloatColumn(found.gradient + 4 * i).cast<double>() -
+                   shape.rotation * wanted.gradients.col(i))
+                      .norm(),
+                  1e-6 * wanted.gradients.norm());
+    }
 }
 
 TEST_P(TetElements, ForceIsTheGradientOfTheEnergy) {
