@@ -68,6 +68,8 @@ TEST_F(TetsProgram, ACubeFallsOnAnotherAndWhatScriptsRelyOnIsTold) {
   EXPECT_EQ(result.err.find("begins in contact"), std::string::npos) << result.err;
   EXPECT_GT(low["contact_points_final"].get<int>(), 0);
   EXPECT_LE(low["largest_jump_of_switches"].get<double>(), 1e-3);
+  EXPECT_EQ(low["elements_inverted_most"], 0);
+  EXPECT_EQ(low["elements_inverted_final"], 0);
   // The upper one has fallen by the gaps below it, 0.02 m, and by what both are pressed in.
   const double fallen = (high["energies_initial"]["gravity"].get<double>() -
                          high["energies_final"]["gravity"].get<double>()) /

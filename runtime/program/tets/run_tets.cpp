@@ -81,6 +81,8 @@ TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const T
           {"steps_in_parts", report.in_parts},
           {"steps_linearised", report.linearised},
           {"steps_unsolved", report.unsolved},
+          {"elements_inverted_most", report.inverted_most},
+          {"elements_inverted_final", report.inverted},
           {"momentum_error", number_or_null(report.momentum_error)},
           {"speed_final", number_or_null(body.momentum().norm() / body.model().mass())},
           {"asleep", asleep},
@@ -267,6 +269,9 @@ void TetsRun::print() const {
         scene_.bodies[i].name, degree_name(scene_.bodies[i].options.degree.kind),
         100.0 * report.share, report.start.total(), report.end.total(), report.end.switches,
         report.displacement);
+    if (report.inverted_most > 0)
+      tell("    {} elements were flat or inside out at most, {} are at the end\n",
+           report.inverted_most, report.inverted);
     if (!report.files.empty()) tell("    wrote {}\n", list_files(report.files));
   }
 }

@@ -48,6 +48,8 @@ Result<TetsLog> TetsLog::create(const TetScene& scene, const TetsKind& kind, std
 void TetsLog::note_forces(const TetBody& body) {
   forces_.set_degrees(body.system().degrees());
   forces_.evaluate(body.positions());
+  report_.inverted = forces_.inverted();
+  report_.inverted_most = std::max(report_.inverted_most, report_.inverted);
   force_.setZero();
   forces_.add_force(force_);
   const Eigen::Vector3d centre =

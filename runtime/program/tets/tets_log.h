@@ -20,13 +20,15 @@ struct TetsEnergies {
 
 // share: of quadratic edges, mean over the steps. momentum_error: the largest sum of all elastic
 // forces, and of their torques about the centre, over the largest sum of their sizes: what the
-// elements alone would add to the momenta. displacement: m, of a vertex, largest.
+// elements alone would add to the momenta. displacement: m, of a vertex, largest. inverted: how
+// many elements are flat or inside out now; inverted_most: were at once.
 struct TetsReport {
   TetsEnergies start, end;
   double share = 0.0;
   double momentum_error = 0.0;
   double displacement = 0.0;
   std::int64_t iterations = 0, switched = 0, in_parts = 0, linearised = 0, unsolved = 0;
+  std::size_t inverted = 0, inverted_most = 0;
   double jump = 0.0;  // the largest of a change of degree, over an edge's length
   std::vector<std::string> files;
 };

@@ -159,6 +159,24 @@ Eigen::Matrix3d TetSystem::mean_rotation() const {
   return nearest_rotation(sum);
 }
 
+std::size_t TetSystem::inverted() const {
+  // Gradients are linear in the place: each corner's is its sample's less `far` times their sum,
+  // but for a positive factor.
+  const auto points = sample_points(2, 2);
+  const double far = std::min(points[0].lambda[0], points[0].lambda[1]);
+  std::size_t count = 0;
+  for (const TetShape& shape : shapes_) {
+    Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
+    if (shape.samples > 1)
+      for (const Eigen::Matrix3d& seen : shape.seen) all += far * seen;
+    bool flat = false;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(shape.samples); ++s)
+      flat = flat || !((shape.seen[s] - all).determinant() > 0.0);
+    count += flat ? 1 : 0;
+  }
+  return count;
+}
+
 double TetSystem::energy() const {
   double sum = 0.0;
   for (std::size_t e = 0; e < shapes_.size(); ++e)

@@ -51,6 +51,9 @@ class TetSystem {
   std::size_t evaluate(const Eigen::VectorXd& x);
   double energy() const;                  // J
   Eigen::Matrix3d mean_rotation() const;  // nearest to the mean of the elements' by volume
+  // Elements whose deformation gradient has no positive determinant at one of their corners: flat
+  // or inside out there.
+  std::size_t inverted() const;
   // f += what acts on the control points, N, as of the quadratic mesh: fold() makes it that of the
   // system, and what stood in the rows of linear edges before says what they are kept from.
   void add_force(Eigen::VectorXd& f) const;
