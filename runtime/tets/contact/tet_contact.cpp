@@ -105,7 +105,8 @@ void TetContact::find_partner(std::uint32_t p, const Eigen::Vector3d& place, std
   touch.stiffness = own * other.stiffness / (own + other.stiffness);
 }
 
-// Also notes what is known from now on.
+// Whether neither the body nor a partner has moved since places were found; notes who is where for
+// the next time.
 bool TetContact::places_are_known() {
   const std::size_t count = partners_.size() + 1;
   bool known = known_.size() == count;

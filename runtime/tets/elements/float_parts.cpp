@@ -129,7 +129,7 @@ FloatShape float_shape(const TetElement& element, const Elasticity& elasticity,
   return g;
 }
 
-// Of any material, by way of doubles.
+// Any material: the parts in double precision are turned and rounded.
 void convert_parts(const TangentParts& from, const Eigen::Matrix3d& rotation, FloatParts& parts) {
   for (Eigen::Index i = 0; i < from.gradients.cols(); ++i)
     for (size_t first = 0; first < kRanks; first += 3) {

@@ -17,7 +17,7 @@ namespace {
 constexpr double kRounding = 4e-15;
 // Below so many directions of conjugate gradients no factorisation is thought of.
 constexpr int kManyDirections = 100;
-// Of a direction, for each block of the matrix.
+// A direction takes so many for each block of the matrix.
 constexpr double kDirectionMultiplications = 18.0;
 constexpr std::size_t kMostFactorBytes = std::size_t{256} << 20;
 
