@@ -1,4 +1,4 @@
-// What a scene's cloths must not begin inside of.
+// A scene's cloths must not begin inside of its balls and colliders.
 #include <algorithm>
 #include <cmath>
 #include <string>

@@ -58,8 +58,8 @@ struct ClothWorld::Inside {
   void hold(WorldCloth& cloth, std::size_t particle, const Eigen::Vector3d& at);
   void let_go(WorldCloth& cloth, std::size_t particle);
   void move_hands();
-  // What begins inside of a ball or a collider is refused: particles that are free, and triangles
-  // that a sphere between their particles cuts.
+  // Free particles that begin inside of a ball or a collider are refused, and triangles that a
+  // sphere between their particles cuts.
   Status check_apart() const;
   Status check_particles(const WorldCloth& cloth) const;
   void set_weather(double t);

@@ -105,7 +105,7 @@ void TetContact::find_partner(std::uint32_t p, const Eigen::Vector3d& place, std
   touch.stiffness = own * other.stiffness / (own + other.stiffness);
 }
 
-// Whether neither the body nor a partner has moved since places were found; notes who is where for
+// True if neither the body nor a partner has moved since places were found; notes who is where for
 // the next time.
 bool TetContact::places_are_known() {
   const std::size_t count = partners_.size() + 1;

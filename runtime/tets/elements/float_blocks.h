@@ -57,7 +57,7 @@ struct FloatElement {
 void add_turned(const FloatElement& element, const float* stiffness,
                 const Eigen::Matrix3d& rotation, double factor, double mass,
                 const FloatTarget& target);
-// The same with what the exact tangent has beside.
+// Adds the exact tangent: parts are subtracted from those blocks.
 void add_exact(const FloatElement& element, const float* stiffness, const Eigen::Matrix3d& rotation,
                double factor, double mass, const FloatParts& parts, const FloatTarget& target);
 

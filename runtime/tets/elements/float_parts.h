@@ -1,5 +1,5 @@
-// What the exact tangent of an element has beside R K R^T, in single precision and turned into
-// space: for matrices that are added up in floats (float_blocks.h).
+// The parts of an element's exact tangent beside R K R^T, in single precision and turned into
+// space, for matrices that are added up in floats (float_blocks.h).
 #pragma once
 
 #include <cstddef>

@@ -100,7 +100,7 @@ struct TangentFactors {
   TangentKind kind = TangentKind::kFrozen;
 };
 
-// What the exact tangent has beside both sums of K, in the element's frame:
+// The parts of the exact tangent beside both sums of K, in the element's frame:
 //   A_IJ = (position + velocity) (K_IJ + couple [g_I]^T [g_J])
 //        - position slopes_I of_slopes slopes_J^T - velocity turned_I of_turned turned_J^T.
 // gradients: g, of the polynomials' means, 1/m, a column a node. slopes_I is made of the three
