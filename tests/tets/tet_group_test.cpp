@@ -266,6 +266,45 @@ TEST(TetGroup, AStackComesToRestAndSleepsAndEachCarriesWhatIsAboveIt) {
   }
 }
 
+// p.A p has the part of a touch once, or the directions are not conjugate: then it takes more than
+// four times as many as a body by itself on the floor, otherwise not twice as many.
+TEST(TetGroup, BodiesThatPressOnEachOtherTakeAFewMoreDirections) {
+  const Eigen::Vector3d size(0.2, 0.2, 0.1);
+  const TetModelPointer model = tet_bar({2, 2, 1}, size, false);
+  const TetHullPointer hull = box_hull(model, size);
+  TetBodyOptions options;
+  options.method = TetMethod::kImplicitEuler;
+  options.gravity = {0.0, 0.0, -kHeapG};
+  options.beta = 5e-3;
+  options.linear_tolerance = 1e-5;
+  TetGroupOptions settings;
+  settings.sleep_speed = 0.0;
+  // Directions a correction, over all steps.
+  const auto directions = [&](std::size_t levels) {
+    std::vector<TetBody> bodies;
+    std::vector<TetContact> contacts;
+    for (std::size_t level = 0; level < levels; ++level) {
+      const auto up = static_cast<double>(level);
+      bodies.push_back(body_at(model, options,
+                               shifted(*model, {0.013 * up, 0.007 * up, 0.101 * up}),
+                               Eigen::Vector3d::Zero()));
+      contacts.emplace_back(hull, std::vector<TetObstacle>{{PlaneShape{}, {}, 0.3}});
+    }
+    TetGroup group(std::move(bodies), std::move(contacts), std::vector<double>(levels, 0.3),
+                   settings);
+    std::vector<TetStepReport> reports(levels);
+    double sum = 0.0, corrections = 0.0;
+    for (int n = 0; n < 40; ++n) {
+      EXPECT_TRUE(group.step(reports)) << n;
+      sum += reports[0].linear;
+      corrections += reports[0].iterations;
+    }
+    return sum / corrections;
+  };
+  const double alone = directions(1);
+  EXPECT_LT(directions(2), 3.0 * alone);
+}
+
 // Points of the upper one lie on corners of the lower one's elements, where forces jump.
 TEST(TetGroup, SlabsThatLieFlatOnEachOtherAreSolvedAndCarried) {
   const Eigen::Vector3d size(0.2, 0.2, 0.1);
