@@ -46,6 +46,16 @@ NodalReport HalvedIntegrator::step(NodalState& state) {
   return report;
 }
 
+void HalvedIntegrator::take_step(NodalState& state, double h, double share, Eigen::VectorXd& x1,
+                                 Eigen::VectorXd& v1, NodalReport& report) {
+  if (NodalContact* contact = system_.contact()) contact->keep(x1, h, share);
+  ledger_.begin(state);
+  state.x.swap(x1);
+  state.v.swap(v1);
+  state.time += h;
+  ledger_.end(state, h, share, report);
+}
+
 void put_held_nodes(const NodalSystem& system, double time, double h, const Eigen::VectorXd& x0,
                     Eigen::VectorXd& x, Eigen::VectorXd& v) {
   const std::span<const std::uint8_t> held = system.held();

@@ -17,6 +17,11 @@ class HalvedIntegrator : public NodalIntegrator {
   // Adds to the report's iterations, residual and energies; false where it cannot be made.
   virtual bool advance(NodalState& state, double h, NodalReport& report) = 0;
 
+  // Makes the step to x1, v1, which get the state before it; held nodes are put. share: as of
+  // NodalContact::keep(). Adds its energies to the report.
+  void take_step(NodalState& state, double h, double share, Eigen::VectorXd& x1,
+                 Eigen::VectorXd& v1, NodalReport& report);
+
   const NodalSystem& system() const { return system_; }
   const NodalOptions& options() const { return options_; }
   StepLedger& ledger() { return ledger_; }

@@ -30,8 +30,9 @@ class ImplicitMethod : public HalvedIntegrator {
     x1_ = state.x + h * state.v;
     put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
   }
-  // The midpoint rule from the guess on: x1_ and v1_. False where its equation was not solved.
-  bool solve_middle(const NodalState& state, double h, NodalReport& report) {
+  // The midpoint rule from the guess on, or where `energy` is set that of the method of this name:
+  // x1_ and v1_. False where its equation was not solved.
+  bool solve_middle(const NodalState& state, double h, bool energy, NodalReport& report) {
     x_hat_ = state.x + h * state.v;
     v_hat_.setZero();
     const ImplicitEquation equation{.mu = 2.0 / (h * h),
@@ -39,7 +40,8 @@ class ImplicitMethod : public HalvedIntegrator {
                                     .kappa = 1.0 / h,
                                     .x0 = &state.x,
                                     .x_hat = &x_hat_,
-                                    .v_hat = &v_hat_};
+                                    .v_hat = &v_hat_,
+                                    .h = energy ? h : 0.0};
     if (!solve_->solve(equation, x1_, false, report)) return false;
     v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
     return true;
@@ -54,12 +56,7 @@ class ImplicitMethod : public HalvedIntegrator {
   // v1 as set by the method, held nodes put; the step is made. share: as of NodalContact::keep().
   void finish(NodalState& state, double h, double share, NodalReport& report) {
     put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
-    if (NodalContact* contact = system().contact()) contact->keep(x1_, h, share);
-    ledger().begin(state);
-    state.x.swap(x1_);
-    state.v.swap(v1_);
-    state.time += h;
-    ledger().end(state, h, share, report);
+    take_step(state, h, share, x1_, v1_, report);
   }
   // The same of a method that may add energy. False where it would have to be taken by the rule of
   // `energy` and cannot.
@@ -95,17 +92,7 @@ class ImplicitMethod : public HalvedIntegrator {
   }
   // The rule of `energy`, from the guess x1_.
   bool balanced(NodalState& state, double h, NodalReport& report) {
-    x_hat_ = state.x + h * state.v;
-    v_hat_.setZero();
-    const ImplicitEquation equation{.mu = 2.0 / (h * h),
-                                    .theta = 0.5,
-                                    .kappa = 1.0 / h,
-                                    .x0 = &state.x,
-                                    .x_hat = &x_hat_,
-                                    .v_hat = &v_hat_,
-                                    .h = h};
-    if (!solve_->solve(equation, x1_, false, report)) return false;
-    v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
+    if (!solve_middle(state, h, true, report)) return false;
     put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
     if (NodalContact* contact = system().contact()) contact->keep(x1_, h, 1.0);
     ledger().begin(state);
@@ -186,7 +173,7 @@ class Middle : public ImplicitMethod {
   bool advance(NodalState& state, double h, NodalReport& report) override {
     guess(state, h);
     if (energy_) return balanced(state, h, report);
-    return solve_middle(state, h, report) && finish_guarded(state, h, 1.0, report);
+    return solve_middle(state, h, false, report) && finish_guarded(state, h, 1.0, report);
   }
 
  private:
@@ -263,7 +250,7 @@ class Bdf2 : public ImplicitMethod {
     } else {
       // The first step is the midpoint rule's, which is of second order too.
       guess(state, h);
-      if (!solve_middle(state, h, report)) return false;
+      if (!solve_middle(state, h, false, report)) return false;
     }
     if (!finish_guarded(state, h, begins ? 1.0 : 2.0 / 3.0, report)) return false;
     x_last_.swap(keep_x_);

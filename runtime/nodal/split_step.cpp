@@ -46,12 +46,7 @@ class SplitStep : public HalvedIntegrator {
     v_hat_.setZero();
     put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
     if (!x1_.allFinite() || !v1_.allFinite()) return false;
-    if (NodalContact* contact = system().contact()) contact->keep(x1_, h, 1.0);
-    ledger().begin(state);
-    state.x.swap(x1_);
-    state.v.swap(v1_);
-    state.time += h;
-    ledger().end(state, h, 1.0, report);
+    take_step(state, h, 1.0, x1_, v1_, report);
     return true;
   }
 

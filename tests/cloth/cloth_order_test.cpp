@@ -1,13 +1,14 @@
 // Energy that is kept, and orders, on whole sheets.
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
 #include "runtime/cloth/cloth_world.h"
 #include "runtime/nodal/nodal_integrator.h"
 #include "tests/cloth/cloth_samples.h"
+#include "tests/support/nodal_orders.h"
 
 namespace tremolo {
 namespace {
@@ -61,7 +62,8 @@ TEST(ClothOrder, ASheetThatSwingsFreelyKeepsItsEnergyForAMinute) {
 }
 #endif
 
-VectorXd places_after(const ClothModel& model, const char* method, double step, double duration) {
+VectorXd places_after(const ClothModel& model, std::string_view method, double step,
+                      double duration) {
   const NodalOptions options{.step = step, .tolerance = 1e-13, .guard = false};
   const auto integrator = make_nodal_integrator(method, model, options);
   EXPECT_TRUE(integrator);
@@ -83,18 +85,7 @@ TEST(ClothOrder, MethodsHaveTheirOrderOnASheetThatFliesAndBends) {
   ClothModel model = testing::sample_model(cloth);
   model.set_gravity({0.0, 0.0, -9.81});
   const VectorXd truth = places_after(model, "rk4", kDuration / 3200.0, kDuration);
-  const std::pair<const char*, double> orders[] = {{"explicit-euler", 1.0},
-                                                   {"symplectic-euler", 1.0},
-                                                   {"implicit-euler", 1.0},
-                                                   {"implicit-euler-linear", 1.0},
-                                                   {"explicit-midpoint", 2.0},
-                                                   {"midpoint", 2.0},
-                                                   {"newmark", 2.0},
-                                                   {"bdf2", 2.0},
-                                                   {"imex", 2.0},
-                                                   {"energy", 2.0},
-                                                   {"rk4", 4.0}};
-  for (const auto& [method, order] : orders) {
+  for (const auto& [method, order] : testing::kNodalOrders) {
     const double coarse = (places_after(model, method, kDuration / 40.0, kDuration) - truth).norm();
     const double fine = (places_after(model, method, kDuration / 80.0, kDuration) - truth).norm();
     EXPECT_NEAR(std::log2(coarse / fine), order, 0.12) << method << " " << coarse;

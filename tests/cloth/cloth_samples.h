@@ -10,6 +10,7 @@
 
 #include "runtime/cloth/cloth_model.h"
 #include "runtime/cloth/cloth_parts.h"
+#include "runtime/cloth/cloth_scene.h"
 
 namespace tremolo::testing {
 
@@ -23,6 +24,22 @@ inline SceneCloth sample_sheet(std::size_t columns, std::size_t rows) {
   cloth.bend = {5.0, 0.0};
   cloth.drag = 0.0;
   return cloth;
+}
+
+// A free sheet of a square metre in the level z = 0, and a ball of 0.1 kg.
+inline ClothScene sheet_and_ball(const Eigen::Vector3d& place) {
+  ClothScene scene;
+  SceneCloth cloth = sample_sheet(14, 14);
+  cloth.structural.damping = cloth.shear.damping = 0.01;
+  cloth.grid.corner = {-0.5, -0.5, 0.0};
+  scene.cloths = {cloth};
+  SceneBall ball;
+  ball.name = "ball";
+  ball.radius = 0.2;
+  ball.mass = 0.1;
+  ball.position = place;
+  scene.balls = {ball};
+  return scene;
 }
 
 inline ClothModel sample_model(const SceneCloth& cloth) {

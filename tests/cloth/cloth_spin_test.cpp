@@ -97,20 +97,10 @@ TEST(ClothSpin, ASheetsSpinChangesWithTheStepAndByTheMidpointsRulesNotAtAll) {
 
 // With a ball that hits it the share is larger, but goes with the step too.
 TEST(ClothSpin, OfASheetAndABallItsChangeGoesWithTheStep) {
-  ClothScene scene;
+  ClothScene scene = testing::sheet_and_ball({0.03, 0.02, 0.25});
   scene.options.tolerance = 1e-10;
-  SceneCloth cloth = testing::sample_sheet(14, 14);
-  cloth.structural.damping = cloth.shear.damping = 0.01;
-  cloth.grid.corner = {-0.5, -0.5, 0.0};
-  scene.cloths = {cloth};
-  SceneBall ball;
-  ball.name = "ball";
-  ball.radius = 0.2;
-  ball.mass = 0.1;
-  ball.position = {0.03, 0.02, 0.25};
-  ball.velocity = {0.3, -0.2, -2.0};
-  ball.spin = {3.0, 1.0, -2.0};
-  scene.balls = {ball};
+  scene.balls[0].velocity = {0.3, -0.2, -2.0};
+  scene.balls[0].spin = {3.0, 1.0, -2.0};
   for (const char* method : {"implicit-euler", "implicit-euler-linear"}) {
     scene.integrator = method;
     double first = 0.0, last = 0.0;

@@ -21,21 +21,11 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 ClothScene sheet_above_ball(bool fixed) {
-  ClothScene scene;
+  ClothScene scene = testing::sheet_and_ball({0.03, 0.02, fixed ? -0.25 : 0.25});
   scene.integrator = "symplectic-euler";
   scene.options.step = 5e-4;
   scene.gravity.values = {{0.0, 0.0, -9.81}};
-  SceneCloth cloth = testing::sample_sheet(14, 14);
-  cloth.structural.damping = cloth.shear.damping = 0.01;
-  cloth.grid.corner = {-0.5, -0.5, 0.0};
-  scene.cloths = {cloth};
-  SceneBall ball;
-  ball.name = "ball";
-  ball.radius = 0.2;
-  ball.mass = 0.1;
-  ball.position = {0.03, 0.02, fixed ? -0.25 : 0.25};
-  ball.fixed = fixed;
-  scene.balls = {ball};
+  scene.balls[0].fixed = fixed;
   return scene;
 }
 

@@ -12,6 +12,7 @@
 
 #include "runtime/nodal/nodal_work.h"
 #include "tests/support/linear_nodes.h"
+#include "tests/support/nodal_orders.h"
 
 namespace tremolo {
 namespace {
@@ -104,20 +105,8 @@ double damped_error(std::string_view name, double step) {
 }
 
 TEST(NodalIntegrators, HaveTheOrderOfTheirNamesOnADampedOscillation) {
-  const std::pair<std::string_view, double> orders[] = {{"explicit-euler", 1.0},
-                                                        {"symplectic-euler", 1.0},
-                                                        {"implicit-euler", 1.0},
-                                                        {"implicit-euler-sweep", 1.0},
-                                                        {"implicit-euler-linear", 1.0},
-                                                        {"explicit-midpoint", 2.0},
-                                                        {"midpoint", 2.0},
-                                                        {"newmark", 2.0},
-                                                        {"bdf2", 2.0},
-                                                        {"imex", 2.0},
-                                                        {"energy", 2.0},
-                                                        {"rk4", 4.0}};
-  EXPECT_EQ(std::size(orders), nodal_integrator_names().size());
-  for (const auto& [name, order] : orders) {
+  EXPECT_EQ(std::size(testing::kNodalOrders), nodal_integrator_names().size());
+  for (const auto& [name, order] : testing::kNodalOrders) {
     const double coarse = damped_error(name, 0.01), fine = damped_error(name, 0.005);
     EXPECT_NEAR(std::log2(coarse / fine), order, 0.12) << name;
   }

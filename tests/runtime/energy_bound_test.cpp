@@ -11,10 +11,7 @@
 namespace tremolo {
 namespace {
 
-using testing::crowd_model;
-using testing::kCrowdModes;
-using testing::kNever;
-using testing::random_vector;
+using namespace testing;
 
 TEST(EnergyBound, FirstKickOfAnExplicitMethodIsNotJudgedByTheWorkThatLagsBehind) {
   EnergyBound bound;

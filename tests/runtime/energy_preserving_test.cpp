@@ -11,10 +11,7 @@
 namespace tremolo {
 namespace {
 
-using testing::kStrongForce;
-using testing::make;
-using testing::strong_state;
-using testing::strong_strain_model;
+using namespace testing;
 
 constexpr const char* kFamily[] = {"avf", "ep2", "ep4"};
 

@@ -12,10 +12,7 @@
 namespace tremolo {
 namespace {
 
-using testing::kOscillatorRounding;
-using testing::kOscillatorStep;
-using testing::make;
-using testing::oscillator_options;
+using namespace testing;
 
 Model::Pointer oscillator(double step_omega) {
   return testing::make_model(testing::random_strain_model(

@@ -8,10 +8,7 @@
 namespace tremolo {
 namespace {
 
-using testing::kStrongForce;
-using testing::make;
-using testing::strong_state;
-using testing::strong_strain_model;
+using namespace testing;
 
 IntegratorOptions precise_options(double step) {
   IntegratorOptions options{.step = step};

@@ -9,10 +9,7 @@
 namespace tremolo {
 namespace {
 
-using testing::kOscillatorRounding;
-using testing::kOscillatorStep;
-using testing::make;
-using testing::oscillator_options;
+using namespace testing;
 
 testing::StrainModel oscillators(const std::vector<double>& step_omegas) {
   Eigen::VectorXd omega(step_omegas.size());

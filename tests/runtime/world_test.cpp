@@ -9,10 +9,7 @@
 namespace tremolo {
 namespace {
 
-using testing::crowd_model;
-using testing::kCrowdModes;
-using testing::kNever;
-using testing::random_vector;
+using namespace testing;
 
 // With a step of 3 ms imexv-linear has three rows above its split; verlet needs a shorter one.
 GroupOptions group_options(std::string_view integrator, double alpha = 0.3, double beta = 1e-6) {

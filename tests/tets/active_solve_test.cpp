@@ -11,10 +11,7 @@
 namespace tremolo {
 namespace {
 
-using testing::random_degrees;
-using testing::random_state;
-using testing::tet_bar;
-using testing::TetRandom;
+using namespace testing;
 
 // A x = b of a turned bar with a step's mass and stiffness, in single precision, with smooth modes
 // or without: how many directions it took, and the solution.

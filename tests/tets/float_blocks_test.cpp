@@ -7,10 +7,7 @@
 namespace tremolo {
 namespace {
 
-using testing::random_degrees;
-using testing::random_state;
-using testing::tet_bar;
-using testing::TetRandom;
+using namespace testing;
 
 using FloatView = Eigen::Map<const Eigen::Matrix3f, 0, Eigen::OuterStride<kColumnStride>>;
 

@@ -9,10 +9,7 @@
 namespace tremolo {
 namespace {
 
-using testing::random_degrees;
-using testing::random_state;
-using testing::tet_bar;
-using testing::TetRandom;
+using namespace testing;
 
 // E of one axis: a column for each free control point. Held ones have none.
 Eigen::MatrixXd free_to_all(const TetSystem& system) {

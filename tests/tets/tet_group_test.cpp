@@ -3,6 +3,7 @@
 #include "runtime/tets/motion/tet_group.h"
 
 #include <cmath>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -62,6 +63,35 @@ TetBody body_at(const TetModelPointer& model, const TetBodyOptions& options,
 Eigen::VectorXd shifted(const TetModel& model, const Eigen::Vector3d& by) {
   return model.rest() + by.replicate(model.rest().size() / 3, 1);
 }
+
+// Slabs of 0.2 x 0.2 x 0.1 m that fall onto the floor z = 0, one at each of the places.
+struct FallingSlabs {
+  FallingSlabs(DegreeKind kind, const std::vector<Eigen::Vector3d>& places,
+               const TetGroupOptions& settings) {
+    options.method = TetMethod::kImplicitEuler;
+    options.gravity = {0.0, 0.0, -kHeapG};
+    options.beta = 5e-3;
+    options.degree.kind = kind;
+    begin(places, settings);
+  }
+  void begin(const std::vector<Eigen::Vector3d>& places, const TetGroupOptions& settings) {
+    const TetHullPointer hull = box_hull(model, {0.2, 0.2, 0.1});
+    std::vector<TetBody> bodies;
+    std::vector<TetContact> contacts;
+    for (const Eigen::Vector3d& place : places) {
+      bodies.push_back(body_at(model, options, shifted(*model, place), Eigen::Vector3d::Zero()));
+      contacts.emplace_back(hull, std::vector<TetObstacle>{{PlaneShape{}, {}, 0.3}});
+    }
+    reports.resize(places.size());
+    group.emplace(std::move(bodies), std::move(contacts), std::vector<double>(places.size(), 0.3),
+                  settings);
+  }
+
+  TetModelPointer model = tet_bar({2, 2, 1}, {0.2, 0.2, 0.1}, false);
+  TetBodyOptions options;
+  std::vector<TetStepReport> reports;
+  std::optional<TetGroup> group;
+};
 
 TEST(TetTree, FindsAgainWhereAPointOfABentBodyWas) {
   const TetModelPointer model = tet_bar({4, 2, 2}, {0.4, 0.1, 0.1}, false);
@@ -223,27 +253,14 @@ TEST(TetGroup, MomentumAndAngularMomentumOutliveACollision) {
 }
 
 TEST(TetGroup, AStackComesToRestAndSleepsAndEachCarriesWhatIsAboveIt) {
-  const Eigen::Vector3d size(0.2, 0.2, 0.1);
-  const TetModelPointer model = tet_bar({2, 2, 1}, size, false);
-  const TetHullPointer hull = box_hull(model, size);
-  TetBodyOptions options;
-  options.method = TetMethod::kImplicitEuler;
-  options.gravity = {0.0, 0.0, -kHeapG};
-  options.beta = 5e-3;
-  options.degree.kind = DegreeKind::kAdaptive;
-  std::vector<TetBody> bodies;
-  std::vector<TetContact> contacts;
-  for (int level = 0; level < 3; ++level) {
-    bodies.push_back(body_at(model, options, shifted(*model, {0.01 * level, 0.0, 0.11 * level}),
-                             Eigen::Vector3d::Zero()));
-    contacts.emplace_back(hull, std::vector<TetObstacle>{{PlaneShape{}, {}, 0.3}});
-  }
-  TetGroup group(std::move(bodies), std::move(contacts), {0.3, 0.3, 0.3}, {});
-  std::vector<TetStepReport> reports(3);
+  FallingSlabs slabs(DegreeKind::kAdaptive, {{0.0, 0.0, 0.0}, {0.01, 0.0, 0.11}, {0.02, 0.0, 0.22}},
+                     {});
+  TetGroup& group = *slabs.group;
   int steps = 0;
-  for (; steps < 600 && group.sleeping() < 3; ++steps) ASSERT_TRUE(group.step(reports)) << steps;
+  for (; steps < 600 && group.sleeping() < 3; ++steps)
+    ASSERT_TRUE(group.step(slabs.reports)) << steps;
   ASSERT_EQ(group.sleeping(), 3U);
-  EXPECT_LT(group.energy_of_sleep(), 3.0 * 0.5 * model->mass() * 0.005 * 0.005);
+  EXPECT_LT(group.energy_of_sleep(), 3.0 * 0.5 * slabs.model->mass() * 0.005 * 0.005);
   // What the floor pushes up with carries all three, and what the middle one passes on, one.
   for (const auto& [level, above] : {std::pair{0, 3.0}, {1, 2.0}, {2, 1.0}}) {
     double up = 0.0;
@@ -262,106 +279,62 @@ TEST(TetGroup, AStackComesToRestAndSleepsAndEachCarriesWhatIsAboveIt) {
         if (lifts) up -= touch.force.z();
       }
     // Slower than 5 mm/s for half a second, it still accelerates by some hundredths of g.
-    EXPECT_NEAR(up, above * model->mass() * kHeapG, 0.02 * above * model->mass() * kHeapG) << level;
+    EXPECT_NEAR(up, above * slabs.model->mass() * kHeapG,
+                0.02 * above * slabs.model->mass() * kHeapG)
+        << level;
   }
 }
 
 // p.A p has the part of a touch once, or the directions are not conjugate: then it takes more than
 // four times as many as a body by itself on the floor, otherwise not twice as many.
 TEST(TetGroup, BodiesThatPressOnEachOtherTakeAFewMoreDirections) {
-  const Eigen::Vector3d size(0.2, 0.2, 0.1);
-  const TetModelPointer model = tet_bar({2, 2, 1}, size, false);
-  const TetHullPointer hull = box_hull(model, size);
-  TetBodyOptions options;
-  options.method = TetMethod::kImplicitEuler;
-  options.gravity = {0.0, 0.0, -kHeapG};
-  options.beta = 5e-3;
-  options.linear_tolerance = 1e-5;
   TetGroupOptions settings;
   settings.sleep_speed = 0.0;
   // Directions a correction, over all steps.
-  const auto directions = [&](std::size_t levels) {
-    std::vector<TetBody> bodies;
-    std::vector<TetContact> contacts;
-    for (std::size_t level = 0; level < levels; ++level) {
-      const auto up = static_cast<double>(level);
-      bodies.push_back(body_at(model, options,
-                               shifted(*model, {0.013 * up, 0.007 * up, 0.101 * up}),
-                               Eigen::Vector3d::Zero()));
-      contacts.emplace_back(hull, std::vector<TetObstacle>{{PlaneShape{}, {}, 0.3}});
-    }
-    TetGroup group(std::move(bodies), std::move(contacts), std::vector<double>(levels, 0.3),
-                   settings);
-    std::vector<TetStepReport> reports(levels);
+  const auto directions = [&](const std::vector<Eigen::Vector3d>& places) {
+    FallingSlabs slabs(DegreeKind::kQuadratic, {}, settings);
+    slabs.options.linear_tolerance = 1e-5;
+    slabs.begin(places, settings);
     double sum = 0.0, corrections = 0.0;
     for (int n = 0; n < 40; ++n) {
-      EXPECT_TRUE(group.step(reports)) << n;
-      sum += reports[0].linear;
-      corrections += reports[0].iterations;
+      EXPECT_TRUE(slabs.group->step(slabs.reports)) << n;
+      sum += slabs.reports[0].linear;
+      corrections += slabs.reports[0].iterations;
     }
     return sum / corrections;
   };
-  const double alone = directions(1);
-  EXPECT_LT(directions(2), 3.0 * alone);
+  const Eigen::Vector3d floor = Eigen::Vector3d::Zero(), above(0.013, 0.007, 0.101);
+  EXPECT_LT(directions({floor, above}), 3.0 * directions({floor}));
 }
 
 // Points of the upper one lie on corners of the lower one's elements, where forces jump.
 TEST(TetGroup, SlabsThatLieFlatOnEachOtherAreSolvedAndCarried) {
-  const Eigen::Vector3d size(0.2, 0.2, 0.1);
-  const TetModelPointer model = tet_bar({2, 2, 1}, size, false);
-  const TetHullPointer hull = box_hull(model, size);
-  TetBodyOptions options;
-  options.method = TetMethod::kImplicitEuler;
-  options.gravity = {0.0, 0.0, -kHeapG};
-  options.beta = 5e-3;
-  options.degree.kind = DegreeKind::kLinear;
-  std::vector<TetBody> bodies;
-  std::vector<TetContact> contacts;
-  for (const double height : {0.0, 0.101}) {
-    bodies.push_back(
-        body_at(model, options, shifted(*model, {0.0, 0.0, height}), Eigen::Vector3d::Zero()));
-    contacts.emplace_back(hull, std::vector<TetObstacle>{{PlaneShape{}, {}, 0.3}});
-  }
   TetGroupOptions settings;
   settings.sleep_speed = 0.0;
-  TetGroup group(std::move(bodies), std::move(contacts), {0.3, 0.3}, settings);
-  std::vector<TetStepReport> reports(2);
+  FallingSlabs slabs(DegreeKind::kLinear, {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.101}}, settings);
+  TetGroup& group = *slabs.group;
   for (int n = 0; n < 60; ++n) {
-    ASSERT_TRUE(group.step(reports)) << n;
-    ASSERT_EQ(reports[0].parts, 1) << n;
-    ASSERT_LE(reports[0].iterations, options.max_iterations) << n;
+    ASSERT_TRUE(group.step(slabs.reports)) << n;
+    ASSERT_EQ(slabs.reports[0].parts, 1) << n;
+    ASSERT_LE(slabs.reports[0].iterations, slabs.options.max_iterations) << n;
   }
   double floor = 0.0;
   for (std::size_t i = 0; i < 2; ++i)
     for (const TetTouch& touch : group.contact(i).touches())
       if (touch.partner == kNoPartner) floor += touch.force.z();
   // Where a step ends at a jump, a thousandth of what presses is not balanced.
-  EXPECT_NEAR(floor, 2.0 * model->mass() * kHeapG, 0.01 * model->mass() * kHeapG);
+  EXPECT_NEAR(floor, 2.0 * slabs.model->mass() * kHeapG, 0.01 * slabs.model->mass() * kHeapG);
 }
 
 TEST(TetGroup, ASleepingStackWakesWhenItIsStruckAndSleepsAgain) {
-  const Eigen::Vector3d size(0.2, 0.2, 0.1);
-  const TetModelPointer model = tet_bar({2, 2, 1}, size, false);
-  const TetHullPointer hull = box_hull(model, size);
-  TetBodyOptions options;
-  options.method = TetMethod::kImplicitEuler;
-  options.gravity = {0.0, 0.0, -kHeapG};
-  options.beta = 5e-3;
-  options.degree.kind = DegreeKind::kLinear;
-  std::vector<TetBody> bodies;
-  std::vector<TetContact> contacts;
-  for (const double height : {0.0, 0.101, 0.6}) {
-    bodies.push_back(
-        body_at(model, options, shifted(*model, {0.0, 0.0, height}), Eigen::Vector3d::Zero()));
-    contacts.emplace_back(hull, std::vector<TetObstacle>{{PlaneShape{}, {}, 0.3}});
-  }
   TetGroupOptions settings;
   settings.sleep_time = 0.1;
-  TetGroup group(std::move(bodies), std::move(contacts), {0.3, 0.3, 0.3}, settings);
-  std::vector<TetStepReport> reports(3);
+  FallingSlabs slabs(DegreeKind::kLinear, {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.101}, {0.0, 0.0, 0.6}},
+                     settings);
+  TetGroup& group = *slabs.group;
   bool slept = false, woke = false;
   for (int n = 0; n < 300 && group.sleeping() < 3; ++n) {
-    ASSERT_TRUE(group.step(reports)) << n;
+    ASSERT_TRUE(group.step(slabs.reports)) << n;
     slept = slept || (group.asleep(0) && group.asleep(1) && !group.asleep(2));
     woke = woke || (slept && !group.asleep(0) && !group.asleep(1));
   }

@@ -17,6 +17,14 @@ TetBody body_with(const TetModelPointer& model, const TetBodyOptions& options) {
   return std::move(*body);
 }
 
+TetBodyOptions options_of(TetMethod method, double step, double tolerance) {
+  TetBodyOptions options;
+  options.method = method;
+  options.step = step;
+  options.tolerance = tolerance;
+  return options;
+}
+
 // In the middle of the last element's first face.
 TetHand hand_on(const TetBody& body, double stiffness, double damping) {
   TetHand hand;
@@ -32,10 +40,7 @@ TetHand hand_on(const TetBody& body, double stiffness, double damping) {
 TEST(TetHand, PullsByItsSpringAndItsDamperAndByNothingElse) {
   const double h = 0.01;
   for (const DegreeKind kind : {DegreeKind::kQuadratic, DegreeKind::kLinear}) {
-    TetBodyOptions options;
-    options.method = TetMethod::kImplicitEuler;
-    options.step = h;
-    options.tolerance = 1e-10;
+    TetBodyOptions options = options_of(TetMethod::kImplicitEuler, h, 1e-10);
     options.degree.kind = kind;
     TetBody body = body_with(tet_bar({4, 1, 1}, {0.4, 0.1, 0.1}, false), options);
     TetHand hand = hand_on(body, 60.0, 1.5);
@@ -90,10 +95,7 @@ TEST(TetHand, ASlenderBodyIsSolvedWithTheHandToo) {
 // What newmark knows of a step's beginning has the damper at the speed of then: with F of both ends
 // the momentum goes by h/2 (F_0 + F_1).
 TEST(TetHand, NewmarkBeginsWithTheDampersForce) {
-  TetBodyOptions options;
-  options.method = TetMethod::kNewmark;
-  options.step = 0.004;
-  options.tolerance = 1e-11;
+  TetBodyOptions options = options_of(TetMethod::kNewmark, 0.004, 1e-11);
   TetBody body = body_with(tet_bar({2, 1, 1}, {0.2, 0.1, 0.1}, false), options);
   Eigen::VectorXd v = body.velocities();
   for (Eigen::Index i = 0; i < v.size(); i += 3) v.segment<3>(i) = Vector3d(0.5, -0.2, 0.1);
@@ -132,10 +134,7 @@ TEST(TetHand, ABodyHangsBelowItByItsWeightOverTheStiffness) {
 // A slow pull with four times the stiffness that the body has there takes it four fifths of the
 // way.
 TEST(TetHand, AHeldBodyGivesAsMuchAsASlowPullMovesIt) {
-  TetBodyOptions options;
-  options.method = TetMethod::kImplicitEuler;
-  options.step = 0.1;
-  options.tolerance = 1e-9;
+  TetBodyOptions options = options_of(TetMethod::kImplicitEuler, 0.1, 1e-9);
   TetBody body = body_with(tet_bar({4, 1, 1}, {0.4, 0.1, 0.1}, true), options);
   TetHand hand = hand_on(body, 0.0, 0.0);
   const Eigen::Matrix3d give = body.give_at(hand);
@@ -155,10 +154,7 @@ TEST(TetHand, AHeldBodyGivesAsMuchAsASlowPullMovesIt) {
 
 // Newmark knows the force where a step begins; a hand that moves on has not pulled otherwise then.
 TEST(TetHand, NewmarkGoesOnWithAHandThatMoves) {
-  TetBodyOptions options;
-  options.method = TetMethod::kNewmark;
-  options.step = 0.004;
-  options.tolerance = 1e-11;
+  TetBodyOptions options = options_of(TetMethod::kNewmark, 0.004, 1e-11);
   TetBody body = body_with(tet_bar({2, 1, 1}, {0.2, 0.1, 0.1}, false), options);
   TetHand hand = hand_on(body, 30.0, 2.0);
   const auto force = [&] {

@@ -8,10 +8,7 @@
 namespace tremolo {
 namespace {
 
-using testing::random_degrees;
-using testing::random_state;
-using testing::tet_bar;
-using testing::TetRandom;
+using namespace testing;
 
 struct MixedCase {
   TetModelPointer model = tet_bar({3, 1, 2}, {0.3, 0.1, 0.2}, false);

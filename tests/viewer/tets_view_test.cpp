@@ -32,38 +32,41 @@ TetsSurface drawn_boundary(const TetMesh& mesh) {
   return drawn;
 }
 
-// A bar whose end is held, and a free one half a metre above it, without weight.
-std::string two_whole_bars(const std::string& folder) {
-  TetsData data = testing::small_tets();
-  data.surface = drawn_boundary(data.mesh);
+// Writes a scene of a bar whose end is held and of a free one half a metre above it; returns its
+// name. world: its first lines; held, free: what is said of the two.
+std::string write_bars(const std::string& folder, TetsData data, const std::string& world,
+                       const std::string& held, const std::string& free) {
   EXPECT_TRUE(write_tets(folder + "/held.tets", data));
   data.held.clear();
   EXPECT_TRUE(write_tets(folder + "/free.tets", data));
   std::ofstream(folder + "/bars.toml")
-      << "step = 0.01\nduration = 60\ngravity = [0, 0, 0]\n[[bodies]]\nname = \"held\"\n"
-         "kind = \"tets\"\nmodel = \"held.tets\"\nbeta = 0.02\n[[bodies]]\nname = \"free\"\n"
-         "kind = \"tets\"\nmodel = \"free.tets\"\nposition = [0, 0, 0.5]\n";
+      << world << "[[bodies]]\nname = \"held\"\nkind = \"tets\"\nmodel = \"held.tets\"\n"
+      << held << "[[bodies]]\nname = \"free\"\nkind = \"tets\"\nmodel = \"free.tets\"\n"
+      << "position = [0, 0, 0.5]\n"
+      << free;
   return folder + "/bars.toml";
+}
+
+// Without weight, with surfaces that are drawn.
+std::string two_whole_bars(const std::string& folder) {
+  TetsData data = testing::small_tets();
+  data.surface = drawn_boundary(data.mesh);
+  return write_bars(folder, data, "step = 0.01\nduration = 60\ngravity = [0, 0, 0]\n",
+                    "beta = 0.02\n", "");
+}
+
+// Above a floor.
+std::string two_bars(const std::string& folder) {
+  return write_bars(folder, testing::small_tets(),
+                    "step = 0.01\nduration = 1\ngravity = [0, 0, -9.81]\n", "",
+                    "degree = \"linear\"\n[[colliders]]\nname = \"floor\"\nshape = \"plane\"\n"
+                    "position = [0, 0, -0.3]\n");
 }
 
 Result<TetsScenes> scenes_of(const std::string& file) {
   Result<TetScene> scene = parse_tets_scene(testing::slurp(file), file);
   if (!scene) return scene.error();
   return TetsScenes::create(std::move(*scene), false);
-}
-
-// A bar whose end is held, and a free one above it.
-std::string two_bars(const std::string& folder) {
-  TetsData data = testing::small_tets();
-  EXPECT_TRUE(write_tets(folder + "/held.tets", data));
-  data.held.clear();
-  EXPECT_TRUE(write_tets(folder + "/free.tets", data));
-  std::ofstream(folder + "/bars.toml")
-      << "step = 0.01\nduration = 1\ngravity = [0, 0, -9.81]\n[[bodies]]\nname = \"held\"\n"
-         "kind = \"tets\"\nmodel = \"held.tets\"\n[[bodies]]\nname = \"free\"\nkind = \"tets\"\n"
-         "model = \"free.tets\"\nposition = [0, 0, 0.5]\ndegree = \"linear\"\n[[colliders]]\n"
-         "name = \"floor\"\nshape = \"plane\"\nposition = [0, 0, -0.3]\n";
-  return folder + "/bars.toml";
 }
 
 TEST(TetsView, SheetsAreTheBodiesSurfacesNumberedByTheirDegrees) {
@@ -111,7 +114,9 @@ TEST(TetsView, ARayTakesTheNearestVertexFromEverySide) {
       double away = 2.0;
       if (out.z() < -0.5) {
         EXPECT_EQ(scenes->take({met + away * out, -out}), sides.x() > 0.5) << corner;
-        if (scenes->hand()) EXPECT_LE(scenes->hand()->z(), 0.1) << corner;
+        if (scenes->hand()) {
+          EXPECT_LE(scenes->hand()->z(), 0.1) << corner;
+        }
         away = 0.2;
       }
       ASSERT_TRUE(scenes->take({met + away * out, -out})) << corner << axis;

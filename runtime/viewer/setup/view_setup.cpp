@@ -159,15 +159,15 @@ LightCounts light_counts(int lights, int side) {
   return {lamps, lights - lamps, side};
 }
 
-PictureLook look_of(const ViewerOptions& options, const ViewSetup& setup, const Stage& stage,
-                    const LightCounts& lights) {
+PictureLook look_of(const ViewerOptions& options, const ViewSetup& setup, double ground,
+                    bool has_ground, const LightCounts& lights) {
   PictureLook look;
   look.lights = options.lights > 0 ? light_counts(options.lights, lights.side) : lights;
   look.light_azimuth = setup.camera.azimuth;
   look.wire = options.wire;
   look.background = setup.background;
-  look.ground = stage.ground();
-  look.has_ground = stage.has_ground();
+  look.ground = ground;
+  look.has_ground = has_ground;
   return look;
 }
 

@@ -32,9 +32,14 @@ Result<ViewSetup> make_setup(const ViewerOptions& options, const Scene& scene);
 // Framed on what the stage was posed to last.
 Camera first_camera(const ViewSetup& setup, const Stage& stage);
 
-// lights: of this kind of card, unless the options say how many.
+// lights: of this kind of card, unless the options say how many. ground: its height, m.
+PictureLook look_of(const ViewerOptions& options, const ViewSetup& setup, double ground,
+                    bool has_ground, const LightCounts& lights);
+template <class Stage>
 PictureLook look_of(const ViewerOptions& options, const ViewSetup& setup, const Stage& stage,
-                    const LightCounts& lights);
+                    const LightCounts& lights) {
+  return look_of(options, setup, stage.ground(), stage.has_ground(), lights);
+}
 
 // The colour that an option names: body, moved or stress.
 ColourBy colour_by(const std::string& name);

@@ -47,14 +47,6 @@ Status shoot_all(const ViewerOptions& options, const ViewSetup& setup, MovingSur
                  SurfaceStudio& studio, PictureSeries& series, SurfaceShots& shots) {
   const Interruption interruption;
   SurfaceStage& stage = *studio.stage;
-  PictureLook look;
-  look.lights =
-      options.lights > 0 ? light_counts(options.lights, kSurfaceLights.side) : kSurfaceLights;
-  look.light_azimuth = setup.camera.azimuth;
-  look.wire = options.wire;
-  look.background = setup.background;
-  look.ground = stage.ground();
-  look.has_ground = stage.has_ground();
   Camera camera;
   Picture picture;
   for (int k = 0; k < options.frames && shots.signal == 0; ++k) {
@@ -63,6 +55,7 @@ Status shoot_all(const ViewerOptions& options, const ViewSetup& setup, MovingSur
       if (Status s = scenes.step(); !s) return s;
     shots.times.begin();
     stage.pose(scenes);
+    const PictureLook look = look_of(options, setup, stage, kSurfaceLights);
     if (k == 0) camera = camera_of_points(setup, stage.points());
     shots.times.prepared();
     stage.upload();

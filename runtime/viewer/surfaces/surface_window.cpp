@@ -245,15 +245,11 @@ class SurfaceViewer {
     build_panel();
     ImGui::Render();
     stage_->upload();
-    PictureLook look;
-    const LightCounts usual = renderer_->is_software() ? kSurfaceSoftware : kSurfaceCard;
-    look.lights = options_.lights > 0 ? light_counts(options_.lights, usual.side) : usual;
-    look.light_azimuth = setup_.camera.azimuth;
+    const bool software = renderer_->is_software();
+    PictureLook look =
+        look_of(options_, setup_, *stage_, software ? kSurfaceSoftware : kSurfaceCard);
     look.wire = wire_;
-    look.coarser = renderer_->is_software() ? 2 : 1;
-    look.background = setup_.background;
-    look.ground = stage_->ground();
-    look.has_ground = stage_->has_ground();
+    look.coarser = software ? 2 : 1;
     if (Status s = renderer_->draw(stage_->things(), stage_->ball(), camera_, size, look, 0); !s)
       return s;
     window_->draw_panel();
