@@ -152,7 +152,7 @@ TEST_F(PrecomputeRefusals, UnderALimitOfAddressSpaceItEndsInWords) {
 #ifdef TREMOLO_LONG_TESTS
   constexpr int kFine = 20'000;
 #else
-  constexpr int kFine = 50'000;
+  constexpr int kFine = 150'000;
 #endif
   int refused = 0;
   for (int limit = 200'000; limit < 2'400'000; limit += limit < 1'000'000 ? kFine : 400'000) {
