@@ -14,8 +14,8 @@ packages_view="libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libpng-dev libe
 # gnuplot-nox draws pictures of `tremolo plot`. The three behind it hold surfaces for tests/corpus:
 # 52 MB to load.
 # Xvfb and xdotool are a display and a mouse for the window of tremolo-view, ffmpeg makes its films.
-packages_test="libgtest-dev clang libclang-rt-14-dev gnuplot-nox libcgal-demo assimp-testmodels glmark2-data
-  xvfb xdotool ffmpeg"
+packages_test="libgtest-dev gnuplot-nox libcgal-demo assimp-testmodels glmark2-data xvfb xdotool ffmpeg"
+packages_fuzz="clang libclang-rt-14-dev"  # the fuzzers of ./check --full
 # Programs that read what `tremolo export` writes: ./check --full. Whoever has node or npm keeps his own.
 packages_readers="python3-vtk9 blender"
 # The engine in a page: ./demo --live, ./check --full.

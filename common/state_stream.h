@@ -61,10 +61,10 @@ class StateStream {
   }
   template <class Scalar, int kRows, int kColumns>
   void sized(Eigen::Matrix<Scalar, kRows, kColumns>& matrix) {
-    const auto rows = static_cast<Eigen::Index>(size_of(static_cast<std::size_t>(matrix.rows())));
+    const Eigen::Index rows = size_of(static_cast<std::size_t>(matrix.rows()));
     const auto columns =
         static_cast<Eigen::Index>(size_of(static_cast<std::size_t>(matrix.cols())));
-    const auto most = static_cast<Eigen::Index>(left() / sizeof(Scalar));
+    const Eigen::Index most = left() / sizeof(Scalar);
     require((kRows == Eigen::Dynamic || rows == kRows) &&
             (kColumns == Eigen::Dynamic || columns == kColumns) && rows >= 0 && columns >= 0 &&
             rows <= most && (rows == 0 || columns <= most / rows));

@@ -91,7 +91,7 @@ Result<RenderBlock> leading_columns(const RenderBlock& render, Eigen::Index mode
 }
 
 Status check_inertia(const InertiaIntegrals& inertia, Eigen::Index modes) {
-  const auto pairs = static_cast<Eigen::Index>(pair_count(static_cast<std::size_t>(modes)));
+  const Eigen::Index pairs = pair_count(static_cast<std::size_t>(modes));
   if (inertia.linear.rows() != 12 || inertia.linear.cols() != modes || inertia.B.rows() != 9 ||
       inertia.B.cols() != pairs)
     return content_error("the inertia integrals do not fit the basis");
@@ -106,7 +106,7 @@ Status check_inertia(const InertiaIntegrals& inertia, Eigen::Index modes) {
 InertiaIntegrals leading_inertia(const InertiaIntegrals& inertia, Eigen::Index modes) {
   InertiaIntegrals leading = inertia;
   leading.linear = inertia.linear.leftCols(modes);
-  const auto pairs = static_cast<Eigen::Index>(pair_count(static_cast<std::size_t>(modes)));
+  const Eigen::Index pairs = pair_count(static_cast<std::size_t>(modes));
   leading.B = inertia.B.leftCols(pairs);
   return leading;
 }
@@ -270,9 +270,9 @@ Result<VertexRows> Model::place(const SurfacePlace& place) const {
     return usage_error("the weights of a triangle's corners are not negative and sum to one");
   VertexRows rows{Eigen::Vector3d::Zero(), decltype(VertexRows::rows)::Zero(3, modes())};
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto corner = static_cast<Eigen::Index>(surface.triangles[place.triangle][k]);
-    const double weight = place.weights[static_cast<Eigen::Index>(k)];
-    rows.rest += weight * surface.rest[static_cast<std::size_t>(corner)];
+    const Eigen::Index corner = surface.triangles[place.triangle][k];
+    const double weight = place.weights[k];
+    rows.rest += weight * surface.rest[corner];
     rows.rows += weight * surface.rows.middleRows<3>(3 * corner);
   }
   return rows;
@@ -282,8 +282,7 @@ VertexId Model::vertex_near(const SurfacePlace& place) const {
   const DrawnSurface surface = surface_of(place.surface);
   Eigen::Index corner = 0;
   place.weights.maxCoeff(&corner);
-  return surface.mesh_vertices[static_cast<std::size_t>(
-      surface.triangles[place.triangle][static_cast<std::size_t>(corner)])];
+  return surface.mesh_vertices[surface.triangles[place.triangle][corner]];
 }
 
 const SurfaceTree& Model::surface_tree(SurfaceKind surface) const {
@@ -357,8 +356,7 @@ Result<VertexRows> Model::vertex(VertexId id) const {
   if (!at)
     return usage_error("the model has no vertex " + std::to_string(id) + "; it has " +
                        std::to_string(vertex_count_) + ", counted from 0");
-  return VertexRows{block->rest[*at],
-                    block->rows.middleRows(static_cast<Eigen::Index>(3 * *at), 3)};
+  return VertexRows{block->rest[*at], block->rows.middleRows(3 * *at, 3)};
 }
 
 std::optional<Eigen::Index> Model::response_place(VertexId id) const {

@@ -33,7 +33,7 @@ Result<BasisRows> read_response_rows(BasisReader& reader, std::string_view name,
                                      std::size_t places) {
   const auto values = reader.doubles(name);
   if (!values) return values.error();
-  const auto columns = static_cast<Eigen::Index>(3 * places);
+  const Eigen::Index columns = 3 * places;
   return BasisRows(
       Eigen::Map<const BasisRows>(values->data(), std::ssize(*values) / columns, columns));
 }

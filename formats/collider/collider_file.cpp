@@ -60,7 +60,7 @@ Result<GridNodes> read_nodes(SectionFile& file) {
     // What is above the limit stays above it.
     nodes.counts[axis] =
         static_cast<std::uint32_t>(std::min<std::uint64_t>((*counts)[axis], kMostGridNodes + 1));
-    nodes.origin[static_cast<Eigen::Index>(axis)] = (*frame)[axis];
+    nodes.origin[axis] = (*frame)[axis];
   }
   nodes.spacing = (*frame)[3];
   if (Status status = check(nodes); !status)

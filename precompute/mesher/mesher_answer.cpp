@@ -57,7 +57,7 @@ std::vector<std::byte> encode_answer(const Result<MesherAnswer>& answer) {
 Result<MesherAnswer> decode_answer(std::span<const std::byte> bytes) {
   const auto end = std::find(bytes.begin(), bytes.end(), std::byte{'\n'});
   if (end == bytes.end()) return no_answer();
-  const auto length = static_cast<std::size_t>(end - bytes.begin());
+  const std::size_t length = end - bytes.begin();
   const std::string_view line(reinterpret_cast<const char*>(bytes.data()), length);
   const nlohmann::json head = nlohmann::json::parse(line, nullptr, false);
   if (!head.is_object()) return no_answer();

@@ -59,7 +59,7 @@ void orthonormalise(Mat mass, const std::vector<int>& part_of_row, Columns& mode
     for (Eigen::Index part = 0; part < parts; ++part)
       factors.emplace_back(grams.middleCols<6>(6 * part));
     for (Eigen::Index row = 0; row < rows; ++row) {
-      const std::size_t part = part_of_row[static_cast<std::size_t>(row)];
+      const std::size_t part = part_of_row[row];
       // x U^-1 is the solution y of U^T y = x^T.
       const Eigen::Matrix<double, 6, 1> turned =
           factors[part].matrixL().solve(together.row(row).transpose());

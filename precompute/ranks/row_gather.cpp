@@ -58,7 +58,7 @@ SpreadRows rows_of_render(const SpreadBasis& basis) {
 // Gathers items first .. first+count-1 into `out` on rank 0; `out` is not used on other ranks.
 void gather(const SpreadRows& rows, Eigen::Index columns, std::size_t first, std::size_t count,
             double* out) {
-  const auto numbers = static_cast<std::size_t>(3 * columns);
+  const std::size_t numbers = 3 * columns;
   const int rank = mpi_rank();
   std::vector<int> owners(count), counts(mpi_ranks(), 0);
   std::vector<double> local_values;
@@ -85,8 +85,7 @@ void gather(const SpreadRows& rows, Eigen::Index columns, std::size_t first, std
       std::fill(target, target + numbers, 0.0);
       continue;
     }
-    const double* from = all.data() + numbers * static_cast<std::size_t>(
-                                                    starts[static_cast<std::size_t>(owners[i])]++);
+    const double* from = all.data() + numbers * static_cast<std::size_t>(starts[owners[i]]++);
     std::copy(from, from + numbers, target);
   }
 }

@@ -173,7 +173,7 @@ Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::siz
   constexpr std::size_t kParts =
       8;  // accumulators; a fixed number, so that the sum is reproducible
   const std::size_t r = basis.cols();
-  const auto columns = static_cast<Eigen::Index>(r + pair_count(r));
+  const Eigen::Index columns = r + pair_count(r);
   const bool uniform = solid.uniform();
   const ElasticityRoot root(solid.elasticities.front());
   const BlasThreads single(1);  // we use threads outside of BLAS

@@ -30,7 +30,7 @@ BasisRows mass_times(const Solid& solid, std::size_t count, const LocalDofs& loc
   }
   for (std::size_t v = 0; v < solid.point_mass.size(); ++v)
     if (solid.point_mass[v] != 0 && local.row_of_vertex[v] >= 0) {
-      const auto row = static_cast<Index>(v);
+      const Index row = v;
       product.row(row) += solid.point_mass[v] * u.row(row);
     }
   return product;
@@ -45,15 +45,14 @@ InertiaIntegrals basis_inertia(const Solid& solid, std::size_t count, const Loca
   // Ones and the rest positions beside U: the transposed product then holds all integrals.
   Eigen::MatrixXd left(n, 4 + 3 * r);
   left.col(0).setOnes();
-  for (Index v = 0; v < n; ++v)
-    left.block<1, 3>(v, 1) = solid.mesh.vertices[static_cast<std::size_t>(v)].transpose();
+  for (Index v = 0; v < n; ++v) left.block<1, 3>(v, 1) = solid.mesh.vertices[v].transpose();
   left.rightCols(3 * r) = per_vertex(basis);
   Eigen::MatrixXd sums = transposed_product(left, Eigen::MatrixXd(mass_u));
   sum_over_ranks(sums);
 
   InertiaIntegrals inertia;
   inertia.linear.resize(12, r);
-  inertia.B.resize(9, static_cast<Index>(pair_count(static_cast<std::size_t>(r))));
+  inertia.B.resize(9, pair_count(static_cast<std::size_t>(r)));
   for (Index l = 0; l < 3; ++l) {
     inertia.linear.row(l) = sums.block(0, l * r, 1, r);
     for (Index k = 0; k < 3; ++k) {

@@ -58,7 +58,7 @@ void for_own_rows(const ResponsePlace& place, const LocalDofs& local, const Use&
     const auto found = std::lower_bound(local.vertices.begin(), local.vertices.end(), vertex);
     if (found == local.vertices.end() || *found != vertex) continue;
     const auto part = found - local.vertices.begin();
-    const int row = local.row_of_vertex[static_cast<std::size_t>(part)];
+    const int row = local.row_of_vertex[part];
     if (row >= 0) use(part, row, weight);
   }
 }
@@ -96,10 +96,9 @@ RestResponse rest_response(const std::vector<ResponsePlace>& places, const Local
   response.columns.resize(local.dofs(), 3 * std::ssize(places));
   const auto fill = [&](Eigen::Index first, Columns& loads) {
     for (Eigen::Index column = first; column < first + loads.cols(); ++column)
-      for_own_rows(places[static_cast<std::size_t>(column / 3)], local,
-                   [&](Eigen::Index, Eigen::Index row, double weight) {
-                     loads(row + column % 3, column - first) += weight;
-                   });
+      for_own_rows(places[column / 3], local, [&](Eigen::Index, Eigen::Index row, double weight) {
+        loads(row + column % 3, column - first) += weight;
+      });
   };
   response.residual = solve_at_rest(pencil, solver, kBlock, fill, response.columns);
   return response;

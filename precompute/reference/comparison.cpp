@@ -50,7 +50,7 @@ void require_same_fix(const FullOrder& body, const BasisData& data, const std::s
 Eigen::MatrixXd basis_of_unknowns(const FullOrder& body, const BasisData& data, Eigen::Index r,
                                   const std::string& name) {
   const TetMesh& mesh = body.solid.mesh;
-  const auto vertices = static_cast<Eigen::Index>(mesh.vertices.size());
+  const Eigen::Index vertices = mesh.vertices.size();
   BasisRows rows = BasisRows::Zero(3 * vertices, r);
   for (const VertexBlock* block : {&data.surface, &data.interior})
     for (std::size_t i = 0; i < block->vertex_ids.size(); ++i)

@@ -56,7 +56,7 @@ BasisRows expand_rows(const ImportRequest& request, const Problem& problem,
   if (rows != 3 * (n - fixed))
     refuse(counts + ", or " + std::to_string(3 * (n - fixed)) + " without the " +
            std::to_string(fixed) + " fixed ones");
-  BasisRows expanded = BasisRows::Zero(static_cast<Eigen::Index>(3 * n), basis.cols());
+  BasisRows expanded = BasisRows::Zero(3 * n, basis.cols());
   Eigen::Index next = 0;
   for (VertexId v = 0; v < static_cast<VertexId>(n); ++v) {
     if (std::binary_search(problem.fixed.begin(), problem.fixed.end(), v)) continue;

@@ -42,7 +42,7 @@ struct Sphere {
 Status check_triangles(const WorldCloth& cloth, const Sphere& sphere) {
   const auto held = cloth.model.held();
   for (const Triangle& t : cloth.model.parts().triangles) {
-    const auto is_held = [&held](VertexId v) { return held[static_cast<std::size_t>(v)] != 0; };
+    const auto is_held = [&held](VertexId v) { return held[v] != 0; };
     if (std::all_of(t.begin(), t.end(), is_held)) continue;
     const auto at = [&cloth](VertexId v) -> Vector3d {
       return cloth.state.x.segment<3>(3 * static_cast<Eigen::Index>(v));

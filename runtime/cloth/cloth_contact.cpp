@@ -71,8 +71,7 @@ void ClothContact::cloth_colliders(ContactCloth& cloth, Pass& pass) const {
       cloth.state->x.segment<3>(at) = x;
       cloth.grounded[i] = 1;
       Vector3d v = cloth.state->v.segment<3>(at);
-      ContactSide particle{.inverse_mass = 1.0 / cloth.model->mass()[static_cast<Eigen::Index>(i)],
-                           .velocity = &v};
+      ContactSide particle{.inverse_mass = 1.0 / cloth.model->mass()[i], .velocity = &v};
       ContactSide ground{.surface = surface_velocity(collider, x, pass.h)};
       collide(found.normal.normalized(),
               pair_of(cloth.friction, collider.friction, cloth.restitution, collider.restitution,
@@ -98,7 +97,7 @@ void ClothContact::cloth_ball(ContactCloth& cloth, MovingBall& ball, Pass& pass)
     if (free) pass.nearest = std::min(pass.nearest, distance - ball.radius);
     const Vector3d n =
         distance > 0.0 ? Vector3d((x - ball.now.position) / distance) : Vector3d::UnitZ();
-    const double inverse = free ? 1.0 / cloth.model->mass()[static_cast<Eigen::Index>(i)] : 0.0;
+    const double inverse = free ? 1.0 / cloth.model->mass()[i] : 0.0;
     // Who gives way, and by which part.
     const bool grounded =
         !free || (pass.sweep >= kGroundSweep && cloth.grounded[i] != 0 && ball.inverse_mass > 0.0);

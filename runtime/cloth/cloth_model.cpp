@@ -30,13 +30,13 @@ Status check_springs(const ClothSprings& springs, const char* kind, std::size_t 
 }
 
 Status check_parts(const ClothParts& parts) {
-  const auto n = static_cast<std::size_t>(parts.mass.size());
+  const std::size_t n = parts.mass.size();
   if (n == 0) return content_error("the cloth has no particle");
   if (parts.x.size() != 3 * parts.mass.size())
     return content_error("each particle needs a place and a mass");
   if (!parts.x.allFinite()) return content_error("a particle's place is not finite");
   for (std::size_t i = 0; i < n; ++i)
-    if (const double m = parts.mass[static_cast<Eigen::Index>(i)]; !(m > 0.0) || !std::isfinite(m))
+    if (const double m = parts.mass[i]; !(m > 0.0) || !std::isfinite(m))
       return content_error("the mass of particle " + std::to_string(i) +
                            " must be positive and finite (kg)");
   for (const Triangle& t : parts.triangles)

@@ -51,7 +51,7 @@ ClothReactions::ClothReactions(const ClothModel& model, ClothSurroundings& aroun
 }
 
 double ClothReactions::stiffness_of(std::size_t particle) const {
-  const double h = around_.h, mass = model_.mass()[static_cast<Eigen::Index>(particle)];
+  const double h = around_.h, mass = model_.mass()[particle];
   return kReactionShare * (4.0 * mass / (h * h) + 8.0 * model_.structural().law().stiffness);
 }
 

@@ -67,7 +67,7 @@ void ClothWorld::Inside::push_balls(double h) {
 
 // Along the normal what pressed stays, or leaves as restitution has it; across it friction.
 void ClothWorld::Inside::settle(WorldCloth& cloth, const ClothReaction& r, double h) {
-  const auto at = static_cast<Eigen::Index>(r.particle);
+  const Eigen::Index at = r.particle;
   const Vector3d x = cloth.state.x.segment<3>(3 * at);
   Vector3d v = cloth.state.v.segment<3>(3 * at), surface = Vector3d::Zero();
   ContactSide particle{.inverse_mass = 1.0 / cloth.model.mass()[at], .velocity = &v}, other;
@@ -129,7 +129,7 @@ struct RigidMotion {
 template <class Act>
 void each_free_particle(WorldCloth& cloth, Act&& act) {
   for (std::size_t i = 0; i < cloth.model.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
+    const Eigen::Index at = i;
     if (cloth.model.held()[i] == 0)
       act(cloth.model.mass()[at], cloth.state.x.segment<3>(3 * at),
           cloth.state.v.segment<3>(3 * at));

@@ -38,7 +38,7 @@ double free_cloth_kinetic(const WorldCloth& cloth) {
   const auto held = cloth.model.held();
   double twice = 0.0;
   for (std::size_t i = 0; i < held.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
+    const Eigen::Index k = i;
     if (held[i] == 0)
       twice += cloth.model.mass()[k] * cloth.state.v.segment<3>(3 * k).squaredNorm();
   }
@@ -240,7 +240,7 @@ Vector3d ClothWorld::linear_momentum() const {
   for (const auto& cloth : inside_->cloths) {
     const auto held = cloth->model.held();
     for (std::size_t i = 0; i < held.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
+      const Eigen::Index k = i;
       if (held[i] == 0) sum += cloth->model.mass()[k] * cloth->state.v.segment<3>(3 * k);
     }
   }
@@ -254,7 +254,7 @@ Vector3d ClothWorld::angular_momentum() const {
   for (const auto& cloth : inside_->cloths) {
     const auto held = cloth->model.held();
     for (std::size_t i = 0; i < held.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
+      const Eigen::Index k = i;
       if (held[i] != 0) continue;
       const Vector3d x = cloth->state.x.segment<3>(3 * k);
       sum += cloth->model.mass()[k] * x.cross(cloth->state.v.segment<3>(3 * k));

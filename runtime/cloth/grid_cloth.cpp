@@ -63,8 +63,8 @@ Result<ClothParts> make_grid_cloth(const SceneCloth& cloth) {
   const double high = grid.height / static_cast<double>(grid.rows - 1);
   ClothParts parts;
   parts.drag = cloth.drag;
-  parts.x.resize(static_cast<Eigen::Index>(3 * n));
-  parts.mass = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(n));
+  parts.x.resize(3 * n);
+  parts.mass = Eigen::VectorXd::Zero(n);
   for (std::size_t row = 0; row < grid.rows; ++row)
     for (std::size_t column = 0; column < grid.columns; ++column)
       parts.x.segment<3>(3 * grid_id(grid, row, column)) =
@@ -98,7 +98,7 @@ Eigen::VectorXd crumpled(const ClothParts& parts, double share,
     for (std::size_t k = 0; k < 3; ++k) {
       // The library's distributions differ from one to the next.
       const double part = std::ldexp(static_cast<double>(random() >> 11U), -52) - 1.0;
-      if (stays[i] == 0) x[static_cast<Eigen::Index>(3 * i + k)] += length * part;
+      if (stays[i] == 0) x[3 * i + k] += length * part;
     }
   return x;
 }

@@ -65,7 +65,7 @@ Status join_mesh(const std::vector<Triangle>& triangles, ClothSprings& edges_out
 Status weigh_mesh(const SurfaceMesh& mesh, double density, Eigen::VectorXd& mass) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle& t = mesh.triangles[i];
-    const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(t[k])]; };
+    const auto at = [&](std::size_t k) { return mesh.vertices[t[k]]; };
     const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
     if (!(area > 0.0)) return content_error("triangle " + std::to_string(i) + " has no area");
     for (const VertexId corner : t) mass[corner] += density * area / 3.0;
@@ -83,10 +83,10 @@ Result<ClothParts> make_mesh_cloth(const SceneCloth& cloth, const SurfaceMesh& m
   ClothParts parts;
   parts.drag = cloth.drag;
   parts.triangles = mesh.triangles;
-  const auto n = static_cast<Eigen::Index>(mesh.vertices.size());
+  const Eigen::Index n = mesh.vertices.size();
   parts.x.resize(3 * n);
   for (Eigen::Index i = 0; i < n; ++i)
-    parts.x.segment<3>(3 * i) = mesh.vertices[static_cast<std::size_t>(i)] + cloth.position;
+    parts.x.segment<3>(3 * i) = mesh.vertices[i] + cloth.position;
   if (!parts.x.allFinite()) return content_error("a vertex is not finite");
   parts.mass = Eigen::VectorXd::Zero(n);
   parts.structural.law = cloth.structural;

@@ -23,7 +23,7 @@ std::vector<Key> make_keys(const RenderSurface& surface) {
   std::vector<Key> keys(surface.vertices.size());
   for (std::size_t v = 0; v < keys.size(); ++v)
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto at = static_cast<Eigen::Index>(axis);
+      const Eigen::Index at = axis;
       keys[v].place[axis] = surface.vertices[v][at];
       if (!surface.normals.empty())
         keys[v].kind[axis] = static_cast<std::int32_t>(
@@ -32,8 +32,7 @@ std::vector<Key> make_keys(const RenderSurface& surface) {
   if (!surface.normals.empty()) return keys;
   for (std::size_t t = surface.triangles.size(); t-- > 0;)
     for (const VertexId corner : surface.triangles[t])
-      keys[static_cast<std::size_t>(corner)].kind[0] =
-          static_cast<std::int32_t>(surface.object_of[t]);
+      keys[corner].kind[0] = static_cast<std::int32_t>(surface.object_of[t]);
   return keys;
 }
 

@@ -76,7 +76,7 @@ const float* coordinates_of(const SurfaceBasis& rows, const Eigen::VectorXd& q,
 void list_incident(const std::vector<Triangle>& triangles, std::size_t groups,
                    SurfaceBasis& basis) {
   const auto group = [&basis](VertexId corner) -> std::size_t {
-    const auto vertex = static_cast<std::size_t>(corner);
+    const std::size_t vertex = corner;
     return basis.group_of.empty() ? vertex : basis.group_of[vertex];
   };
   basis.first_incident.assign(groups + 1, 0);
@@ -95,7 +95,7 @@ void list_incident(const std::vector<Triangle>& triangles, std::size_t groups,
 std::vector<std::int32_t> integers_of(const BasisRows& rows, const Eigen::VectorXd& scales) {
   if (scales.size() != rows.cols() || rows.cols() == 0) return {};
   std::vector<std::int32_t> integers;
-  integers.reserve(static_cast<std::size_t>(rows.size()));
+  integers.reserve(rows.size());
   for (Eigen::Index row = 0; row < rows.rows(); ++row)
     for (Eigen::Index i = 0; i < rows.cols(); ++i) {
       const double exact = rows(row, i) / scales[i];
@@ -140,8 +140,7 @@ SurfaceBasis arrange(const std::vector<Eigen::Vector3d>& rest, const BasisRows& 
   const std::size_t blocks = (count + kSurfaceBlock - 1) / kSurfaceBlock;
   rows.rest.resize(4 * blocks);
   for (std::size_t row = 0; row < count; ++row)
-    rows.rest[row / kLineRows].value[row % kLineRows] =
-        static_cast<float>(rest[row / 3][static_cast<Eigen::Index>(row % 3)]);
+    rows.rest[row / kLineRows].value[row % kLineRows] = static_cast<float>(rest[row / 3][row % 3]);
   const std::vector<std::int32_t> integers = integers_of(basis, column_scales);
   if (integers.empty()) {
     rows.scales.assign(rows.modes, 1.0);

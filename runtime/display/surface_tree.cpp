@@ -72,10 +72,7 @@ SurfaceTree::SurfaceTree(const std::vector<Vector3d>& rest, const BasisRows& row
       modes_(static_cast<std::size_t>(rows.cols())),
       order_(triangles.size()) {
   std::iota(order_.begin(), order_.end(), std::uint32_t{0});
-  for (const auto& [a, b, c] : triangles)
-    middles_.push_back((rest[static_cast<std::size_t>(a)] + rest[static_cast<std::size_t>(b)] +
-                        rest[static_cast<std::size_t>(c)]) /
-                       3.0);
+  for (const auto& [a, b, c] : triangles) middles_.push_back((rest[a] + rest[b] + rest[c]) / 3.0);
   if (!triangles.empty()) build(0, triangles.size());
   middles_ = {};
 }
@@ -119,13 +116,13 @@ void SurfaceTree::round_up(std::size_t node, const VectorXd& spread) {
   float* c = bounds(node);
   for (std::size_t i = 0; i < modes_; ++i) {
     const double size = std::hypot(c[i], c[modes_ + i], c[2 * modes_ + i]);
-    const double e = spread[static_cast<Index>(i)];
+    const double e = spread[i];
     c[3 * modes_ + i] = above(e + rounding * (size + e));
   }
 }
 
 void SurfaceTree::bound_leaf(std::size_t node) {
-  const auto r = static_cast<Index>(modes_);
+  const Index r = modes_;
   Eigen::Matrix3Xd low_rows, high_rows;
   Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
   const auto each_corner = [&](const auto& use) {
@@ -136,7 +133,7 @@ void SurfaceTree::bound_leaf(std::size_t node) {
   low_rows.setConstant(3, r, std::numeric_limits<double>::infinity());
   high_rows = -low_rows;
   each_corner([&](std::size_t corner) {
-    const auto rows = rows_.middleRows<3>(static_cast<Index>(3 * corner));
+    const auto rows = rows_.middleRows<3>(3 * corner);
     low = low.cwiseMin(rest_[corner]);
     high = high.cwiseMax(rest_[corner]);
     low_rows = low_rows.cwiseMin(rows);
@@ -144,14 +141,14 @@ void SurfaceTree::bound_leaf(std::size_t node) {
   });
   float* c = bounds(node);
   for (Index axis = 0; axis < 3; ++axis) {
-    nodes_[node].low[static_cast<std::size_t>(axis)] = below(low[axis]);
-    nodes_[node].high[static_cast<std::size_t>(axis)] = above(high[axis]);
+    nodes_[node].low[axis] = below(low[axis]);
+    nodes_[node].high[axis] = above(high[axis]);
     for (Index i = 0; i < r; ++i)
       c[axis * r + i] = static_cast<float>(0.5 * (low_rows(axis, i) + high_rows(axis, i)));
   }
   VectorXd spread = VectorXd::Zero(r);
   each_corner([&](std::size_t corner) {
-    const auto rows = rows_.middleRows<3>(static_cast<Index>(3 * corner));
+    const auto rows = rows_.middleRows<3>(3 * corner);
     for (Index i = 0; i < r; ++i) {
       const Vector3d middle(c[i], c[r + i], c[2 * r + i]);
       spread[i] = std::max(spread[i], (rows.col(i) - middle).norm());
@@ -168,12 +165,12 @@ void SurfaceTree::bound_parent(std::size_t node, std::size_t left, std::size_t r
     nodes_[node].high[axis] = std::max(nodes_[left].high[axis], nodes_[right].high[axis]);
   }
   for (std::size_t k = 0; k < 3 * modes_; ++k) c[k] = 0.5F * (a[k] + b[k]);
-  VectorXd spread = VectorXd::Zero(static_cast<Index>(modes_));
+  VectorXd spread = VectorXd::Zero(modes_);
   for (std::size_t i = 0; i < modes_; ++i)
     for (const float* child : {a, b}) {
       const Vector3d way(double{child[i]} - c[i], double{child[modes_ + i]} - c[modes_ + i],
                          double{child[2 * modes_ + i]} - c[2 * modes_ + i]);
-      double& widest = spread[static_cast<Index>(i)];
+      double& widest = spread[i];
       widest = std::max(widest, way.norm() + child[3 * modes_ + i]);
     }
   round_up(node, spread);
@@ -202,7 +199,7 @@ std::optional<SurfaceTree::Hit> SurfaceTree::meet(std::size_t triangle, const Ve
   const double shear_x = direction[x] / direction[z], shear_y = direction[y] / direction[z];
   Eigen::Matrix3d corners;  // a column a corner: across the ray, and along it
   for (Index k = 0; k < 3; ++k) {
-    const auto vertex = static_cast<std::size_t>(triangles_[triangle][static_cast<std::size_t>(k)]);
+    const std::size_t vertex = triangles_[triangle][k];
     Vector3d place = rest_[vertex] - origin;
     for (Index axis = 0; axis < 3; ++axis)
       place[axis] += rows_.row(static_cast<Index>(3 * vertex) + axis).dot(q);
@@ -236,7 +233,7 @@ std::optional<SurfaceTree::Hit> SurfaceTree::nearest(const Vector3d& origin,
   }
   float* size = coordinates + modes_;
   for (std::size_t i = 0; i < modes_; ++i) {
-    coordinates[i] = static_cast<float>(q[static_cast<Index>(i)]);
+    coordinates[i] = static_cast<float>(q[i]);
     size[i] = std::abs(coordinates[i]);
   }
   struct Waiting {

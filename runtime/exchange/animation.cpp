@@ -95,7 +95,7 @@ VectorXd displacements(const Animation& animation, const AnimatedBody& body, std
   if (!body.displacements.empty())
     return Map<const VectorXd>(body.displacements.data() + frame * numbers,
                                static_cast<Index>(numbers));
-  if (modes.cols() == 0) return VectorXd::Zero(static_cast<Index>(numbers));
+  if (modes.cols() == 0) return VectorXd::Zero(numbers);
   return modes * coordinates_at(animation, body, frame);
 }
 
@@ -179,7 +179,7 @@ Result<double> keep_coordinates(Animation& animation, std::size_t count) {
   if (count == 0) return usage_error("at least one coordinate must be kept");
   double worst = 0.0;
   const std::vector<AnimatedShape> whole = animation.shapes;
-  const auto kept = static_cast<Index>(count);
+  const Index kept = count;
   for (AnimatedShape& shape : animation.shapes)
     if (shape.modes.cols() > kept) shape.modes = BasisRows(shape.modes.leftCols(kept));
   for (AnimatedBody& body : animation.bodies) {

@@ -117,7 +117,7 @@ void add_primitives(GlbFile& file, const AnimatedShape& shape, const GlbOptions&
 }
 
 void add_targets(GlbFile& file, const MorphTargets& morphs, GlbShape& out) {
-  const auto rows = static_cast<std::size_t>(morphs.positions.rows());
+  const std::size_t rows = morphs.positions.rows();
   for (Eigen::Index k = 0; k < morphs.positions.cols(); ++k) {
     const std::span<const float> places(morphs.positions.col(k).data(), rows);
     std::vector<std::string> members = {
@@ -202,7 +202,7 @@ double four_bones_error(const Animation& animation, const AnimatedBody& body) {
     const std::size_t frame = looks < 2 ? 0 : k * (animation.frames() - 1) / (looks - 1);
     world_positions(animation, body, frame, all);
     world_positions(animation, read, frame, four);
-    const auto count = static_cast<Eigen::Index>(all.size() / 3);
+    const Eigen::Index count = all.size() / 3;
     const Eigen::Map<const Eigen::Matrix3Xd> a(all.data(), 3, count), b(four.data(), 3, count);
     worst = std::max(worst, (a - b).colwise().norm().maxCoeff());
   }
@@ -213,10 +213,10 @@ double four_bones_error(const Animation& animation, const AnimatedBody& body) {
 std::vector<std::string> add_bone_weights(GlbFile& file, const BoneWeights& weights,
                                           std::size_t& most) {
   constexpr std::size_t kSet = 4;
-  const auto vertices = static_cast<std::size_t>(weights.rows());
+  const std::size_t vertices = weights.rows();
   std::vector<std::vector<Eigen::Index>> bones(vertices);
   for (std::size_t v = 0; v < vertices; ++v) {
-    const auto row = weights.row(static_cast<Eigen::Index>(v));
+    const auto row = weights.row(v);
     for (Eigen::Index b = 0; b < row.size(); ++b)
       if (row[b] > 0.0) bones[v].push_back(b);
     // Viewers that read four shall have the heaviest.

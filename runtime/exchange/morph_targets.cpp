@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 constexpr double kShortNormal = 1e-3;
 
 std::size_t group(const AnimatedShape& shape, VertexId vertex) {
-  const auto v = static_cast<std::size_t>(vertex);
+  const std::size_t v = vertex;
   return shape.smooth_groups.empty() ? v : shape.smooth_groups[v];
 }
 
@@ -31,7 +31,7 @@ void spread(const AnimatedShape& shape, Matrix3Xd& sums) {
   if (shape.smooth_groups.empty()) return;
   const Matrix3Xd of_groups = sums;
   for (Index v = 0; v < sums.cols(); ++v)
-    sums.col(v) = of_groups.col(static_cast<Index>(group(shape, static_cast<VertexId>(v))));
+    sums.col(v) = of_groups.col(group(shape, static_cast<VertexId>(v)));
 }
 
 // Sums of (b - a) x (c - a) over the triangles of each vertex; x: 3 x s.
@@ -39,8 +39,7 @@ Matrix3Xd area_normals(const AnimatedShape& shape, const Matrix3Xd& x) {
   Matrix3Xd sums = Matrix3Xd::Zero(3, x.cols());
   for (const Triangle& t : shape.surface.triangles) {
     const Vector3d a = x.col(t[1]) - x.col(t[0]), b = x.col(t[2]) - x.col(t[0]);
-    for (const VertexId corner : t)
-      sums.col(static_cast<Index>(group(shape, corner))) += a.cross(b);
+    for (const VertexId corner : t) sums.col(group(shape, corner)) += a.cross(b);
   }
   spread(shape, sums);
   return sums;
@@ -53,7 +52,7 @@ Matrix3Xd normal_rates(const AnimatedShape& shape, const Matrix3Xd& x, const Mat
     const Vector3d a = x.col(t[1]) - x.col(t[0]), b = x.col(t[2]) - x.col(t[0]);
     const Vector3d da = u.col(t[1]) - u.col(t[0]), db = u.col(t[2]) - u.col(t[0]);
     const Vector3d rate = da.cross(b) + a.cross(db);
-    for (const VertexId corner : t) sums.col(static_cast<Index>(group(shape, corner))) += rate;
+    for (const VertexId corner : t) sums.col(group(shape, corner)) += rate;
   }
   spread(shape, sums);
   return sums;

@@ -32,7 +32,7 @@ Status check_cache(const std::string& path, const Animation& animation, std::siz
   if (Status s = check_animation(animation); !s) return s;
   if (body >= animation.bodies.size())
     return usage_error(path + ": there is no body " + std::to_string(body));
-  constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+  constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
   const std::size_t vertices = animation.shape_of(animation.bodies[body]).surface.vertices.size();
   if (vertices > kMost || animation.frames() > kMost)
     return content_error(path + ": more vertices or frames than the format counts");

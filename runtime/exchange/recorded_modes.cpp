@@ -25,7 +25,7 @@ double farthest(const MatrixXd& rest) {
 
 // Leaves the body's shape with modes and q; the largest distance that is left, m.
 double describe(AnimatedShape& shape, AnimatedBody& body, Index most, double enough) {
-  const auto rows = static_cast<Index>(3 * shape.surface.vertices.size());
+  const Index rows = 3 * shape.surface.vertices.size();
   const auto frames = static_cast<Index>(body.displacements.size()) / rows;
   const Eigen::Map<const MatrixXd> motion(body.displacements.data(), rows, frames);
   MatrixXd products = MatrixXd::Zero(frames, frames);

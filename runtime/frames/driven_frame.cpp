@@ -113,9 +113,9 @@ void DrivenFrame::add_turn(const Bone& bone) {
   std::array<double, 9> weights = {-rate.x(), -rate.y(), -rate.z()};
   Eigen::Matrix<double, 6, 1> constant;
   for (Index e = 0; e < 6; ++e) {
-    const auto& [k, l] = kSymmetricEntries[static_cast<std::size_t>(e)];
+    const auto& [k, l] = kSymmetricEntries[e];
     const double ww = w[k] * w[l] * (k == l ? 1.0 : 2.0);
-    weights[static_cast<std::size_t>(3 + e)] = ww;
+    weights[3 + e] = ww;
     constant[e] = 0.5 * ((k == l ? w.squaredNorm() : 0.0) - ww);
   }
   // The traces of the B_ij are those of the identity where one bone carries all.

@@ -37,7 +37,7 @@ FrameInertia::FrameInertia(const InertiaIntegrals& integrals, const Eigen::Vecto
     const Eigen::Matrix3d A_j = matrix_at(A, j) - centre * s.col(j).transpose();
     a.col(j) = axial(A_j);
     for (Index e = 0; e < 6; ++e) {
-      const auto& [k, l] = kSymmetricEntries[static_cast<std::size_t>(e)];
+      const auto& [k, l] = kSymmetricEntries[e];
       P_linear(j, e) = A_j(k, l) + A_j(l, k);
     }
     for (Index i = 0; i <= j; ++i) {
@@ -49,7 +49,7 @@ FrameInertia::FrameInertia(const InertiaIntegrals& integrals, const Eigen::Vecto
         pairs(m * r + j, i) = -c[m];
       }
       for (Index e = 0; e < 6; ++e) {
-        const auto& [k, l] = kSymmetricEntries[static_cast<std::size_t>(e)];
+        const auto& [k, l] = kSymmetricEntries[e];
         pairs((3 + e) * r + i, j) = pairs((3 + e) * r + j, i) = 0.5 * (B(k, l) + B(l, k));
       }
     }
@@ -69,7 +69,7 @@ void InertiaAt::compute(const FrameInertia& inertia, const Eigen::VectorXd& q) {
   for (Index m = 0; m < 3; ++m) C.row(m) = -products.segment(m * r, r).transpose();
   Eigen::Matrix3d P = inertia.P0;
   for (Index e = 0; e < 6; ++e) {
-    const auto& [k, l] = kSymmetricEntries[static_cast<std::size_t>(e)];
+    const auto& [k, l] = kSymmetricEntries[e];
     P(k, l) += q.dot(inertia.P_linear.col(e) + products.segment((3 + e) * r, r));
     P(l, k) = P(k, l);
   }

@@ -206,7 +206,7 @@ void FreeFrame::add_forces(VectorXd& dp, VectorXd& force) {
     added_ -= 0.5 * (w0[m] * bend1_.segment(m * r, r) + spin1_[m] * bend0_.segment(m * r, r));
   const double w0w1 = w0.dot(spin1_);
   for (Index e = 0; e < 6; ++e) {
-    const auto& [k, l] = kSymmetricEntries[static_cast<std::size_t>(e)];
+    const auto& [k, l] = kSymmetricEntries[e];
     const double weight =
         k == l ? w0w1 - w0[k] * spin1_[k] : -(w0[k] * spin1_[l] + w0[l] * spin1_[k]);
     // d_jP at the middle is linear in q: the products of both ends added up.

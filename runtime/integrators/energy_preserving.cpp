@@ -294,7 +294,7 @@ class EnergyPreserving final : public Integrator {
       if (report.converged || !usable || !std::isfinite(ratio) || slow > 1 ||
           report.iterations == most)
         break;
-      VectorXd& move = moves_[static_cast<std::size_t>(updates)];
+      VectorXd& move = moves_[updates];
       next_move(updates, move);
       report.converged = settled && move.norm() <= kRounding * d_hat_.norm();
       if (report.converged) break;
@@ -328,7 +328,7 @@ class EnergyPreserving final : public Integrator {
   void next_move(int count, VectorXd& move) {
     move = -g_hat_;
     N_.solve(move);
-    apply_broyden(std::span<const VectorXd>(moves_).first(static_cast<std::size_t>(count)), move);
+    apply_broyden(std::span<const VectorXd>(moves_).first(count), move);
   }
 
   // From newton_.unknowns, with the exact Jacobian and the line search; N is what it was.

@@ -93,7 +93,7 @@ class Verlet4 final : public OneStep {
       work += share * f_.dot(p + 0.5 * dp_);
       p += dp_;
       if (drift < 0) break;
-      const auto& [reach, decay] = drifts_[static_cast<std::size_t>(drift)];
+      const auto& [reach, decay] = drifts_[drift];
       q.array() += reach.array() * p.array();
       if (damped_) report.dissipated += decay_momentum(decay, p);
     }

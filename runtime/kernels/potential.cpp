@@ -60,7 +60,7 @@ struct Potential::Coefficients {
 
 Result<Potential> Potential::create(VectorXd lambda, std::span<const double> cubic,
                                     std::span<const double> quartic) {
-  const auto r = static_cast<std::size_t>(lambda.size());
+  const std::size_t r = lambda.size();
   if (r == 0) return content_error("the potential has no coordinates");
   if (Status status = check_finite({lambda.data(), r}, "lambda"); !status) return status.error();
   Potential potential;
@@ -105,7 +105,7 @@ const PairKernel& Potential::pair_kernel() const {
 
 PotentialWorkspace Potential::make_workspace(unsigned uses) const {
   PotentialWorkspace workspace;
-  const auto r = static_cast<std::size_t>(size());
+  const std::size_t r = size();
   if (linear()) return workspace;
   workspace.unique = unique_.make_workspace();
   if (!(uses & kUseSegment) && !((uses & kUseTangent) && size() < kPairTangent)) return workspace;
@@ -168,7 +168,7 @@ void Potential::set_a_and_b(PotentialWorkspace& w) const {
 
 // w.product = (3B + 4A) w.q, A and B taken from the pair `first` on.
 void Potential::multiply_force_matrix(std::size_t first, PotentialWorkspace& w) const {
-  const auto r = static_cast<std::size_t>(size());
+  const std::size_t r = size();
   TREMOLO_CALL(combine, {w.a.data(), w.b.data()}, first, pair_count(r), w.triangle.data());
   TREMOLO_CALL(multiply_packed, w.triangle.data(), r, w.q.data(), w.product.data());
 }
@@ -187,7 +187,7 @@ void Potential::evaluate_pairs(const VectorXd& q, unsigned want, PotentialWorksp
   if (want & (kWantForce | kWantEnergy)) multiply_force_matrix(0, w);
   // V3 = q.(3B q)/3 and V4 = q.(4A q)/4.
   if (want & kWantEnergy) {
-    const auto pairs = static_cast<Index>(pair_count(static_cast<std::size_t>(size())));
+    const Index pairs = pair_count(static_cast<std::size_t>(size()));
     const Eigen::Map<const VectorXd> x(w.x.data(), pairs), a(w.a.data(), pairs),
         b(w.b.data(), pairs);
     out.energy = 0.5 * q.dot(lambda_.cwiseProduct(q)) + x.dot(b) + x.dot(a);
@@ -212,7 +212,7 @@ void Potential::begin_trailing(const VectorXd& q, Index held, PotentialWorkspace
 void Potential::evaluate_trailing(const VectorXd& q, Index held, unsigned want,
                                   PotentialWorkspace& w, Evaluation& out) const {
   if (linear()) return evaluate_linear(q, want & ~static_cast<unsigned>(kWantEnergy), out);
-  const auto r = static_cast<std::size_t>(size());
+  const std::size_t r = size();
   const std::size_t first = pair_count(static_cast<std::size_t>(held));
   const std::size_t from = first / kVectorLanes * kVectorLanes;
   const PairKernel& kernel = *w.pair_kernel;

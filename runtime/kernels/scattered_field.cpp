@@ -81,7 +81,7 @@ Eigen::Vector3d field_at(const ScatteredPoints& points, const Eigen::VectorXd& u
 
 void field_weights(const ScatteredPoints& points, const Eigen::Vector3d& place,
                    Eigen::VectorXd& weights) {
-  weights.resize(static_cast<Eigen::Index>(points.stride()));
+  weights.resize(points.stride());
   const FieldLook look = look_at(points, nullptr, place);
   const double sum = TREMOLO_CALL(write_weights, look, weights.data());
   weights /= sum;

@@ -25,7 +25,7 @@ class ExplicitStep : public HalvedIntegrator {
   // Nodes may have been taken hold of, or let go.
   void reset() final {
     for (Eigen::Index i = 0; i < system().mass().size(); ++i) {
-      const bool held = system().held()[static_cast<std::size_t>(i)] != 0;
+      const bool held = system().held()[i] != 0;
       inverse_mass_.segment<3>(3 * i).setConstant(held ? 0.0 : 1.0 / system().mass()[i]);
     }
   }

@@ -78,7 +78,7 @@ double ImplicitSolve::residual(const ImplicitEquation& equation, const Eigen::Ve
   const Eigen::VectorXd& x_hat = *equation.x_hat;
   double square = 0.0;
   for (Eigen::Index i = 0; i < mass.size(); ++i) {
-    if (held[static_cast<std::size_t>(i)] != 0) {
+    if (held[i] != 0) {
       r_.segment<3>(3 * i).setZero();
       continue;
     }

@@ -9,8 +9,7 @@ double free_kinetic(const NodalSystem& system, const Eigen::VectorXd& v) {
   const std::span<const std::uint8_t> held = system.held();
   double twice = 0.0;
   for (Eigen::Index i = 0; i < mass.size(); ++i)
-    if (held[static_cast<std::size_t>(i)] == 0)
-      twice += mass[i] * v.segment<3>(3 * i).squaredNorm();
+    if (held[i] == 0) twice += mass[i] * v.segment<3>(3 * i).squaredNorm();
   return 0.5 * twice;
 }
 

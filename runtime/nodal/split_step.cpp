@@ -56,8 +56,7 @@ class SplitStep : public HalvedIntegrator {
     system().force(x, at, ForcePart::kSoft, f_);
     const Eigen::VectorXd& mass = system().mass();
     for (Eigen::Index i = 0; i < mass.size(); ++i)
-      if (system().held()[static_cast<std::size_t>(i)] == 0)
-        v.segment<3>(3 * i) += (h / mass[i]) * f_.segment<3>(3 * i);
+      if (system().held()[i] == 0) v.segment<3>(3 * i) += (h / mass[i]) * f_.segment<3>(3 * i);
   }
 
   std::unique_ptr<ImplicitSolve> solve_;

@@ -33,7 +33,7 @@ double largest_eigenvalue(const NodalSystem& system, const Eigen::VectorXd& x, F
   system.add_tangent(x, Eigen::VectorXd::Zero(n), part, 1.0, 0.0, stiffness);
   Eigen::VectorXd scale = Eigen::VectorXd::Zero(n);  // 0: held
   for (Eigen::Index i = 0; i < system.mass().size(); ++i)
-    if (system.held()[static_cast<std::size_t>(i)] == 0)
+    if (system.held()[i] == 0)
       scale.segment<3>(3 * i).setConstant(1.0 / std::sqrt(system.mass()[i]));
   std::vector<Eigen::VectorXd> basis;
   Eigen::VectorXd q = (scale.array() > 0.0).select(scattered_vector(n), 0.0), w(n), y(n);
@@ -49,7 +49,7 @@ double largest_eigenvalue(const NodalSystem& system, const Eigen::VectorXd& x, F
     diagonal.push_back(q.dot(w));
     for (int twice = 0; twice < 2; ++twice)
       for (const Eigen::VectorXd& old : basis) w -= old.dot(w) * old;
-    const auto size = static_cast<Eigen::Index>(diagonal.size());
+    const Eigen::Index size = diagonal.size();
     Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> small;
     small.computeFromTridiagonal(Eigen::Map<Eigen::VectorXd>(diagonal.data(), size),
                                  Eigen::Map<Eigen::VectorXd>(off.data(), size - 1));

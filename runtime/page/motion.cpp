@@ -52,7 +52,7 @@ struct PageFields {
     if (whole.empty()) return floats.col(i).cast<double>();
     VectorXd values(rows);
     for (Index k = 0; k < rows; ++k)
-      values[k] = static_cast<double>(scales[i]) * whole[static_cast<std::size_t>(i * rows + k)];
+      values[k] = static_cast<double>(scales[i]) * whole[i * rows + k];
     return values;
   }
 };
@@ -80,7 +80,7 @@ PageFields page_fields(const Animation& animation, std::size_t number) {
     fields.floats = shape.modes.cast<float>();
     return fields;
   }
-  fields.whole.reserve(static_cast<std::size_t>(rows * r));
+  fields.whole.reserve(rows * r);
   for (Index i = 0; i < r; ++i) {
     const float scale = most[i] > 0.0 ? static_cast<float>(most[i] / kLargestWhole) : 1.0F;
     fields.scales.push_back(scale);
@@ -162,8 +162,7 @@ double page_error(const Animation& animation, std::size_t number, const PageFiel
   const std::vector<float> rest = page_rest(shape);
   Eigen::MatrixXd wrong(3 * static_cast<Index>(shape.surface.vertices.size()), r + 1);
   for (Index k = 0; k < wrong.rows(); ++k)
-    wrong(k, r) = static_cast<double>(rest[static_cast<std::size_t>(k)]) -
-                  shape.surface.vertices[static_cast<std::size_t>(k / 3)][k % 3];
+    wrong(k, r) = static_cast<double>(rest[k]) - shape.surface.vertices[k / 3][k % 3];
   for (Index i = 0; i < r; ++i) wrong.col(i) = fields.column(i, rows) - shape.modes.col(i);
   double worst = 0.0;
   const std::size_t looks = std::min(kPageLooks, animation.frames());
@@ -187,7 +186,7 @@ double page_error(const Animation& animation, std::size_t number, const PageFiel
 
 Status check_page_limits(const Animation& animation) {
   for (const AnimatedBody& body : animation.bodies) {
-    const auto r = static_cast<std::size_t>(animation.shape_of(body).modes.cols());
+    const std::size_t r = animation.shape_of(body).modes.cols();
     if (r > kPageCoordinates)
       return content_error("body '" + body.name + "' has " + std::to_string(r) +
                            " coordinates, and a page draws " + std::to_string(kPageCoordinates) +

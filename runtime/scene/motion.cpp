@@ -105,7 +105,7 @@ std::string times_problem(const std::vector<double>& times, int most) {
     const std::string moment = "moment " + std::to_string(k + 1);
     if (!std::isfinite(times[k])) return "the time of " + moment + " is not finite";
     if (k > 0 && times[k] < times[k - 1]) return moment + " is earlier than the one before it";
-    const auto behind = static_cast<std::size_t>(most);
+    const std::size_t behind = most;
     if (k >= behind && times[k] == times[k - behind])
       return moment + " stands at the time of " + (most == 1 ? "the one" : "two") + " before it";
   }

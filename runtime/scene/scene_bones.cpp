@@ -51,8 +51,8 @@ Result<BonePaths> BonePaths::create(const SceneBody& body) {
     if (!path) return error_of_bone(bone, path.error().message);
     if (Status s = check_steady(*path); !s) return error_of_bone(bone, s.error().message);
     const auto named = [&bone](const SceneBone& other) { return other.name == bone.parent; };
-    const auto parent = static_cast<std::size_t>(
-        std::find_if(body.bones.begin(), body.bones.end(), named) - body.bones.begin());
+    const std::size_t parent =
+        std::find_if(body.bones.begin(), body.bones.end(), named) - body.bones.begin();
     paths.bones_.push_back({std::move(*path), bone.head, parent});
   }
   for (std::vector<Pose>& poses : paths.poses_) poses.resize(paths.size());

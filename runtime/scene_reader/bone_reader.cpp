@@ -36,9 +36,9 @@ Status read_weights(const std::string& csv, SceneBody& body) {
   const auto rows = parse_rows(*text, csv, {bones},
                                "a weight for each of the " + std::to_string(bones) + " bones");
   if (!rows) return rows.error();
-  body.bone_weights.resize(std::ssize(*rows), static_cast<Eigen::Index>(bones));
+  body.bone_weights.resize(std::ssize(*rows), bones);
   for (std::size_t row = 0; row < rows->size(); ++row)
-    body.bone_weights.row(static_cast<Eigen::Index>(row)) =
+    body.bone_weights.row(row) =
         Eigen::RowVectorXd::Map((*rows)[row].data(), static_cast<Eigen::Index>(bones));
   const std::string problem = weights_problem(body.bone_weights);
   return problem.empty() ? Status(Success{}) : content_error(csv + ": " + problem);

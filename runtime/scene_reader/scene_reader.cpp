@@ -141,7 +141,7 @@ Copies read_copies(TomlKeys& keys) {
       keys.fail("copies", "copies are three whole numbers from 1 to 10000");
       return copies;
     }
-    copies.count[static_cast<std::size_t>(k)] = static_cast<int>(n);
+    copies.count[k] = static_cast<int>(n);
   }
   if (count.prod() > 1e5) {
     keys.fail("copies", "more than 100000 copies");

@@ -23,7 +23,7 @@ constexpr double kMostMissing = 1e-3;  // of the integrals; a compact file misse
 double nodal_mass(int count, int i, int j) {
   if (count == 4) return i == j ? 0.1 : 0.05;
   const auto ends = [](int node) {
-    return node < 4 ? std::array{node, node} : kTetEdges[static_cast<std::size_t>(node - 4)];
+    return node < 4 ? std::array{node, node} : kTetEdges[node - 4];
   };
   const auto [a, b] = ends(i);
   const auto [c, d] = ends(j);
@@ -46,8 +46,7 @@ class Vertices {
   Index count() const { return static_cast<Index>(row_of_.size()); }
   const Eigen::Vector3d& rest(Index row) const {
     const bool outside = row < first_inside_;
-    return (outside ? solid_.surface : solid_.interior)
-        .rest[static_cast<std::size_t>(outside ? row : row - first_inside_)];
+    return (outside ? solid_.surface : solid_.interior).rest[outside ? row : row - first_inside_];
   }
   auto weights(Index row, const BoneWeights& surface, const BoneWeights& interior) const {
     return row < first_inside_ ? surface.row(row) : interior.row(row - first_inside_);
@@ -63,8 +62,8 @@ class Vertices {
     for (const VertexId corner : corners) add(corner);
     for (const auto& [a, b] : kTetEdges) {
       if (point_of_.empty()) break;
-      const VertexId p = corners[static_cast<std::size_t>(a)];
-      const VertexId q = corners[static_cast<std::size_t>(b)];
+      const VertexId p = corners[a];
+      const VertexId q = corners[b];
       if (const auto found = point_of_.find({std::min(p, q), std::max(p, q)});
           found != point_of_.end())
         add(found->second);
@@ -102,7 +101,7 @@ InertiaIntegrals integrals_of(const MatrixXd& sums, Index r) {
   inertia.first_moment = sums.block<3, 1>(1, 0);
   inertia.second_moment = sums.block<3, 3>(1, 1);
   inertia.linear.resize(12, r);
-  inertia.B.resize(9, static_cast<Index>(pair_count(static_cast<std::size_t>(r))));
+  inertia.B.resize(9, pair_count(static_cast<std::size_t>(r)));
   for (Index l = 0; l < 3; ++l) {
     inertia.linear.row(l) = sums.block(0, 4 + l * r, 1, r);
     for (Index k = 0; k < 3; ++k) {
@@ -170,9 +169,9 @@ Result<std::vector<InertiaIntegrals>> share_inertia(const WeighedSolid& solid,
       const auto count = static_cast<int>(nodes[e].size());
       for (int a = 0; a < count; ++a)
         for (int b = 0; b < count; ++b)
-          weighed.row(nodes[e][static_cast<std::size_t>(a)]) +=
+          weighed.row(nodes[e][a]) +=
               (weight * solid.elements.masses[e] * nodal_mass(count, a, b)) *
-              fields.row(nodes[e][static_cast<std::size_t>(b)]);
+              fields.row(nodes[e][b]);
     }
     shares.push_back(integrals_of(fields.transpose() * weighed, r));
   }

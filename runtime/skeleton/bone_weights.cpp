@@ -45,9 +45,8 @@ BoneWeights weights_near(std::span<const Vector3d> points, std::span<const BoneS
                          double blend) {
   BoneWeights weights(std::ssize(points), std::ssize(bones));
   for (std::size_t p = 0; p < points.size(); ++p) {
-    auto row = weights.row(static_cast<Index>(p));
-    for (std::size_t b = 0; b < bones.size(); ++b)
-      row[static_cast<Index>(b)] = bones[b].distance(points[p]);
+    auto row = weights.row(p);
+    for (std::size_t b = 0; b < bones.size(); ++b) row[b] = bones[b].distance(points[p]);
     const double nearest = row.minCoeff();
     for (double& weight : row) weight = smooth_share(1.0 - (weight - nearest) / blend);
     row /= row.sum();
@@ -84,7 +83,7 @@ BoneWeights weights_of_nearest(std::span<const Vector3d> points, std::span<const
     }
     for (auto k = from; k != order.begin() && look(*(k - 1)); --k) {
     }
-    found.row(static_cast<Index>(p)) = weights.row(static_cast<Index>(best));
+    found.row(p) = weights.row(best);
   }
   return found;
 }

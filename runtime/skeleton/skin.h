@@ -42,8 +42,7 @@ template <class Weights>
 BoneMap blended(const Weights& weights, std::span<const BoneMap> maps) {
   BoneMap sum = BoneMap::Zero();
   for (std::size_t b = 0; b < maps.size(); ++b)
-    if (const double weight = weights[static_cast<Eigen::Index>(b)]; weight != 0.0)
-      sum += weight * maps[b];
+    if (const double weight = weights[b]; weight != 0.0) sum += weight * maps[b];
   return sum;
 }
 
@@ -54,7 +53,7 @@ void skin_places(const BoneWeights& weights, std::span<const BoneMap> maps,
   using Vector = Eigen::Matrix<Number, 3, 1>;
   for (std::size_t i = 0; i + 2 < places.size(); i += 3) {
     const Eigen::Matrix<Number, 3, 4> map =
-        blended(weights.row(static_cast<Eigen::Index>(i / 3)), maps).template cast<Number>();
+        blended(weights.row(i / 3), maps).template cast<Number>();
     Eigen::Map<Vector> x(places.data() + i);
     x = (map.template leftCols<3>() * x + map.col(3)).eval();
   }
@@ -67,7 +66,7 @@ void skin_normals(const BoneWeights& weights, std::span<const BoneMap> maps,
                   std::span<Number> normals) {
   using Vector = Eigen::Matrix<Number, 3, 1>;
   for (std::size_t i = 0; i + 2 < normals.size(); i += 3) {
-    const auto row = weights.row(static_cast<Eigen::Index>(i / 3));
+    const auto row = weights.row(i / 3);
     const Eigen::Matrix<Number, 3, 4> map = blended(row, maps).template cast<Number>();
     Eigen::Map<Vector> x(normals.data() + i);
     x = (map.template leftCols<3>() * x).eval();

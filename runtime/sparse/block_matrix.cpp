@@ -68,14 +68,14 @@ void BlockMatrix::multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
   const auto first = pattern_->first();
   const auto columns = pattern_->columns();
   for (std::size_t i = 0; i < pattern_->size(); ++i) {
-    const Eigen::Vector3d own = x.segment<3>(static_cast<Eigen::Index>(3 * i));
+    const Eigen::Vector3d own = x.segment<3>(3 * i);
     Eigen::Vector3d sum = blocks_[first[i + 1] - 1] * own;
     for (std::size_t p = first[i]; p + 1 < first[i + 1]; ++p) {
-      const auto j = static_cast<Eigen::Index>(3 * static_cast<std::size_t>(columns[p]));
+      const Eigen::Index j = 3 * static_cast<std::size_t>(columns[p]);
       sum += blocks_[p] * x.segment<3>(j);
       y.segment<3>(j) += blocks_[p].transpose() * own;
     }
-    y.segment<3>(static_cast<Eigen::Index>(3 * i)) = sum;
+    y.segment<3>(3 * i) = sum;
   }
 }
 

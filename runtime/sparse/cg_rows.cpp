@@ -183,21 +183,18 @@ void CgRows::take(const BlockMatrix& a, double scale) {
 
 void CgRows::start(const Eigen::VectorXd& b, double scale) {
   for (size_t i = 0; i < n_; ++i)
-    for (size_t c = 0; c < 3; ++c)
-      r_[4 * i + c] = static_cast<float>(b[static_cast<Eigen::Index>(3 * i + c)] * scale);
+    for (size_t c = 0; c < 3; ++c) r_[4 * i + c] = static_cast<float>(b[3 * i + c] * scale);
   for (AlignedFloats* list : {&d_, &p_, &q_}) std::fill(list->begin(), list->end(), 0.0F);
 }
 
 void CgRows::add_found(double scale, Eigen::VectorXd& x) const {
   for (size_t i = 0; i < n_; ++i)
-    for (size_t c = 0; c < 3; ++c)
-      x[static_cast<Eigen::Index>(3 * i + c)] += scale * static_cast<double>(d_[4 * i + c]);
+    for (size_t c = 0; c < 3; ++c) x[3 * i + c] += scale * static_cast<double>(d_[4 * i + c]);
 }
 
 void CgRows::copy_direction(Eigen::VectorXd& x) const {
   for (size_t i = 0; i < n_; ++i)
-    for (size_t c = 0; c < 3; ++c)
-      x[static_cast<Eigen::Index>(3 * i + c)] = static_cast<double>(p_[4 * i + c]);
+    for (size_t c = 0; c < 3; ++c) x[3 * i + c] = static_cast<double>(p_[4 * i + c]);
 }
 
 }  // namespace

@@ -286,20 +286,19 @@ void CgRuns::take_any(const BlockMatrix& a, double scale) {
 void CgRuns::start(const Eigen::VectorXd& b, double scale) {
   for (std::size_t i = 0; i < n_; ++i)
     for (std::size_t c = 0; c < 3; ++c)
-      r_[c * stride_ + i] = static_cast<float>(b[static_cast<Eigen::Index>(3 * i + c)] * scale);
+      r_[c * stride_ + i] = static_cast<float>(b[3 * i + c] * scale);
   for (AlignedFloats* list : {&d_, &p_, &q_}) std::fill(list->begin(), list->end(), 0.0F);
 }
 
 void CgRuns::add_found(double scale, Eigen::VectorXd& x) const {
   for (std::size_t i = 0; i < n_; ++i)
     for (std::size_t c = 0; c < 3; ++c)
-      x[static_cast<Eigen::Index>(3 * i + c)] += scale * static_cast<double>(d_[c * stride_ + i]);
+      x[3 * i + c] += scale * static_cast<double>(d_[c * stride_ + i]);
 }
 
 void CgRuns::copy_direction(Eigen::VectorXd& x) const {
   for (std::size_t i = 0; i < n_; ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      x[static_cast<Eigen::Index>(3 * i + c)] = static_cast<double>(p_[c * stride_ + i]);
+    for (std::size_t c = 0; c < 3; ++c) x[3 * i + c] = static_cast<double>(p_[c * stride_ + i]);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ constexpr double kTrusted = 1e-3;
 ConjugateGradients::ConjugateGradients(const BlockPattern& pattern)
     : n_(pattern.size()), storage_(make_cg_runs(pattern)) {
   if (!storage_) storage_ = make_cg_rows(pattern);
-  rest_ = image_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * n_));
+  rest_ = image_ = Eigen::VectorXd::Zero(3 * n_);
 }
 
 // The matrix in floats. False where a diagonal block is not positive definite: the leading minors

@@ -50,8 +50,7 @@ std::vector<Index> minimum_degree(const BlockPattern& pattern) {
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
   Eigen::AMDOrdering<int>()(graph, permutation);
   std::vector<Index> order(n);
-  for (std::size_t k = 0; k < n; ++k)
-    order[k] = static_cast<Index>(permutation.indices()[static_cast<Eigen::Index>(k)]);
+  for (std::size_t k = 0; k < n; ++k) order[k] = static_cast<Index>(permutation.indices()[k]);
   return order;
 }
 

@@ -71,7 +71,7 @@ HungChain hung_chain(std::size_t springs, double stiffness) {
   // It begins hanging, as what lies straight is pressed together and may buckle upwards.
   for (std::size_t i = 0; i <= springs; ++i) {
     const double u = static_cast<double>(i) / static_cast<double>(springs);
-    chain.parts.x[static_cast<Eigen::Index>(3 * i + 2)] = -1.6 * u * (1.0 - u);
+    chain.parts.x[3 * i + 2] = -1.6 * u * (1.0 - u);
   }
   Result<ClothModel> model = ClothModel::create(chain.parts);
   EXPECT_TRUE(model);
@@ -89,7 +89,7 @@ HungChain hung_chain(std::size_t springs, double stiffness) {
 
 // The force of spring i, N, that its first particle feels.
 Vector3d spring_pull(const HungChain& chain, std::size_t i) {
-  const auto at = static_cast<Eigen::Index>(3 * i);
+  const Eigen::Index at = 3 * i;
   const Vector3d way = chain.x.segment<3>(at + 3) - chain.x.segment<3>(at);
   const ClothSprings& springs = chain.parts.structural;
   return springs.law.stiffness * (way.norm() - springs.rest[i]) * way.normalized();
@@ -114,7 +114,7 @@ double catenary_error(std::size_t springs, const ElasticCatenary& exact, double 
   for (std::size_t i = 0; i <= springs; ++i) {
     const Vector2d known =
         exact.at(kUnstretched * static_cast<double>(i) / static_cast<double>(springs));
-    const auto at = static_cast<Eigen::Index>(3 * i);
+    const Eigen::Index at = 3 * i;
     largest = std::max(
         {largest, std::abs(chain.x[at] - known.x()), std::abs(chain.x[at + 2] - known.y())});
   }

@@ -32,7 +32,7 @@ VectorXd cloth_force(const ClothModel& model, const VectorXd& x, const VectorXd&
 }
 
 Eigen::MatrixXd dense_cloth_matrix(const BlockMatrix& a) {
-  const auto n = static_cast<Eigen::Index>(3 * a.pattern().size());
+  const Eigen::Index n = 3 * a.pattern().size();
   Eigen::MatrixXd dense(n, n);
   VectorXd y(n);
   for (Eigen::Index k = 0; k < n; ++k) {

@@ -55,7 +55,7 @@ inline ClothModel sample_model(const SceneCloth& cloth) {
 inline ClothParts sample_chain(std::size_t springs, const Eigen::Vector3d& way, double rest,
                                double mass, SpringLaw law) {
   ClothParts parts;
-  const auto n = static_cast<Eigen::Index>(springs + 1);
+  const Eigen::Index n = springs + 1;
   parts.x.resize(3 * n);
   parts.mass = Eigen::VectorXd::Constant(n, mass);
   parts.structural.law = law;

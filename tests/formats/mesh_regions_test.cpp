@@ -295,9 +295,7 @@ TEST(VegbRegions, TheLastRegionThatListsAnElementDecides) {
   ASSERT_TRUE(file) << file.error().message;
   const TetMesh& mesh = file->mesh;
   ASSERT_EQ(mesh.region_of.size(), 2u);
-  const auto region = [&](std::size_t tet) {
-    return mesh.region_names.at(static_cast<std::size_t>(mesh.region_of[tet]));
-  };
+  const auto region = [&](std::size_t tet) { return mesh.region_names.at(mesh.region_of[tet]); };
   EXPECT_EQ(region(0), "material 2");
   EXPECT_EQ(region(1), "material 0");
   ASSERT_EQ(file->materials.size(), 3u);

@@ -144,7 +144,7 @@ Case shuffled(const Case& made, std::vector<std::size_t> order) {
 
 // Blocks off the diagonal that are not symmetric, in a matrix that is.
 void skew(Case& made) {
-  const auto n = static_cast<std::size_t>(made.dense.rows() / 3);
+  const std::size_t n = made.dense.rows() / 3;
   const Eigen::Matrix3d turn{{0.0, 0.3, -0.2}, {-0.3, 0.0, 0.1}, {0.2, -0.1, 0.0}};
   made.dense.diagonal().array() += 3.0;
   for (std::size_t a = 0; a < n; ++a) {

@@ -106,9 +106,7 @@ TEST(Embedding, RowsAreTheWeightsTimesTheBasis) {
   std::vector<Vector3d> displacements;
   for (Eigen::Index v = 0; v < u.size(); v += 3) displacements.push_back(u.segment<3>(v));
   for (std::size_t v = 0; v < points.size(); ++v)
-    EXPECT_LE((rows.middleRows(static_cast<Eigen::Index>(3 * v), 3) * q -
-               carried(embedding, mesh, v, displacements))
-                  .norm(),
+    EXPECT_LE((rows.middleRows(3 * v, 3) * q - carried(embedding, mesh, v, displacements)).norm(),
               kRounding);
 }
 

@@ -23,7 +23,7 @@ constexpr double kDensity = 1100.0;
 
 // Mass of each vertex, V/4 of each of its tetrahedra, added up straightforwardly.
 Eigen::VectorXd lumped_masses(const TetMesh& mesh) {
-  Eigen::VectorXd mass = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(mesh.vertices.size()));
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(mesh.vertices.size());
   for (const Tetrahedron& tet : mesh.tetrahedra)
     for (VertexId v : tet) mass[v] += 0.25 * kDensity * signed_volume(mesh, tet);
   return mass.reshaped();
@@ -38,7 +38,7 @@ Eigen::MatrixXd lumped_matrix(const TetMesh& mesh) {
 
 // rho V/10 on the diagonal, rho V/20 beside it.
 Eigen::MatrixXd consistent_matrix(const TetMesh& mesh) {
-  const auto n = static_cast<Eigen::Index>(mesh.vertices.size());
+  const Eigen::Index n = mesh.vertices.size();
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(3 * n, 3 * n);
   for (const Tetrahedron& tet : mesh.tetrahedra)
     for (VertexId a : tet)

@@ -45,7 +45,7 @@ struct TwoMaterialBox {
     for (std::size_t e = 0; e < mesh.tetrahedra.size(); ++e)
       table.of_tet.push_back(e % 3 == 0 ? 1 : 0);
     point_mass.assign(mesh.vertices.size(), 0.0);
-    point_mass[static_cast<std::size_t>(fixed.front())] = 0.3;
+    point_mass[fixed.front()] = 0.3;
     point_mass[5] = 0.7;
     point_mass[17] = 1.1;
   }
@@ -70,7 +70,7 @@ struct PointSums {
     sums.first_moment.setZero();
     sums.second_moment.setZero();
     sums.linear.setZero(12, kColumns);
-    sums.B.setZero(9, static_cast<Eigen::Index>(pair_count(kColumns)));
+    sums.B.setZero(9, pair_count(kColumns));
   }
   // fields: 3 x kColumns, at the place.
   void add(double mass, const Eigen::Vector3d& place, const Eigen::MatrixXd& fields) {
@@ -97,7 +97,7 @@ PointSums integrate(const TwoMaterialBox& box, const BasisRows& fields) {
   testing::for_each_mass_point(box.mesh, density, [&](const MassPoint& point) {
     Eigen::MatrixXd here = Eigen::MatrixXd::Zero(3, kColumns);
     for (int a = 0; a < point.nodes.count; ++a) {
-      const auto at = static_cast<std::size_t>(a);
+      const std::size_t at = a;
       here += point.shape[at] * fields.middleRows<3>(3 * Eigen::Index{point.nodes[at]});
     }
     sums.add(point.mass, point.place, here);
@@ -154,8 +154,7 @@ TEST(InertiaIntegralsOfAMesh, OfALumpedMassAreSumsOverVertices) {
     const double quarter =
         0.25 * box.density(e) * std::abs(signed_volume(box.mesh, box.mesh.tetrahedra[e]));
     for (VertexId v : box.mesh.tetrahedra[e])
-      sums.add(quarter, box.mesh.vertices[static_cast<std::size_t>(v)],
-               fields.middleRows<3>(3 * Eigen::Index{v}));
+      sums.add(quarter, box.mesh.vertices[v], fields.middleRows<3>(3 * Eigen::Index{v}));
   }
   add_point_masses(box, fields, sums);
   expect_equal(computed(box, fields, MassKind::kLumped), sums.sums);

@@ -73,7 +73,7 @@ void expect_same_spectrum(const BasisData& a, const BasisData& b, double scale =
 // coordinate stands an even number of times.
 void expect_same_quartic(const BasisData& a, const BasisData& b, double scale = 1) {
   ASSERT_EQ(a.quartic.size(), b.quartic.size());
-  const auto r = static_cast<std::size_t>(a.lambda.size());
+  const std::size_t r = a.lambda.size();
   for (std::size_t j = 0; j < r; ++j)
     for (std::size_t i = 0; i <= j; ++i) {
       const double expected = scale * a.quartic[quad_index(i, i, j, j)];

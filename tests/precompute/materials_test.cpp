@@ -251,7 +251,7 @@ TEST(Materials, AnOrthotropicMaterialWithIsotropicConstantsIsIsotropic) {
   for (int i = 0; i < 3; ++i) fields.col(i) = random_field(mesh, 0.1, 20 + i);
   const BasisRows rows = fields;
   const std::vector<ColumnPair> pairs{{0, 0}, {0, 1}, {2, 1}};
-  const auto stride = static_cast<std::size_t>(plain.local.dofs());
+  const std::size_t stride = plain.local.dofs();
   const auto derivatives = [&](const Body& body) {
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(body.local.dofs(), 3);
     subtract_second_derivatives(body.solid, body.local.elements, rows, pairs,

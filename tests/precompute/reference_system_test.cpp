@@ -79,7 +79,7 @@ TEST(ReferenceSystem, MassAndWeightAreThoseOfTheBody) {
     const double mass = 1200.0 * 0.03 + 2.5;
     Vector unit = Vector::Zero(box.body.size());
     for (Eigen::Index i = 0; i < unit.size(); ++i)
-      unit[i] = box.body.unknowns.dof[static_cast<std::size_t>(i)] % 3 == 1 ? 1.0 : 0.0;
+      unit[i] = box.body.unknowns.dof[i] % 3 == 1 ? 1.0 : 0.0;
     EXPECT_NEAR(unit.dot(multiply(box.body, box.body.mass, unit)), mass, 1e-12 * mass);
     EXPECT_NEAR(gravity_load(box.body, {1, -9.81, 3}).dot(unit), -9.81 * mass, 1e-12 * mass);
   }

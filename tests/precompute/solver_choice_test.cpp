@@ -38,7 +38,7 @@ struct ChosenSystem {
 
   std::vector<Eigen::Vector3d> positions() const {
     std::vector<Eigen::Vector3d> x;
-    for (const int v : map.vertex_of_node) x.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+    for (const int v : map.vertex_of_node) x.push_back(mesh.vertices[v]);
     return x;
   }
 };

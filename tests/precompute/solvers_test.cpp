@@ -251,8 +251,7 @@ TEST(ElementGroup, SecondDerivativesAreThoseOfOneElementAtATime) {
       Eigen::VectorXd expected = Eigen::VectorXd::Zero(found.rows());
       add_second_derivative(system.solid, elements, fields.col(pairs[p].i), fields.col(pairs[p].j),
                             system.local.row_of_vertex, expected.data());
-      EXPECT_LE((found.col(static_cast<Eigen::Index>(p)) + expected).norm(),
-                1e-13 * expected.norm());
+      EXPECT_LE((found.col(p) + expected).norm(), 1e-13 * expected.norm());
     }
   }
 }

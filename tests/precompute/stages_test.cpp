@@ -224,7 +224,7 @@ TEST_P(BlockDerivatives, SolveTheirDefiningEquation) {
   for (std::size_t j = 0; j < 4; ++j)
     for (std::size_t i = 0; i <= j; ++i) {
       const Eigen::VectorXd h = second_derivative(block, psi, i, j);
-      const auto column = left.col(static_cast<Eigen::Index>(pair_index(i, j)));
+      const auto column = left.col(pair_index(i, j));
       EXPECT_LE((column + h).norm(), 1e-9 * h.norm());  // condition of K times rounding
     }
 }
@@ -317,8 +317,7 @@ TEST(FreeDerivatives, OfAFreeBodyBalanceTheirLoadAndHoldNoRigidMotion) {
     for (std::size_t i = 0; i <= j; ++i) {
       Eigen::VectorXd h = second_derivative(block, psi, i, j);
       h -= mass_rigid * (rigid.transpose() * h);
-      EXPECT_LE((left.col(static_cast<Eigen::Index>(pair_index(i, j))) + h).norm(),
-                1e-8 * h.norm());
+      EXPECT_LE((left.col(pair_index(i, j)) + h).norm(), 1e-8 * h.norm());
     }
 }
 

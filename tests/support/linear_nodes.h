@@ -22,7 +22,7 @@ struct LinearNodes : NodalSystem {
   LinearNodes(Eigen::MatrixXd stiffness, Eigen::MatrixXd damping, Eigen::VectorXd mass)
       : K(std::move(stiffness)), D(std::move(damping)), masses(std::move(mass)) {
     rest = Eigen::VectorXd::Zero(K.rows());
-    holds.assign(static_cast<std::size_t>(masses.size()), 0);
+    holds.assign(masses.size(), 0);
     std::vector<NodePair> pairs;
     for (std::uint32_t i = 0; i < holds.size(); ++i)
       for (std::uint32_t j = 0; j < i; ++j) pairs.emplace_back(i, j);

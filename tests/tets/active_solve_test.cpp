@@ -65,7 +65,7 @@ TEST(ActiveSolve, SmoothModesSaveMostDirectionsAndChangeNoSolution) {
       b += weight;
       system.fold(b);
       for (std::size_t i = 0; i < model->nodes(); ++i)
-        if (system.active()[i] == 0) b.segment<3>(static_cast<Eigen::Index>(3 * i)).setZero();
+        if (system.active()[i] == 0) b.segment<3>(3 * i).setZero();
       const Searched plain = search(*model, system, matrix, mass, b, false);
       const Searched smooth = search(*model, system, matrix, mass, b, true);
       EXPECT_LT(smooth.iterations, 0.6 * plain.iterations) << held << mixed;

@@ -39,7 +39,7 @@ struct LaneCase {
     const TetModelElement& element = model->elements()[k];
     NodeVectors local(3, kMostNodes);
     for (int i = 0; i < kMostNodes; ++i)
-      local.col(i) = Eigen::Map<const Eigen::Vector3d>(group[k].nodes[static_cast<std::size_t>(i)]);
+      local.col(i) = Eigen::Map<const Eigen::Vector3d>(group[k].nodes[i]);
     return tet_shape(element.element, model->elasticity(element), RotationLaw::kLeastEnergy, local);
   }
 };

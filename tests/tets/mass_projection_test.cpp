@@ -14,11 +14,11 @@ using namespace testing;
 // E of one axis: a column for each free control point. Held ones have none.
 Eigen::MatrixXd free_to_all(const TetSystem& system) {
   const TetModel& model = system.model();
-  Eigen::MatrixXd e = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(model.nodes()), 0);
+  Eigen::MatrixXd e = Eigen::MatrixXd::Zero(model.nodes(), 0);
   for (std::size_t i = 0; i < model.nodes(); ++i) {
     if (system.active()[i] == 0) continue;
     Eigen::VectorXd unit = Eigen::VectorXd::Zero(3 * e.rows());
-    unit[static_cast<Eigen::Index>(3 * i)] = 1.0;
+    unit[3 * i] = 1.0;
     system.follow_ends(unit);
     e.conservativeResize(Eigen::NoChange, e.cols() + 1);
     for (Eigen::Index k = 0; k < e.rows(); ++k) e(k, e.cols() - 1) = unit[3 * k];
@@ -27,7 +27,7 @@ Eigen::MatrixXd free_to_all(const TetSystem& system) {
 }
 
 Eigen::MatrixXd mass_matrix(const TetModel& model) {
-  const auto count = static_cast<Eigen::Index>(model.nodes());
+  const Eigen::Index count = model.nodes();
   Eigen::MatrixXd m(count, count);
   Eigen::VectorXd column(3 * count);
   for (Eigen::Index j = 0; j < count; ++j) {
@@ -75,8 +75,7 @@ TEST(MassProjection, IsTheSolutionOfTheNormalEquationsForAllVectorsAtOnce) {
         vectors[v] = random_state(random, model->rest().size(), sizes[v]);
         if (held)
           for (std::size_t i = 0; i < model->nodes(); ++i)
-            if (model->held()[i] != 0)
-              vectors[v].segment<3>(static_cast<Eigen::Index>(3 * i)).setZero();
+            if (model->held()[i] != 0) vectors[v].segment<3>(3 * i).setZero();
         before[v] = vectors[v];
       }
       const std::array<Eigen::VectorXd*, 4> pointers = {&vectors[0], &vectors[1], &vectors[2],

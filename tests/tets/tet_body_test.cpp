@@ -29,8 +29,7 @@ template <class Function>
 Eigen::VectorXd control_values(const TetModel& model, const Function& u) {
   Eigen::VectorXd values = Eigen::VectorXd::Zero(model.rest().size());
   const auto at = [&](std::size_t node) { return u(model.mesh().vertices[node].x()); };
-  for (std::size_t v = 0; v < model.vertices(); ++v)
-    values[static_cast<Eigen::Index>(3 * v)] = at(v);
+  for (std::size_t v = 0; v < model.vertices(); ++v) values[3 * v] = at(v);
   for (std::size_t e = 0; e < model.edges(); ++e) {
     const MeshEdge& edge = model.edge(e);
     values[3 * Eigen::Index{edge.point}] =
@@ -113,7 +112,7 @@ Sag sag_of_bar(int cells, double length, double side) {
   int count = 0;
   for (std::size_t v = 0; v < model->vertices(); ++v)
     if (model->mesh().vertices[v].x() > length - 1e-9) {
-      const auto at = static_cast<Eigen::Index>(3 * v + 2);
+      const Eigen::Index at = 3 * v + 2;
       tip -= body.positions()[at] - model->rest()[at];
       ++count;
     }

@@ -89,12 +89,11 @@ TEST_P(TetElements, PartsInFloatsAreThoseInDoubles) {
           largest = std::max(largest, column.cwiseAbs().maxCoeff());
         for (Eigen::Index i = 0; i < x.cols(); ++i) {
           Eigen::Matrix3d left;
-          for (std::size_t m = 0; m < 3; ++m)
-            left.col(static_cast<Eigen::Index>(m)) = shape.rotation * columns[m].col(i);
+          for (std::size_t m = 0; m < 3; ++m) left.col(m) = shape.rotation * columns[m].col(i);
           const Eigen::Matrix3d right = left * middle;
           for (std::size_t m = 0; m < 3; ++m) {
             const std::size_t at = 4 * (kRanks * static_cast<std::size_t>(i) + first + m);
-            const auto column = static_cast<Eigen::Index>(m);
+            const Eigen::Index column = m;
             // Some tens of roundings of floats.
             EXPECT_LT((FloatColumn(found.left + at).cast<double>() - left.col(column)).norm(),
                       3e-6 * largest);

@@ -23,8 +23,7 @@ TetHullPointer box_hull(const TetModelPointer& model, const Eigen::Vector3d& siz
   nodes.spacing = size.minCoeff() / 12.0;
   nodes.origin.setConstant(-4.0 * nodes.spacing);
   for (int axis = 0; axis < 3; ++axis)
-    nodes.counts[static_cast<std::size_t>(axis)] =
-        9 + static_cast<std::uint32_t>(std::ceil(size[axis] / nodes.spacing));
+    nodes.counts[axis] = 9 + static_cast<std::uint32_t>(std::ceil(size[axis] / nodes.spacing));
   std::vector<float> values;
   for (std::size_t k = 0; k < nodes.counts[2]; ++k)
     for (std::size_t j = 0; j < nodes.counts[1]; ++j)

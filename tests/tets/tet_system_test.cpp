@@ -75,7 +75,7 @@ TEST(TetSystem, MatrixIsMassAndTheForcesDerivativeAmongFreeControlPoints) {
   const Eigen::VectorXd d = c.free_direction();
   Eigen::VectorXd free = d;  // entries of folded control points do not enter
   for (std::size_t i = 0; i < c.model->nodes(); ++i)
-    if (c.system.active()[i] == 0) free.segment<3>(static_cast<Eigen::Index>(3 * i)).setZero();
+    if (c.system.active()[i] == 0) free.segment<3>(3 * i).setZero();
   c.system.evaluate(c.x);
   c.system.assemble({7.0, {1.0, 0.0, TangentKind::kExact}}, matrix);
   Eigen::VectorXd product(d.size());
@@ -134,8 +134,7 @@ TEST(TetSystem, PatchOfConstantStrainPullsOnTheBoundaryAlone) {
     system.fold(f);
     double largest = 0.0;
     for (std::size_t v = 0; v < inside.size(); ++v)
-      if (inside[v])
-        largest = std::max(largest, f.segment<3>(static_cast<Eigen::Index>(3 * v)).norm());
+      if (inside[v]) largest = std::max(largest, f.segment<3>(3 * v).norm());
     EXPECT_LE(largest, 1e-12 * f.norm());
   }
 }

@@ -108,16 +108,14 @@ TEST(TetSurface, FollowsAffineAndQuadraticMotionsExactly) {
   for (const double bend : {0.0, 2.0}) {
     Eigen::VectorXd x((*model)->rest().size());
     for (std::size_t i = 0; i < (*model)->nodes(); ++i) {
-      const Eigen::Vector3d rest = (*model)->rest().segment<3>(static_cast<Eigen::Index>(3 * i));
+      const Eigen::Vector3d rest = (*model)->rest().segment<3>(3 * i);
       double square = rest.x() * rest.x();
       if (i >= (*model)->vertices()) {
         const MeshEdge& edge = (*model)->edge(i - (*model)->vertices());
         const auto& corners = (*model)->mesh().vertices;
-        square = corners[static_cast<std::size_t>(edge.a)].x() *
-                 corners[static_cast<std::size_t>(edge.b)].x();
+        square = corners[edge.a].x() * corners[edge.b].x();
       }
-      x.segment<3>(static_cast<Eigen::Index>(3 * i)) =
-          f * rest + t + bend * square * Eigen::Vector3d::UnitZ();
+      x.segment<3>(3 * i) = f * rest + t + bend * square * Eigen::Vector3d::UnitZ();
     }
     surface.place(x, places, normals);
     // The last vertex stands out of its element, where a quadratic field is continued straight.

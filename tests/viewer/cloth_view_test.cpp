@@ -141,7 +141,7 @@ TEST(ClothView, ASheetIsDrawnWhereItIs) {
   ASSERT_TRUE(picture);
   int low[2] = {200, 200}, high[2] = {-1, -1}, count = 0;
   for (int i = 0; i < 200 * 200; ++i) {
-    if (picture->pixels[static_cast<std::size_t>(3 * i + 2)] > 128) continue;
+    if (picture->pixels[3 * i + 2] > 128) continue;
     ++count;
     const int at[2] = {i % 200, i / 200};
     for (int k = 0; k < 2; ++k) {

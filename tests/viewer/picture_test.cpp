@@ -27,7 +27,7 @@ struct Mask {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
-        sum += cover[static_cast<std::size_t>(y * width + x)] * Eigen::Vector2d(x + 0.5, y + 0.5);
+        sum += cover[y * width + x] * Eigen::Vector2d(x + 0.5, y + 0.5);
     return sum / area();
   }
 };
@@ -73,8 +73,7 @@ void fill(std::vector<char>& inside, int width, int height, const Eigen::Vector2
     for (int x = std::max(0, static_cast<int>(low[0])); x < std::min<double>(width, high[0]); ++x) {
       const Eigen::Vector2d p(x + 0.5, y + 0.5);
       const double u = side_of(a, b, p), v = side_of(b, c, p), w = side_of(c, a, p);
-      if ((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0))
-        inside[static_cast<std::size_t>(y * width + x)] = 1;
+      if ((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0)) inside[y * width + x] = 1;
     }
 }
 
@@ -91,11 +90,11 @@ Mask expected_mask(const Body& body, const nlohmann::json& json) {
   };
   for (const Triangle& t : body.model().drawn().triangles)
     fill(inside, width, height, at(t[0]), at(t[1]), at(t[2]));
-  mask.cover.resize(static_cast<std::size_t>(mask.width * mask.height));
+  mask.cover.resize(mask.width * mask.height);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      mask.cover[static_cast<std::size_t>(y / kFine * mask.width + x / kFine)] +=
-          inside[static_cast<std::size_t>(y * width + x)] / double{kFine * kFine};
+      mask.cover[y / kFine * mask.width + x / kFine] +=
+          inside[y * width + x] / double{kFine * kFine};
   return mask;
 }
 

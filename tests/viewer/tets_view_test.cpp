@@ -20,11 +20,10 @@ TetsSurface drawn_boundary(const TetMesh& mesh) {
   TetsSurface drawn;
   drawn.triangles = boundary.triangles;
   for (const VertexId v : boundary.vertex_ids) {
-    drawn.vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+    drawn.vertices.push_back(mesh.vertices[v]);
     for (std::uint32_t tet = 0; drawn.tetrahedra.size() < drawn.vertices.size(); ++tet)
       for (int c = 0; c < 4; ++c)
-        if (mesh.tetrahedra[tet][static_cast<std::size_t>(c)] == v &&
-            drawn.tetrahedra.size() < drawn.vertices.size()) {
+        if (mesh.tetrahedra[tet][c] == v && drawn.tetrahedra.size() < drawn.vertices.size()) {
           drawn.tetrahedra.push_back(tet);
           drawn.weights.push_back(Eigen::Vector4d::Unit(c));
         }

@@ -70,9 +70,7 @@ double surface_to_mesh(const SurfaceSolid& solid, const TriangleTree& boundary) 
 
 PartCounts drop_crumbs(TetMesh& mesh, bool keep) {
   const MeshParts labels = mesh_parts(mesh);
-  const auto part_of = [&labels](const Tetrahedron& t) {
-    return labels.part_of_vertex[static_cast<std::size_t>(t[0])];
-  };
+  const auto part_of = [&labels](const Tetrahedron& t) { return labels.part_of_vertex[t[0]]; };
   std::vector<double> volumes(labels.count, 0.0);
   for (const Tetrahedron& t : mesh.tetrahedra) volumes[part_of(t)] += signed_volume(mesh, t);
   const double largest = *std::max_element(volumes.begin(), volumes.end());

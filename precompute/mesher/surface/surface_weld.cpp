@@ -119,7 +119,7 @@ void drop_repeats(SurfaceMesh& surface, WeldCounts& counts) {
   if (pairs == triangles.end()) return;
   SurfaceMesh without{surface.vertices, {triangles.begin(), pairs}};
   if (without.triangles.empty() || odd_edges(surface) <= odd_edges(without)) return;
-  const auto count = static_cast<std::size_t>(triangles.end() - pairs);
+  const std::size_t count = triangles.end() - pairs;
   counts.repeated -= count;
   counts.cancelled = 2 * count;
   surface = std::move(without);

@@ -172,7 +172,7 @@ Field held_force(const FullOrder& body, const std::vector<SegmentPoint>& points,
                  const Vector& d) {
   const Field from = all_from(body, u), by = all_by(body, d);
   const std::vector<int>& of_dof = body.unknowns.of_dof;
-  Field force = Field::Zero(static_cast<Eigen::Index>(of_dof.size()));
+  Field force = Field::Zero(of_dof.size());
   for (std::size_t e = 0; e < body.solid.elements.size(); ++e) {
     const ElementNodes nodes = element_nodes(body.solid.mesh, e);
     const auto held = [&](VertexId v) { return of_dof[3 * static_cast<std::size_t>(v)] < 0; };

@@ -6,7 +6,7 @@ namespace {
 template <class ValueAt>
 Field of_held(const WorldBody& world, const ValueAt& value_at) {
   const std::vector<int>& of_dof = world.body.unknowns.of_dof;
-  Field field = Field::Zero(static_cast<Eigen::Index>(of_dof.size()));
+  Field field = Field::Zero(of_dof.size());
   for (std::size_t v = 0; 3 * v < of_dof.size(); ++v)
     if (of_dof[3 * v] < 0)
       field.segment<3>(3 * static_cast<Eigen::Index>(v)) =
@@ -32,7 +32,7 @@ Vector riding_velocity(const WorldBody& world, const RigidMotion& support, const
   const Unknowns& unknowns = world.body.unknowns;
   Vector velocity(u.size());
   for (Eigen::Index i = 0; i < u.size(); i += 3) {
-    const auto vertex = static_cast<std::size_t>(unknowns.dof[static_cast<std::size_t>(i)] / 3);
+    const std::size_t vertex = unknowns.dof[i] / 3;
     velocity.segment<3>(i) =
         support.velocity_at(world.body.solid.mesh.vertices[vertex] + u.segment<3>(i));
   }

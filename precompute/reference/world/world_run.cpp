@@ -88,7 +88,7 @@ WorldLoads make_loads(const ReferenceOptions& options, const Problem& problem,
 // The first motion of a body that flies. spin: along the world's axes.
 RigidMotion first_flight(const ReferenceOptions& options, const WorldBody& world) {
   RigidMotion flight;
-  Field ones = Field::Zero(static_cast<Eigen::Index>(world.body.unknowns.of_dof.size()));
+  Field ones = Field::Zero(world.body.unknowns.of_dof.size());
   for (Eigen::Index v = 0; v < ones.size(); v += 3) ones[v] = 1.0;
   const Field mass = whole_mass_times(world, ones);
   for (std::size_t v = 0; v < world.body.solid.mesh.vertices.size(); ++v)

@@ -60,7 +60,7 @@ Motion start_in_world(const WorldBody& world, const RigidMotion& flight) {
   const RigidMotion support = world.path == nullptr ? flight : support_at(world, 0.0);
   motion.u.resize(world.body.size());
   for (Eigen::Index i = 0; i < motion.u.size(); i += 3) {
-    const auto vertex = static_cast<std::size_t>(world.body.unknowns.dof[i] / 3);
+    const std::size_t vertex = world.body.unknowns.dof[i] / 3;
     const Eigen::Vector3d& rest = world.body.solid.mesh.vertices[vertex];
     motion.u.segment<3>(i) = world.path == nullptr ? Eigen::Vector3d::Zero().eval()
                                                    : (support.place(rest) - rest).eval();
@@ -88,7 +88,7 @@ void advance_in_world(WorldBody& world, const TimeSettings& settings, const Load
   const double h = settings.step, time = motion.time;
   const double factor = std::exp(-0.5 * settings.alpha * h);
   damp_by_mass(world, factor, motion);
-  Field acceleration = Field::Zero(static_cast<Eigen::Index>(body.unknowns.of_dof.size()));
+  Field acceleration = Field::Zero(body.unknowns.of_dof.size());
   if (world.path != nullptr) {
     const RigidMotion start = support_at(world, time), end = support_at(world, time + h);
     body.support.from = held_displacement(world, start);

@@ -169,8 +169,7 @@ Result<std::size_t> Body::pin(const SurfacePlace& place) {
 
 Grip* Body::find_hand(std::size_t hand) {
   const auto found = std::find(hands_.begin(), hands_.end(), hand);
-  return found == hands_.end() ? nullptr
-                               : &grips_[static_cast<std::size_t>(found - hands_.begin())];
+  return found == hands_.end() ? nullptr : &grips_[found - hands_.begin()];
 }
 
 Status Body::move_hand(std::size_t hand, const Eigen::Vector3d& place) {
@@ -184,7 +183,7 @@ Status Body::move_hand(std::size_t hand, const Eigen::Vector3d& place) {
 Eigen::Vector3d Body::hand_force(std::size_t hand) const {
   const auto found = std::find(hands_.begin(), hands_.end(), hand);
   if (found == hands_.end()) return Eigen::Vector3d::Zero();
-  return grips_[static_cast<std::size_t>(found - hands_.begin())].force;
+  return grips_[found - hands_.begin()].force;
 }
 
 Status Body::release(std::size_t hand) {

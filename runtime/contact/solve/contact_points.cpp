@@ -22,7 +22,7 @@ std::vector<std::size_t> farthest_points(const std::vector<Vector3d>& places, st
   const auto least =
       std::min_element(places.begin(), places.end(),
                        [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); });
-  auto next = static_cast<std::size_t>(least - places.begin());
+  std::size_t next = least - places.begin();
   while (chosen.size() < std::min(most, places.size())) {
     chosen.push_back(next);
     for (std::size_t i = 0; i < places.size(); ++i)
@@ -69,12 +69,12 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most) {
   if (order.empty()) return points;
   divide(surface.rest, order, 0, order.size(), points.groups);
   const Index r = model.modes();
-  points.rows.resize(r, static_cast<Index>(3 * order.size()));
+  points.rows.resize(r, 3 * order.size());
   points.reach.setZero(r);
   Vector3d low = surface.rest[order[0]], high = low;
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const auto from = static_cast<Index>(3 * order[i]);
-    const auto to = static_cast<Index>(3 * i);
+    const Index from = 3 * order[i];
+    const Index to = 3 * i;
     points.ids.push_back(surface.vertex_ids[order[i]]);
     points.rest.push_back(surface.rest[order[i]]);
     points.rows.middleCols<3>(to) = surface.rows.middleRows<3>(from).transpose();
@@ -87,7 +87,7 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most) {
   // Places near the surface see several points, and the field is smooth between them.
   points.field = ScatteredPoints(
       points.rest, 0.25 * points.gap * points.gap + 1e-6 * points.extent * points.extent);
-  const auto stride = static_cast<Index>(points.field.stride());
+  const Index stride = points.field.stride();
   points.axis_rows.setZero(3 * stride, r);
   for (Index i = 0; i < static_cast<Index>(points.size()); ++i)
     for (Index axis = 0; axis < 3; ++axis)

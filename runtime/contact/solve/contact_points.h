@@ -40,7 +40,7 @@ struct ContactPoints {
   std::size_t size() const { return rest.size(); }
   // X + U q of point i.
   Eigen::Vector3d place(std::size_t i, const Eigen::VectorXd& q) const {
-    const auto column = static_cast<Eigen::Index>(3 * i);
+    const Eigen::Index column = 3 * i;
     return rest[i] + rows.middleCols<3>(column).transpose() * q;
   }
   // U q of all points, 3 stride: a field for field_at().

@@ -73,7 +73,7 @@ Result<Joint> make_joint(const Body& first, VertexId at, const Body& second,
   double nearest = std::numeric_limits<double>::infinity();
   const VertexBlock& boundary = second.model().surface();
   for (std::size_t i = 0; i < boundary.rest.size(); ++i) {
-    const auto rows = boundary.rows.middleRows(static_cast<Eigen::Index>(3 * i), 3);
+    const auto rows = boundary.rows.middleRows(3 * i, 3);
     const Vector3d there = boundary.rest[i] + rows * q;
     if ((there - place).squaredNorm() >= nearest) continue;
     nearest = (there - place).squaredNorm();

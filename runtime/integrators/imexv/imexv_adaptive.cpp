@@ -135,7 +135,7 @@ class ImexvAdaptive final : public ImexvStep {
     double highest = 0.0;
   };
 
-  HighRows& high() { return high_[static_cast<std::size_t>(low_)]; }
+  HighRows& high() { return high_[low_]; }
 
   void choose(const Eigen::VectorXd& q) {
     const Eigen::MatrixXd& K = V_.tangent(q);

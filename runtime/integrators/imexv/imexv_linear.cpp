@@ -55,8 +55,8 @@ class ImexvLinear final : public OneStep {
     report.dissipated += kick(state, load.start);
     state.q.head(split_.low) += h_ * state.p.head(split_.low);
     for (Index i = 0; i < split_.high; ++i)
-      advance_linear_row(rows_[static_cast<std::size_t>(i)], h_, state.q[split_.low + i],
-                         state.p[split_.low + i], d_[i], dp_[i]);
+      advance_linear_row(rows_[i], h_, state.q[split_.low + i], state.p[split_.low + i], d_[i],
+                         dp_[i]);
     report.dissipated += midpoint_.dissipated(d_, dp_);
     report.dissipated += kick(state, load.end);
     return finish(report, state);

@@ -125,7 +125,7 @@ StepReport solve_frozen(NewtonWorkspace& workspace, int max_iterations, Evaluate
   for (int slow = 0; usable && !report.converged && slow < 2 && report.iterations < most;
        ++report.iterations) {
     const std::span<Eigen::VectorXd> moves(workspace.moves);
-    const auto count = static_cast<std::size_t>(report.iterations);
+    const std::size_t count = report.iterations;
     workspace.correction = -workspace.residual;
     workspace.cholesky.solve(workspace.correction);
     apply_broyden(moves.first(count), workspace.correction);

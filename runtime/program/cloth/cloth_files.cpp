@@ -22,7 +22,7 @@ SurfaceMesh shape_of(const ClothWorld& world, std::size_t cloth) {
   const Eigen::VectorXd& x = world.positions(cloth);
   surface.vertices.resize(world.particles(cloth));
   for (std::size_t i = 0; i < surface.vertices.size(); ++i)
-    surface.vertices[i] = x.segment<3>(static_cast<Eigen::Index>(3 * i));
+    surface.vertices[i] = x.segment<3>(3 * i);
   surface.triangles = world.triangles(cloth);
   return surface;
 }

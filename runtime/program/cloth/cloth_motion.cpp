@@ -32,7 +32,7 @@ Result<AnimatedShape> cloth_shape(const SceneCloth& cloth) {
   RenderSurface& surface = shape.surface;
   surface.vertices.resize(static_cast<std::size_t>(parts->x.size()) / 3);
   for (std::size_t i = 0; i < surface.vertices.size(); ++i)
-    surface.vertices[i] = parts->x.segment<3>(static_cast<Eigen::Index>(3 * i));
+    surface.vertices[i] = parts->x.segment<3>(3 * i);
   surface.triangles = parts->triangles;
   surface.object_of.assign(surface.triangles.size(), 0);
   surface.material_of.assign(surface.triangles.size(), 0);
@@ -66,7 +66,7 @@ void record_cloths(const ClothWorld& world, const Scenery& scenery, Animation& a
     const std::vector<Eigen::Vector3d>& rest = animation.shapes[body.shape].surface.vertices;
     const Eigen::VectorXd& x = world.positions(i);
     for (std::size_t k = 0; k < 3 * rest.size(); ++k)
-      body.displacements.push_back(x[static_cast<Eigen::Index>(k)] - rest[k / 3][k % 3]);
+      body.displacements.push_back(x[k] - rest[k / 3][k % 3]);
     body.poses.emplace_back();
   }
   std::size_t next = world.cloths();

@@ -99,7 +99,7 @@ Result<EnergyTable> read_energies(const std::string& csv) {
       const std::string where = fmt::format("{}, line {}", csv, number);
       if (!std::cmp_less(columns[k], cells.size()))
         return content_error(where + ": the line is too short");
-      const Result<double> value = cell_value(cells[static_cast<std::size_t>(columns[k])], where);
+      const Result<double> value = cell_value(cells[columns[k]], where);
       if (!value) return value.error();
       (k == 0 ? table.t : k == 1 ? table.total : table.high_band).push_back(*value);
     }

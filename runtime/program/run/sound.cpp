@@ -51,7 +51,7 @@ Result<Ear> Ear::create(const std::string& listen, const Model& model) {
       return content_error(fmt::format(
           "--wav: vertex {} is inside, and sound comes from the surface: say where to --listen",
           vertex));
-    const auto row = static_cast<Eigen::Index>(3 * *at);
+    const Eigen::Index row = 3 * *at;
     along += model.surface().rows.middleRows(row, 3).transpose() * normals[*at];
   }
   if (along.isZero(0.0))

@@ -82,7 +82,7 @@ void TetsLog::look(TetBody& body) {
     first_ = body.positions();
   }
   report_.end = now;
-  const auto corners = static_cast<Eigen::Index>(body.model().vertices());
+  const Eigen::Index corners = body.model().vertices();
   for (Eigen::Index v = 0; v < corners; ++v) {
     const double moved = (body.positions() - first_).segment<3>(3 * v).norm();
     report_.displacement = std::max(report_.displacement, moved);

@@ -35,9 +35,9 @@ void set_stiffness(const std::vector<double>& own, TetPoint& point) {
 double surface_area(const TetsSurface& surface) {
   double twice = 0.0;
   for (const Triangle& t : surface.triangles) {
-    const Eigen::Vector3d& a = surface.vertices[static_cast<std::size_t>(t[0])];
-    const Eigen::Vector3d& b = surface.vertices[static_cast<std::size_t>(t[1])];
-    const Eigen::Vector3d& c = surface.vertices[static_cast<std::size_t>(t[2])];
+    const Eigen::Vector3d& a = surface.vertices[t[0]];
+    const Eigen::Vector3d& b = surface.vertices[t[1]];
+    const Eigen::Vector3d& c = surface.vertices[t[2]];
     twice += (b - a).cross(c - a).norm();
   }
   return 0.5 * twice;
@@ -62,7 +62,7 @@ TetPoint hanging_point(const TetModelElement& element, const Eigen::Vector4d& w)
   for (std::size_t i = 0; i < kMostNodes; ++i) used[i] = std::abs(values[i]) > 1e-12;
   for (std::size_t e = 0; e < 6; ++e)
     if (used[4 + e])
-      for (const int end : kTetEdges[e]) used[static_cast<std::size_t>(end)] = true;
+      for (const int end : kTetEdges[e]) used[end] = true;
   TetPoint point;
   for (std::size_t i = 0; i < kMostNodes; ++i)
     if (used[i]) {
@@ -90,8 +90,8 @@ std::vector<TetPoint> boundary_points(const TetModel& model) {
   std::set<std::pair<VertexId, VertexId>> sides;
   for (const Triangle& t : boundary.triangles)
     for (std::size_t c = 0; c < 3; ++c) {
-      const VertexId a = boundary.vertex_ids[static_cast<std::size_t>(t[c])];
-      const VertexId b = boundary.vertex_ids[static_cast<std::size_t>(t[(c + 1) % 3])];
+      const VertexId a = boundary.vertex_ids[t[c]];
+      const VertexId b = boundary.vertex_ids[t[(c + 1) % 3]];
       sides.emplace(std::min(a, b), std::max(a, b));
     }
   for (std::size_t e = 0; e < model.edges(); ++e) {

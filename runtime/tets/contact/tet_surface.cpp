@@ -72,7 +72,7 @@ TetSurface::TetSurface(TetModelPointer model, TetsSurface surface)
     const auto [t, s] = tangents_of(normals[v]);
     for (int a = 0; a < 4; ++a)
       for (int b = 0; b < 4; ++b) {
-        const auto node = static_cast<std::size_t>(kNodeAt[a][b]);
+        const std::size_t node = kNodeAt[a][b];
         shares_[v][kMostNodes + node] += 2.0 * w[a] * gradients.col(b).dot(t);
         shares_[v][2 * kMostNodes + node] += 2.0 * w[a] * gradients.col(b).dot(s);
       }

@@ -90,8 +90,7 @@ std::optional<TetPlace> TetTree::solve(std::uint32_t index, const Eigen::VectorX
                                        const Eigen::Vector3d& place, double least) const {
   const TetModelElement& element = model_->elements()[index];
   Eigen::Matrix<double, 3, kMostNodes> nodes;
-  for (std::size_t i = 0; i < kMostNodes; ++i)
-    nodes.col(static_cast<Eigen::Index>(i)) = node_place(element, i, x);
+  for (std::size_t i = 0; i < kMostNodes; ++i) nodes.col(i) = node_place(element, i, x);
   TetPlace found;
   found.element = index;
   found.weights.setConstant(0.25);
@@ -113,8 +112,7 @@ std::optional<TetPlace> TetTree::solve(std::uint32_t index, const Eigen::VectorX
     place_of(element, nodes, found.weights, reached, found.gradient);
     for (int a = 0; a < 4; ++a)
       for (int b = 0; b <= a; ++b)
-        found.values[static_cast<std::size_t>(kNodeAt[a][b])] =
-            (a == b ? 1.0 : 2.0) * found.weights[a] * found.weights[b];
+        found.values[kNodeAt[a][b]] = (a == b ? 1.0 : 2.0) * found.weights[a] * found.weights[b];
     return found;
   }
   return std::nullopt;
@@ -148,7 +146,7 @@ Eigen::Vector3d TetTree::rest_place(const TetPlace& place) const {
   const TetModelElement& element = model_->elements()[place.element];
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t a = 0; a < 4; ++a)
-    sum += place.weights[static_cast<Eigen::Index>(a)] * node_place(element, a, model_->rest());
+    sum += place.weights[a] * node_place(element, a, model_->rest());
   return sum;
 }
 

@@ -135,15 +135,13 @@ void convert_parts(const TangentParts& from, const Eigen::Matrix3d& rotation, Fl
     for (size_t first = 0; first < kRanks; first += 3) {
       const auto& columns = first == 0 ? from.slopes : from.turned;
       Eigen::Matrix3d left;
-      for (size_t m = 0; m < 3; ++m) left.col(static_cast<Eigen::Index>(m)) = columns[m].col(i);
+      for (size_t m = 0; m < 3; ++m) left.col(m) = columns[m].col(i);
       left = rotation * left;
       const Eigen::Matrix3d right = left * (first == 0 ? from.of_slopes : from.of_turned);
       for (size_t m = 0; m < 3; ++m) {
         const size_t at = 4 * (kRanks * static_cast<size_t>(i) + first + m);
-        *reinterpret_cast<Quad*>(parts.left + at) =
-            quad_from(left.col(static_cast<Eigen::Index>(m)));
-        *reinterpret_cast<Quad*>(parts.right + at) =
-            quad_from(right.col(static_cast<Eigen::Index>(m)));
+        *reinterpret_cast<Quad*>(parts.left + at) = quad_from(left.col(m));
+        *reinterpret_cast<Quad*>(parts.right + at) = quad_from(right.col(m));
       }
     }
 }

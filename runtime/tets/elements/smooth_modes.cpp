@@ -25,10 +25,7 @@ ElementModes element_modes(const SmoothSpace& space, const TetModelElement& elem
   ElementModes modes = ElementModes::Zero();
   for (int n = 0; n < kMostNodes; ++n)
     for (int k = 0; k < kSmoothFields; ++k)
-      modes.block<3, 3>(3 * n, 3 * k)
-          .diagonal()
-          .setConstant(
-              space.at[element.nodes[static_cast<std::size_t>(n)]][static_cast<std::size_t>(k)]);
+      modes.block<3, 3>(3 * n, 3 * k).diagonal().setConstant(space.at[element.nodes[n]][k]);
   return modes;
 }
 

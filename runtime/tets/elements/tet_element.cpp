@@ -64,8 +64,7 @@ void subtract_low_rank(const std::array<NodeVectors, 3>& columns, const Eigen::M
   const Eigen::Index nodes = columns[0].cols();
   std::array<Eigen::Matrix3d, kMostNodes> left, right;
   for (Eigen::Index i = 0; i < nodes; ++i) {
-    for (std::size_t j = 0; j < 3; ++j)
-      left[i].col(static_cast<Eigen::Index>(j)) = columns[j].col(i);
+    for (std::size_t j = 0; j < 3; ++j) left[i].col(j) = columns[j].col(i);
     right[i] = left[i] * middle;
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(nodes); ++i)

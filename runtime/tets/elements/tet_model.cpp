@@ -49,9 +49,9 @@ Result<TetModelPointer> TetModel::create(TetMesh mesh, const MaterialTable& mate
   }
   if (Status status = model->make_elements(materials); !status) return status.error();
   if (Status status = model->make_pattern(); !status) return status.error();
-  model->rest_.resize(static_cast<Eigen::Index>(3 * model->nodes()));
+  model->rest_.resize(3 * model->nodes());
   for (std::size_t i = 0; i < model->nodes(); ++i)
-    model->rest_.segment<3>(static_cast<Eigen::Index>(3 * i)) = model->mesh_.vertices[i];
+    model->rest_.segment<3>(3 * i) = model->mesh_.vertices[i];
   model->smooth_ = std::make_shared<const SmoothSpace>(smooth_space(*model));
   return TetModelPointer(std::move(model));
 }
@@ -127,11 +127,11 @@ void TetModel::mass_times(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
   const auto first = pattern_->first();
   const auto columns = pattern_->columns();
   for (std::size_t i = 0; i < nodes(); ++i) {
-    const auto at = static_cast<Eigen::Index>(3 * i);
+    const Eigen::Index at = 3 * i;
     const Eigen::Vector3d own = x.segment<3>(at);
     Eigen::Vector3d sum = masses_[first[i + 1] - 1] * own;
     for (std::size_t p = first[i]; p + 1 < first[i + 1]; ++p) {
-      const auto column = static_cast<Eigen::Index>(3 * static_cast<std::size_t>(columns[p]));
+      const Eigen::Index column = 3 * static_cast<std::size_t>(columns[p]);
       sum += masses_[p] * x.segment<3>(column);
       y.segment<3>(column) += masses_[p] * own;
     }

@@ -56,7 +56,7 @@ TetSystem::TetSystem(TetModelPointer model, RotationLaw law)
       active_(model_->nodes()),
       linear_(model_->elements().size(), 0),
       shapes_(model_->elements().size()),
-      evaluated_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * model_->nodes()))),
+      evaluated_(Eigen::VectorXd::Zero(3 * model_->nodes())),
       sum_(static_cast<Eigen::Index>(3 * model_->nodes())) {
   set_degrees(std::vector<std::uint8_t>(model_->edges(), 2));
 }
@@ -189,10 +189,10 @@ void TetSystem::scatter(const TetModelElement& element, const NodeVectors& force
                         Eigen::VectorXd& f) const {
   const auto at = [&](std::size_t i) { return f.segment<3>(at_node(element.nodes[i])); };
   if (force.cols() == kMostNodes) {
-    for (std::size_t i = 0; i < kMostNodes; ++i) at(i) += force.col(static_cast<Eigen::Index>(i));
+    for (std::size_t i = 0; i < kMostNodes; ++i) at(i) += force.col(i);
     return;
   }
-  for (std::size_t a = 0; a < 4; ++a) at(a) += 0.5 * force.col(static_cast<Eigen::Index>(a));
+  for (std::size_t a = 0; a < 4; ++a) at(a) += 0.5 * force.col(a);
   for (std::size_t e = 0; e < 6; ++e)
     at(4 + e) += 0.5 * (force.col(kTetEdges[e][0]) + force.col(kTetEdges[e][1]));
 }
@@ -219,8 +219,7 @@ void TetSystem::assemble(const TetMatrixFactors& factors, BlockMatrix& a) const 
   std::array<std::array<double, kMostBlocks>, 2> shares;  // of the mass, by order
   for (const int order : {1, 2})
     for (int i = 0; i < nodes_of_order(order); ++i)
-      for (int j = 0; j <= i; ++j)
-        shares[static_cast<std::size_t>(order - 1)][node_block(i, j)] = mass_share(order, i, j);
+      for (int j = 0; j <= i; ++j) shares[order - 1][node_block(i, j)] = mass_share(order, i, j);
   a.set_zero();
   const bool of_mass_alone = factors.tangent.position == 0.0 && factors.tangent.velocity == 0.0;
   NodeBlocks blocks;
@@ -235,8 +234,8 @@ void TetSystem::assemble(const TetMatrixFactors& factors, BlockMatrix& a) const 
     else
       tet_tangent(element.element, model_->elasticity(element), law_, shapes_[e], stiffness,
                   factors.tangent, blocks);
-    const auto nodes = static_cast<std::size_t>(nodes_of_order(order));
-    const auto& share = shares[static_cast<std::size_t>(order - 1)];
+    const std::size_t nodes = nodes_of_order(order);
+    const auto& share = shares[order - 1];
     for (std::size_t k = 0; k < node_block(nodes, 0); ++k)
       blocks[k].diagonal().array() += factors.mass * element.element.mass * share[k];
     const unsigned folded = order == 1 ? 0U : linear_[e];
@@ -277,7 +276,7 @@ void TetSystem::fold_point(std::span<const std::uint32_t> nodes, std::span<doubl
     const MeshEdge& edge = model_->edge(nodes[i] - model_->vertices());
     for (const VertexId end : {edge.a, edge.b}) {
       const auto found = std::find(nodes.begin(), nodes.end(), static_cast<std::uint32_t>(end));
-      shares[static_cast<std::size_t>(found - nodes.begin())] += 0.5 * shares[i];
+      shares[found - nodes.begin()] += 0.5 * shares[i];
     }
     shares[i] = 0.0;
   }

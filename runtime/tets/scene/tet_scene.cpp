@@ -50,8 +50,7 @@ Status place_tets_body(const TetSceneBody& wanted, TetBody& body) {
   }
   for (Eigen::Index i = 0; i < size; i += 3) {
     const Eigen::Vector3d arm = x.segment<3>(i) - centre;
-    if (model.held()[static_cast<std::size_t>(i / 3)] == 0)
-      v.segment<3>(i) = wanted.velocity + wanted.spin.cross(arm);
+    if (model.held()[i / 3] == 0) v.segment<3>(i) = wanted.velocity + wanted.spin.cross(arm);
   }
   return body.set_state(x, v);
 }

@@ -83,8 +83,7 @@ void ActiveSolve::add_diagonal(const FoldedPoint& point, const Eigen::Matrix3d& 
   fields.setZero();
   for (std::uint32_t i = 0; i < point.count; ++i)
     for (std::size_t k = 0; k < kSmoothFields; ++k)
-      fields[static_cast<Eigen::Index>(k)] +=
-          point.shares[i] * smooth_space_->at[nodes_[point.nodes[i]]][k];
+      fields[k] += point.shares[i] * smooth_space_->at[nodes_[point.nodes[i]]][k];
   for (int k = 0; k < kSmoothFields; ++k)
     for (int l = 0; l < kSmoothFields; ++l)
       smooth_.block<3, 3>(3 * k, 3 * l) += (fields[k] * fields[l]) * block;

@@ -115,8 +115,7 @@ void ClothScenes::place(std::size_t sheet, SheetNow& now) const {
   const Shown& shown = shown_[sheets_[sheet].scene];
   const Eigen::VectorXd& x = shown.world.positions(sheets_[sheet].number);
   now.positions.assign(x.begin(), x.end());
-  for (std::size_t k = 0; k < now.positions.size(); ++k)
-    now.positions[k] += shown.aside[static_cast<Eigen::Index>(k % 3)];
+  for (std::size_t k = 0; k < now.positions.size(); ++k) now.positions[k] += shown.aside[k % 3];
 }
 
 Pose ClothScenes::pose(std::size_t solid) const {

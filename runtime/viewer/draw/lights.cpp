@@ -38,7 +38,7 @@ std::vector<StudioLight> studio_lights(const LightCounts& counts, const Vector3d
     level += height;
     lights.push_back({direction.cast<float>(), kSkyBrightness});
   }
-  for (std::size_t i = static_cast<std::size_t>(counts.lamps); i < lights.size(); ++i)
+  for (std::size_t i = counts.lamps; i < lights.size(); ++i)
     lights[i].brightness /= static_cast<float>(level);
   return lights;
 }

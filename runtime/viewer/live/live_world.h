@@ -35,8 +35,8 @@ class LiveWorld {
   int trouble_code() const { return trouble_code_; }
 
   // Moments before and after the last step; the same before the first.
-  const WorldMoment& before() const { return moments_[static_cast<std::size_t>(1 - newest_)]; }
-  const WorldMoment& now() const { return moments_[static_cast<std::size_t>(newest_)]; }
+  const WorldMoment& before() const { return moments_[1 - newest_]; }
+  const WorldMoment& now() const { return moments_[newest_]; }
   // The moment at t, s, between these two, or the nearer of them.
   void at(double t, WorldMoment& out) const;
   // Looks again, where something has been changed from outside.

@@ -7,7 +7,7 @@ namespace tremolo {
 void read_pixels(GLuint framebuffer, const PictureSize& size, Picture& picture) {
   picture.width = size.width;
   picture.height = size.height;
-  const auto row = static_cast<std::size_t>(3 * size.width);
+  const std::size_t row = 3 * size.width;
   picture.pixels.resize(row * static_cast<std::size_t>(size.height));
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);

@@ -40,9 +40,9 @@ class Marcher {
     return static_cast<std::size_t>((k * counts_[1] + j) * counts_[0] + i);
   }
   Vector3d place(std::size_t node) const {
-    const auto row = static_cast<std::size_t>(counts_[0]);
+    const std::size_t row = counts_[0];
     const auto layer = row * static_cast<std::size_t>(counts_[1]);
-    const auto step = static_cast<std::size_t>(stride_);
+    const std::size_t step = stride_;
     return grid_.nodes().at(step * (node % row), step * (node % layer / row),
                             step * (node / layer));
   }
@@ -55,14 +55,13 @@ class Marcher {
     std::array<std::size_t, 8> corners{};
     int inside = 0;
     for (int c = 0; c < 8; ++c) {
-      corners[static_cast<std::size_t>(c)] = node(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2 & 1));
-      inside += values_[corners[static_cast<std::size_t>(c)]] < 0.0 ? 1 : 0;
+      corners[c] = node(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2 & 1));
+      inside += values_[corners[c]] < 0.0 ? 1 : 0;
     }
     if (inside == 0 || inside == 8) return;
     for (const std::array<int, 4>& tetrahedron : kTetrahedra) {
       std::array<std::size_t, 4> four{};
-      for (std::size_t c = 0; c < 4; ++c)
-        four[c] = corners[static_cast<std::size_t>(tetrahedron[c])];
+      for (std::size_t c = 0; c < 4; ++c) four[c] = corners[tetrahedron[c]];
       cut_tetrahedron(four);
     }
   }

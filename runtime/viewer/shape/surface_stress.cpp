@@ -43,7 +43,7 @@ SurfaceStress::SurfaceStress(const std::vector<Vector3d>& rest, std::span<const 
     if (edges.isZero(0.0)) continue;
     const auto area = static_cast<float>(0.5 * edges.determinant());
     patches_.push_back({t, edges.inverse().cast<float>(), area});
-    for (const VertexId v : t) area_[static_cast<std::size_t>(v)] += area;
+    for (const VertexId v : t) area_[v] += area;
   }
 }
 
@@ -72,7 +72,7 @@ float SurfaceStress::look(std::span<const float> positions, std::vector<float>& 
   out.assign(vertices_, 0.0f);
   for (const StressPatch& patch : patches_) {
     const float share = patch.area * of_patch(patch, positions);
-    for (const VertexId v : patch.corners) out[static_cast<std::size_t>(v)] += share;
+    for (const VertexId v : patch.corners) out[v] += share;
   }
   float most = 0.0f;
   for (std::size_t v = 0; v < vertices_; ++v) {

@@ -67,9 +67,7 @@ std::vector<float> vertex_paint(const std::vector<Colour>& colours, const Vector
   std::vector<float> paint;
   for (const Colour& colour : colours)
     for (std::size_t k = 0; k < 4; ++k)
-      paint.push_back(k == 3           ? 1.0f
-                      : colour[3] == 0 ? bare[static_cast<Eigen::Index>(k)]
-                                       : linear_share(colour[k]));
+      paint.push_back(k == 3 ? 1.0f : colour[3] == 0 ? bare[k] : linear_share(colour[k]));
   return paint;
 }
 
@@ -78,7 +76,7 @@ GlHandle upload_image(const Picture& picture) {
   glBindTexture(GL_TEXTURE_2D, image.name());
   // Texture coordinates count from below.
   std::vector<std::uint8_t> rows;
-  const auto row = static_cast<std::size_t>(3 * picture.width);
+  const std::size_t row = 3 * picture.width;
   for (int y = picture.height; y-- > 0;) {
     const auto begin = picture.pixels.begin() + static_cast<std::ptrdiff_t>(row) * y;
     rows.insert(rows.end(), begin, begin + static_cast<std::ptrdiff_t>(row));

@@ -132,7 +132,7 @@ bool TetsScenes::take(const CameraRay& ray) {
     std::vector<Eigen::Vector3f> normals(surface.vertices());
     surface.place(bodies_.group->body(i).positions(), at, normals);
     for (const Triangle& t : surface.rest().triangles) {
-      const auto place = [&at](VertexId v) { return at[static_cast<std::size_t>(v)]; };
+      const auto place = [&at](VertexId v) { return at[v]; };
       const auto far = meets(ray, place(t[0]), place(t[1]), place(t[2]));
       if (!far || *far >= nearest) continue;
       nearest = *far;

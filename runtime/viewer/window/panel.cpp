@@ -175,7 +175,7 @@ void build_modes(PanelState& state, Runner& runner, const std::vector<ModeFacts>
   const ModeFacts& facts = modes[body];
   for (std::size_t k = 0; k < facts.full.size(); ++k) {
     ImGui::PushID(static_cast<int>(k));
-    const auto index = static_cast<Eigen::Index>(k);
+    const Eigen::Index index = k;
     auto share = static_cast<float>(moment.bodies[body].q[index] / facts.full[k]);
     char label[48];
     std::snprintf(label, sizeof(label), "%d: %.1f Hz", static_cast<int>(k), facts.hz[k]);
@@ -244,8 +244,7 @@ PanelState first_panel(const LiveWorld& live, double rate) {
   for (const SceneBody& wanted : live.viewed().scene.bodies)
     state.damping_is_ours = state.damping_is_ours && wanted.alphas.empty() && wanted.betas.empty();
   const Eigen::Vector3d g = gravity.at(0.0);
-  for (std::size_t k = 0; k < 3; ++k)
-    state.gravity[k] = static_cast<float>(g[static_cast<Eigen::Index>(k)]);
+  for (std::size_t k = 0; k < 3; ++k) state.gravity[k] = static_cast<float>(g[k]);
   std::snprintf(state.record_to.data(), state.record_to.size(), "tremolo-view.mp4");
   return state;
 }

@@ -225,7 +225,7 @@ class Viewer {
     const double now = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
     Eigen::VectorXd& q = moment_.bodies[swing.body].q;
     q.setZero();
-    q[swing.mode] = swing.share * modes_[swing.body].full[static_cast<std::size_t>(swing.mode)] *
+    q[swing.mode] = swing.share * modes_[swing.body].full[swing.mode] *
                     std::sin(2.0 * std::numbers::pi * kSwingHz * (now - swing.began));
   }
 

@@ -68,7 +68,7 @@ void make_times(Precision& precision, const std::string& load, const Store& stor
           entry.step != step)
         continue;
       const auto at = std::ranges::find(precision.integrators, entry.integrator);
-      entry.microseconds = times[static_cast<std::size_t>(at - precision.integrators.begin())];
+      entry.microseconds = times[at - precision.integrators.begin()];
     }
   });
 }

@@ -89,7 +89,7 @@ std::string orbit_text(const Eigen::MatrixXd& q) {
 }
 
 Eigen::MatrixXd orbit_from_text(std::string_view text, Eigen::Index rows) {
-  const auto count = static_cast<Eigen::Index>(text.size() / 16);
+  const Eigen::Index count = text.size() / 16;
   if (rows < 1 || text.size() % 16 != 0 || count % rows != 0) return {};
   Eigen::MatrixXd q(rows, count / rows);
   for (double& value : q.reshaped()) {

@@ -121,8 +121,8 @@ class Radau {
 }  // namespace
 
 MatrixXd stiff_orbit(const StiffProblem& problem) {
-  const auto samples = static_cast<Index>(std::llround(problem.duration / problem.sample));
-  const auto steps = static_cast<Index>(std::llround(problem.sample / problem.step));
+  const Index samples = std::llround(problem.duration / problem.sample);
+  const Index steps = std::llround(problem.sample / problem.step);
   Radau radau(problem);
   MatrixXd q(problem.model->modes(), samples);
   for (Index k = 0; k < samples; ++k) {

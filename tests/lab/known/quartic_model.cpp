@@ -8,7 +8,7 @@ namespace tremolo::known {
 
 BasisData quadratic_basis(const Eigen::VectorXd& lambda) {
   BasisData data;
-  const auto r = static_cast<std::size_t>(lambda.size());
+  const std::size_t r = lambda.size();
   data.lambda = lambda;
   data.linear_mode_count = r;
   data.cubic.assign(triple_count(r), 0.0);

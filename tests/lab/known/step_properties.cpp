@@ -140,8 +140,7 @@ std::optional<Eigen::MatrixXd> step_jacobian(Integrator& integrator, const State
         moved[column] += side * distance * step;
         const std::optional<Eigen::VectorXd> image = map_once(integrator, moved, sigma);
         if (!image) return std::nullopt;
-        jacobian.col(column) +=
-            side * kWeights[static_cast<std::size_t>(distance - 1)] / step * *image;
+        jacobian.col(column) += side * kWeights[distance - 1] / step * *image;
       }
   return jacobian;
 }

@@ -39,7 +39,7 @@ VertexId highest(const Model& model) {
   const VertexBlock& surface = model.surface();
   const auto top = std::max_element(surface.rest.begin(), surface.rest.end(),
                                     [](const auto& a, const auto& b) { return a.z() < b.z(); });
-  return surface.vertex_ids[static_cast<std::size_t>(top - surface.rest.begin())];
+  return surface.vertex_ids[top - surface.rest.begin()];
 }
 
 // A collider that the body's lowest point touches.

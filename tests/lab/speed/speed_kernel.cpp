@@ -88,7 +88,7 @@ void add_rows(std::size_t r, const MachineProbe& probe, SpeedSection& section) {
   const SpeedRow all = add("force + tangent + energy", seconds[3], seconds[2], unique, 3.0);
   for (const auto& [what, at] :
        {std::pair{"averaged gradient", 4}, {"averaged gradient + tangent", 5}})
-    add(what, seconds[static_cast<std::size_t>(at)], SpeedRow::kNone, matrix + size * pairs, 2.0);
+    add(what, seconds[at], SpeedRow::kNone, matrix + size * pairs, 2.0);
   if (r <= 20) section.criteria.push_back(ratio_criterion(all, 0.25, "1/4"));
   if (r == 30)
     section.criteria.push_back(probe.vectors == "AVX-512" ? ratio_criterion(all, 0.125, "1/8")

@@ -50,8 +50,8 @@ struct LaneField {
     gradient.resize(x.size());
     for (std::size_t b = 0; b < states.size(); ++b)
       for (std::size_t i = 0; i < r; ++i)
-        x[b / kBodiesPerBlock<Real> * r + i].value[b % kBodiesPerBlock<Real>] = static_cast<Real>(
-            states[b][static_cast<Eigen::Index>(i)] / coefficients.coordinate_scale);
+        x[b / kBodiesPerBlock<Real> * r + i].value[b % kBodiesPerBlock<Real>] =
+            static_cast<Real>(states[b][i] / coefficients.coordinate_scale);
   }
   void evaluate(InstructionSet vectors = instruction_set()) {
     for (std::size_t at = 0; at < x.size(); at += coefficients.modes)
@@ -78,7 +78,7 @@ double operations_of_force(std::size_t r) {
 template <class Real>
 SpeedRow force_row(const Model& model, double seconds, double baseline, double gflops,
                    double error) {
-  const auto r = static_cast<std::size_t>(model.modes());
+  const std::size_t r = model.modes();
   SpeedRow row = microseconds(
       fmt::format("force of one of {} bodies, r = {}, {} lanes", kBodies, r,
                   sizeof(Real) == 4 ? "f32" : "f64"),

@@ -43,7 +43,7 @@ BasisData dense_data(std::size_t r) {
   for (double& c : data.quartic) c = uniform(engine);
   data.surface.vertex_ids = {0};
   data.surface.rest = {Eigen::Vector3d::Zero()};
-  data.surface.rows = BasisRows::Zero(3, static_cast<Eigen::Index>(r));
+  data.surface.rows = BasisRows::Zero(3, r);
   return data;
 }
 

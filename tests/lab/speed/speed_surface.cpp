@@ -62,8 +62,7 @@ struct Caller {
   void row_by_row(std::vector<Real>& out) const {
     const VertexBlock& block = surface->block;
     for (std::size_t row = 0; row < out.size(); ++row)
-      out[row] = static_cast<Real>(block.rest[row / 3][static_cast<Eigen::Index>(row % 3)] +
-                                   block.rows.row(static_cast<Eigen::Index>(row)).dot(q));
+      out[row] = static_cast<Real>(block.rest[row / 3][row % 3] + block.rows.row(row).dot(q));
   }
 };
 
@@ -72,7 +71,7 @@ Caller make_caller(const Surface& surface, const SurfaceBasis& basis) {
   caller.surface = &surface;
   caller.basis = &basis;
   caller.q = Eigen::VectorXd::Constant(surface.block.rows.cols(), 1e-3);
-  const auto size = static_cast<std::size_t>(surface.block.rows.rows());
+  const std::size_t size = surface.block.rows.rows();
   caller.positions.resize(size);
   caller.normals.resize(size);
   caller.exact.resize(size);

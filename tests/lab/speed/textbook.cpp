@@ -91,9 +91,9 @@ struct Probe {
 // 0,
 // +-e_i and e_i + e_j: what the textbook multiplies is then known to be the same polynomial.
 Textbook::Textbook(const Potential& potential) : r_(potential.size()) {
-  const auto r = static_cast<std::size_t>(r_);
-  const auto pairs = static_cast<Index>(pair_count(r));
-  const auto triples = static_cast<Index>(triple_count(r));
+  const std::size_t r = r_;
+  const Index pairs = pair_count(r);
+  const Index triples = triple_count(r);
   Probe probe{potential};
   const auto packed = [&](const VectorXd& q) {
     const MatrixXd& k = probe.at(q).tangent;
@@ -109,14 +109,13 @@ Textbook::Textbook(const Potential& potential) : r_(potential.size()) {
   for (Index j = 0; j < r_; ++j) {
     const VectorXd plus = packed(unit(j)), minus = packed(-unit(j));
     tangent1_.col(j) = 0.5 * (plus - minus);
-    tangent2_.col(static_cast<Index>(pair_index(j, j))) = 0.5 * (plus + minus) - tangent0_;
+    tangent2_.col(pair_index(j, j)) = 0.5 * (plus + minus) - tangent0_;
   }
   for (Index j = 0; j < r_; ++j)
     for (Index i = 0; i < j; ++i)
-      tangent2_.col(static_cast<Index>(pair_index(i, j))) =
-          packed(unit(i) + unit(j)) - tangent0_ - tangent1_.col(i) - tangent1_.col(j) -
-          tangent2_.col(static_cast<Index>(pair_index(i, i))) -
-          tangent2_.col(static_cast<Index>(pair_index(j, j)));
+      tangent2_.col(pair_index(i, j)) = packed(unit(i) + unit(j)) - tangent0_ - tangent1_.col(i) -
+                                        tangent1_.col(j) - tangent2_.col(pair_index(i, i)) -
+                                        tangent2_.col(pair_index(j, j));
   // grad V = K0 q + 1/2 K1[q] q + 1/3 K2[q,q] q.
   const auto entry = [](const MatrixXd& table, Index i, Index j, Index column) {
     return table(static_cast<Index>(
@@ -164,7 +163,7 @@ void Textbook::fill_monomials(const VectorXd& q, bool third) {
   if (!third) return;
   double* triple = cubic_.data();
   for (Index k = 0; k < r_; ++k) {
-    const auto count = static_cast<Index>(pair_count(static_cast<std::size_t>(k) + 1));
+    const Index count = pair_count(static_cast<std::size_t>(k) + 1);
     for (Index at = 0; at < count; ++at) *triple++ = quadratic_[at] * q[k];
   }
 }

@@ -86,7 +86,7 @@ BodyRuns run_by_turns(const std::vector<BodyCase>& cases, int turns) {
 }
 
 double run_distance(const BodyRun& a, const BodyRun& b, double size) {
-  const auto count = static_cast<Eigen::Index>(a.points.size());
+  const Eigen::Index count = a.points.size();
   const Eigen::Map<const Eigen::VectorXd> one(a.points.data(), count);
   const Eigen::Map<const Eigen::VectorXd> other(b.points.data(), count);
   return std::sqrt((one - other).squaredNorm() / (static_cast<double>(count) / 3.0)) / size;

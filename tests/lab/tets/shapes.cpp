@@ -31,9 +31,7 @@ TetsSurface bar_points(const TetMesh& mesh) {
   std::vector<Eigen::Matrix4d> inverses;
   for (const Tetrahedron& tet : mesh.tetrahedra) {
     Eigen::Matrix4d corners;
-    for (int c = 0; c < 4; ++c)
-      corners.col(c) << mesh.vertices[static_cast<std::size_t>(tet[static_cast<std::size_t>(c)])],
-          1.0;
+    for (int c = 0; c < 4; ++c) corners.col(c) << mesh.vertices[tet[c]], 1.0;
     inverses.push_back(corners.inverse());
   }
   TetsSurface points;
@@ -60,8 +58,8 @@ TetsSurface boundary_places(const TetMesh& mesh) {
   for (const VertexId v : boundary.vertex_ids) wanted.emplace(v, v);
   for (const Triangle& t : boundary.triangles)
     for (std::size_t c = 0; c < 3; ++c) {
-      const VertexId a = boundary.vertex_ids[static_cast<std::size_t>(t[c])];
-      const VertexId b = boundary.vertex_ids[static_cast<std::size_t>(t[(c + 1) % 3])];
+      const VertexId a = boundary.vertex_ids[t[c]];
+      const VertexId b = boundary.vertex_ids[t[(c + 1) % 3]];
       wanted.emplace(std::min(a, b), std::max(a, b));
     }
   TetsSurface points;
@@ -71,11 +69,9 @@ TetsSurface boundary_places(const TetMesh& mesh) {
         const VertexId a = mesh.tetrahedra[t][i], b = mesh.tetrahedra[t][j];
         if (wanted.erase({std::min(a, b), std::max(a, b)}) == 0) continue;
         Eigen::Vector4d weights = Eigen::Vector4d::Zero();
-        weights[static_cast<Eigen::Index>(i)] += 0.5;
-        weights[static_cast<Eigen::Index>(j)] += 0.5;
-        add_point(0.5 * (mesh.vertices[static_cast<std::size_t>(a)] +
-                         mesh.vertices[static_cast<std::size_t>(b)]),
-                  t, weights, points);
+        weights[i] += 0.5;
+        weights[j] += 0.5;
+        add_point(0.5 * (mesh.vertices[a] + mesh.vertices[b]), t, weights, points);
       }
   return points;
 }
@@ -89,13 +85,13 @@ TetMesh mushroom_mesh(int cells) {
   std::map<VertexId, VertexId> numbers;
   for (Tetrahedron tet : box.tetrahedra) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const VertexId v : tet) middle += 0.25 * box.vertices[static_cast<std::size_t>(v)];
+    for (const VertexId v : tet) middle += 0.25 * box.vertices[v];
     const Eigen::Vector3d off = middle - Eigen::Vector3d(0.0, 0.5 * kCapWidth, 0.5 * kCapWidth);
     const bool of_stem = std::max(std::abs(off.y()), std::abs(off.z())) < 0.5 * kStemWidth;
     if (!of_stem && middle.x() < kStem) continue;
     for (VertexId& v : tet) {
       const auto [at, fresh] = numbers.try_emplace(v, static_cast<VertexId>(mesh.vertices.size()));
-      if (fresh) mesh.vertices.push_back(box.vertices[static_cast<std::size_t>(v)]);
+      if (fresh) mesh.vertices.push_back(box.vertices[v]);
       v = at->second;
     }
     mesh.tetrahedra.push_back(tet);
