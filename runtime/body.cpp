@@ -41,6 +41,8 @@ bool is_of_energy_family(std::string_view method) {
 
 Status check_frame(const Model& model, std::string_view method, FrameKind frame) {
   if (frame == FrameKind::kFixed) return Success{};
+  if (!kHasFrames)
+    return usage_error("driven and free bodies are not in this module but in engine-full.wasm");
   const bool free = frame == FrameKind::kFree;
   const std::string what = free ? "a free body" : "a body whose support moves";
   if (!is_of_energy_family(method) && (free || (method != "newmark" && method != "imexv")))
@@ -98,7 +100,8 @@ Result<Body> Body::create(Model::Pointer model, std::string_view integrator,
     return usage_error("the skin was made for another model");
   Result<Body> body = create(std::move(model), integrator, options, FrameKind::kDriven);
   if (!body) return body;
-  body->driven_ = std::make_unique<DrivenFrame>(skin->shares, options.step);
+  if constexpr (kHasFrames)
+    body->driven_ = std::make_unique<DrivenFrame>(skin->shares, options.step);
   body->bone_maps_.resize(skin->bones());
   body->skin_ = std::move(skin);
   for (VertexId place : body->model().response_places()) {
@@ -150,7 +153,7 @@ Status Body::add_load(const Signal& signal, VertexId vertex, const Eigen::Vector
 }
 
 Status Body::add_load(const Signal& signal, const DefaultLoad& forces) {
-  if (frame_ == FrameKind::kFixed) {
+  if (frame() == FrameKind::kFixed) {
     Result<Eigen::VectorXd> reduced = reduce_load(*model_, forces);
     if (!reduced) return reduced.error();
     if (Status s = add_load({signal, std::move(*reduced)}); !s) return s;
@@ -186,7 +189,7 @@ void Body::clear_forces() {
 Status Body::apply_force(VertexId vertex, const Eigen::Vector3d& force, int steps) {
   if (steps < 1)
     return usage_error("a force acts for at least one step, got " + std::to_string(steps));
-  if (frame_ != FrameKind::kFixed) {
+  if (frame() != FrameKind::kFixed) {
     if (Status s = add_point_force({}, vertex, force, steps); !s) return s;
   } else {
     Result<Eigen::VectorXd> reduced = reduce_force(*model_, vertex, force);

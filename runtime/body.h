@@ -25,6 +25,7 @@
 #include "runtime/integrator.h"
 #include "runtime/load.h"
 #include "runtime/model.h"
+#include "runtime/parts.h"
 #include "runtime/place_forces.h"
 #include "runtime/skeleton/skin.h"
 
@@ -101,7 +102,7 @@ class Body {
   double beta() const { return options_.beta; }
 
   // Where the frame is; that of a kFixed body is the world's. Vertices are at pose() (X + U q).
-  FrameKind frame() const { return frame_; }
+  FrameKind frame() const { return kHasFrames ? frame_ : FrameKind::kFixed; }
   Pose pose() const;
   // Puts the body elsewhere without a kick: a driven frame is then at rest, a free body keeps its
   // velocities, as its own axes see them its spin. kUsage for a fixed body, or a pose that is not
@@ -303,6 +304,7 @@ class Body {
   Body(Model::Pointer model, std::unique_ptr<Integrator> integrator,
        const IntegratorOptions& options, Eigen::Index low);
   void begin_frame(FrameKind frame);
+  void begin_driven();
   Status check_pose(const Pose& pose) const;
   Status check_bone(std::size_t bone, const Pose& pose) const;
   Result<Eigen::VectorXd> weights_of(VertexId vertex) const;
@@ -349,9 +351,9 @@ class Body {
   Eigen::Index low_;  // where the high band begins
   State state_;
   FrameKind frame_ = FrameKind::kFixed;
-  std::unique_ptr<DrivenFrame> driven_;  // also of a fixed body on which gravity acts
-  std::unique_ptr<FreeFrame> free_;
-  std::shared_ptr<const Skin> skin_;        // of a driven body; null: one frame carries it
+  FrameOwner<DrivenFrame> driven_;  // also of a fixed body on which gravity acts
+  FrameOwner<FreeFrame> free_;
+  FrameSharer<const Skin> skin_;            // of a driven body; null: one frame carries it
   mutable std::vector<BoneMap> bone_maps_;  // one a bone, at their poses
   std::shared_ptr<ContactStep> contact_;    // its type is not known here; no one shares it
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();

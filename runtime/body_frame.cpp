@@ -22,21 +22,27 @@ void Body::begin_frame(FrameKind frame) {
   frame_ = frame;
   const std::string_view name = integrator_->name();
   energy_method_ = name == "avf" || name == "ep2" || name == "ep4";
-  if (frame == FrameKind::kDriven)
-    driven_ = std::make_unique<DrivenFrame>(model_->inertia_about_origin(), options_.step);
-  if (frame == FrameKind::kFree) {
-    free_ = std::make_unique<FreeFrame>(model_->inertia_about_centre());
-    sound_rigid_ = free_->rigid();
+  if constexpr (kHasFrames) {
+    if (frame == FrameKind::kDriven) begin_driven();
+    if (frame == FrameKind::kFree) {
+      free_ = std::make_unique<FreeFrame>(model_->inertia_about_centre());
+      sound_rigid_ = free_->rigid();
+    }
   }
+}
+
+void Body::begin_driven() {
+  if constexpr (kHasFrames)
+    driven_ = std::make_unique<DrivenFrame>(model_->inertia_about_origin(), options_.step);
 }
 
 Pose Body::pose() const {
   if (free_) return free_->pose();
-  return frame_ == FrameKind::kDriven ? driven_->pose() : Pose{};
+  return frame() == FrameKind::kDriven ? driven_->pose() : Pose{};
 }
 
 Status Body::check_pose(const Pose& pose) const {
-  if (frame_ == FrameKind::kFixed) return usage_error("a fixed body has no pose to set");
+  if (frame() == FrameKind::kFixed) return usage_error("a fixed body has no pose to set");
   if (!pose.position.allFinite() || !pose.rotation.coeffs().allFinite())
     return usage_error("the pose is not finite");
   const double length = pose.rotation.norm();
@@ -58,7 +64,7 @@ Status Body::set_pose(const Pose& pose) {
 }
 
 Status Body::move_to(const Pose& next) {
-  if (frame_ != FrameKind::kDriven) return usage_error("the body's frame is not driven");
+  if (frame() != FrameKind::kDriven) return usage_error("the body's frame is not driven");
   if (Status s = check_pose(next); !s) return s;
   for (std::size_t b = 0; b < driven_->bones(); ++b)
     driven_->move_to({next.position, next.rotation.normalized()}, b);
@@ -66,7 +72,7 @@ Status Body::move_to(const Pose& next) {
 }
 
 Status Body::move_to(const Pose& next, const FrameMotion& motion) {
-  if (frame_ != FrameKind::kDriven) return usage_error("the body's frame is not driven");
+  if (frame() != FrameKind::kDriven) return usage_error("the body's frame is not driven");
   if (Status s = check_pose(next); !s) return s;
   if (Status s = check_frame_motion(motion); !s) return s;
   for (std::size_t b = 0; b < driven_->bones(); ++b)
@@ -119,7 +125,7 @@ Status Body::set_gravity(const Eigen::Vector3d& gravity) {
           "tremolo-precompute");
     if (model_->rigid_mode_count() != 0)
       return usage_error("gravity on a body that is held nowhere needs the frame kFree");
-    driven_ = std::make_unique<DrivenFrame>(model_->inertia_about_origin(), options_.step);
+    begin_driven();
   }
   gravity_ = gravity;
   return Success{};
@@ -285,7 +291,7 @@ Result<Eigen::Matrix3d> Body::turn_at(VertexId vertex) const {
 // vectors: x y z x y z ..., along the frame's axes, or places in it.
 template <class Number>
 void Body::to_world(std::span<Number> vectors, bool places, BoneWeights Skin::*weights) const {
-  if (frame_ == FrameKind::kFixed) return;
+  if (frame() == FrameKind::kFixed) return;
   if (skin_)
     return places ? skin_places((*skin_).*weights, bone_maps(), vectors)
                   : skin_normals((*skin_).*weights, bone_maps(), vectors);

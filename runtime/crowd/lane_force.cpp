@@ -11,8 +11,13 @@ namespace {
 
 // Triples (j, k, l) that share j and k are taken `width` at a time for as many values of l: q_i and
 // the gradient's row i are then loaded once for `width` coefficients. Six of them still fit in the
-// registers of AVX-512.
+// registers of AVX-512; in a page the code's size counts.
+#if defined(__wasm__)
+constexpr std::size_t kMostTogether = 2;
+#else
 constexpr std::size_t kMostTogether = 6;
+#endif
+static_assert(kMostTogether == 2 || kMostTogether == 6, "add_wide() has these");
 
 // How many of the `left` values of l come next: the fewest steps, of nearly equal width.
 constexpr std::size_t next_width(std::size_t left) {
@@ -85,32 +90,37 @@ struct Pass {
     for (std::size_t m = 0; m < kWidth; ++m) out(first + m) += pair_adjoint[m] * in(k);
   }
 
+  // The same for a width that is known only now, 1 to kMostTogether.
+  template <bool kEnergy>
+  [[gnu::always_inline]] inline void add_wide(std::size_t width, std::size_t k, std::size_t l) {
+    if constexpr (kMostTogether == 2) {
+      if (width == 1) return add_triples<1, kEnergy>(k, l);
+      return add_triples<2, kEnergy>(k, l);
+    } else {
+      switch (width) {
+        case 1:
+          return add_triples<1, kEnergy>(k, l);
+        case 2:
+          return add_triples<2, kEnergy>(k, l);
+        case 3:
+          return add_triples<3, kEnergy>(k, l);
+        case 4:
+          return add_triples<4, kEnergy>(k, l);
+        case 5:
+          return add_triples<5, kEnergy>(k, l);
+        default:
+          return add_triples<6, kEnergy>(k, l);
+      }
+    }
+  }
+
   template <bool kEnergy>
   [[gnu::always_inline]] inline void add_all(std::size_t r) {
-    static_assert(kMostTogether == 6);
     for (std::size_t i = 0; i < r; ++i) out(i) = Vector{};
     for (std::size_t k = 0; k < r; ++k)
       for (std::size_t l = k; l < r;) {
         const std::size_t width = next_width(r - l);
-        switch (width) {
-          case 1:
-            add_triples<1, kEnergy>(k, l);
-            break;
-          case 2:
-            add_triples<2, kEnergy>(k, l);
-            break;
-          case 3:
-            add_triples<3, kEnergy>(k, l);
-            break;
-          case 4:
-            add_triples<4, kEnergy>(k, l);
-            break;
-          case 5:
-            add_triples<5, kEnergy>(k, l);
-            break;
-          default:
-            add_triples<6, kEnergy>(k, l);
-        }
+        add_wide<kEnergy>(width, k, l);
         l += width;
       }
   }

@@ -1,6 +1,6 @@
 """The npm package: engine, wrapper, types, and a single file with everything inside.
 
-usage: make_package.py SOURCE ENGINE OUT VERSION"""
+usage: make_package.py SOURCE CORE FULL OUT VERSION; CORE, FULL: folders of the modules"""
 import base64
 import json
 import pathlib
@@ -8,11 +8,11 @@ import re
 import shutil
 import sys
 
-source, engine, out = (pathlib.Path(name) for name in sys.argv[1:4])
+source, core, full, out = (pathlib.Path(name) for name in sys.argv[1:5])
 package = out / "package"
 package.mkdir(parents=True, exist_ok=True)
-for name in ("engine.wasm", "engine-full.wasm"):
-    shutil.copy(engine / name, package / name)
+for module in (core / "engine.wasm", full / "engine-full.wasm"):
+    shutil.copy(module, package / module.name)
 for name in ("tremolo.mjs", "engine.mjs", "tremolo.d.ts", "README.md"):
     shutil.copy(source / "package" / name, package / name)
 shutil.copy(source.parent.parent / "LICENSE", package / "LICENSE")
@@ -25,13 +25,13 @@ single, given = re.subn(r"\{ wasmBinary, full = false \} = \{\}",
                         "{ wasmBinary = tremoloWasm(), full = false } = {}", wrapper)
 if (found, imported, given) != (1, 1, 1):
     sys.exit("make_package.py: engine.mjs or tremolo.mjs has another shape than expected")
-wasm = (engine / "engine.wasm").read_bytes()
+wasm = (core / "engine.wasm").read_bytes()
 inlined = ("function tremoloWasm() {\n  const raw = atob('" + base64.b64encode(wasm).decode() +
            "');\n  return Uint8Array.from(raw, (c) => c.charCodeAt(0));\n}\n")
 (out / "engine.inline.js").write_text(starter + inlined + wrapper.replace("export ", ""))
 (package / "tremolo.single.mjs").write_text(starter + inlined + single)
 (package / "package.json").write_text(json.dumps({
-    "name": "tremolo", "version": sys.argv[4], "type": "module", "license": "MIT",
+    "name": "tremolo", "version": sys.argv[5], "type": "module", "license": "MIT",
     "description": "Deformable solids that vibrate in real time without losing their energy",
     "main": "tremolo.mjs", "types": "tremolo.d.ts",
     "exports": {".": {"types": "./tremolo.d.ts", "default": "./tremolo.mjs"},

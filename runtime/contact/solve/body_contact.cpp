@@ -23,10 +23,10 @@ Status Body::set_contact(const ContactOptions& options) {
         "contact needs a friction that is not negative and a restitution from 0 to 1");
   if (options.shape)
     if (Status s = check(*options.shape); !s) return s;
-  if (!energy_method_ && frame_ != FrameKind::kFixed)
+  if (!energy_method_ && frame() != FrameKind::kFixed)
     return usage_error("contact goes with avf, ep2 and ep4");
   contact_ = std::make_shared<ContactStep>(model_, options_, options, model_->inertia()->mass,
-                                           frame_ == FrameKind::kFree);
+                                           frame() == FrameKind::kFree);
   return Success{};
 }
 
@@ -36,7 +36,7 @@ ContactAccount Body::contact_account() const {
 
 // Where the frame is at both ends of the step, as far as that is known.
 StepPoses Body::step_poses() const {
-  if (driven_ && frame_ == FrameKind::kDriven) return {driven_->pose(), driven_->next_pose()};
+  if (driven_ && frame() == FrameKind::kDriven) return {driven_->pose(), driven_->next_pose()};
   if (!free_) return {};
   const RigidState& rigid = free_->rigid();
   const double h = options_.step;

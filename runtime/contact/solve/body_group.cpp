@@ -170,7 +170,7 @@ void BodyGroup::put_to_sleep() {
   for (const std::size_t i : islands_) {
     Body& body = *bodies_[i];
     Rest& rest = rest_[i];
-    bool quiet = reports_[i].converged && body.frame_ == FrameKind::kFree && body.contact_ &&
+    bool quiet = reports_[i].converged && body.frame() == FrameKind::kFree && body.contact_ &&
                  (body.contact_account().active > 0 || is_joined(i));
     if (quiet) {
       const double speed2 = 2.0 * body.free_->kinetic(body.state_.q, body.state_.p);

@@ -89,7 +89,7 @@ void Body::carry_frame(StateStream& stream) {
   if (driven && !driven_) {
     stream.require(!free_ && model_->inertia() != nullptr);
     if (!stream.good()) return;
-    driven_ = std::make_unique<DrivenFrame>(model_->inertia_about_origin(), options_.step);
+    begin_driven();
   }
   if (!driven) driven_.reset();
   if (driven_) driven_->carry(stream);
@@ -177,7 +177,7 @@ Status Body::set_method(std::string_view integrator, double step) {
   // Whoever makes such a body checks all that may be wrong.
   Result<Body> made = create(model_, integrator, options, frame_);
   if (!made) return made.error();
-  if (contact_ && frame_ != FrameKind::kFixed && !made->energy_method_)
+  if (contact_ && frame() != FrameKind::kFixed && !made->energy_method_)
     return usage_error("contact goes with avf, ep2 and ep4");
   // A method with a staggered momentum hands over that of the state's own moment.
   integrator_->synchronized_momentum(state_, momentum_);

@@ -100,7 +100,7 @@ void ContactStep::settle_account() {
   reset();
   account_ = pairs_;
   double start = pairs_start_;
-  for (const Candidate& candidate : candidates_) {
+  for (const Candidate& candidate : touching()) {
     const ContactForce& now = candidate.now;
     start += candidate.start.energy;
     account_.energy += now.energy;

@@ -71,7 +71,7 @@ void ContactStep::reset() {
 
 bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPoses& poses,
                          const VectorXd& q, const VectorXd& v) {
-  if (!feels_) colliders = {};
+  if (!kHasColliders || !feels_) colliders = {};
   colliders_ = colliders;
   poses_ = poses;
   candidates_.clear();
@@ -98,7 +98,7 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
     add_candidates(collider, c, q, reach);
   }
   held_.resize(grips_.size());
-  return !candidates_.empty() || !grips_.empty();
+  return !touching().empty() || !grips_.empty();
 }
 
 void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t index,
@@ -133,12 +133,12 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   q0_ = state.q;
   v0_ = state.p;
   if (load.coupling != nullptr) load.coupling->begin(h, q0_, v0_);
-  motion_.turns = free_ != nullptr;
+  motion_.free = free_ != nullptr;
   motion_.R0 = poses_.start.rotation.toRotationMatrix();
   motion_.origin = free_ != nullptr ? free_->mesh_centre() : Vector3d(Vector3d::Zero());
   motion_.c0 = free_ != nullptr ? free_->rigid().centre : poses_.start.position;
   z_.head(r) = h * v0_;
-  for (Candidate& candidate : candidates_) {
+  for (Candidate& candidate : touching()) {
     candidate.held = {candidate.start.normal};
     candidate.y0 = place_in_body(candidate.point, q0_);
   }
@@ -218,7 +218,7 @@ void ContactStep::add_contact(double renew) {
   contact_force_.setZero();
   contact_torque_.setZero();
   contact_push_.setZero();
-  for (Candidate& candidate : candidates_) {
+  for (Candidate& candidate : touching()) {
     candidate.touch = motion_.touch(candidate.y0, place_in_body(candidate.point, q1_));
     candidate.now = contact_force(candidate.law, colliders_[candidate.collider], candidate.start,
                                   candidate.touch.x1, options_.step, renew, candidate.held);
@@ -322,7 +322,7 @@ void ContactStep::make_jacobian(double heavier) {
     jacobian_.bottomRightCorner<3, 3>().diagonal().setConstant((1.0 + heavier) * 2.0 * mass_ /
                                                                (h * h));
   }
-  for (const Candidate& candidate : candidates_) {
+  for (const Candidate& candidate : touching()) {
     if (!candidate.now.acts) continue;
     lever_.make(motion_, candidate.touch, point_rows(candidate.point));
     const PlacedCollider& collider = colliders_[candidate.collider];

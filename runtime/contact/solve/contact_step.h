@@ -23,6 +23,7 @@
 #include "runtime/frames/free_frame.h"
 #include "runtime/integrator.h"
 #include "runtime/integrators/solve/inertia_filter.h"
+#include "runtime/parts.h"
 
 namespace tremolo {
 
@@ -165,6 +166,9 @@ class ContactStep {
     ContactTouch touch;
   };
 
+  std::span<Candidate> touching() {
+    return kHasColliders ? std::span<Candidate>(candidates_) : std::span<Candidate>();
+  }
   void add_candidates(const PlacedCollider& collider, std::size_t index, const Eigen::VectorXd& q,
                       double reach);
   Eigen::Vector3d place_in_body(std::size_t point, const Eigen::VectorXd& q) const;
@@ -206,7 +210,7 @@ class ContactStep {
   double pairs_start_ = 0.0;
   double joints_rounding_ = 0.0;  // kg^1/2 m/s
   const StepLoad* load_ = nullptr;
-  FreeFrame* free_ = nullptr;
+  FramePointer<FreeFrame> free_ = nullptr;
 
   Eigen::VectorXd u0_, u1_, q0_, v0_, q1_, G_, dp_, force_, middle_, contact_push_;
   // What evaluate_body() found at known_z_: of the residual, without places.

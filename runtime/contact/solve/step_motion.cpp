@@ -46,7 +46,7 @@ void PlaceLever::make(const StepMotion& motion, const ContactTouch& touch, const
   way_.leftCols(r).noalias() = motion.R1.lazyProduct(rows.transpose());
   const Matrix3d into_body = (0.5 * h * h) * (motion.R0 * motion.mean).transpose();
   push_.topRows(r).noalias() = rows.lazyProduct(into_body);
-  if (!motion.turns) return;
+  if (!motion.turns()) return;
   const Vector3d y1 = motion.R1.transpose() * (touch.x1 - motion.c1);
   way_.middleCols<3>(r) = -motion.R1 * cross_matrix(y1) * motion.turned;
   way_.rightCols<3>().setIdentity();
@@ -76,7 +76,7 @@ void PlaceLever::make_swing(const StepMotion& motion, const ContactTouch& touch,
   const Index r = motion.modes;
   n_ = motion.unknowns();
   swing_.leftCols(r).noalias() = (0.5 * motion.mean) * rows.transpose();
-  if (!motion.turns) return;
+  if (!motion.turns()) return;
   const Vector3d y0 = motion.R0.transpose() * (touch.x0 - motion.c0);
   const Vector3d y1 = motion.R1.transpose() * (touch.x1 - motion.c1);
   swing_.middleCols<3>(r) = -0.25 * motion.turn * cross_matrix(y0 + y1) * motion.turned;
@@ -85,12 +85,12 @@ void PlaceLever::make_swing(const StepMotion& motion, const ContactTouch& touch,
 
 void PlaceLever::make_straight_swing(const StepMotion& motion) {
   swing_.leftCols(n_).noalias() = (0.5 * motion.R0.transpose()) * way_.leftCols(n_);
-  if (motion.turns) swing_.rightCols<3>().setZero();
+  if (motion.turns()) swing_.rightCols<3>().setZero();
 }
 
 const Eigen::Matrix3Xd& PlaceLever::path_of_middle(const StepMotion& motion) {
   path_.noalias() = motion.R0 * swing_;
-  if (motion.turns) path_.rightCols<3>() += 0.5 * Matrix3d::Identity();
+  if (motion.turns()) path_.rightCols<3>() += 0.5 * Matrix3d::Identity();
   return path_;
 }
 
@@ -99,7 +99,7 @@ const Eigen::Matrix3Xd& PlaceLever::change_of_way(const StepMotion& motion,
                                                   const PlaceRows& rows) {
   const Index r = motion.modes;
   path_.leftCols(r).noalias() = (motion.R0 * motion.mean) * rows.transpose();
-  if (!motion.turns) return path_;
+  if (!motion.turns()) return path_;
   path_.middleCols<3>(r) = (-0.5 * motion.h) * motion.R0 * cross_matrix(touch.arm);
   path_.rightCols<3>().setIdentity();
   return path_;
@@ -107,7 +107,7 @@ const Eigen::Matrix3Xd& PlaceLever::change_of_way(const StepMotion& motion,
 
 void add_turn(const StepMotion& motion, const Vector3d& force, const Vector3d& bend_force,
               const ContactTouch& touch, const PlaceRows& rows, Eigen::MatrixXd& jacobian) {
-  if (!motion.turns) return;
+  if (!motion.turns()) return;
   const double h = motion.h;
   const Index r = motion.modes;
   const Vector3d pull = motion.R0.transpose() * force;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "runtime/parts.h"
 #include "runtime/values/vertex_rows.h"
 
 namespace tremolo {
@@ -27,7 +28,7 @@ inline Eigen::Map<const Eigen::MatrixX3d> place_rows(const VertexRows& place) {
 struct StepMotion {
   double h = 0.0;          // the step, s
   Eigen::Index modes = 0;  // r
-  bool turns = false;      // free: omega1 and the centre's path are unknowns r .. r + 5
+  bool free = false;       // free: omega1 and the centre's path are unknowns r .. r + 5
 
   Eigen::Matrix3d R0, R1;  // Ro0, Ro1
   Eigen::Matrix3d turn;    // Ro0^T Ro1
@@ -37,7 +38,8 @@ struct StepMotion {
   Eigen::Vector3d c0, c1;  // of the mesh's origin, or of a free body's centre of mass, m, world
   Eigen::Vector3d origin;  // in the mesh's coordinates, of c
 
-  Eigen::Index unknowns() const { return modes + (turns ? 6 : 0); }
+  Eigen::Index unknowns() const { return modes + (turns() ? 6 : 0); }
+  bool turns() const { return kHasFrames && free; }
 
   // Sets R1 and what follows from turn.
   void set_turn(const Eigen::Matrix3d& turn_in_step);

@@ -10,6 +10,7 @@ export class TremoloError extends Error {
 
 export function loadTremolo(options?: {
   wasmBinary?: Uint8Array | ArrayBuffer;
+  /** engine-full.wasm: also moving frames, gravity, bones, colliders, joints, saved states. */
   full?: boolean;
 }): Promise<Tremolo>;
 
@@ -18,6 +19,7 @@ export class Tremolo {
   readonly version: string;
   readonly integrators: string[];
   loadModel(bytes: Uint8Array | ArrayBuffer, options?: { modes?: number }): Model;
+  /** Colliders need `full`. */
   plane(): Collider;
   sphere(radius: number): Collider;
   capsule(radius: number, halfLength: number): Collider;
@@ -36,6 +38,7 @@ export interface BodyOptions {
   safety?: number;
   tolerance?: number;
   maxIterations?: number;
+  /** 'driven' and 'free' need `full`. */
   frame?: 'fixed' | 'driven' | 'free';
 }
 
@@ -81,6 +84,7 @@ export class Body {
   positions(): Float64Array;
   surface(): { positions: Float32Array; normals: Float32Array };
   setDamping(alpha: number, beta: number): void;
+  /** These four need `full`. */
   setGravity(gravity: Vector): void;
   setPose(position: Vector, quaternion?: Vector): void;
   pose(): { position: Float64Array; quaternion: Float64Array };
@@ -92,6 +96,7 @@ export class Body {
   moveHand(hand: bigint, place: Vector): void;
   letGo(hand: bigint): void;
   handForce(hand: bigint): Float64Array;
+  /** Needs `full`. */
   stepAmong(placed: PlacedCollider[]): void;
   release(): void;
 }

@@ -15,7 +15,8 @@ export class TremoloError extends Error {
 }
 
 // wasmBinary: the bytes of a module; without, it is read from beside this one: engine.wasm, or with
-// `full` engine-full.wasm, which has bodies on bones, bodies against bodies and joints besides.
+// `full` engine-full.wasm. Only that has driven and free bodies, gravity, bones, colliders, bodies
+// against bodies, joints and saved states; what needs it here says `full` in its comment.
 export async function loadTremolo({ wasmBinary, full = false } = {}) {
   return new Tremolo(await createEngine({ wasmBinary, file: full ? './engine-full.wasm' : './engine.wasm' }));
 }
@@ -50,9 +51,21 @@ class Scratch {
   }
 }
 
+// What a module lacks throws when it is called, and says where it is.
+const absent = new Proxy({}, {
+  get(none, name) {
+    if (typeof name !== 'string' || !name.startsWith('_tremolo_')) return undefined;
+    return () => {
+      throw new TremoloError(2, `${name.slice(1)} is not in this module but in engine-full.wasm: ` +
+        'loadTremolo({ full: true })');
+    };
+  },
+});
+
 export class Tremolo {
   constructor(engine) {
-    this.engine = engine; // the functions of tremolo.h, each with _ before its name
+    // The functions of tremolo.h, each with _ before its name.
+    this.engine = Object.setPrototypeOf(engine, absent);
   }
 
   string(at) {
@@ -114,6 +127,7 @@ export class Tremolo {
     return new Model(this, handle);
   }
 
+  // full
   plane() {
     return new Collider(this, this.make((out) => this.engine._tremolo_collider_plane(out)));
   }
@@ -188,7 +202,7 @@ export class Model {
   }
 
   // integrator, split: names; step, alpha, beta, newmarkBeta, newmarkGamma, safety, tolerance,
-  // maxIterations: numbers; frame: 'fixed', 'driven' or 'free'.
+  // maxIterations: numbers; frame: 'fixed', or 'driven' or 'free' (full).
   createBody(options = {}) {
     const { tremolo } = this;
     const { engine } = tremolo;
@@ -305,10 +319,11 @@ export class Body {
   setDamping(alpha, beta) {
     this.call('_tremolo_body_set_damping', alpha, beta);
   }
+  // full
   setGravity(gravity) {
     this.callWith('_tremolo_body_set_gravity', gravity);
   }
-  // quaternion: w, x, y, z.
+  // full; quaternion: w, x, y, z.
   setPose(position, quaternion = [1, 0, 0, 0]) {
     this.callWith('_tremolo_body_set_pose', position, quaternion);
   }
@@ -335,7 +350,7 @@ export class Body {
     });
   }
 
-  // Makes the body feel colliders and hands.
+  // Makes the body feel hands, and colliders (full).
   setContact({ points, margin, stiffness } = {}) {
     this.tremolo.with((s) => {
       const { engine } = this.tremolo;
@@ -373,7 +388,7 @@ export class Body {
       this.tremolo.engine._tremolo_body_hand_force(this.handle, hand, at));
   }
 
-  // One step among colliders: [{collider, position, quaternion, nextPosition, nextQuaternion,
+  // full. One step among colliders: [{collider, position, quaternion, nextPosition, nextQuaternion,
   // friction, restitution}]; without a next pose it stands.
   stepAmong(placed) {
     this.tremolo.with((s) => {

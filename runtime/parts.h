@@ -1,0 +1,45 @@
+// Which parts a build has. Libraries and programs have all; a build with TREMOLO_CORE, the smallest
+// module of a page (runtime/web/engine), has bodies whose support stands still, with hands. Values
+// known to the compiler, so that it leaves out what an absent part alone would need; builds of both
+// kinds are never linked together.
+#pragma once
+
+#include <memory>
+#include <type_traits>
+
+namespace tremolo {
+
+#if defined(TREMOLO_CORE)
+inline constexpr bool kHasFrames = false;     // bodies that are driven or free, gravity
+inline constexpr bool kHasColliders = false;  // and bodies as colliders
+#else
+inline constexpr bool kHasFrames = true;
+inline constexpr bool kHasColliders = true;
+#endif
+
+// Stands where a pointer to an absent part would: always null.
+template <class Part>
+struct AbsentPart {
+  AbsentPart() = default;
+  AbsentPart(Part*) {}
+  AbsentPart(std::unique_ptr<Part>) {}
+  AbsentPart(std::shared_ptr<Part>) {}
+
+  explicit operator bool() const { return false; }
+  bool operator==(std::nullptr_t) const { return true; }
+  Part* get() const { return nullptr; }
+  void reset() {}
+  // Behind a condition that is never true.
+  Part* operator->() const { __builtin_unreachable(); }
+  Part& operator*() const { __builtin_unreachable(); }
+};
+
+// A pointer to what moves with a frame, and those that own it.
+template <class Part>
+using FramePointer = std::conditional_t<kHasFrames, Part*, AbsentPart<Part>>;
+template <class Part>
+using FrameOwner = std::conditional_t<kHasFrames, std::unique_ptr<Part>, AbsentPart<Part>>;
+template <class Part>
+using FrameSharer = std::conditional_t<kHasFrames, std::shared_ptr<Part>, AbsentPart<Part>>;
+
+}  // namespace tremolo
