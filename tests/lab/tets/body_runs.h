@@ -54,7 +54,7 @@ template <class Archive>
 void fields(Archive& archive, BodyRuns& group) {
   double count = static_cast<double>(group.runs.size());
   archive("count", count);
-  group.runs.resize(count);
+  group.runs.resize(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < group.runs.size(); ++i)
     archive(fmt::format("run-{}", i).c_str(), group.runs[i]);
 }
