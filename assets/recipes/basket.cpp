@@ -1,5 +1,5 @@
 // An oval woven basket with a roped rim and a roped handle, 0.33 m long: willow weavers run in and
-// out around upright stakes and are fused to them. All lengths in metres.
+// out around upright stakes and are fused to them and to each other. All lengths in metres.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,16 +14,17 @@ using shapes::Point;
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kStakes = 14;  // even: neighbouring weavers then pass a stake on opposite sides
-constexpr int kWeavers = 3;
+constexpr int kWeavers = 4;
 constexpr double kBottom = 0.009;  // z of the middle of the floor
 constexpr double kRim = 0.118;     // z of the middle of the rim
-constexpr double kStakeRadius = 0.0102;
-constexpr double kWeaverRadius = 0.0110;
-constexpr double kFirstWeaver = 0.034;  // z of the lowest weaver
-constexpr double kWeaverPitch = 0.027;
-constexpr double kWave = 0.0055;       // how far a weaver swings in and out
-constexpr double kCaneFillet = 0.020;  // rounds the creases between fused canes
-constexpr double kRopeFillet = 0.012;  // the same between the two strands of a rope
+constexpr double kStakeRadius = 0.0098;
+constexpr double kWeaverRadius = 0.0108;
+constexpr double kFirstWeaver = 0.030;  // z of the lowest weaver
+constexpr double kWeaverPitch = 0.021;
+constexpr double kWave = 0.005;         // how far a weaver swings in and out
+constexpr double kCaneFillet = 0.020;   // rounds the creases between fused canes
+constexpr double kWeaveFillet = 0.010;  // the same between neighbouring weavers
+constexpr double kRopeFillet = 0.012;   // the same between the two strands of a rope
 constexpr double kHandleTop = 0.265;
 
 // Distance of the wall's middle from the axis at height z and angle theta. The wall leans outwards
@@ -76,8 +77,11 @@ double rim(const Polar& p) {
   return rope(p.radius - wall_radius(kRim, p.theta), p.z - kRim, 11.0 * p.theta, 0.0042, 0.0100);
 }
 
+// Thick, and under the middle of the wall, which leans outwards: little stress is left at the edges
+// of what is held under it.
 double foot_ring(const Polar& p) {
-  return std::hypot(p.radius - wall_radius(kBottom, p.theta), p.z - kBottom) - 0.0080;
+  const double out = p.radius - wall_radius(kBottom, p.theta) - 0.003;
+  return std::hypot(out, p.z - kBottom - 0.001) - 0.0120;
 }
 
 double floor_plate(const Polar& p) {
@@ -106,19 +110,23 @@ double handle(const Point& p) {
 double basket_distance(const Point& p) {
   const Polar polar{std::hypot(p.x(), p.y()), std::atan2(p.y(), p.x()), p.z()};
   double wall = std::min(rim(polar), foot_ring(polar));
-  for (int row = 0; row < kWeavers; ++row) wall = std::min(wall, weaver(polar, row));
+  for (int row = 0; row < kWeavers; ++row) {
+    wall = shapes::smooth_union(wall, weaver(polar, row), kWeaveFillet);
+  }
   double d = shapes::smooth_union(wall, stake(p, polar), kCaneFillet);
   d = shapes::smooth_union(d, floor_plate(polar), kCaneFillet);
   d = shapes::smooth_union(d, handle(p), kCaneFillet);
   return 0.85 * d;  // the weavers' swing steepens the function by up to a sixth
 }
 
-// Fine in the rim and its joints with stakes and handle, which decide the softest modes; coarse in
-// the floor, which hardly moves.
+// Finest outside under the foot ring, where the wall's shear ends at what is held.
 double basket_size(const Point& p) {
-  if (p.z() < kBottom + 0.012) return 0.011;
-  if (p.z() < kRim - 0.012) return 0.0067;
-  return p.z() < kRim + 0.012 ? 0.0056 : 0.0069;
+  if (p.z() < kBottom + 0.012) {
+    const double out = std::hypot(p.x(), p.y()) - wall_radius(kBottom, std::atan2(p.y(), p.x()));
+    if (std::abs(out) >= 0.018) return 0.011;
+    return out > 0.0 && p.z() < 0.006 ? 0.0057 : 0.0072;
+  }
+  return p.z() < kRim + 0.012 ? 0.0080 : 0.0074;
 }
 
 }  // namespace
