@@ -17,10 +17,12 @@ using shapes::Point;
 constexpr double kHeartScale = 0.02;
 constexpr double kLift = 6.6;  // cm
 
-// A vessel that ends in the air: its tube, and the hollow of its cut end.
+// A vessel that ends in the air: its tube, the hollow of its cut end, and how widely the crease
+// where it leaves the heart is rounded.
 struct CutVessel {
   Strand wall;
   Strand hollow;
+  double blend = 0.4;
 };
 
 struct Heart {
@@ -85,8 +87,9 @@ void add_vessels(Heart* heart) {
       // superior and inferior vena cava
       {Strand{{{{-2.7, 0.2, 3.0}, 1.1}, {{-2.6, 0.1, 5.2}, 0.95}, {{-2.6, 0.1, 7.6}, 0.95}}},
        hollow({-2.6, 0.1, 8.4}, {0.0, 0.0, -0.8}, 0.58)},
+      // The second swings on its crease, in the eighth mode of the heart that is held above.
       {Strand{{{{-2.9, 0.8, 1.0}, 1.1}, {{-2.9, 0.9, -1.2}, 0.9}, {{-2.9, 0.9, -2.6}, 0.9}}},
-       hollow({-2.9, 0.9, -3.4}, {0.0, 0.0, 0.8}, 0.52)},
+       hollow({-2.9, 0.9, -3.4}, {0.0, 0.0, 0.8}, 0.52), 1.0},
       // pulmonary veins, two on each side
       {Strand{{{{2.4, 2.0, 3.4}, 0.8}, {{4.4, 2.1, 3.8}, 0.62}}},
        hollow({4.95, 2.1, 3.9}, {-0.5, 0.0, 0.0}, 0.33)},
@@ -174,7 +177,7 @@ double heart_distance(const Heart& heart, const Point& p) {
     d = shapes::smooth_subtract(d, shapes::tube(p, groove), 0.4);
   }
   for (const CutVessel& vessel : heart.vessels) {
-    d = shapes::smooth_union(d, vessel.wall.distance(p, 0.4), 0.4);
+    d = shapes::smooth_union(d, vessel.wall.distance(p, vessel.blend), vessel.blend);
   }
   for (const CutVessel& vessel : heart.vessels) {
     d = shapes::smooth_subtract(d, vessel.hollow.distance(p, 0.3), 0.3);

@@ -14,7 +14,7 @@
 # linear ones and 4, the order on a smooth body, what the limit lies between.
 # OUT/MODEL-RUN.json keeps what is done: a second start goes on. OUT/limits.csv has every mode,
 # OUT/limits.md a row a model. Exit code 6: by the estimate, a sample mesh with quadratic elements is
-# more than 2 % off its limit.
+# more than 2 % off its limit, or below it (then OUT keeps runs of another material).
 #
 # Environment: THREADS (1), MEMORY (9GB, of one run; the estimate is a tenth above what is taken. For that
 # the heart is held lower than in its scene, at z > 0.21 m). Ten minutes of processor time.
@@ -98,9 +98,11 @@ order() {
       END {
         printf "| %s | %s | %s | %s | %s | %s | %s |\n", model, linear, part, range("linear"),
                range("quadratic"), range("known"), range("finer")
-        exit high["quadratic"] > 2 ? 6 : 0 }' "$out/limits.csv" || missed="${missed-} $model"
+        # A finer mesh is softer; if it is not, OUT keeps runs of different materials.
+        exit high["quadratic"] > 2 || low["quadratic"] < 0 ? 6 : 0 }' "$out/limits.csv" ||
+      missed="${missed-} $model"
   done
-  [ -z "${missed-}" ] || echo "more than 2 % off:$missed" >&2
+  [ -z "${missed-}" ] || echo "more than 2 % off, or below the limit:$missed" >&2
 } >"$out/limits.md"
 cat "$out/limits.md"
 [ -z "${missed-}" ] || exit 6
