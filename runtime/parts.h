@@ -17,7 +17,7 @@ inline constexpr bool kHasFrames = true;
 inline constexpr bool kHasColliders = true;
 #endif
 
-// Stands where a pointer to an absent part would: always null.
+// AbsentPart stands where a pointer to an absent part would and is always null.
 template <class Part>
 struct AbsentPart {
   AbsentPart() = default;
@@ -29,7 +29,7 @@ struct AbsentPart {
   bool operator==(std::nullptr_t) const { return true; }
   Part* get() const { return nullptr; }
   void reset() {}
-  // Behind a condition that is never true.
+  // These two are only reached behind a condition on the pointer, which is never true.
   Part* operator->() const { __builtin_unreachable(); }
   Part& operator*() const { __builtin_unreachable(); }
 };

@@ -90,7 +90,7 @@ struct Pass {
     for (std::size_t m = 0; m < kWidth; ++m) out(first + m) += pair_adjoint[m] * in(k);
   }
 
-  // The same for a width that is known only now, 1 to kMostTogether.
+  // add_triples() for a width that is known only now, 1 to kMostTogether.
   template <bool kEnergy>
   [[gnu::always_inline]] inline void add_wide(std::size_t width, std::size_t k, std::size_t l) {
     if constexpr (kMostTogether == 2) {

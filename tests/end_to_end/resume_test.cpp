@@ -117,7 +117,7 @@ TEST_F(Resume, ARunKilledAtRandomMomentsGivesTheSameBytes) {
   EXPECT_GT(kept, 0) << "no run had kept anything";
 }
 
-// In each of them in the long form, else in every third.
+// Each of them is tried in the long form, else every third.
 TEST_F(Resume, ARunKilledInAnyWriteFlushOrRenameOfACheckpointGivesTheSameBytes) {
   const std::string bytes = undisturbed(kFew + kHeld);
   for (const std::string fault : {"write-kill", "fsync-kill", "rename-kill"}) {

@@ -9,7 +9,7 @@ namespace tremolo {
 // What a scene of bodies would say to make_setup(): gravity, and a name for each sheet and ball.
 Scene names_of(const MovingSurfaces& scenes);
 
-// As first_camera(), of points.
+// The camera of first_camera(), framed on points instead of a stage.
 Camera camera_of_points(const ViewSetup& setup, const std::vector<double>& points);
 
 // Errors: kUsage without --out and --video; those of make_setup(), of OpenGL, of files and of
