@@ -44,13 +44,9 @@ std::size_t size_of(const ReducedTensors& tensors) {
 // Returns the symmetric matrix with packed entries entry(i, j), i <= j.
 template <class Entry>
 Eigen::MatrixXd unpack(std::size_t r, const Entry& entry) {
-  const Eigen::Index size = r;
-  Eigen::MatrixXd matrix(size, size);
+  Eigen::MatrixXd matrix(r, r);
   for (std::size_t j = 0; j < r; ++j)
-    for (std::size_t i = 0; i <= j; ++i) {
-      const auto row = i, column = j;
-      matrix(row, column) = matrix(column, row) = entry(i, j);
-    }
+    for (std::size_t i = 0; i <= j; ++i) matrix(i, j) = matrix(j, i) = entry(i, j);
   return matrix;
 }
 

@@ -244,9 +244,8 @@ tremolo_status tremolo_cloth_set_state(tremolo_cloth_world* world, size_t cloth,
       {{world, "the world of cloth"}, {positions, "the positions"}, {velocities, "the velocities"}},
       [&]() -> Status {
         if (Status s = need_cloth(world->world, cloth); !s) return s;
-        const Eigen::Index size = length;
-        return world->world.set_state(cloth, Eigen::VectorXd::Map(positions, size),
-                                      Eigen::VectorXd::Map(velocities, size));
+        return world->world.set_state(cloth, Eigen::VectorXd::Map(positions, length),
+                                      Eigen::VectorXd::Map(velocities, length));
       });
 }
 

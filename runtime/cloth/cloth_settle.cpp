@@ -128,12 +128,9 @@ struct RigidMotion {
 // Acts on the mass, the place and the velocity of each free particle.
 template <class Act>
 void each_free_particle(WorldCloth& cloth, Act&& act) {
-  for (std::size_t i = 0; i < cloth.model.size(); ++i) {
-    const Eigen::Index at = i;
+  for (std::size_t i = 0; i < cloth.model.size(); ++i)
     if (cloth.model.held()[i] == 0)
-      act(cloth.model.mass()[at], cloth.state.x.segment<3>(3 * at),
-          cloth.state.v.segment<3>(3 * at));
-  }
+      act(cloth.model.mass()[i], cloth.state.x.segment<3>(3 * i), cloth.state.v.segment<3>(3 * i));
 }
 
 RigidMotion rigid_motion(WorldCloth& cloth) {

@@ -37,11 +37,9 @@ double ball_kinetic(const MovingBall& ball) {
 double free_cloth_kinetic(const WorldCloth& cloth) {
   const auto held = cloth.model.held();
   double twice = 0.0;
-  for (std::size_t i = 0; i < held.size(); ++i) {
-    const Eigen::Index k = i;
+  for (std::size_t i = 0; i < held.size(); ++i)
     if (held[i] == 0)
-      twice += cloth.model.mass()[k] * cloth.state.v.segment<3>(3 * k).squaredNorm();
-  }
+      twice += cloth.model.mass()[i] * cloth.state.v.segment<3>(3 * i).squaredNorm();
   return 0.5 * twice;
 }
 
@@ -239,10 +237,8 @@ Vector3d ClothWorld::linear_momentum() const {
   Vector3d sum = Vector3d::Zero();
   for (const auto& cloth : inside_->cloths) {
     const auto held = cloth->model.held();
-    for (std::size_t i = 0; i < held.size(); ++i) {
-      const Eigen::Index k = i;
-      if (held[i] == 0) sum += cloth->model.mass()[k] * cloth->state.v.segment<3>(3 * k);
-    }
+    for (std::size_t i = 0; i < held.size(); ++i)
+      if (held[i] == 0) sum += cloth->model.mass()[i] * cloth->state.v.segment<3>(3 * i);
   }
   for (const MovingBall& ball : inside_->balls)
     if (ball.inverse_mass > 0.0) sum += ball.now.velocity / ball.inverse_mass;
@@ -254,10 +250,9 @@ Vector3d ClothWorld::angular_momentum() const {
   for (const auto& cloth : inside_->cloths) {
     const auto held = cloth->model.held();
     for (std::size_t i = 0; i < held.size(); ++i) {
-      const Eigen::Index k = i;
       if (held[i] != 0) continue;
-      const Vector3d x = cloth->state.x.segment<3>(3 * k);
-      sum += cloth->model.mass()[k] * x.cross(cloth->state.v.segment<3>(3 * k));
+      const Vector3d x = cloth->state.x.segment<3>(3 * i);
+      sum += cloth->model.mass()[i] * x.cross(cloth->state.v.segment<3>(3 * i));
     }
   }
   for (const MovingBall& ball : inside_->balls)

@@ -23,11 +23,10 @@ std::vector<Key> make_keys(const RenderSurface& surface) {
   std::vector<Key> keys(surface.vertices.size());
   for (std::size_t v = 0; v < keys.size(); ++v)
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Eigen::Index at = axis;
-      keys[v].place[axis] = surface.vertices[v][at];
+      keys[v].place[axis] = surface.vertices[v][axis];
       if (!surface.normals.empty())
         keys[v].kind[axis] = static_cast<std::int32_t>(
-            std::lround(1000.0f * std::clamp(surface.normals[v][at], -1.0f, 1.0f)));
+            std::lround(1000.0f * std::clamp(surface.normals[v][axis], -1.0f, 1.0f)));
     }
   if (!surface.normals.empty()) return keys;
   for (std::size_t t = surface.triangles.size(); t-- > 0;)

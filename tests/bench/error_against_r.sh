@@ -11,7 +11,7 @@
 #   projection   the least that any q could leave, likewise; tip: |u - Uq| where the load acts;
 #   integration  max |q - q'| / max |q'|: ep4 and newmark at their step against ep4 at a fifteenth.
 # OUT/MODEL.csv keeps what is done: a second start goes on. Then OUT/error.csv, OUT/table.md and
-# OUT/error-against-r.png are made of all there is.
+# OUT/error-against-r.html (.png, where Chromium is installed) are made of all there is, by tremolo-lab.
 #
 # Environment: ELEMENTS (1: order of the elements; with 2 the whole mesh's motion takes hours),
 # DERIVATIVES (3: up to which order), ORDERS (of the basis, r: 5 10 15 20 30 40 60), TARGET (0.02: a basis of --target-error beside them; empty:
@@ -151,35 +151,5 @@ awk -F, '
       print "" } }' "$out/error.csv" > "$out/table.md"
 
 # Two panels a load: what the basis leaves out, what the step leaves out.
-command -v gnuplot > /dev/null || { echo "no gnuplot: no plot" >&2; exit 0; }
-present=$(awk -F, 'NR > 1 && !seen[$1]++ { printf "%s ", $1 }' "$out/error.csv")
-{
-  echo "set terminal pngcairo size 960,980 font 'sans,10' background 'white'"
-  echo "set output '$out/error-against-r.png'"
-  echo "set datafile separator ','"
-  echo "set multiplot layout 3,2 margins 0.07,0.98,0.1,0.96 spacing 0.07,0.06"
-  echo "set logscale y; set yrange [5e-7:2]; set format y '10^{%L}'; set xrange [3:62]"
-  echo "set grid lc rgb '#dddddd'; set key off"
-  for load in impulse square sine; do
-    for what in "5 reduction (cross: --target-error $target)" \
-                "9 integration, ep4 (circles: newmark)"; do
-      column=${what%% *}
-      echo "set title \"$load, ${what#* }\" offset 0,-0.7"
-      [ "$load" = sine ] && echo "set xlabel 'coordinates r' offset 0,0.5" || echo "unset xlabel"
-      [ "$load$column" = sine5 ] && echo "set key at screen 0.5,0.01 center bottom horizontal maxrows 1 samplen 2 width 3"
-      plots=() color=0
-      for model in $present; do
-        color=$((color + 1))
-        pick="\"<grep '^$model,$load,.*,[0-9]*\$' '$out/error.csv'\""
-        aimed="\"<grep '^$model,$load,.*,target' '$out/error.csv'\""
-        plots+=("$pick using 3:$column with linespoints lw 2 pt 7 ps 0.4 lt $color title '$model'")
-        [ "$column" = 9 ] && plots+=("$pick using 3:10 with points pt 6 ps 0.6 lt $color notitle")
-        [ "$column" = 5 ] && grep -q "^$model,$load,.*,target" "$out/error.csv" &&
-          plots+=("$aimed using 3:5 with points pt 2 ps 1 lw 2 lt $color notitle")
-      done
-      (IFS=,; echo "plot ${plots[*]}")
-      echo "set key off"
-    done
-  done
-} > "$out/plot.gp"
-gnuplot "$out/plot.gp"
+[ -x "$bin/tremolo-lab" ] || { echo "no $bin/tremolo-lab: no page" >&2; exit 0; }
+"$root/tests/charts/error_against_r.py" "$bin" "$out/error.csv" "$out/error-against-r.html" "$out/error-against-r.png"

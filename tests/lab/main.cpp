@@ -7,6 +7,7 @@
 
 #include "runtime/program/output/tell.h"
 #include "tests/lab/bench.h"
+#include "tests/lab/report/report.h"
 #include "tests/lab/reproduce.h"
 #include "tests/lab/work/failure.h"
 
@@ -78,11 +79,20 @@ int run_laboratory(int count, char** words) {
   CLI::App& reproduce =
       *app.add_subcommand("reproduce", "the thesis's tables and figures, ours beside them");
   add_reproduce_flags(reproduce, reproduce_options);
+  std::string report, shown;
+  CLI::App& page =
+      *app.add_subcommand("page", "a report.json as a page, which needs no other file");
+  page.add_option("report", report, "the report")->required();
+  page.add_option("-o,--output", shown, "the page, .html")->required();
   try {
     app.parse(count, words);
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error, std::cout, std::cerr);
     return code == 0 ? 0 : exit_code(ErrorKind::kUsage);
+  }
+  if (page) {
+    or_fail(page_of_file(report, shown));
+    return 0;
   }
   if (reproduce) return reproduce_command(reproduce_options);
   if (quick) shorten(bench, bench_options);

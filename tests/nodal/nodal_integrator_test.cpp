@@ -276,6 +276,64 @@ TEST(NodalIntegrators, ANodeThatIsLetGoFallsUnderEveryMethod) {
   }
 }
 
+// A floor at x = 0 that pushes one mass back as a spring does, -k x, in a step that would end below
+// it. It is linear in the step's end, so that one Newton step finds it. Keeps what it is told.
+struct Floor : NodalContact {
+  double k = 400.0;      // N/m
+  double impulse = 0.0;  // N s, of the last part of a step
+  bool below = false;
+  double push(double x) const { return below ? -k * x : 0.0; }
+  void start() override { below = false; }
+  bool revise(const VectorXd&, const VectorXd& x1, double) override {
+    if (below || x1[0] >= 0.0) return false;
+    return below = true;
+  }
+  void add_force(const VectorXd& x1, VectorXd& f) const override { f[0] += push(x1[0]); }
+  void add_tangent(BlockMatrix& a) const override { a.diagonal(0)(0, 0) += below ? k : 0.0; }
+  double work(const VectorXd& x0, const VectorXd& x1, double share) const override {
+    return share * push(x1[0]) * (x1[0] - x0[0]);
+  }
+  void keep(const VectorXd& x1, double h, double share) override {
+    impulse = share * h * push(x1[0]);
+  }
+  bool pressed() const override { return impulse != 0.0; }
+};
+
+struct AboveFloor : LinearNodes {
+  mutable Floor floor;
+  AboveFloor() : LinearNodes(oscillator(0.0, 0.0, 2.0)) {}
+  NodalContact* contact() const override { return &floor; }
+};
+
+// Nothing but the floor acts, so what the mass gained in momentum is the impulse, and the energy
+// that the floor gave is force times way: (impulse / h) (x1 - x0).
+TEST(NodalIntegrators, ReactionsAreToldByTheMomentumThatTheyGave) {
+  const double h = 0.05, m = 2.0;
+  for (const std::string_view name : nodal_integrator_names()) {
+    if (std::isfinite(stability_number(name)) && name != "imex") continue;  // no solve, no floor
+    const AboveFloor nodes;
+    const auto integrator = made(name, nodes, h);
+    NodalState state = start(VectorXd::Zero(3), VectorXd::Zero(3));
+    state.x[0] = 0.12;
+    state.v[0] = -1.0;
+    int pressed = 0;
+    for (int k = 0; k < 10; ++k) {
+      const NodalState before = state;
+      const NodalReport report = integrator->step(state);
+      ASSERT_TRUE(report.made) << name << k;
+      ASSERT_EQ(report.parts, 1) << name << k;
+      const double impulse = m * (state.v[0] - before.v[0]);
+      const double kinetic = 0.5 * m * (state.v.squaredNorm() - before.v.squaredNorm());
+      EXPECT_NEAR(nodes.floor.impulse, impulse, 1e-12) << name << k;
+      EXPECT_NEAR(report.pressed, impulse / h * (state.x[0] - before.x[0]), 1e-11) << name << k;
+      EXPECT_NEAR(report.numerical, kinetic - report.pressed, 1e-12) << name << k;
+      pressed += impulse > 0.0 ? 1 : 0;
+    }
+    EXPECT_GE(pressed, 2) << name;
+    EXPECT_GT(state.v[0], 0.3) << name;
+  }
+}
+
 TEST(NodalIntegrators, WrongOptionsAreNamed) {
   const LinearNodes nodes = LinearNodes::oscillator(1.0, 0.0, 1.0);
   NodalOptions options;

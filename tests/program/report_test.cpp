@@ -94,6 +94,26 @@ std::size_t count(const std::string& text, std::string_view what) {
   return times;
 }
 
+TEST(Report, APageIsMadeOfItsFileAgainAndOfNothingElse) {
+  const testing::TemporaryFolder folder;
+  const std::string page = wild_report(folder.path()).write();
+  const std::string again = folder.file("again.html"), file = folder.file("report.json");
+  ASSERT_TRUE(page_of_file(file, again));
+  EXPECT_EQ(read(again), read(page));
+  const std::string wrong[] = {
+      "{", "[]", R"({"title": "a", "subtitle": "b"})",
+      R"({"title": "a", "subtitle": "b", "sections": [{"title": "c"}]})",
+      R"({"title": "a", "subtitle": "b", "sections": [{"title": "c", "parts": [{"kind": "table"}]}]})"};
+  for (const std::string& text : wrong) {
+    folder.write("report.json", text);
+    const Status status = page_of_file(file, folder.file("none.html"));
+    ASSERT_FALSE(status) << text;
+    EXPECT_EQ(status.error().kind, ErrorKind::kContent);
+    EXPECT_NE(status.error().message.find("report.json: "), std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(folder.file("none.html")));
+  }
+}
+
 TEST(Page, HoldsTheReportWhateverItsTextsSay) {
   testing::TemporaryFolder folder;
   const Report report = wild_report(folder.path());

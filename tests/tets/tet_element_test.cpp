@@ -93,11 +93,10 @@ TEST_P(TetElements, PartsInFloatsAreThoseInDoubles) {
           const Eigen::Matrix3d right = left * middle;
           for (std::size_t m = 0; m < 3; ++m) {
             const std::size_t at = 4 * (kRanks * static_cast<std::size_t>(i) + first + m);
-            const Eigen::Index column = m;
             // Some tens of roundings of floats.
-            EXPECT_LT((FloatColumn(found.left + at).cast<double>() - left.col(column)).norm(),
+            EXPECT_LT((FloatColumn(found.left + at).cast<double>() - left.col(m)).norm(),
                       3e-6 * largest);
-            EXPECT_LT((FloatColumn(found.right + at).cast<double>() - right.col(column)).norm(),
+            EXPECT_LT((FloatColumn(found.right + at).cast<double>() - right.col(m)).norm(),
                       3e-6 * largest * middle.norm());
           }
         }

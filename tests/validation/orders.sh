@@ -2,7 +2,7 @@
 # Linear and quadratic elements side by side, whatever ORDER says, on the bodies of the other cases: the
 # first three frequencies of a slender cantilever, the elastica (P L^2 / EI = 2), the strip built in
 # at both ends (load 64), CSM1 and CSM3. Every run leaves a row in OUT/orders/points.tsv for
-# plot_orders.sh: body, order, cells across the thickness, unknowns, seconds of processor time of the whole
+# tests/charts/orders.py: body, order, cells across the thickness, unknowns, seconds of processor time of the whole
 # program on one thread, how far off. Judged is that quadratic elements are nearer to what is published
 # than linear ones with as many unknowns and, but with --short, in as much time.
 . "$(dirname "$0")/lib.sh"

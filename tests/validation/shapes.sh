@@ -3,7 +3,7 @@
 # thin square plate clamped at its four edges, a hoop (a thin curved shell, free), and slender
 # cantilevers that can hardly be compressed. Lowest frequencies against published ones and closed
 # forms. Quadratic elements are judged; of linear ones it is told how far they are off. Every run
-# leaves a row in OUT/shapes/points.tsv for plot_orders.sh: body, order, cells, dofs, seconds, error.
+# leaves a row in OUT/shapes/points.tsv for tests/charts/orders.py: body, order, cells, dofs, seconds, error.
 . "$(dirname "$0")/lib.sh"
 
 points=$out/points.tsv

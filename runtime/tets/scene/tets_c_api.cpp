@@ -320,9 +320,8 @@ tremolo_status tremolo_tets_set_state(tremolo_tets_world* world, size_t body,
     const size_t size = 3 * tremolo_tets_points(world, body);
     for (const double* buffer : {positions, velocities})
       if (Status s = need_buffer(buffer, length, size); !s) return s;
-    const Eigen::Index count = size;
-    return world->bodies.group->body(body).set_state(Eigen::VectorXd::Map(positions, count),
-                                                     Eigen::VectorXd::Map(velocities, count));
+    return world->bodies.group->body(body).set_state(Eigen::VectorXd::Map(positions, size),
+                                                     Eigen::VectorXd::Map(velocities, size));
   });
 }
 

@@ -175,18 +175,17 @@ void build_modes(PanelState& state, Runner& runner, const std::vector<ModeFacts>
   const ModeFacts& facts = modes[body];
   for (std::size_t k = 0; k < facts.full.size(); ++k) {
     ImGui::PushID(static_cast<int>(k));
-    const Eigen::Index index = k;
-    auto share = static_cast<float>(moment.bodies[body].q[index] / facts.full[k]);
+    auto share = static_cast<float>(moment.bodies[body].q[k] / facts.full[k]);
     char label[48];
     std::snprintf(label, sizeof(label), "%d: %.1f Hz", static_cast<int>(k), facts.hz[k]);
     ImGui::SetNextItemWidth(150.0f);
     if (ImGui::SliderFloat(label, &share, -1.0f, 1.0f, "%.2f")) {
       const double value = static_cast<double>(share) * facts.full[k];
       state.swing.reset();
-      runner.post([&runner, body, index, value](LiveWorld& live) {
+      runner.post([&runner, body, k, value](LiveWorld& live) {
         Body& moved = live.world().body(body);
         Eigen::VectorXd q = moved.state().q;
-        q[index] = value;
+        q[k] = value;
         tell_if_refused(runner, moved.set_state(q, Eigen::VectorXd::Zero(q.size())));
       });
     }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "formats/file/atomic_file.h"
+#include "formats/file/whole_file.h"
 #include "runtime/page/document.h"
 #include "tests/lab/work/failure.h"
 
@@ -24,6 +25,23 @@ OrderedJson all_to_json(const Charts& charts) {
   OrderedJson all = OrderedJson::array();
   for (const auto& chart : charts) all.push_back(to_json(chart));
   return all;
+}
+
+// Empty, or what of its outline a report lacks.
+std::string lacking(const OrderedJson& report) {
+  const auto text = [](const OrderedJson& in, const char* name) {
+    return in.is_object() && in.contains(name) && in[name].is_string();
+  };
+  if (!text(report, "title") || !text(report, "subtitle")) return "a title and a subtitle";
+  if (!report.contains("sections") || !report["sections"].is_array()) return "sections";
+  for (const OrderedJson& section : report["sections"]) {
+    if (!text(section, "title")) return "a section's title";
+    if (!section.contains("parts") || !section["parts"].is_array()) return "a section's parts";
+    for (const OrderedJson& part : section["parts"])
+      if (!text(part, "kind") || !part.contains(part["kind"].get<std::string>()))
+        return "a part's kind, and what it is";
+  }
+  return {};
 }
 
 }  // namespace
@@ -98,6 +116,16 @@ std::string Report::write() const {
 
 Status write_page(const OrderedJson& report, const std::string& path) {
   return write_file(path, page_document(text_of(report)));
+}
+
+Status page_of_file(const std::string& report, const std::string& path) {
+  const Result<std::string> text = read_whole_file(report);
+  if (!text) return text.error();
+  const OrderedJson json = OrderedJson::parse(*text, nullptr, false);
+  if (json.is_discarded()) return content_error(report + ": this is not JSON");
+  if (const std::string what = lacking(json); !what.empty())
+    return content_error(report + ": a report has " + what);
+  return write_page(json, path);
 }
 
 }  // namespace tremolo
