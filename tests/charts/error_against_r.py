@@ -22,15 +22,17 @@ def points(chosen, column):
 charts = []
 for load in ("impulse", "square", "sine"):
     reduction, integration = [], []
-    for model in models:
+    for model, colour in zip(models, report.INKS):
         here = [row for row in rows if row["model"] == model and row["load"] == load]
         by_r = [row for row in here if row["basis"].isdigit()]
-        reduction.append(report.curve(model, *points(by_r, "reduction")))
-        reduction.append(report.curve(model, *points([row for row in here if row not in by_r], "reduction"), "points"))
-        integration.append(report.curve(model, *points(by_r, "ep4")))
-        integration.append(report.curve(model, *points(by_r, "newmark"), "points"))
-    for what, curves in (("reduction; alone: --target-error", reduction), ("integration, ep4; alone: newmark", integration)):
+        reduction.append(report.curve(model, *points(by_r, "reduction"), colour=colour))
+        aimed = [row for row in here if row not in by_r]
+        reduction.append(report.curve("", *points(aimed, "reduction"), "points", colour))
+        integration.append(report.curve(model, *points(by_r, "ep4"), colour=colour))
+        integration.append(report.curve("", *points(by_r, "newmark"), "points", colour))
+    for what, curves, least in (("reduction; alone: --target-error", reduction, 5e-4),
+                                ("integration, ep4; alone: newmark", integration, 3e-7)):
         charts.append(report.chart(f"{load}, {what}", curves, x_label="coordinates r", log_y=True, x_range=[3, 62],
-                                   y_range=[3e-7, 2]))
+                                   y_range=[least, 2]))
 report.write(page, "Error against r", "", charts, 2, 300, "", f"{bin_dir}/tremolo-lab",
-             sys.argv[4] if len(sys.argv) == 5 else None, (1100, 1180))
+             sys.argv[4] if len(sys.argv) == 5 else None, (1100, 1140))

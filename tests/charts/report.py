@@ -5,6 +5,9 @@ import pathlib
 import shutil
 import subprocess
 
+# For curves without a label, which get the colour of those that they belong to.
+INKS = ["#0060a8", "#d95f02", "#1b9e77", "#7b3fa0", "#cc1166", "#806020", "#444444", "#2aa0c8"]
+
 
 def curve(label, x, y, style="lines and points", colour=""):
     return {"label": label, "style": style, "colour": colour, "x": list(x), "y": list(y)}
