@@ -42,6 +42,14 @@ void start_alone() {
   ::setenv("OMPI_MCA_pml", "ob1", kKeep);
 }
 
+// Lets ranks that wait for each other give way. By default they look for messages without rest:
+// with three ranks on two processors an iterative solve then took 146 s instead of 3. Where each
+// has a processor it costs nothing that was seen (7.0 s either way). A user's setting is kept.
+void yield_while_waiting() {
+  constexpr int kKeep = 0;
+  ::setenv("OMPI_MCA_mpi_yield_when_idle", "1", kKeep);
+}
+
 }  // namespace
 
 PetscSession::PetscSession(const char* program, const std::vector<std::string>& options) {
@@ -58,6 +66,7 @@ PetscSession::PetscSession(const char* program, const std::vector<std::string>& 
   PetscOptionsSetValue(nullptr, "-no_signal_handler", nullptr);
   ::unsetenv("PETSC_OPTIONS");
   start_alone();
+  yield_while_waiting();
   if (SlepcInitialize(&count, &arguments, nullptr, nullptr) != 0)
     throw Failure(system_error("PETSc or MPI could not be started"));
   PetscPushErrorHandler(keep_message, nullptr);
