@@ -16,8 +16,9 @@ packages_view="libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libpng-dev libe
 # Xvfb and xdotool are a display and a mouse for the window of tremolo-view, ffmpeg makes its films.
 packages_test="libgtest-dev gnuplot-nox libcgal-demo assimp-testmodels glmark2-data xvfb xdotool ffmpeg"
 packages_fuzz="clang libclang-rt-14-dev"  # the fuzzers of ./check --full
-# Programs that read what `tremolo export` writes: ./check --full. Whoever has node or npm keeps his own.
-packages_readers="python3-vtk9 blender"
+# Programs that read what `tremolo export` writes: ./check --full. Blender asks for numpy. Whoever has node or
+# npm keeps his own.
+packages_readers="python3-vtk9 blender python3-numpy"
 # The engine in a page: ./demo --live, ./check --full.
 packages_web="emscripten node-acorn"
 packages_browser="chromium"

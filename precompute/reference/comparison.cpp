@@ -69,7 +69,19 @@ Eigen::MatrixXd basis_of_unknowns(const FullOrder& body, const BasisData& data, 
   return basis;
 }
 
-// tolerance: tolerance of both errors, dimensionless.
+// Bounds the rounding of u^T K u: that of the sums of |u_i K_ij u_j|, here and in the file's
+// making. Of a bar of 200 thicknesses they are 1e9 times their result.
+double rounding_of_product(const FullOrder& body, const Vector& u) {
+  std::vector<double> sizes(body.stiffness.size());
+  std::transform(body.stiffness.begin(), body.stiffness.end(), sizes.begin(),
+                 [](double value) { return std::abs(value); });
+  constexpr double kRoundings = 4.0;
+  const Vector magnitudes = u.cwiseAbs();
+  return kRoundings * std::numeric_limits<double>::epsilon() *
+         magnitudes.dot(multiply(body, sizes, magnitudes));
+}
+
+// tolerance: tolerance of both errors, dimensionless; that of U^T K U plus rounding.
 void require_same_body(const FullOrder& body, const ReducedBody& reduced, double tolerance,
                        const std::string& name) {
   const Eigen::Index r = reduced.model.size();
@@ -78,12 +90,17 @@ void require_same_body(const FullOrder& body, const ReducedBody& reduced, double
           .cwiseAbs()
           .maxCoeff();
   double stiffness_error = 0;
+  bool same = mass_error <= tolerance;
   for (Eigen::Index i = 0; i < r; ++i) {
     const Vector column = reduced.basis.col(i);
     const double value = column.dot(multiply(body, body.stiffness, column));
-    stiffness_error = std::max(stiffness_error, std::abs(value / reduced.model.lambda[i] - 1));
+    const double error = std::abs(value / reduced.model.lambda[i] - 1);
+    stiffness_error = std::max(stiffness_error, error);
+    if (error <= tolerance) continue;
+    same = same && error - tolerance <=
+                       rounding_of_product(body, column) / std::abs(reduced.model.lambda[i]);
   }
-  if (mass_error <= tolerance && stiffness_error <= tolerance) return;
+  if (same) return;
   throw Failure(content_error(
       name +
       text(": |U^T M U - I| is %.1e, U^T K U is off its values by %.1e: it was made with other "

@@ -305,7 +305,7 @@ class EnergyPreserving final : public Integrator {
         evaluate_gradient(nullptr);
         ++updates;
       } else {
-        usable = follow(move, predicted_ && report.iterations == 0);
+        usable = follow_move(move, predicted_ && report.iterations == 0);
         updates = 0;
       }
       const double next = evaluate_residual();
@@ -317,7 +317,7 @@ class EnergyPreserving final : public Integrator {
 
   // G and N at the midpoint after a move. from_prediction: the move was the first from
   // predict_gradient(). False if the frozen Jacobian cannot be had.
-  bool follow(const VectorXd& move, bool from_prediction) {
+  bool follow_move(const VectorXd& move, bool from_prediction) {
     if (from_prediction) move_prediction(move);
     evaluate_gradient(&Z_);
     if (from_prediction) G_missed_ = G_ - G_predicted_;

@@ -20,10 +20,10 @@ error = "off what is published" if case == "orders" else "error of the lowest fr
 charts = []
 for column, x_label in ((3, "unknowns"), (4, "s, the whole program")):
     curves = []
-    for body in bodies:
-        for order, style in (("2", "lines and points"), ("1", "dashes")):
+    for body, ink in zip(bodies, report.INKS):
+        for order, style, label in (("2", "lines and points", body), ("1", "dashes", "")):
             here = sorted((float(row[column]), 100 * abs(float(row[5]))) for row in rows if row[:2] == [body, order])
-            curves.append(report.curve(body, [x for x, _ in here], [y for _, y in here], style))
+            curves.append(report.curve(label, [x for x, _ in here], [y for _, y in here], style, ink))
     charts.append(report.chart(f"{error}; dashed: linear elements", curves, x_label=x_label, y_label="%", log_x=True, log_y=True))
 report.write(page, "Linear and quadratic elements", "", charts, 2, 420, "", f"{bin_dir}/tremolo-lab",
              words[3] if len(words) == 4 else None, (1100, 640))

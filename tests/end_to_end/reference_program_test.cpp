@@ -259,6 +259,18 @@ TEST_F(ReferenceProgram, ABasisOfAnotherMeshIsRefused) {
   expect_failure(std::string(kBody) + "--compare block.tremolo", 3, "made of another mesh");
 }
 
+// What is off by rounding alone, which is large where K u is a small difference of large forces.
+TEST_F(ReferenceProgram, ASlenderBarIsTheOneItsBasisWasMadeOfAndASofterOneIsNot) {
+  testing::write_veg(folder_ + "/block.veg", testing::box_mesh({400, 2, 1}, {1.0, 0.005, 0.02}));
+  const std::string bar = "--poisson 0 --order 1 --fix 'x<1e-9' ";
+  ASSERT_EQ(precompute(bar + "--young 1e7 --linear-modes 3 --modes 6 -o a.tremolo").code, 0);
+  const std::string pushed =
+      bar + "--load-at 'x>0.9999' --load-force 0,1e-3,0 --static --compare a.tremolo --young ";
+  const ProgramResult same = reference(pushed + "1e7");
+  EXPECT_EQ(same.code, 0) << same.err;
+  expect_failure(pushed + "1.0001e7", 3, "other materials");
+}
+
 TEST_F(ReferenceProgram, WhatDoesNotConvergeEndsWithFourAndReportsHowFarItCame) {
   expect_failure(std::string(kBody) + "--static --max-iterations 1", 4, "did not converge");
   const ProgramResult result =
