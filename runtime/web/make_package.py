@@ -1,6 +1,6 @@
 """The npm package: engine, wrapper, types, and a single file with everything inside.
 
-usage: make_package.py SOURCE CORE FULL OUT VERSION; CORE, FULL: folders of the modules"""
+usage: make_package.py SOURCE CORE FULL PLAIN OUT VERSION; CORE, FULL, PLAIN: folders of the modules"""
 import base64
 import json
 import pathlib
@@ -8,11 +8,12 @@ import re
 import shutil
 import sys
 
-source, core, full, out = (pathlib.Path(name) for name in sys.argv[1:5])
+source, core, full, plain, out = (pathlib.Path(name) for name in sys.argv[1:6])
 package = out / "package"
 package.mkdir(parents=True, exist_ok=True)
 for module in (core / "engine.wasm", full / "engine-full.wasm"):
     shutil.copy(module, package / module.name)
+shutil.copy(plain / "engine.wasm", package / "engine-plain.wasm")
 for name in ("tremolo.mjs", "engine.mjs", "tremolo.d.ts", "README.md"):
     shutil.copy(source / "package" / name, package / name)
 shutil.copy(source.parent.parent / "LICENSE", package / "LICENSE")
@@ -31,7 +32,7 @@ inlined = ("function tremoloWasm() {\n  const raw = atob('" + base64.b64encode(w
 (out / "engine.inline.js").write_text(starter + inlined + wrapper.replace("export ", ""))
 (package / "tremolo.single.mjs").write_text(starter + inlined + single)
 (package / "package.json").write_text(json.dumps({
-    "name": "tremolo", "version": sys.argv[5], "type": "module", "license": "MIT",
+    "name": "tremolo", "version": sys.argv[6], "type": "module", "license": "MIT",
     "description": "Deformable solids that vibrate in real time without losing their energy",
     "main": "tremolo.mjs", "types": "tremolo.d.ts",
     "exports": {".": {"types": "./tremolo.d.ts", "default": "./tremolo.mjs"},

@@ -9,7 +9,7 @@ import { gzipSync } from 'node:zlib';
 
 const [packagePath, program, modelPath, folder] = process.argv.slice(2);
 const bytes = readFileSync(modelPath);
-const kCoreBytes = 185000; // 182 200 now; 150 000 are aimed at
+const kCoreBytes = 185000; // 183 200 now; 150 000 are aimed at
 const kVertex = 1045, kForce = [0.05, 0.4, -0.2], kSteps = 1000, kStep = 0.003;
 
 function nativeState(integrator) {
@@ -85,6 +85,31 @@ for (const file of ['tremolo.mjs', 'tremolo.single.mjs']) {
   const size = grown();
   for (let k = 0; k < 10; ++k) cycle();
   assert.equal(grown(), size);
+}
+
+// The module for browsers without vectors moves like the native engine, too. Who asks for no module
+// there gets it.
+{
+  const { loadTremolo } = await import(pathToFileURL(join(packagePath, 'tremolo.mjs')));
+  const known = WebAssembly.validate;
+  WebAssembly.validate = () => false;
+  const plain = await loadTremolo();
+  WebAssembly.validate = known;
+  const model = plain.loadModel(bytes);
+  for (const integrator of ['ep4', 'imexv']) {
+    const body = model.createBody({ integrator, step: kStep, tolerance: 1e-12 });
+    body.applyForce(kVertex, kForce, 1);
+    body.step(kSteps);
+    const { q } = body.state(), expected = nativeState(integrator);
+    const size = Math.max(...expected.map(Math.abs));
+    const worst = Math.max(...expected.map((x, i) => Math.abs(x - q[i])));
+    console.log(`engine-plain.wasm ${integrator}: ${(worst / size).toExponential(1)} of max |q|`);
+    assert.ok(size > 0 && worst <= 1e-9 * size, `${integrator}: ${worst / size}`);
+    body.release();
+  }
+  model.release();
+  const sizes = ['engine.wasm', 'engine-plain.wasm'].map((name) => readFileSync(join(packagePath, name)).length);
+  assert.notEqual(sizes[0], sizes[1]);
 }
 
 // The core is small, and what is left out of it is in the full module. A body of both moves alike,
