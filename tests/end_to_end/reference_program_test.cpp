@@ -259,7 +259,7 @@ TEST_F(ReferenceProgram, ABasisOfAnotherMeshIsRefused) {
   expect_failure(std::string(kBody) + "--compare block.tremolo", 3, "made of another mesh");
 }
 
-// What is off by rounding alone, which is large where K u is a small difference of large forces.
+// K u of a slender bar is a small difference of large forces: its rounding is large.
 TEST_F(ReferenceProgram, ASlenderBarIsTheOneItsBasisWasMadeOfAndASofterOneIsNot) {
   testing::write_veg(folder_ + "/block.veg", testing::box_mesh({400, 2, 1}, {1.0, 0.005, 0.02}));
   const std::string bar = "--poisson 0 --order 1 --fix 'x<1e-9' ";

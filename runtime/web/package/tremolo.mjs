@@ -19,8 +19,9 @@ const kVectors = new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1,
   10, 8, 1, 6, 0, 65, 0, 253, 15, 11]);
 
 // wasmBinary: the bytes of a module; without, it is read from beside this one: engine.wasm, or
-// engine-plain.wasm where there are no vectors (SIMD), or with `full` engine-full.wasm. Only that has driven and free bodies, gravity, bones, colliders, bodies
-// against bodies, joints and saved states; what needs it here says `full` in its comment.
+// engine-plain.wasm where there are no vectors (SIMD), or with `full` engine-full.wasm. Only that
+// has driven and free bodies, gravity, bones, colliders, bodies against bodies, joints and saved
+// states; what needs it here says `full` in its comment.
 export async function loadTremolo({ wasmBinary, full = false } = {}) {
   const core = WebAssembly.validate(kVectors) ? './engine.wasm' : './engine-plain.wasm';
   return new Tremolo(await createEngine({ wasmBinary, file: full ? './engine-full.wasm' : core }));

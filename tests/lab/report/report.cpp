@@ -27,7 +27,7 @@ OrderedJson all_to_json(const Charts& charts) {
   return all;
 }
 
-// Empty, or what of its outline a report lacks.
+// Says which part of its outline a report lacks; empty if it has all.
 std::string lacking(const OrderedJson& report) {
   const auto text = [](const OrderedJson& in, const char* name) {
     return in.is_object() && in.contains(name) && in[name].is_string();

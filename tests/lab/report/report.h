@@ -51,8 +51,8 @@ class Report {
 // The page that shows `report` (runtime/page/document.h). Errors: kSystem.
 Status write_page(const nlohmann::ordered_json& report, const std::string& path);
 
-// The same of a report that a file holds. Errors: kContent if it is not JSON or its outline is not
-// that of a report, with the file's name; kSystem.
+// Writes the page of a report that a file holds. Errors: kContent if it is not JSON or its outline
+// is not that of a report, with the file's name; kSystem.
 Status page_of_file(const std::string& report, const std::string& path);
 
 }  // namespace tremolo
