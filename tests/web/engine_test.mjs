@@ -91,10 +91,15 @@ for (const file of ['tremolo.mjs', 'tremolo.single.mjs']) {
 // there gets it.
 {
   const { loadTremolo } = await import(pathToFileURL(join(packagePath, 'tremolo.mjs')));
-  const known = WebAssembly.validate;
+  const { validate, instantiate } = WebAssembly, started = [];
+  WebAssembly.instantiate = (bytes, imports) => {
+    started.push(bytes.length);
+    return instantiate(bytes, imports);
+  };
+  await loadTremolo();
   WebAssembly.validate = () => false;
   const plain = await loadTremolo();
-  WebAssembly.validate = known;
+  Object.assign(WebAssembly, { validate, instantiate });
   const model = plain.loadModel(bytes);
   for (const integrator of ['ep4', 'imexv']) {
     const body = model.createBody({ integrator, step: kStep, tolerance: 1e-12 });
@@ -109,7 +114,7 @@ for (const file of ['tremolo.mjs', 'tremolo.single.mjs']) {
   }
   model.release();
   const sizes = ['engine.wasm', 'engine-plain.wasm'].map((name) => readFileSync(join(packagePath, name)).length);
-  assert.notEqual(sizes[0], sizes[1]);
+  assert.deepEqual(started, sizes);
 }
 
 // The core is small, and what is left out of it is in the full module. A body of both moves alike,
