@@ -4,9 +4,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <Eigen/SVD>
 
 #include "precompute/dense/large_decompositions.h"
+#include "precompute/system/blas_threads.h"
 
 namespace tremolo {
 
@@ -22,15 +22,11 @@ EigenPairs eigenpairs(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 }
 
 SingularPairs singular_pairs(const Eigen::MatrixXd& a, SingularVectors wanted) {
-  if (std::max(a.rows(), a.cols()) >= kLarge && wanted == SingularVectors::kThinLeft)
-    return large_left_singular_pairs(a);
-  unsigned options = 0;
-  if (wanted == SingularVectors::kThinLeft) options = Eigen::ComputeThinU;
-  if (wanted == SingularVectors::kFullRight) options = Eigen::ComputeFullV;
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(a, options);
-  SingularPairs pairs{svd.singularValues(), {}};
-  if (wanted == SingularVectors::kThinLeft) pairs.vectors = svd.matrixU();
-  if (wanted == SingularVectors::kFullRight) pairs.vectors = svd.matrixV();
+  const bool large = std::max(a.rows(), a.cols()) >= kLarge;
+  const BlasThreads threads(large ? blas_thread_count() : 1);
+  if (wanted == SingularVectors::kRight) return left_singular_pairs(a.transpose());
+  SingularPairs pairs = left_singular_pairs(a);
+  if (wanted == SingularVectors::kNone) pairs.vectors.resize(0, 0);
   return pairs;
 }
 

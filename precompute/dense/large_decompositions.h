@@ -1,4 +1,4 @@
-// Decompositions of dense matrices with thousands of rows, by LAPACK with BLAS's threads.
+// Decompositions of dense matrices by LAPACK with BLAS's threads.
 #pragma once
 
 #include <vector>
@@ -11,10 +11,8 @@ namespace tremolo {
 // As eigenpairs(a).
 EigenPairs large_eigenpairs(const Eigen::MatrixXd& a);
 
-// As singular_pairs(a, kThinLeft), by divide and conquer; singular values are accurate to rounding
-// of the largest one, as none is squared. A wide matrix is first reduced to a square one. Throws
-// Failure (kSolver) if the iteration does not converge.
-SingularPairs large_left_singular_pairs(const Eigen::MatrixXd& a);
+// As singular_pairs(a, kLeft). A wide matrix is first reduced to a square one.
+SingularPairs left_singular_pairs(const Eigen::MatrixXd& a);
 
 // R^T R = P^T A P up to a remainder whose diagonal is at most `tolerance`. factor: R, rank x n,
 // upper trapezoidal. order: column i of A P is column order[i] of A.

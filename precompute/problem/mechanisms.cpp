@@ -102,7 +102,7 @@ Eigen::MatrixXd motions_left(const TetMesh& mesh, const std::vector<Body>& bodie
   Eigen::MatrixXd square = Eigen::MatrixXd::Zero(columns, columns);
   const Eigen::MatrixXd few = compressed(equations);
   square.topRows(few.rows()) = few;
-  const SingularPairs pairs = singular_pairs(square, SingularVectors::kFullRight);
+  const SingularPairs pairs = singular_pairs(square, SingularVectors::kRight);
   // Below this singular value a motion counts as free: a lever arm this short, relative to the
   // piece, is rounding of its coordinates. A body held by little more appears in the eigensolver.
   constexpr double kFreeThreshold = 1e-7;

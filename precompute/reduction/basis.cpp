@@ -97,7 +97,7 @@ void choose_at_cut(Mat mass, const Marker& marker, const Cluster& cut,
 void find_directions(PrincipalColumns& principal) {
   constexpr double kRank =
       1e-13;  // relative to the largest singular value; smaller ones are rounding
-  const SingularPairs pairs = singular_pairs(principal.t, SingularVectors::kThinLeft);
+  const SingularPairs pairs = singular_pairs(principal.t, SingularVectors::kLeft);
   principal.singular_values = pairs.values;
   principal.rank =
       (principal.singular_values.array() > kRank * principal.singular_values[0]).count();
