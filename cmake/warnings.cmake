@@ -29,3 +29,8 @@ if(TREMOLO_FUZZ)
   add_link_options(-fsanitize=address,undefined)
   add_compile_definitions(TREMOLO_SANITIZED=1 TREMOLO_FUZZING=1 _GLIBCXX_ASSERTIONS=1)
 endif()
+
+# g++ tidies its memory again and again unless it may fill a gigabyte: an eighth of the compile time, for 0.2 GB
+# more at its peak.
+target_compile_options(tremolo_flags INTERFACE
+  $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=1048576>)
