@@ -251,6 +251,23 @@ std::vector<Eigen::Vector2d> star(int points, double outer, double inner) {
   return outline;
 }
 
+// Around a plate from x = 0 to 3: squares of `side` cells a side, between them a strip of `bend`
+// cells.
+std::vector<Eigen::Vector2d> flat_outline(int side, int bend) {
+  std::vector<Eigen::Vector2d> outline;
+  const int length = 2 * side + bend;
+  const auto along = [&](int i) {
+    return i <= side          ? double(i) / side
+           : i <= side + bend ? 1 + double(i - side) / bend
+                              : 2 + double(i - side - bend) / side;
+  };
+  for (int i = 0; i < length; ++i) outline.emplace_back(along(i), 0);
+  for (int i = 0; i < side; ++i) outline.emplace_back(3, double(i) / side);
+  for (int i = length; i > 0; --i) outline.emplace_back(along(i), 1);
+  for (int i = side; i > 0; --i) outline.emplace_back(0, double(i) / side);
+  return outline;
+}
+
 Shape bracket() {
   constexpr int kSide = 6;  // cells along a side of the squares about the holes
   constexpr int kBend = 6;  // and between the squares
@@ -290,18 +307,7 @@ Shape bracket() {
       hole.push_back(kHole * border(k).normalized() + Eigen::Vector2d(middle, 0.5));
     wall(hole);
   }
-  std::vector<Eigen::Vector2d> outline;
-  const int length = 2 * kSide + kBend;
-  const auto along = [&](int i) {
-    return i <= kSide           ? double(i) / kSide
-           : i <= kSide + kBend ? 1 + double(i - kSide) / kBend
-                                : 2 + double(i - kSide - kBend) / kSide;
-  };
-  for (int i = 0; i < length; ++i) outline.emplace_back(along(i), 0);
-  for (int i = 0; i < kSide; ++i) outline.emplace_back(3, double(i) / kSide);
-  for (int i = length; i > 0; --i) outline.emplace_back(along(i), 1);
-  for (int i = kSide; i > 0; --i) outline.emplace_back(0, double(i) / kSide);
-  wall(outline);
+  wall(flat_outline(kSide, kBend));
   // About the axis x = 1, z = radius, over the length of the strip.
   const double radius = 2 / kPi;
   return mapped(welded(solid, 1e-6), [radius](const Vector3d& x) {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/bar_skin.h"
+#include "tests/support/frames/bar_skin.h"
 #include "tests/support/programs.h"
 #include "tests/support/text_lines.h"
 

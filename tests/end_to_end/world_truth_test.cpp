@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/body.h"
-#include "tests/support/given_motion.h"
+#include "tests/support/frames/given_motion.h"
 #include "tests/support/programs.h"
 
 namespace tremolo {

@@ -7,7 +7,7 @@
 
 #include "runtime/exchange/collider_shape.h"
 #include "runtime/exchange/recording.h"
-#include "tests/support/rigged_model.h"
+#include "tests/support/frames/rigged_model.h"
 #include "tests/support/sample_render.h"
 #include "tests/support/wavy_animation.h"
 

@@ -10,7 +10,7 @@
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/tremolo.h"
 #include "tests/support/c_models.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 
 namespace tremolo {
 namespace {
@@ -33,6 +33,30 @@ class CApiContact : public ::testing::Test {
     tremolo_collider_destroy(floor_);
     tremolo_body_destroy(body_);
     tremolo_model_release(model_);
+  }
+
+  // The body's state and the account of its energy are those of `other`.
+  void expect_same_account(const Body& other) {
+    std::vector<double> q(4);
+    ASSERT_EQ(tremolo_body_state(body_, q.data(), nullptr, 4), TREMOLO_OK);
+    EXPECT_EQ(Eigen::Map<Eigen::VectorXd>(q.data(), 4), other.state().q);
+    double stored = -1.0, given = 0.0, restitution = 0.0, friction = 0.0, held = 0.0, error = 1.0;
+    ASSERT_EQ(
+        tremolo_body_contact_work(body_, &stored, &given, &restitution, &friction, &held, &error),
+        TREMOLO_OK);
+    EXPECT_EQ(given, other.contact_given());
+    EXPECT_EQ(restitution, 0.0 - other.contact_lost());
+    EXPECT_EQ(friction, 0.0 - other.contact_rubbed());
+    EXPECT_EQ(held, other.hand_work());
+    EXPECT_EQ(error, other.contact_error());
+    // Everything together is where the energy is.
+    double kinetic = 0.0, potential = 0.0, load = 1.0, fallen = 0.0, damping = 0.0;
+    ASSERT_EQ(tremolo_body_energy(body_, &kinetic, &potential, nullptr), TREMOLO_OK);
+    ASSERT_EQ(tremolo_body_work(body_, &load, nullptr, &fallen, &damping), TREMOLO_OK);
+    EXPECT_NEAR(load, 0.0, 1e-12 * fallen);
+    EXPECT_NEAR(kinetic + potential + stored,
+                fallen + damping + given + restitution + friction + held + error,
+                1e-8 * std::abs(fallen));
   }
 
   tremolo_model* model_ = nullptr;
@@ -89,26 +113,7 @@ TEST_F(CApiContact, BodyFallsOnAMovingFloorAndIsHeldAsInCpp) {
     most = std::max(most, points);
   }
   EXPECT_GT(most, 0);
-  std::vector<double> q(4);
-  ASSERT_EQ(tremolo_body_state(body_, q.data(), nullptr, 4), TREMOLO_OK);
-  EXPECT_EQ(Eigen::Map<Eigen::VectorXd>(q.data(), 4), other.state().q);
-  double stored = -1.0, given = 0.0, restitution = 0.0, friction = 0.0, held = 0.0, error = 1.0;
-  ASSERT_EQ(
-      tremolo_body_contact_work(body_, &stored, &given, &restitution, &friction, &held, &error),
-      TREMOLO_OK);
-  EXPECT_EQ(given, other.contact_given());
-  EXPECT_EQ(restitution, 0.0 - other.contact_lost());
-  EXPECT_EQ(friction, 0.0 - other.contact_rubbed());
-  EXPECT_EQ(held, other.hand_work());
-  EXPECT_EQ(error, other.contact_error());
-  // Everything together is where the energy is.
-  double kinetic = 0.0, potential = 0.0, load = 1.0, fallen = 0.0, damping = 0.0;
-  ASSERT_EQ(tremolo_body_energy(body_, &kinetic, &potential, nullptr), TREMOLO_OK);
-  ASSERT_EQ(tremolo_body_work(body_, &load, nullptr, &fallen, &damping), TREMOLO_OK);
-  EXPECT_NEAR(load, 0.0, 1e-12 * fallen);
-  EXPECT_NEAR(kinetic + potential + stored,
-              fallen + damping + given + restitution + friction + held + error,
-              1e-8 * std::abs(fallen));
+  expect_same_account(other);
 }
 
 TEST_F(CApiContact, ShapesTellTheirDistances) {

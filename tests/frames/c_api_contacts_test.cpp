@@ -11,7 +11,7 @@
 #include "runtime/contact/solve/make_joint.h"
 #include "runtime/tremolo.h"
 #include "tests/support/c_models.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 
 namespace tremolo {
 namespace {
@@ -55,6 +55,43 @@ class CApiContacts : public ::testing::Test {
     return options;
   }
 
+  // Body i falls as a ball from its place, and `other` does so in C++.
+  void place(std::size_t i, const tremolo_contact_options& options, Body& other) {
+    const double gravity[] = {0.0, 0.0, -9.81};
+    const double upright[] = {1.0, 0.0, 0.0, 0.0};
+    ASSERT_EQ(tremolo_body_set_contact(bodies_[i], &options), TREMOLO_OK) << tremolo_last_error();
+    ASSERT_EQ(tremolo_body_set_pose(bodies_[i], kAt[i].data(), upright), TREMOLO_OK);
+    ASSERT_EQ(tremolo_body_set_gravity(bodies_[i], gravity), TREMOLO_OK);
+    uint32_t number = 99;
+    ASSERT_EQ(tremolo_contacts_add(contacts_, bodies_[i], &number), TREMOLO_OK);
+    EXPECT_EQ(number, i);
+    ASSERT_TRUE(other.set_contact(
+        {.shape = SphereShape{kBallRadius}, .friction = 0.2, .restitution = 0.4}));
+    ASSERT_TRUE(other.set_pose({kAt[i], Eigen::Quaterniond::Identity()}));
+    ASSERT_TRUE(other.set_gravity(Vector3d(gravity)));
+  }
+  void expect_same_touches(const BodyGroup& group) {
+    uint32_t who[6] = {};
+    double impulses[3] = {};
+    size_t touches = 99;
+    ASSERT_EQ(tremolo_contacts_touches(contacts_, who, impulses, 3, &touches), TREMOLO_OK);
+    ASSERT_EQ(touches, group.touches().size());
+    for (size_t i = 0; i < touches; ++i) {
+      EXPECT_EQ(who[2 * i], group.touches()[i].a);
+      EXPECT_EQ(who[2 * i + 1], group.touches()[i].b);
+      EXPECT_EQ(impulses[i], group.touches()[i].impulse);
+    }
+  }
+  void expect_same_states(const std::vector<Body>& others) {
+    for (std::size_t i = 0; i < kBodies; ++i) {
+      double q[4], position[3], turn[4];
+      ASSERT_EQ(tremolo_body_state(bodies_[i], q, nullptr, 4), TREMOLO_OK);
+      ASSERT_EQ(tremolo_body_pose(bodies_[i], position, turn), TREMOLO_OK);
+      EXPECT_EQ(std::memcmp(q, others[i].state().q.data(), sizeof(q)), 0);
+      EXPECT_EQ(Vector3d(position), others[i].pose().position);
+    }
+  }
+
   tremolo_model* model_ = nullptr;
   tremolo_collider *floor_ = nullptr, *ball_ = nullptr;
   tremolo_contacts* contacts_ = nullptr;
@@ -62,8 +99,6 @@ class CApiContacts : public ::testing::Test {
 };
 
 TEST_F(CApiContacts, BodiesFallOnAFloorAndOnEachOtherAndHangTogetherAsInCpp) {
-  const double gravity[] = {0.0, 0.0, -9.81};
-  const double upright[] = {1.0, 0.0, 0.0, 0.0};
   const Model::Pointer model = testing::frame_model(4, true, 60.0, 300.0, 0.2, 3);
   std::vector<Body> others;
   std::vector<Body*> stepped;
@@ -71,16 +106,7 @@ TEST_F(CApiContacts, BodiesFallOnAFloorAndOnEachOtherAndHangTogetherAsInCpp) {
     others.push_back(testing::make_framed(model, FrameKind::kFree, {}));
   const tremolo_contact_options options = touching();
   for (std::size_t i = 0; i < kBodies; ++i) {
-    ASSERT_EQ(tremolo_body_set_contact(bodies_[i], &options), TREMOLO_OK) << tremolo_last_error();
-    ASSERT_EQ(tremolo_body_set_pose(bodies_[i], kAt[i].data(), upright), TREMOLO_OK);
-    ASSERT_EQ(tremolo_body_set_gravity(bodies_[i], gravity), TREMOLO_OK);
-    uint32_t number = 99;
-    ASSERT_EQ(tremolo_contacts_add(contacts_, bodies_[i], &number), TREMOLO_OK);
-    EXPECT_EQ(number, i);
-    ASSERT_TRUE(others[i].set_contact(
-        {.shape = SphereShape{kBallRadius}, .friction = 0.2, .restitution = 0.4}));
-    ASSERT_TRUE(others[i].set_pose({kAt[i], Eigen::Quaterniond::Identity()}));
-    ASSERT_TRUE(others[i].set_gravity(Vector3d(gravity)));
+    place(i, options, others[i]);
     stepped.push_back(&others[i]);
   }
   tremolo_joint_options wanted;
@@ -114,26 +140,11 @@ TEST_F(CApiContacts, BodiesFallOnAFloorAndOnEachOtherAndHangTogetherAsInCpp) {
         << tremolo_last_error();
     EXPECT_EQ(failed, 0u);
     group.step(stepped, floor, reports);
-    uint32_t who[6] = {};
-    double impulses[3] = {};
-    size_t touches = 99;
-    ASSERT_EQ(tremolo_contacts_touches(contacts_, who, impulses, 3, &touches), TREMOLO_OK);
-    ASSERT_EQ(touches, group.touches().size());
-    most_touches = std::max(most_touches, touches);
-    for (size_t i = 0; i < touches; ++i) {
-      EXPECT_EQ(who[2 * i], group.touches()[i].a);
-      EXPECT_EQ(who[2 * i + 1], group.touches()[i].b);
-      EXPECT_EQ(impulses[i], group.touches()[i].impulse);
-    }
+    expect_same_touches(group);
+    most_touches = std::max(most_touches, group.touches().size());
   }
   EXPECT_GT(most_touches, 0u);
-  for (std::size_t i = 0; i < kBodies; ++i) {
-    double q[4], position[3], turn[4];
-    ASSERT_EQ(tremolo_body_state(bodies_[i], q, nullptr, 4), TREMOLO_OK);
-    ASSERT_EQ(tremolo_body_pose(bodies_[i], position, turn), TREMOLO_OK);
-    EXPECT_EQ(std::memcmp(q, others[i].state().q.data(), sizeof(q)), 0);
-    EXPECT_EQ(Vector3d(position), others[i].pose().position);
-  }
+  expect_same_states(others);
   double force[3] = {}, energy = -1.0, damped = -1.0;
   ASSERT_EQ(tremolo_contacts_joint(contacts_, joint, force, &energy, &damped), TREMOLO_OK);
   EXPECT_EQ(Vector3d(force), group.joint(own)->force);

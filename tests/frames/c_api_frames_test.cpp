@@ -8,8 +8,8 @@
 
 #include "formats/basis/basis_writer.h"
 #include "runtime/tremolo.h"
-#include "tests/support/frame_models.h"
-#include "tests/support/rigged_model.h"
+#include "tests/support/frames/frame_models.h"
+#include "tests/support/frames/rigged_model.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

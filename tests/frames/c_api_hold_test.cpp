@@ -7,7 +7,7 @@
 
 #include "runtime/tremolo.h"
 #include "tests/support/c_models.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 
 namespace tremolo {
 namespace {

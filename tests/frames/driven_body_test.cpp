@@ -8,7 +8,7 @@
 
 #include "runtime/scene/motion.h"
 #include "tests/support/dynamics.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 #include "tests/support/held_case.h"
 
 namespace tremolo {

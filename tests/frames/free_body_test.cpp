@@ -7,7 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 
 namespace tremolo {
 namespace {

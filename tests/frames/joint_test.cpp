@@ -13,7 +13,7 @@
 #include "runtime/contact/solve/body_group.h"
 #include "runtime/contact/solve/make_joint.h"
 #include "runtime/scene/scene_world.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 
 namespace tremolo {
 namespace {

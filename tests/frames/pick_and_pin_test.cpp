@@ -13,7 +13,7 @@
 
 #include "runtime/scene/scene_world.h"
 #include "runtime/tremolo.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 
 namespace tremolo {
 namespace {

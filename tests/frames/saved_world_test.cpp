@@ -14,7 +14,7 @@
 #include "formats/saved/saved_file.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_world.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tremolo {

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "runtime/scene/scene_world.h"
-#include "tests/support/frame_models.h"
-#include "tests/support/rigged_model.h"
+#include "tests/support/frames/frame_models.h"
+#include "tests/support/frames/rigged_model.h"
 
 #if defined(__GLIBC__) && !defined(TREMOLO_SANITIZED)
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/scene/scene_world.h"
-#include "tests/support/rigged_model.h"
+#include "tests/support/frames/rigged_model.h"
 
 namespace tremolo {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/scene/scene_world.h"
-#include "tests/support/frame_scenes.h"
+#include "tests/support/frames/frame_scenes.h"
 #include "tests/support/small_collider.h"
 #include "tests/support/temporary_folder.h"
 

@@ -7,7 +7,7 @@
 
 #include "common/restore_state.h"
 #include "runtime/scene/scene_world.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 
 namespace tremolo {
 namespace {

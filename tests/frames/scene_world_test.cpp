@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/frame_scenes.h"
+#include "tests/support/frames/frame_scenes.h"
 
 namespace tremolo {
 namespace {

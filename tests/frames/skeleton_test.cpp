@@ -11,9 +11,9 @@
 #include "runtime/scene/motion.h"
 #include "runtime/skeleton/bone_inertia.h"
 #include "tests/support/dynamics.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
+#include "tests/support/frames/rigged_model.h"
 #include "tests/support/held_case.h"
-#include "tests/support/rigged_model.h"
 
 namespace tremolo {
 namespace {

@@ -1,10 +1,9 @@
 // Quadratic elements against what is known independently of how they are computed: products of
 // Bernstein polynomials by their closed form, nodal quadratics, linear elements inside them, fields
-// that are quadratic in X, Lame's mode between sliding walls.
+// that are quadratic in X.
 #include <numbers>
 #include <random>
 
-#include <Eigen/SparseCholesky>
 #include <gtest/gtest.h>
 
 #include "common/mesh/mesh_check.h"
@@ -370,93 +369,6 @@ TEST_P(QuadraticLoops, ThePolynomialIsTheEnergyAndTheForceOfTheMesh) {
     const double energy = energy_from_products(solid, u);
     EXPECT_NEAR(0.5 * q.dot(c.quadratic * q) + rest.energy, energy, 1e-12 * energy) << reach;
   }
-}
-
-// Lame's mode of a block between sliding walls: pure shear waves, u = (sin ax cos ay,
-// -cos ax sin ay, 0), a = pi / side; omega = sqrt 2 c_s a. frequency: the mesh's lowest over the
-// exact one, less 1. shape: L2 norm of what its mode is off, over that of the mode.
-struct LameError {
-  double frequency = 0;
-  double shape = 0;
-};
-LameError lame_error(int cells, int order) {
-  const Eigen::Vector3d size(0.1, 0.1, 0.1 / cells);
-  TetMesh mesh = box_mesh({cells, cells, 1}, size);
-  if (order == 2) mesh = quadratic(mesh);
-  const Solid solid = make_solid(mesh, kQuadraticMaterial);
-  // The normal displacement is zero on all six walls.
-  Eigen::VectorXi unknown = Eigen::VectorXi::Constant(3 * std::ssize(mesh.vertices), -1);
-  int count = 0;
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-    for (int axis = 0; axis < 3; ++axis)
-      if (mesh.vertices[v][axis] > 1e-9 && mesh.vertices[v][axis] < size[axis] - 1e-9)
-        unknown[3 * static_cast<Eigen::Index>(v) + axis] = count++;
-  std::vector<Eigen::Triplet<double>> stiffness, mass;
-  for (std::size_t e = 0; e < solid.elements.size(); ++e) {
-    const ElementNodes nodes = element_nodes(mesh, e);
-    const ElementStiffness k = rest_stiffness(solid, e);
-    for (int i = 0; i < 3 * nodes.count; ++i)
-      for (int j = 0; j < 3 * nodes.count; ++j) {
-        const int row = unknown[3 * nodes[i / 3] + i % 3];
-        const int column = unknown[3 * nodes[j / 3] + j % 3];
-        if (row < 0 || column < 0) continue;
-        stiffness.emplace_back(row, column, k(i, j));
-        if (i % 3 == j % 3)
-          mass.emplace_back(row, column,
-                            element_mass(solid, e, i / 3, j / 3, MassKind::kConsistent));
-      }
-  }
-  Eigen::SparseMatrix<double> k(count, count), m(count, count);
-  k.setFromTriplets(stiffness.begin(), stiffness.end());
-  m.setFromTriplets(mass.begin(), mass.end());
-  const double a = std::numbers::pi / size.x();
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(count);
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-    const Eigen::Vector3d& x = mesh.vertices[v];
-    const double value[2] = {std::sin(a * x.x()) * std::cos(a * x.y()),
-                             -std::cos(a * x.x()) * std::sin(a * x.y())};
-    for (int axis = 0; axis < 2; ++axis)
-      if (const int i = unknown[3 * static_cast<Eigen::Index>(v) + axis]; i >= 0)
-        u[i] = value[axis];
-  }
-  // Inverse iteration: the mode is the lowest.
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(k);
-  for (int round = 0; round < 60; ++round) u = factor.solve(m * u).normalized();
-  const double exact =
-      std::sqrt(2.0 * lame_mu(kQuadraticMaterial) / kQuadraticMaterial.density) * a;
-  LameError error;
-  error.frequency = std::sqrt(u.dot(k * u) / u.dot(m * u)) / exact - 1.0;
-  // Sums over points that are exact for degree 4: the mode's size, and what is off it.
-  double both = 0, square = 0, mine = 0;
-  for (std::size_t e = 0; e < solid.elements.size(); ++e) {
-    const ElementNodes nodes = element_nodes(mesh, e);
-    for (const SamplePoint& point : sample_points(2, 4)) {
-      const std::array<double, kMostNodes> value = polynomials_at(order, point.lambda);
-      Eigen::Vector3d x = Eigen::Vector3d::Zero(), found = Eigen::Vector3d::Zero();
-      for (int c = 0; c < 4; ++c) x += point.lambda[c] * mesh.vertices[nodes[c]];
-      for (int i = 0; i < nodes.count; ++i)
-        for (int axis = 0; axis < 3; ++axis)
-          if (const int at = unknown[3 * nodes[i] + axis]; at >= 0) found[axis] += value[i] * u[at];
-      const Eigen::Vector3d mode(std::sin(a * x.x()) * std::cos(a * x.y()),
-                                 -std::cos(a * x.x()) * std::sin(a * x.y()), 0.0);
-      const double weight = point.share * solid.elements[e].volume;
-      both += weight * mode.dot(found);
-      square += weight * mode.squaredNorm();
-      mine += weight * found.squaredNorm();
-    }
-  }
-  error.shape = std::sqrt(std::max(0.0, 1.0 - both * both / (square * mine)));
-  return error;
-}
-
-TEST(QuadraticElement, LamesModeConvergesWithTheFourthOrderAndItsShapeWithTheThird) {
-  const LameError coarse = lame_error(6, 2), fine = lame_error(12, 2);
-  EXPECT_GT(fine.frequency, 0);
-  EXPECT_LT(fine.frequency, 1e-4);
-  EXPECT_GE(std::log2(coarse.frequency / fine.frequency), 3.7);
-  EXPECT_GE(std::log2(coarse.shape / fine.shape), 2.8);
-  const LameError linear = lame_error(6, 1), finer = lame_error(12, 1);
-  EXPECT_NEAR(std::log2(linear.frequency / finer.frequency), 2.0, 0.2);
 }
 
 TEST_P(QuadraticLoops, TheAssembledStiffnessIsTheQuadraticPartOfTheEnergy) {

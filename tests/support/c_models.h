@@ -3,7 +3,7 @@
 
 #include "formats/basis/basis_writer.h"
 #include "runtime/tremolo.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 
 namespace tremolo::testing {
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "tests/support/dynamics.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 
 namespace tremolo::testing {
 

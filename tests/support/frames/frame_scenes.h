@@ -5,7 +5,7 @@
 
 #include "common/result.h"
 #include "runtime/scene/scene.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 
 namespace tremolo::testing {
 

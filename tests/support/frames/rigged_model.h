@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/bones.h"
-#include "tests/support/frame_models.h"
+#include "tests/support/frames/frame_models.h"
 #include "tests/support/meshes/box_mesh.h"
 #include "tests/support/meshes/mass_points.h"
 
