@@ -64,8 +64,8 @@ node -e '
 
 node "$here/validate.mjs" "$modules" "$work"/*.glb
 
-# NAME BODY FOLDER-OF-THE-RUN TOLERANCE, of its size: floats know seven digits of a place, and some
-# bodies come several sizes away.
+# NAME BODY FOLDER-OF-THE-RUN. The tolerance is of the body's size or, if that is more, of its distance from
+# the origin: floats know seven digits of a place.
 compared() {
   node "$here/three_positions.mjs" "$modules" "$work/$1.glb" "$2" "$work/$1-run/$3" 1e-6
   node "$here/usda_positions.mjs" "$modules" "$work/$1.usda" "${2//-/_}" "$work/$1-run/$3" 1e-6

@@ -1,4 +1,5 @@
-// The surfaces of `tremolo run --surfaces N`: [{ time, places: [[x, y, z], ...], size }, ...].
+// The surfaces of `tremolo run --surfaces N`: [{ time, places: [[x, y, z], ...], size }, ...]. size: the
+// longest side of the box of the vertices and of the origin, as floats know seven digits of a place.
 import fs from 'node:fs';
 import path from 'node:path';
 
@@ -23,7 +24,7 @@ export function readRun(folder) {
     const [, time, name] = row.split(',');
     const places = readPly(path.join(folder, name));
     const extent = (k) => {
-      let low = Infinity, high = -Infinity;
+      let low = 0, high = 0;
       for (const x of places) { low = Math.min(low, x[k]); high = Math.max(high, x[k]); }
       return high - low;
     };

@@ -31,6 +31,7 @@ for time, wanted in read_run(run):
     moved = grid.GetPointData().GetArray('displacement')
     assert moved.GetNumberOfTuples() == len(wanted) and moved.GetNumberOfComponents() == 3
     size = max(max(x[k] for x in wanted) - min(x[k] for x in wanted) for k in range(3))
+    size = max(size, max(abs(c) for x in wanted for c in x))  # floats know seven digits of a place
     worst = max(worst, max(math.dist(grid.GetPoint(v), x) for v, x in enumerate(wanted)) / size)
     seen += 1
 print(f"{os.path.basename(path)}: VTK has '{body}' at {seen} moments to {worst:.1e} of its size")
