@@ -67,8 +67,8 @@ node "$here/validate.mjs" "$modules" "$work"/*.glb
 # NAME BODY FOLDER-OF-THE-RUN. The tolerance is of the body's size or, if that is more, of its distance from
 # the origin: floats know seven digits of a place.
 compared() {
-  node "$here/three_positions.mjs" "$modules" "$work/$1.glb" "$2" "$work/$1-run/$3" 1e-6
-  node "$here/usda_positions.mjs" "$modules" "$work/$1.usda" "${2//-/_}" "$work/$1-run/$3" 1e-6
+  node "$here/three_positions.mjs" "$modules" "$work/$1.glb" "$2" "$work/$1-run/$3" 5e-7
+  node "$here/usda_positions.mjs" "$modules" "$work/$1.usda" "${2//-/_}" "$work/$1-run/$3" 5e-7
 }
 compared horse horse ""
 compared heart heart ""
@@ -77,13 +77,13 @@ compared dropped-heart heart heart
 compared bells bell-1 bell-1
 compared bells ball-2 ball-2
 # three.js reads four bones a vertex, the mane has five: the .glb is Blender's to read.
-node "$here/usda_positions.mjs" "$modules" "$work/walking-horse.usda" horse "$work/walking-horse-run/horse" 1e-6
+node "$here/usda_positions.mjs" "$modules" "$work/walking-horse.usda" horse "$work/walking-horse-run/horse" 5e-7
 
 [ "$long" = --long ] || exit 0
 if /usr/bin/python3 -c 'import vtkmodules' 2>/dev/null; then
-  /usr/bin/python3 "$here/vtk_positions.py" "$work/horse.pvd" horse "$work/horse-run" 1e-6
-  /usr/bin/python3 "$here/vtk_positions.py" "$work/bells.pvd" ball-2 "$work/bells-run/ball-2" 1e-6
-  /usr/bin/python3 "$here/vtk_positions.py" "$work/walking-horse.pvd" horse "$work/walking-horse-run/horse" 1e-6
+  /usr/bin/python3 "$here/vtk_positions.py" "$work/horse.pvd" horse "$work/horse-run" 5e-7
+  /usr/bin/python3 "$here/vtk_positions.py" "$work/bells.pvd" ball-2 "$work/bells-run/ball-2" 5e-7
+  /usr/bin/python3 "$here/vtk_positions.py" "$work/walking-horse.pvd" horse "$work/walking-horse-run/horse" 5e-7
 else
   echo "skipped: no VTK (python3-vtk9)"
 fi
