@@ -25,7 +25,8 @@ EigenPairs eigenpairs(const Eigen::MatrixXd& a);
 // Solves a x = lambda b x with b-orthonormal vectors. b: n x n, positive definite (not checked).
 EigenPairs eigenpairs(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-// Which vectors of a = U diag(values) V^T to return: the first min(m, n) columns of U or of V.
+// Vectors of a = U diag(values) V^T that are to be returned: the first min(m, n) columns of U or of
+// V.
 enum class SingularVectors { kNone, kLeft, kRight };
 
 // values: descending. vectors: U, V or empty.

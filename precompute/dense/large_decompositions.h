@@ -11,7 +11,7 @@ namespace tremolo {
 // As eigenpairs(a).
 EigenPairs large_eigenpairs(const Eigen::MatrixXd& a);
 
-// As singular_pairs(a, kLeft). A wide matrix is first reduced to a square one.
+// Does what singular_pairs(a, kLeft) does. A wide matrix is first reduced to a square one.
 SingularPairs left_singular_pairs(const Eigen::MatrixXd& a);
 
 // R^T R = P^T A P up to a remainder whose diagonal is at most `tolerance`. factor: R, rank x n,

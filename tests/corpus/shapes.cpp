@@ -251,8 +251,8 @@ std::vector<Eigen::Vector2d> star(int points, double outer, double inner) {
   return outline;
 }
 
-// Around a plate from x = 0 to 3: squares of `side` cells a side, between them a strip of `bend`
-// cells.
+// Returns the outline of a plate from x = 0 to 3: squares of `side` cells a side, between them a
+// strip of `bend` cells.
 std::vector<Eigen::Vector2d> flat_outline(int side, int bend) {
   std::vector<Eigen::Vector2d> outline;
   const int length = 2 * side + bend;
