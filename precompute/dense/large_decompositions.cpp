@@ -76,15 +76,15 @@ EigenPairs large_eigenpairs(const Eigen::MatrixXd& a) {
 }
 
 SingularPairs left_singular_pairs(const Eigen::MatrixXd& a) {
+  if (a.size() == 0) return {Eigen::VectorXd(0), Eigen::MatrixXd(a.rows(), 0)};
   Eigen::MatrixXd square;
-  if (a.cols() > a.rows() && a.rows() > 0) {
+  if (a.cols() > a.rows()) {
     // A^T = Q R: the singular values and left vectors of A are those of R^T.
     Eigen::MatrixXd transposed = a.transpose();
     square = upper_of_qr(transposed).transpose();
   } else {
     square = a;
   }
-  if (square.size() == 0) return {Eigen::VectorXd(0), Eigen::MatrixXd(a.rows(), 0)};
   const int m = lapack_int(square.rows()), n = lapack_int(square.cols());
   SingularPairs pairs{Eigen::VectorXd(n), Eigen::MatrixXd(m, n)};
   Eigen::MatrixXd right(n, n);
