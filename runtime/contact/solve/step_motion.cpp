@@ -27,6 +27,13 @@ Vector3d StepMotion::straight_bend(const Vector3d& force) const {
   return R0 * (pull - 0.25 * phi.cross(phi.cross(pull)));
 }
 
+Matrix3d StepMotion::halfway() const {
+  const Eigen::Quaterniond whole = Eigen::Quaterniond(2.0, phi.x(), phi.y(), phi.z()).normalized();
+  const Eigen::Quaterniond half =
+      Eigen::Quaterniond(1.0 + whole.w(), whole.x(), whole.y(), whole.z()).normalized();
+  return R0 * half.toRotationMatrix();
+}
+
 Matrix3d StepMotion::turn_of_arm(const Vector3d& force) const {
   return h * turn.transpose() * cross_matrix(R0.transpose() * force);
 }
