@@ -158,9 +158,11 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   if (mean.value != 0.0) held.limit += limits * (contact.limit - held.limit);
   const Friction friction =
       friction_force(friction_law(law, h), held.limit, held.slip, tangential(way, held.normal));
-  contact.rubbed = friction.lost;
-  contact.slip = friction.slip;
-  contact.energy = energy + friction.energy;
+  // A contact that ends forgets its slip, and what that stores is friction's.
+  const bool ends = gap.d1 >= law.begins;
+  contact.rubbed = friction.lost + (ends ? friction.energy : 0.0);
+  contact.slip = ends ? Vector3d(Vector3d::Zero()) : friction.slip;
+  contact.energy = energy + (ends ? 0.0 : friction.energy);
   contact.force = s * point_normal + friction.force;
   contact.bend_force = s * (held.normal - correction.c * way.bend) + friction.force;
   return contact;

@@ -33,10 +33,11 @@ double ContactStep::work_along(const Eigen::Ref<const VectorXd>& move) const {
   return work;
 }
 
-// What size_of_residual() is measured by: momenta, and forces times h.
+// The measure of size_of_residual(): momenta, and forces times h; the first residual of a step is
+// that of all forces on a body that would go on as it moves.
 double ContactStep::size_of_motion() const {
   const double h = options_.step;
-  double size = v0_.norm() + h * (G_.norm() + load_->average.norm() + contact_push_.norm());
+  double size = first_size_ + v0_.norm() + h * (G_.norm() + load_->average.norm() + contact_push_.norm());
   if (free_ == nullptr) return size;
   const RigidState& rigid = free_->rigid();
   const double root = std::sqrt(mass_);

@@ -265,6 +265,7 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   pairs_ = {};
   pairs_start_ = 0.0;
   joints_rounding_ = 0.0;
+  first_size_ = -1.0;
   if (free_ != nullptr) {
     z_.segment<3>(r) = free_->rigid().spin;
     z_.tail<3>() = h * free_->rigid().velocity;
@@ -418,7 +419,9 @@ double ContactStep::close() {
     residual_.segment<3>(r) = own_spin_residual_ - h * (motion_.turn.transpose() * contact_torque_);
     residual_.tail<3>() = own_centre_residual_ - contact_force_;
   }
-  return size_of_residual();
+  const double size = size_of_residual();
+  if (first_size_ < 0.0) first_size_ = size;
+  return size;
 }
 
 // The Jacobian of the residual that evaluate() left, without the gyroscopic terms of a turning

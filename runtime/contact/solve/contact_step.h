@@ -244,6 +244,7 @@ class ContactStep {
   ContactAccount pairs_;
   double pairs_start_ = 0.0;
   double joints_rounding_ = 0.0;  // kg^1/2 m/s
+  double first_size_ = 0.0;       // of the first residual of a step; below 0 before it
   const StepLoad* load_ = nullptr;
   FramePointer<FreeFrame> free_ = nullptr;
 
