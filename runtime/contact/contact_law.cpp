@@ -62,19 +62,20 @@ Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWa
   return {(gap.d1 - gap.d0 - normal.dot(way.path - way.bend)) * shorter2, shorter2};
 }
 
-// The share of the mean force that pushes, and how it falls with d1.
-struct Outgoing {
-  double share = 1.0;
+// The factor of restitution on the mean force, and how it falls with d1.
+struct Restitution {
+  double factor = 1.0;
   double fall = 0.0;
 };
 
-// It falls at once as the point leaves, so that small motions die away.
-Outgoing outgoing(const ContactLaw& law, const ContactGap& gap, double h) {
-  const double speed = (gap.d1 - gap.d0) / h;
-  const double taken = 1.0 - law.restitution * law.restitution;
-  const double along = std::clamp(speed / law.rebound_speed, 0.0, 1.0);
-  const double fall = along > 0.0 ? 2.0 * taken * (1.0 - along) / (law.rebound_speed * h) : 0.0;
-  return {1.0 - taken * along * (2.0 - along), fall};
+// With e^2 the ratio of the factors far out and far in, 1 in between, where it falls as a damper:
+// small motions die away, and the force stays monotonous.
+Restitution restitution_of(const ContactLaw& law, const ContactGap& gap, double h) {
+  const double square = law.restitution * law.restitution;
+  const double taken = (1.0 - square) / (1.0 + square);
+  const double along = std::clamp((gap.d1 - gap.d0) / (h * law.rebound_speed), -1.0, 1.0);
+  const double size = std::abs(along);
+  return {1.0 - taken * along * (2.0 - size), 2.0 * taken * (1.0 - size) / (law.rebound_speed * h)};
 }
 
 // s, and how it falls with d1.
@@ -85,8 +86,8 @@ struct Pressure {
 
 Pressure pressure_of(const ContactLaw& law, const ContactGap& gap, double h) {
   const MeanForce mean = mean_of(law, gap);
-  const Outgoing out = outgoing(law, gap, h);
-  return {out.share * mean.value, out.share * mean.fall + mean.value * out.fall};
+  const Restitution part = restitution_of(law, gap, h);
+  return {part.factor * mean.value, part.factor * mean.fall + mean.value * part.fall};
 }
 
 // The part of the way across the normal, m.
@@ -149,10 +150,10 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   }
   contact.acts = true;
   const Correction correction = correct(law, gap, way, held.normal);
-  const Outgoing out = outgoing(law, gap, h);
+  const double factor = restitution_of(law, gap, h).factor;
   contact.pressure = mean.value;
-  contact.lost = (1.0 - out.share) * std::max(0.0, gap.e0 - energy);
-  const double s = out.share * mean.value;
+  contact.lost = (1.0 - factor) * (gap.e0 - energy);
+  const double s = factor * mean.value;
   const Vector3d point_normal = held.normal + correction.c * way.path;
   contact.limit = law.friction * s * point_normal.norm();
   if (mean.value != 0.0) held.limit += limits * (contact.limit - held.limit);

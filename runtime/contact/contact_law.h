@@ -15,9 +15,10 @@
 // psi(d0) - psi(d1). Where the obstacle bends as well, by w, while the point moves by p along it,
 // the correction is shared: n + c p pushes the point, n - c w the bending, and
 // (n + c p).p - (n - c w).w = d1 - d0. Along p - w alone it would grow without bound where the
-// point sticks to what bends. On the way out only the fraction e^2 of it pushes: a point mass
-// leaves with e times the speed of its arrival. Friction is that of friction.h with the limit mu |s
-// n|.
+// point sticks to what bends. Restitution e multiplies
+// s by 2/(1 + e^2) on the way in and by 2 e^2/(1 + e^2) on the way out, with a smooth passage at
+// small speeds: a point mass leaves with e times the speed of its arrival. Friction is that of
+// friction.h with the limit mu |s n|.
 //
 // B is the margin M, but for a point that was found nearer than M without a memory of contact: a
 // body that begins there, or was put there. Its contact begins where it is, B = d, without energy,
@@ -43,7 +44,7 @@ struct ContactLaw {
   double linear_from = std::numeric_limits<double>::infinity();  // w, m
   double restitution = 0.5;                                      // e
   double friction = 0.3;                                         // mu
-  double rebound_speed = 0.0;  // m/s, at which the fraction that pushes on the way out is e^2
+  double rebound_speed = 0.0;  // m/s, from which on restitution is whole
   double shear = 0.0;          // k of friction.h, N/m
   double shear_damping = 0.0;  // c of friction.h, N s/m
 
@@ -97,7 +98,7 @@ struct ContactForce {
   // The opposite of bend_force bends the obstacle, N, world.
   Eigen::Vector3d bend_force = Eigen::Vector3d::Zero();
   bool acts = false;      // there is a force
-  double pressure = 0.0;  // the length of s n before restitution's share and friction, N
+  double pressure = 0.0;  // the length of s n without restitution and friction, N
   double limit = 0.0;     // mu |s n|, as it is, N
   double energy = 0.0;    // psi(d1) and that of friction, J
   double lost = 0.0;      // taken by restitution, J

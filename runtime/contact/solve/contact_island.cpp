@@ -255,7 +255,7 @@ void ContactIsland::make_links(Coupling& coupling, bool follows) {
   const auto blocks = [&coupling](std::size_t first, std::size_t second) {
     return first < second ? std::tie(coupling.ab, coupling.ba) : std::tie(coupling.ba, coupling.ab);
   };
-  for (const PairPoint& pair : points_.subspan(coupling.first, coupling.count)) {
+  for (PairPoint& pair : points_.subspan(coupling.first, coupling.count)) {
     if (!pair.now.acts) continue;
     const auto [ab, ba] = blocks(pair.a, pair.b);
     add_pair_slopes(pair, {body(pair.a), body(pair.b)}, h_, follows, scratch_, ab, ba);
@@ -315,9 +315,24 @@ bool ContactIsland::try_following(double size) {
   return false;
 }
 
+// The first try with all that move: a whole move with limits that follow. False: it does not lead
+// anywhere, or is not needed.
+bool ContactIsland::move_whole(int iteration) {
+  evaluate(renewal(iteration, measure()));
+  const double size = measure();
+  if (!std::isfinite(size) || size <= kConverged) return false;
+  keep_unknowns();
+  return try_following(size);
+}
+
+void ContactIsland::keep_unknowns() {
+  for (std::size_t k = 0; k < moving_.size(); ++k)
+    z_before_.segment(first_[k], first_[k + 1] - first_[k]) =
+        body(moving_[k]).z().head(first_[k + 1] - first_[k]);
+}
+
 // A move of Newton's method of those that move. kDone: they are converged, or at rounding.
-ContactIsland::Outcome ContactIsland::move(int iteration, double& heavier) {
-  measure();
+ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& heavier) {
   evaluate(renewal(iteration, measure()));
   double size = measure();
   if (!std::isfinite(size)) return Outcome::kFailed;
@@ -325,9 +340,8 @@ ContactIsland::Outcome ContactIsland::move(int iteration, double& heavier) {
   const auto of = [this](VectorXd& all, std::size_t k) {
     return all.segment(first_[k], first_[k + 1] - first_[k]);
   };
-  for (std::size_t k = 0; k < moving_.size(); ++k)
-    of(z_before_, k) = body(moving_[k]).z().head(first_[k + 1] - first_[k]);
-  if (limits_follow(iteration, size) && try_following(size)) return Outcome::kMoved;
+  keep_unknowns();
+  if (follow && limits_follow(iteration, size) && try_following(size)) return Outcome::kMoved;
   const auto slope = [&] {
     double work = 0.0;
     for (std::size_t k = 0; k < moving_.size(); ++k)
@@ -365,7 +379,7 @@ void ContactIsland::relax(std::span<const std::size_t> group, int iteration, int
     evaluate({});
     double heavier = 0.0;
     for (int k = 0; k < times && measure() > 1.0; ++k)
-      if (move(iteration, heavier) != Outcome::kMoved) break;
+      if (move(iteration, true, heavier) != Outcome::kMoved) break;
   }
 }
 
@@ -375,17 +389,28 @@ bool ContactIsland::solve(int relaxed, int alone, int& iterations) {
   measure();
   heavier_.assign(members_.size(), 0.0);
   for (iterations = 0; iterations < kMostIterations; ++iterations) {
-    if (!find_groups()) return true;
+    if (!find_groups()) {
+      // Limits of friction that were held along the last moves may have to follow.
+      choose_all();
+      evaluate({.normals = false, .limits = 1.0});
+      if (!find_groups()) return true;
+    }
     bool moved = false;
     for (std::size_t first = 0, last = 0; first < by_group_.size(); first = last) {
       const std::size_t root = group_[by_group_[first]];
       while (last < by_group_.size() && group_[by_group_[last]] == root) ++last;
       const std::span group = std::span(by_group_).subspan(first, last - first);
-      const bool relaxes = iterations < relaxed && group.size() > 1;
-      if (relaxes) relax(group, iterations, alone);
       choose(group);
-      if (relaxes) evaluate({});
-      const Outcome outcome = move(iterations, heavier_[root]);
+      if (move_whole(iterations)) {
+        moved = true;
+        continue;
+      }
+      if (iterations < relaxed && group.size() > 1) {
+        relax(group, iterations, alone);
+        choose(group);
+        evaluate({});
+      }
+      const Outcome outcome = move(iterations, false, heavier_[root]);
       if (outcome == Outcome::kFailed) return false;
       moved = moved || outcome == Outcome::kMoved;
     }

@@ -76,7 +76,7 @@ class ContactIsland {
   bool is_converged(std::size_t i) const;
   bool find_groups();
   double measure();
-  Outcome move(int iteration, double& heavier);
+  Outcome move(int iteration, bool follow, double& heavier);
   void relax(std::span<const std::size_t> group, int iteration, int times);
   bool moves(std::size_t member) const { return place_[member] != kStill; }
   ContactStep& body(std::size_t member) const { return *members_[member].contact; }
@@ -86,6 +86,8 @@ class ContactIsland {
   void make_jacobian(double heavier, bool follows);
   void make_links(Coupling& coupling, bool follows);
   bool try_following(double size);
+  bool move_whole(int iteration);
+  void keep_unknowns();
   bool add_missed(std::vector<PairPoint>& points, std::size_t& count);
   void remember();
   bool solve_for_move();

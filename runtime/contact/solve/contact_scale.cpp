@@ -37,7 +37,8 @@ double ContactStep::work_along(const Eigen::Ref<const VectorXd>& move) const {
 // that of all forces on a body that would go on as it moves.
 double ContactStep::size_of_motion() const {
   const double h = options_.step;
-  double size = first_size_ + v0_.norm() + h * (G_.norm() + load_->average.norm() + contact_push_.norm());
+  double size =
+      first_size_ + v0_.norm() + h * (G_.norm() + load_->average.norm() + contact_push_.norm());
   if (free_ == nullptr) return size;
   const RigidState& rigid = free_->rigid();
   const double root = std::sqrt(mass_);

@@ -110,7 +110,6 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
   candidates_.reserve(points_->size() * colliders.size());
   memories_.reserve(points_->size() * colliders.size());
   listed_.resize(points_->size());
-  close_.assign(colliders.size(), 0);
   impulses_.resize(colliders.size());
   q0_ = q;
   if (shape_) points_->displacement(q, u0_);
@@ -131,8 +130,6 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
     // Twice: contact may speed a point up.
     const double reach = law_.margin + 2.0 * (ball_.travel + reach_of(its, local, radius));
     const double far = signed_distance(collider.shape, local).distance - radius;
-    // A body that is twice as far off may be missed by what no bound here knows.
-    close_[c] = far <= 2.0 * reach ? 1 : 0;
     if (far <= reach) add_candidates(collider, c, q, reach);
   }
   held_.resize(grips_.size());
@@ -182,12 +179,25 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
   }
 }
 
-// Candidates come collider by collider, and of each by their points.
+// What is farther than the reach of gather() is not missed by a body that travels no farther than
+// was foreseen there.
+bool ContactStep::went_far(const Pose& end, const VectorXd& q) const {
+  const double bent = (q - q0_).cwiseAbs().dot(points_->reach);
+  return bent + reach_of({poses_.start, end}, points_->centre, ball_.radius + ball_.deformed) >
+         2.0 * ball_.travel;
+}
+
+Pose ContactStep::end_pose() const {
+  if (free_ == nullptr) return poses_.end;
+  const Eigen::Quaterniond rotation(motion_.R1);
+  return {motion_.c1 - motion_.R1 * motion_.origin, rotation};
+}
+
 bool ContactStep::find_missed(const Pose& end, const VectorXd& q) {
+  if (!went_far(end, q)) return false;
   const double deformed = q.cwiseAbs().dot(points_->reach);
   const std::size_t known = candidates_.size();
-  for (std::size_t c = 0; c < close_.size(); ++c) {
-    if (close_[c] == 0) continue;
+  for (std::size_t c = 0; c < colliders_.size(); ++c) {
     const PlacedCollider& collider = colliders_[c];
     const auto distance = [&collider](const Vector3d& x) {
       return signed_distance(collider.shape,
@@ -210,12 +220,7 @@ bool ContactStep::find_missed(const Pose& end, const VectorXd& q) {
 bool ContactStep::add_missed() {
   if (!kHasColliders) return false;
   const std::size_t known = candidates_.size();
-  Pose end = poses_.end;
-  if (free_ != nullptr) {
-    end.rotation = Eigen::Quaterniond(motion_.R1);
-    end.position = motion_.c1 - motion_.R1 * motion_.origin;
-  }
-  if (!find_missed(end, q1_)) return false;
+  if (!find_missed(end_pose(), q1_)) return false;
   for (std::size_t k = known; k < candidates_.size(); ++k) begin_candidate(candidates_[k]);
   return true;
 }

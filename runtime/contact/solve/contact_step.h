@@ -113,6 +113,8 @@ class ContactStep {
   // Where the step is solved: adds the points that came within a collider's margin but were not
   // found before; true if there are any, and the step has to be solved with them.
   bool add_missed();
+  // Whether the body, at the present z(), went farther than gather() foresaw.
+  bool went_far() const { return went_far(end_pose(), q1_); }
   // What other bodies' contact is in the account: energy, lost, rubbed, work, given, penetration,
   // impulse and active of `pairs`, and the energy at the start of the step, J.
   void settle_pairs(const ContactAccount& pairs, double start) {
@@ -205,6 +207,8 @@ class ContactStep {
   void add_grips();
   void evaluate_body();
   void add_contact(const ContactRenewal& renewal);
+  bool went_far(const Pose& end, const Eigen::VectorXd& q) const;
+  Pose end_pose() const;
   double size_of_residual() const;
   double size_of_motion() const;
   double way_of_move() const;
@@ -234,7 +238,6 @@ class ContactStep {
   std::vector<ContactMemory> pair_memories_;  // by body and point
   std::vector<char> listed_;                  // points that are candidates; scratch
   std::vector<double> dampers_;               // c of friction.h over the square root of k, kg^1/2
-  std::vector<char> close_;                   // colliders near enough to look for missed points
   std::span<Grip> grips_;
   std::vector<ContactTouch> held_;  // one a grip
   std::vector<double> impulses_;

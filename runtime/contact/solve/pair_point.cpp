@@ -29,21 +29,24 @@ bool passes(const PairPoint& pair, const ContactStep& second, double way) {
 }
 
 // How the pair's forces fall with the unknowns of its bodies, by d1, the path and the bending.
-void find_changes(const PairPoint& pair, const PairBodies& bodies, double h, bool follows,
+void find_changes(PairPoint& pair, const PairBodies& bodies, double h, bool follows,
                   PairScratch& scratch) {
   const auto& [first, second] = bodies;
   const Index n = second.unknowns();
   const Index r = second.turns() ? n - 6 : n;
-  const Vector3d gradient = second.motion().turn_out_at_end(
-      bent_change(second.shape_at_end(), pair.place, scratch.bent, scratch.by_q));
+  // Where the first Jacobian of the step is made: it changes little until the end.
+  if (!pair.sloped)
+    pair.slope = bent_change(second.shape_at_end(), pair.place, scratch.bent, pair.by_q);
+  pair.sloped = true;
+  const Vector3d gradient = second.motion().turn_out_at_end(pair.slope);
   const Eigen::Matrix3Xd& way =
       second.lever().change_of_way(second.motion(), pair.touch_b, pair.rows);
   const auto find = [&](const ContactSlope& slope, Eigen::Matrix3Xd& by_a, Eigen::Matrix3Xd& by_b) {
     const Eigen::Matrix3d by_end = slope.by_distance * gradient.transpose() + slope.by_path;
-    by_a.noalias() = by_end * bodies.first.lever().way();
+    by_a.noalias() = by_end.lazyProduct(bodies.first.lever().way());
     by_b.resize(3, n);
-    by_b.leftCols(r).noalias() = slope.by_bend * way.leftCols(r);
-    by_b.leftCols(r).noalias() += slope.by_distance * scratch.by_q.transpose();
+    by_b.leftCols(r).noalias() = slope.by_bend.lazyProduct(way.leftCols(r));
+    by_b.leftCols(r).noalias() += slope.by_distance * pair.by_q.transpose();
     if (!bodies.second.turns()) return;
     by_b.rightCols<6>().noalias() = -slope.by_path * way.middleCols<6>(r);
     by_b.rightCols<6>().noalias() -=
@@ -110,6 +113,7 @@ void begin_pair(PairPoint& pair) {
   pair.held = {};
   pair.held.limit = pair.memory.limit;
   pair.fresh = true;
+  pair.sloped = false;
 }
 
 void evaluate_pair(PairPoint& pair, const PairBodies& bodies, double bend, double h,
@@ -149,7 +153,7 @@ std::size_t add_missed_points(const PairBodies& bodies, const PairNames& names,
                               std::vector<PairPoint>& points, std::size_t count) {
   const auto& [first, second] = bodies;
   const Collider* shape = second.shape();
-  if (shape == nullptr) return count;
+  if (shape == nullptr || !(first.went_far() || second.went_far())) return count;
   const ContactPoints& on = first.points();
   const double margin = first.law().margin, bent = second.ball().deformed;
   const std::size_t known = count;
@@ -187,7 +191,7 @@ bool memory_of(const PairPoint& pair, ContactMemory& memory) {
   return true;
 }
 
-void add_pair_slopes(const PairPoint& pair, const PairBodies& bodies, double h, bool follows,
+void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, double h, bool follows,
                      PairScratch& scratch, Eigen::MatrixXd& first_by_second,
                      Eigen::MatrixXd& second_by_first) {
   const auto& [first, second] = bodies;

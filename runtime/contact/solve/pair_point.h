@@ -26,7 +26,10 @@ struct PairPoint {
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), place_at_start = gradient;  // y
   ContactHeld held;  // along the world's axes
   ContactGap gap() const { return {distance, energy, now.distance}; }
-  bool fresh = true;  // it has not acted
+  bool fresh = true;    // it has not acted
+  bool sloped = false;  // of the end's distance: its gradient by y, and by the second's q, r
+  Eigen::Vector3d slope = gradient;
+  Eigen::VectorXd by_q;
   ContactForce now;
   ContactTouch touch_a, touch_b;
   ContactWay way;
@@ -43,7 +46,6 @@ struct PairBodies {
 // each; bend_change_*: likewise what bends the second.
 struct PairScratch {
   Eigen::Matrix3Xd change_a, change_b, bend_change_a, bend_change_b;
-  Eigen::VectorXd by_q;
   BentScratch bent;
 };
 
@@ -77,7 +79,7 @@ bool memory_of(const PairPoint& pair, ContactMemory& memory);
 // Adds how the forces of a pair that acts change with the unknowns to the Jacobians of both, and to
 // first_by_second and second_by_first, by how much the residual of the one changes with the
 // unknowns of the other. After evaluate_pair() with the same h. follows: as of contact_slopes().
-void add_pair_slopes(const PairPoint& pair, const PairBodies& bodies, double h, bool follows,
+void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, double h, bool follows,
                      PairScratch& scratch, Eigen::MatrixXd& first_by_second,
                      Eigen::MatrixXd& second_by_first);
 

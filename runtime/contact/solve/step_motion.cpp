@@ -74,8 +74,13 @@ void PlaceLever::add_tangent(const Matrix3d& stiffness, Eigen::MatrixXd& jacobia
 void PlaceLever::add_pushed(const Eigen::Matrix3Xd& change, const Eigen::Matrix3Xd& bend_change,
                             double sign, Eigen::Ref<Eigen::MatrixXd> block) const {
   const Index r = push_.rows() - 6;
-  block.topRows(r).noalias() += sign * push_.topRows(r) * bend_change;
-  if (n_ > r) block.bottomRows<6>().noalias() += sign * push_.bottomRows<6>() * change;
+  // Three multiply-adds along each column: too few to be worth the packing of a large product.
+  for (Index j = 0; j < block.cols(); ++j) {
+    const Vector3d bend = sign * bend_change.col(j);
+    block.col(j).head(r) += push_.col(0).head(r) * bend[0] + push_.col(1).head(r) * bend[1] +
+                            push_.col(2).head(r) * bend[2];
+  }
+  if (n_ > r) block.bottomRows<6>().noalias() += sign * push_.bottomRows<6>().lazyProduct(change);
 }
 
 void PlaceLever::make_swing(const StepMotion& motion, const ContactTouch& touch,
