@@ -190,10 +190,18 @@ ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const
   slopes.bend.by_bend = -drag + s * w * by_bend.transpose();
   slopes.bend.by_bend.diagonal().array() += s * c;
   if (follows) {
-    // The limit falls by mu times the fall of s |n + c p|, nearly.
-    const Vector3d by_limit = law.friction * pressure.fall * (n + c * p).norm() * friction.by_limit;
-    slopes.point.by_distance += by_limit;
-    slopes.bend.by_distance += by_limit;
+    // By how much L = mu s |m|, m = n + c p, falls with each.
+    const Vector3d m = n + c * p;
+    const double length = m.norm(), sizes = law.friction * s / length;
+    const double fall = law.friction * pressure.fall * length - sizes * shorter2 * m.dot(p);
+    const Eigen::RowVector3d fall_by_path =
+        sizes * (m.dot(p) * by_path.transpose() - c * m.transpose());
+    const Eigen::RowVector3d fall_by_bend = -sizes * m.dot(p) * by_bend.transpose();
+    for (ContactSlope* slope : {&slopes.point, &slopes.bend}) {
+      slope->by_distance += fall * friction.by_limit;
+      slope->by_path += friction.by_limit * fall_by_path;
+      slope->by_bend += friction.by_limit * fall_by_bend;
+    }
   }
   return slopes;
 }

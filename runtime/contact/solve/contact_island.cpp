@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <tuple>
 
 #include "runtime/contact/solve/line_search.h"
-
 namespace tremolo {
+static bool dbg() {
+  static bool b = getenv("DBG");
+  return b;
+}
 namespace {
 
 using Eigen::Index;
@@ -310,7 +315,9 @@ bool ContactIsland::try_following(double size) {
   };
   make_jacobian(0.0, true);
   if (!solve_for_move()) return false;
-  if (go(1.0) <= 0.5 * size) return true;
+  double xx = go(1.0);
+  if (dbg()) std::fprintf(stderr, "  follow %g -> %g\n", size, xx);
+  if (xx <= 0.5 * size) return true;
   go(0.0);
   return false;
 }
@@ -363,6 +370,7 @@ ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& h
   const bool near = size <= 1e3;
   if (!newton_move(find_move, go, size, near, heavier, reached))
     return near ? Outcome::kDone : Outcome::kFailed;
+  if (dbg()) std::fprintf(stderr, "  newton %g -> %g heavier %g\n", size, reached.size, heavier);
   // At rounding no move helps.
   if (!(reached.size < 0.9 * size) && near) {
     if (reached.size > size) go(0.0);
@@ -396,6 +404,11 @@ bool ContactIsland::solve(int relaxed, int alone, int& iterations) {
       if (!find_groups()) return true;
     }
     bool moved = false;
+    if (dbg()) {
+      std::fprintf(stderr, "it %d members %zu groups", iterations, members_.size());
+      for (auto i : by_group_) std::fprintf(stderr, " %zu:%.3g", i, sizes_[i] / enough_[i]);
+      std::fprintf(stderr, "\n");
+    }
     for (std::size_t first = 0, last = 0; first < by_group_.size(); first = last) {
       const std::size_t root = group_[by_group_[first]];
       while (last < by_group_.size() && group_[by_group_[last]] == root) ++last;

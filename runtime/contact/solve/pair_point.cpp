@@ -11,6 +11,8 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
+constexpr double kSameSlopes = 1e-3;
+
 void find_start(PairPoint& pair, const ContactStep& second, PairScratch& scratch) {
   const BentShape shape = second.shape_at_start();
   bent_rows(shape, pair.place_at_start, scratch.bent, pair.rows);
@@ -34,10 +36,13 @@ void find_changes(PairPoint& pair, const PairBodies& bodies, double h, bool foll
   const auto& [first, second] = bodies;
   const Index n = second.unknowns();
   const Index r = second.turns() ? n - 6 : n;
-  // Where the first Jacobian of the step is made: it changes little until the end.
-  if (!pair.sloped)
+  // Slopes of a place nearby do as well: they change over the distance between points.
+  const double near = kSameSlopes * second.points().gap;
+  if (!pair.sloped || (pair.place - pair.slope_place).squaredNorm() > near * near) {
     pair.slope = bent_change(second.shape_at_end(), pair.place, scratch.bent, pair.by_q);
-  pair.sloped = true;
+    pair.slope_place = pair.place;
+    pair.sloped = true;
+  }
   const Vector3d gradient = second.motion().turn_out_at_end(pair.slope);
   const Eigen::Matrix3Xd& way =
       second.lever().change_of_way(second.motion(), pair.touch_b, pair.rows);

@@ -28,7 +28,7 @@ struct PairPoint {
   ContactGap gap() const { return {distance, energy, now.distance}; }
   bool fresh = true;    // it has not acted
   bool sloped = false;  // of the end's distance: its gradient by y, and by the second's q, r
-  Eigen::Vector3d slope = gradient;
+  Eigen::Vector3d slope = gradient, slope_place = gradient;
   Eigen::VectorXd by_q;
   ContactForce now;
   ContactTouch touch_a, touch_b;
