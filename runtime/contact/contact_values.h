@@ -69,6 +69,16 @@ struct ContactAccount {
   int passed = 0;  // points that went through what they should bump into (contact/passage.h)
 };
 
+// A contact point of a body that pushed in the last step.
+struct ContactedPoint {
+  VertexId vertex = 0;       // of the body's mesh
+  bool on_body = false;      // the obstacle is a body, else a collider,
+  std::size_t obstacle = 0;  // of this number in its group or among the colliders
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // at the end of the step, m, world
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // out of the obstacle, length 1, world
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();   // on the body in the step, N s, world
+};
+
 inline void carry(StateStream& stream, ContactAccount& account) {
   stream(account.energy, account.work, account.lost, account.rubbed, account.given);
   stream(account.surplus, account.hand_work, account.hand_damped, account.penetration);

@@ -17,6 +17,8 @@ Status Body::set_contact(const ContactOptions& options) {
   if (options.points < 1 || !(options.margin > 0.0) || !(options.stiffness > 0.0) ||
       !std::isfinite(options.margin) || !std::isfinite(options.stiffness))
     return usage_error("contact needs at least one point, a margin and a stiffness above zero");
+  if (options.modulus && !(*options.modulus > 0.0 && std::isfinite(*options.modulus)))
+    return usage_error("contact needs a modulus above zero, in Pa");
   if (!(options.friction >= 0.0) || !std::isfinite(options.friction) ||
       !(options.restitution >= 0.0 && options.restitution <= 1.0))
     return usage_error(

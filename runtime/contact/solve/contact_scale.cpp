@@ -148,6 +148,8 @@ void ContactStep::settle_account() {
   const double before = account_.energy;
   account_ = {};
   impulses_.assign(impulses_.size(), 0.0);
+  collider_impulses_.assign(collider_impulses_.size(), Vector3d::Zero());
+  contacted_.clear();
   account_ = pairs_;
   double start = pairs_start_;
   for (const Candidate& candidate : touching()) {
@@ -167,6 +169,13 @@ void ContactStep::settle_account() {
     if (now.pressure == 0.0) continue;
     const double impulse = options_.step * now.force.norm();
     impulses_[candidate.collider] += impulse;
+    collider_impulses_[candidate.collider] -= options_.step * now.force;
+    const Pose& frame = colliders_[candidate.collider].end;
+    contacted_.push_back({.vertex = points_->ids[candidate.point],
+                          .obstacle = candidate.collider,
+                          .position = candidate.touch.x1,
+                          .normal = frame.rotation * candidate.held.normal.normalized(),
+                          .impulse = options_.step * now.force});
     account_.impulse += impulse;
     ++account_.active;
   }

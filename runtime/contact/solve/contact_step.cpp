@@ -86,6 +86,8 @@ void ContactStep::reset() {
   memories_.clear();
   pair_memories_.clear();
   std::fill(impulses_.begin(), impulses_.end(), 0.0);
+  std::fill(collider_impulses_.begin(), collider_impulses_.end(), Vector3d::Zero());
+  contacted_.clear();
 }
 
 // By how much forces may move any point in the step beyond what its velocity does, m: those that
@@ -111,6 +113,8 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
   memories_.reserve(points_->size() * colliders.size());
   listed_.resize(points_->size());
   impulses_.resize(colliders.size());
+  collider_impulses_.resize(colliders.size());
+  contacted_.reserve(points_->size() * (colliders.size() + 1));
   q0_ = q;
   if (shape_) points_->displacement(q, u0_);
   // The displacement by which the coordinates deform it: so far, and in the step.

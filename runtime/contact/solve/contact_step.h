@@ -61,6 +61,7 @@ class ContactStep {
   const ContactMemory* pair_memory(std::size_t body, std::size_t point) const;
   // Those of the step that was made: after finish(), in any order, then sort_pair_memories().
   void remember_pair(const ContactMemory& memory) { pair_memories_.push_back(memory); }
+  void note_contact(const ContactedPoint& point) { contacted_.push_back(point); }
   void sort_pair_memories();
 
   // Finds the points that may touch a collider in the step from q, v. colliders must stay where
@@ -82,8 +83,13 @@ class ContactStep {
   // Account of the last step; when nothing was near, reset() instead.
   const ContactAccount& account() const { return account_; }
   void reset();
-  // For each collider the impulse on it in the last step, N s; 0 where there was no contact.
+  // For each collider the sum of the lengths of the impulses on it in the last step, N s; 0 where
+  // there was no contact. And the impulse itself, N s, world.
   std::span<const double> impulses() const { return impulses_; }
+  std::span<const Eigen::Vector3d> collider_impulses() const { return collider_impulses_; }
+  // The points that pushed in the last step, of colliders first. Those of another body's points
+  // that met this one's shape are among that body's.
+  std::span<const ContactedPoint> contacted() const { return contacted_; }
 
   // What solvers of several bodies at once need (contact_island.h). After gather(): begin(), with
   // z() where the body would go without forces; evaluate() at a z(), then the forces of the other
@@ -241,6 +247,8 @@ class ContactStep {
   std::span<Grip> grips_;
   std::vector<ContactTouch> held_;  // one a grip
   std::vector<double> impulses_;
+  std::vector<Eigen::Vector3d> collider_impulses_;
+  std::vector<ContactedPoint> contacted_;
   std::span<const PlacedCollider> colliders_;
   StepPoses poses_;
   ContactAccount account_;
