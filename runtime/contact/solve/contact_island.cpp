@@ -2,22 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <tuple>
 
 #include "runtime/contact/solve/line_search.h"
 namespace tremolo {
-static bool dbg() {
-  static bool b = getenv("DBG");
-  return b;
-}
 namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kMostIterations = 120;
+constexpr int kMostIterations = 60;
+constexpr int kHeldFrom = 20;  // the iteration from which a last resort holds limits
 // Share of what counts as small: less of it counts as converged, as the last move of Newton's
 // method makes it.
 constexpr double kConverged = 0.1;
@@ -25,8 +20,10 @@ constexpr double kConverged = 0.1;
 // the step after the other.
 struct Attempt {
   int relaxed, alone;
+  bool hold;  // friction's limits, as a last resort: see renewal()
 };
-constexpr Attempt kAttempts[] = {{3, 3}, {8, 8}, {0, 0}, {30, 2}};
+constexpr Attempt kAttempts[] = {
+    {3, 3, false}, {8, 8, false}, {30, 2, false}, {3, 3, true}, {0, 0, true}};
 
 }  // namespace
 
@@ -302,9 +299,8 @@ double ContactIsland::measure() {
   return std::sqrt(square);
 }
 
-// A whole move in which limits of friction follow the force, from z_before_. False, and nothing has
-// changed, where it does not at least halve the residual.
-bool ContactIsland::try_following(double size) {
+// As ContactStep::try_following(), from z_before_.
+bool ContactIsland::try_following(int iteration, double size) {
   const auto go = [this](double length) {
     for (std::size_t k = 0; k < moving_.size(); ++k) {
       const Index first = first_[k], count = first_[k + 1] - first;
@@ -315,9 +311,8 @@ bool ContactIsland::try_following(double size) {
   };
   make_jacobian(0.0, true);
   if (!solve_for_move()) return false;
-  double xx = go(1.0);
-  if (dbg()) std::fprintf(stderr, "  follow %g -> %g\n", size, xx);
-  if (xx <= 0.5 * size) return true;
+  for (double length = 1.0; length >= shortest_following(iteration); length *= 0.5)
+    if (go(length) <= following_bound(length) * size) return true;
   go(0.0);
   return false;
 }
@@ -325,11 +320,12 @@ bool ContactIsland::try_following(double size) {
 // The first try with all that move: a whole move with limits that follow. False: it does not lead
 // anywhere, or is not needed.
 bool ContactIsland::move_whole(int iteration) {
-  evaluate(renewal(iteration, measure()));
+  if (hold_ && iteration >= kHeldFrom) return false;
+  evaluate(renewal(iteration, measure(), hold_));
   const double size = measure();
   if (!std::isfinite(size) || size <= kConverged) return false;
   keep_unknowns();
-  return try_following(size);
+  return try_following(iteration, size);
 }
 
 void ContactIsland::keep_unknowns() {
@@ -340,7 +336,7 @@ void ContactIsland::keep_unknowns() {
 
 // A move of Newton's method of those that move. kDone: they are converged, or at rounding.
 ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& heavier) {
-  evaluate(renewal(iteration, measure()));
+  evaluate(renewal(iteration, measure(), hold_));
   double size = measure();
   if (!std::isfinite(size)) return Outcome::kFailed;
   if (size <= kConverged) return Outcome::kDone;
@@ -348,7 +344,8 @@ ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& h
     return all.segment(first_[k], first_[k + 1] - first_[k]);
   };
   keep_unknowns();
-  if (follow && limits_follow(iteration, size) && try_following(size)) return Outcome::kMoved;
+  if (follow && limits_follow(iteration, size, hold_) && try_following(iteration, size))
+    return Outcome::kMoved;
   const auto slope = [&] {
     double work = 0.0;
     for (std::size_t k = 0; k < moving_.size(); ++k)
@@ -370,7 +367,6 @@ ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& h
   const bool near = size <= 1e3;
   if (!newton_move(find_move, go, size, near, heavier, reached))
     return near ? Outcome::kDone : Outcome::kFailed;
-  if (dbg()) std::fprintf(stderr, "  newton %g -> %g heavier %g\n", size, reached.size, heavier);
   // At rounding no move helps.
   if (!(reached.size < 0.9 * size) && near) {
     if (reached.size > size) go(0.0);
@@ -399,16 +395,12 @@ bool ContactIsland::solve(int relaxed, int alone, int& iterations) {
   for (iterations = 0; iterations < kMostIterations; ++iterations) {
     if (!find_groups()) {
       // Limits of friction that were held along the last moves may have to follow.
+      if (hold_ && iterations >= kHeldFrom) return true;
       choose_all();
       evaluate({.normals = false, .limits = 1.0});
       if (!find_groups()) return true;
     }
     bool moved = false;
-    if (dbg()) {
-      std::fprintf(stderr, "it %d members %zu groups", iterations, members_.size());
-      for (auto i : by_group_) std::fprintf(stderr, " %zu:%.3g", i, sizes_[i] / enough_[i]);
-      std::fprintf(stderr, "\n");
-    }
     for (std::size_t first = 0, last = 0; first < by_group_.size(); first = last) {
       const std::size_t root = group_[by_group_[first]];
       while (last < by_group_.size() && group_[by_group_[last]] == root) ++last;
@@ -521,6 +513,7 @@ void ContactIsland::step(std::span<const IslandMember> members, std::vector<Pair
     if (iterations != 0) begin();
     do {
       int more = 0;
+      hold_ = attempt.hold;
       converged = solve(attempt.relaxed, attempt.alone, more);
       iterations += more;
     } while (converged && add_missed(points, count));
@@ -537,7 +530,10 @@ void ContactIsland::step(std::span<const IslandMember> members, std::vector<Pair
     members[i].contact->settle_pairs(accounts_[i], starts_[i]);
     members[i].contact->finish(*members[i].state, report);
   }
-  if (converged) remember();
+  if (!converged) return;
+  remember();
+  if (hold_)
+    for (const IslandMember& member : members_) member.contact->note_held_step();
 }
 
 }  // namespace tremolo

@@ -85,7 +85,7 @@ class ContactIsland {
   double evaluate(const ContactRenewal& renewal);
   void make_jacobian(double heavier, bool follows);
   void make_links(Coupling& coupling, bool follows);
-  bool try_following(double size);
+  bool try_following(int iteration, double size);
   bool move_whole(int iteration);
   void keep_unknowns();
   bool add_missed(std::vector<PairPoint>& points, std::size_t& count);
@@ -101,6 +101,7 @@ class ContactIsland {
   std::span<PairPoint> points_;
   std::span<IslandJoint> joints_;
   double h_ = 0.0;
+  bool hold_ = false;  // friction's limits, as a last resort
   // Members that are not converged, and what they touch, in groups that are solved for one after
   // the other: group_ is a group's lowest member, or kStill; in by_group_ those of a group stand
   // next to each other. moving_: the group at hand; place_: each one's place in it, or kStill;

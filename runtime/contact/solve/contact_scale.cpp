@@ -111,7 +111,7 @@ ContactLaw ContactStep::law_of(std::size_t point, double friction, double restit
 
 // Two bodies are two springs one behind the other: of the slopes of their pressure at the depth at
 // which both are taken for linear, or else of their kappa. Where each has points that meet the
-// other's shape, each carries half. Friction and restitution are geometric means.
+// other's shape, all of them push. Friction and restitution are geometric means.
 ContactLaw ContactStep::law_of(std::size_t point, const ContactStep& other) const {
   const ContactLaw& theirs = other.law_;
   ContactLaw law = law_of(point, std::sqrt(law_.friction * theirs.friction),
@@ -122,10 +122,9 @@ ContactLaw ContactStep::law_of(std::size_t point, const ContactStep& other) cons
                                : one.stiffness;
   };
   const double own = slope(law_), other_slope = slope(theirs);
-  const double half = shape_ && feels_ ? 0.5 : 1.0;
   const double before = law.shear;
   law.linear_from = both;
-  law.stiffness = points_->areas[point] * half * own * other_slope / (own + other_slope);
+  law.stiffness = points_->areas[point] * own * other_slope / (own + other_slope);
   law.shear = law.stiffness * std::min(law.margin, 2.0 * law.linear_from);
   if (before > 0.0) law.shear_damping *= std::sqrt(law.shear / before);
   return law;

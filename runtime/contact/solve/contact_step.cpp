@@ -17,6 +17,7 @@ constexpr int kNewtonIterations = 100;  // Newton's, with the line search
 constexpr int kShorter = 12;            // halvings of a move
 constexpr int kNormals = 20;            // iterations in which normals are renewed,
 constexpr double kHeldBelow = 1e6;      // unless the residual is below so many times what is small
+constexpr int kMostRenewals = 20;       // likewise as a last resort
 constexpr int kFullRenewals = 8;        // iterations in which limits are renewed wholly
 constexpr double kRoundedWay = 1e-14;   // of the body's extent
 
@@ -475,41 +476,55 @@ void ContactStep::make_jacobian(double heavier, bool follows) {
   }
 }
 
-ContactRenewal renewal(int iteration, double size) {
+ContactRenewal renewal(int iteration, double size, bool hold) {
+  if (hold && iteration >= kMostRenewals) return {};
   return {.normals = iteration < kNormals && size >= kHeldBelow,
           .limits = iteration < kFullRenewals || size < kHeldBelow ? 1.0 : 0.5};
 }
 
-bool limits_follow(int iteration, double size) {
+bool limits_follow(int iteration, double size, bool hold) {
+  if (hold && iteration >= kMostRenewals) return false;
   return iteration > 1 || size < kHeldBelow;
 }
 
-// A whole move of Newton's method in which limits follow the force. False, and nothing has changed,
-// where it does not at least halve the residual.
-bool ContactStep::try_following(double size, double& reached) {
+double shortest_following(int iteration) {
+  return iteration < kFullRenewals ? 1.0 : 0.01;
+}
+
+double following_bound(double length) {
+  return 1.0 - 0.5 * length;
+}
+
+// A move of Newton's method in which limits follow the force, a whole one where that halves the
+// residual; once that has failed for long also a shorter one that lowers it. False, and nothing has
+// changed, where none does.
+bool ContactStep::try_following(int iteration, double size, double& reached) {
   const Index n = unknowns();
   make_jacobian(0.0, true);
   factor_.compute(jacobian_.topLeftCorner(n, n));
   move_.head(n) = factor_.solve(residual_.head(n));
-  z_.head(n) = z_before_.head(n) - move_.head(n);
-  evaluate({.normals = false, .limits = 1.0});
-  reached = close();
-  if (reached <= 0.5 * size) return true;
-  z_.head(n) = z_before_.head(n);
-  evaluate({.normals = false, .limits = 1.0});
-  (void)close();
+  const auto go = [&](double length) {
+    z_.head(n) = z_before_.head(n) - length * move_.head(n);
+    evaluate({.normals = false, .limits = 1.0});
+    return close();
+  };
+  for (double length = 1.0; length >= shortest_following(iteration); length *= 0.5) {
+    reached = go(length);
+    if (reached <= following_bound(length) * size) return true;
+  }
+  go(0.0);
   return false;
 }
 
 // heavier: of the first moves.
-bool ContactStep::solve(double heavier, StepReport& report) {
+bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
   const double h = options_.step;
   const Index n = unknowns();
   evaluate({});
   double size = close(), enough = this->enough();
   for (int i = 0; i < kNewtonIterations; ++i) {
     if (!touching().empty()) {
-      evaluate(renewal(i, size / enough));
+      evaluate(renewal(i, size / enough, hold));
       size = close();
     }
     report.residual = 0.5 * h * size;
@@ -518,7 +533,8 @@ bool ContactStep::solve(double heavier, StepReport& report) {
     if (!std::isfinite(size)) return false;
     z_before_ = z_;
     double followed = 0.0;
-    if (!touching().empty() && limits_follow(i, size / enough) && try_following(size, followed)) {
+    if (!touching().empty() && limits_follow(i, size / enough, hold) &&
+        try_following(i, size, followed)) {
       ++report.iterations;
       size = followed;
       continue;
@@ -554,12 +570,18 @@ bool ContactStep::solve(double heavier, StepReport& report) {
 StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free) {
   StepReport report;
   // From the beginning once more with short moves, where long ones led astray.
-  for (const double heavier : {0.0, 10.0, 1000.0}) {
+  struct Attempt {
+    double heavier;
+    bool hold;
+  };
+  for (const auto [heavier, hold] :
+       {Attempt{0.0, false}, Attempt{10.0, false}, Attempt{1000.0, false}, Attempt{10.0, true}}) {
     begin(state, load, free);
     in_island_ = false;
     do {
-      report.converged = solve(heavier, report) && z_.allFinite();
+      report.converged = solve(heavier, hold, report) && z_.allFinite();
     } while (report.converged && add_missed());
+    if (report.converged && hold) ++held_steps_;
     if (report.converged) break;
   }
   if (report.converged) finish(state, report);
@@ -597,6 +619,7 @@ void ContactStep::carry(StateStream& stream) {
   stream(account_, poses_.start, poses_.end, ball_.centre, ball_.radius, ball_.deformed);
   stream(ball_.travel, q0_, u0_);
   stream.sized(impulses_);
+  stream(held_steps_);
   stream.sized(memories_);
   stream.sized(pair_memories_);
 }

@@ -37,11 +37,17 @@ struct ContactBall {
 // What is renewed of what is held before an iteration of Newton's method, counted from 0, at a
 // residual of `size` times the small one. Limits of friction always are, or the step would not be
 // solved; normals are not near the solution, where any normal near the middle's will do.
-ContactRenewal renewal(int iteration, double size);
+// hold: the last resort, for steps whose limits run in circles: after kMostRenewals iterations they
+// stay as they are, and so near that of the step that the energy still closes.
+ContactRenewal renewal(int iteration, double size, bool hold);
 
 // Whether a move from there is one of Newton's method with limits that follow the force; else they
 // are held along the move, and a line search goes by the slope (line_search.h).
-bool limits_follow(int iteration, double size);
+bool limits_follow(int iteration, double size, bool hold);
+// The shortest length along such a move that is tried, and the fraction of the residual that is
+// low enough there.
+double shortest_following(int iteration);
+double following_bound(double length);
 
 class ContactStep {
  public:
@@ -82,6 +88,9 @@ class ContactStep {
 
   // Account of the last step; when nothing was near, reset() instead.
   const ContactAccount& account() const { return account_; }
+  // In how many steps friction's limits were held as a last resort; see renewal().
+  std::int64_t held_steps() const { return held_steps_; }
+  void note_held_step() { ++held_steps_; }
   void reset();
   // For each collider the sum of the lengths of the impulses on it in the last step, N s; 0 where
   // there was no contact. And the impulse itself, N s, world.
@@ -220,8 +229,8 @@ class ContactStep {
   double way_of_move() const;
   double held_rounding(const VertexRows& place, double stiffness, double far) const;
   double grips_rounding() const;
-  bool solve(double heavier, StepReport& report);
-  bool try_following(double size, double& reached);
+  bool solve(double heavier, bool hold, StepReport& report);
+  bool try_following(int iteration, double size, double& reached);
   void settle_grips();
   void settle_account();
   void scale_rows();
@@ -254,6 +263,7 @@ class ContactStep {
   ContactAccount account_;
   ContactAccount pairs_;
   double pairs_start_ = 0.0;
+  std::int64_t held_steps_ = 0;
   double joints_rounding_ = 0.0;  // kg^1/2 m/s
   double first_size_ = 0.0;       // of the first residual of a step; below 0 before it
   const StepLoad* load_ = nullptr;
