@@ -257,7 +257,7 @@ Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std:
     if (flags.count("--load") > 0) body.signal.clear();
     if (flags.count("--scale") > 0) body.deflect.clear();
     if (flags.count("--deflect") > 0) body.scale = 1.0;
-    if (!body.wav.empty() && flags.count("--step") == 0) body.step = kSoundStep;
+    if (!body.wav.empty() && flags.count("--step") == 0) take_sound_step(body);
     if (!body.wav.empty() && bodies->size() > 1)
       return usage_error("--wav is of one body, and " + path + " has several");
   }
@@ -385,7 +385,7 @@ int run_program(int count, char** words, const NodalScenes* nodal) {
   if (*parser.view) return start_viewer(words);
   if (!is_scene(request.file)) {
     if (Status s = check_not_saved(request); !s) return report_error(s.error());
-    if (!options.wav.empty() && parser.run->count("--step") == 0) options.step = kSoundStep;
+    if (!options.wav.empty() && parser.run->count("--step") == 0) take_sound_step(options);
     return run_command(bodies_of(request, options), request.json);
   }
   const SceneCommand command = {request.file, options, told_flags(*parser.run), request.degree,

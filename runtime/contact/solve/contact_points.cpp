@@ -4,6 +4,8 @@
 #include <limits>
 #include <numeric>
 
+#include "runtime/contact/solve/shape_reach.h"
+
 namespace tremolo {
 namespace {
 
@@ -60,9 +62,20 @@ void divide(const std::vector<Vector3d>& places, std::vector<std::size_t>& order
   divide(places, order, middle, last, groups);
 }
 
+// The size of the whole boundary: that of few points, or of a single one, is not the body's.
+void measure(const std::vector<Vector3d>& boundary, const Collider* shape, ContactPoints& points) {
+  const BoundingBox box = bounding_box(boundary);
+  points.centre = 0.5 * (box.low + box.high);
+  points.extent = (box.high - box.low).maxCoeff();
+  for (const Vector3d& x : boundary)
+    points.radius = std::max(points.radius, (x - points.centre).norm());
+  if (shape != nullptr)
+    points.radius = std::max(points.radius, radius_about(*shape, points.centre));
+}
+
 }  // namespace
 
-ContactPoints choose_contact_points(const Model& model, std::size_t most) {
+ContactPoints choose_contact_points(const Model& model, std::size_t most, const Collider* shape) {
   const VertexBlock& surface = model.surface();
   ContactPoints points;
   std::vector<std::size_t> order = farthest_points(surface.rest, most, points.gap);
@@ -71,7 +84,6 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most) {
   const Index r = model.modes();
   points.rows.resize(r, 3 * order.size());
   points.reach.setZero(r);
-  Vector3d low = surface.rest[order[0]], high = low;
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Index from = 3 * order[i];
     const Index to = 3 * i;
@@ -79,11 +91,8 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most) {
     points.rest.push_back(surface.rest[order[i]]);
     points.rows.middleCols<3>(to) = surface.rows.middleRows<3>(from).transpose();
     points.reach = points.reach.cwiseMax(points.rows.middleCols<3>(to).rowwise().norm());
-    low = low.cwiseMin(points.rest.back());
-    high = high.cwiseMax(points.rest.back());
   }
-  points.centre = 0.5 * (low + high);
-  points.extent = (high - low).maxCoeff();
+  measure(surface.rest, shape, points);
   // Places near the surface see several points, and the field is smooth between them.
   points.field = ScatteredPoints(
       points.rest, 0.25 * points.gap * points.gap + 1e-6 * points.extent * points.extent);
@@ -92,8 +101,6 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most) {
   for (Index i = 0; i < static_cast<Index>(points.size()); ++i)
     for (Index axis = 0; axis < 3; ++axis)
       points.axis_rows.row(axis * stride + i) = points.rows.col(3 * i + axis).transpose();
-  for (const Vector3d& place : points.rest)
-    points.radius = std::max(points.radius, (place - points.centre).norm());
   return points;
 }
 

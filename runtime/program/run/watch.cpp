@@ -58,7 +58,9 @@ Result<Watch> Watch::create(const RunOptions& options, const Body& body, const i
     watch.probe_ = std::move(rows->rows);
   }
   if (!options.wav.empty())
-    if (Status s = take(watch.ear_, Ear::create(options.listen, body.model())); !s)
+    if (Status s = take(watch.ear_, Ear::create(options.listen, body.model(),
+                                                1.0 / (options.step * options.sound_steps)));
+        !s)
       return s.error();
   return watch;
 }
@@ -97,7 +99,7 @@ Result<bool> Watch::observe(const Moment& moment) {
     note_shape(moment);
   if (probe_.cols() > 0)
     report_->largest_probe = std::max(report_->largest_probe, (probe_ * moment.state.q).norm());
-  if (ear_) sound_.add(ear_->place(moment.state.q));
+  if (ear_ && moment.steps % options_->sound_steps == 0) sound_.add(ear_->place(moment.state.q));
   last_ = moment;
   return inside;
 }
@@ -141,7 +143,9 @@ Status Watch::finish() {
                                  static_cast<double>(std::max<std::int64_t>(last_.steps, 1));
   report_->energy_drift_max = drift_.worst();
   if (ear_)
-    if (Status status = sound_.write(options_->wav, options_->step); !status) return status;
+    if (Status status = sound_.write(options_->wav, options_->step * options_->sound_steps);
+        !status)
+      return status;
   if (options_->out.empty()) return Success{};
   if (Status status = frames_.finish(seen_.model()); !status) return status;
   report_->files = frames_.files();

@@ -147,7 +147,8 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   report_.energy_max = std::max(report_.energy_max, account.total());
   report_.remainder_max = std::max(report_.remainder_max, std::abs(account.remainder()));
   report_.turnover_max = std::max(report_.turnover_max, turnover(account));
-  if (moment_.steps % kStepsBetweenShapes == 0) note_shape(body);
+  if (moment_.steps % kStepsBetweenShapes == 0) note_shape(world);
+  rebound_.observe(world, body_);
   if (!options_->out.empty() && moment_.steps % options_->every == 0) {
     const auto [pose, momenta] = place_of(world, body_);
     const Eigen::Quaterniond& turn = pose.rotation;
@@ -188,12 +189,17 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   return false;
 }
 
-void BodyLog::note_shape(const Body& body) {
+void BodyLog::note_shape(const SceneWorld& world) {
+  const Body& body = world.body(body_);
   const VertexBlock& surface = body.model().surface();
   const Eigen::VectorXd moved = surface.rows * body.state().q;
   for (Eigen::Index row = 0; row + 2 < moved.size(); row += 3)
     report_.largest_displacement =
         std::max(report_.largest_displacement, moved.segment<3>(row).norm());
+  // Where it sleeps it lies as it lay.
+  if (world.asleep(body_)) return;
+  report_.penetration_surface_max =
+      std::max(report_.penetration_surface_max, depth_.measure(world, body_));
 }
 
 void BodyLog::give_up(const StepReport& step, double time) {
@@ -215,7 +221,8 @@ void BodyLog::judge_balance(const std::string& method) {
 
 Status BodyLog::finish(const SceneWorld& world) {
   const Body& body = world.body(body_);
-  note_shape(body);
+  note_shape(world);
+  report_.rebound = rebound_.ratio();
   report_.end = place_of(world, body_);
   report_.account = world.account(body_);
   report_.high_band_final = body.energy().high_band;
