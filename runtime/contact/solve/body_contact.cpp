@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/mesh/tet_mesh.h"
+#include "common/number_text.h"
 #include "runtime/body.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact/solve/shape_reach.h"
@@ -20,10 +21,12 @@ Status Body::set_contact(const ContactOptions& options) {
   if (options.points < 1 || !(options.margin > 0.0) || !(options.stiffness > 0.0) ||
       !std::isfinite(options.margin) || !std::isfinite(options.stiffness))
     return usage_error("contact needs at least one point, a margin and a stiffness above zero");
-  if (!(options.friction >= 0.0) || !std::isfinite(options.friction) ||
-      !(options.restitution >= 0.0 && options.restitution <= 1.0))
-    return usage_error(
-        "contact needs a friction that is not negative and a restitution from 0 to 1");
+  if (!(options.friction >= 0.0) || !std::isfinite(options.friction))
+    return usage_error("a body's friction is " + number_text(options.friction) +
+                       ", must be finite and not negative");
+  if (!(options.restitution >= 0.0 && options.restitution <= 1.0))
+    return usage_error("a body's restitution is " + number_text(options.restitution) +
+                       ", must be from 0 to 1");
   if (options.shape)
     if (Status s = check(*options.shape); !s) return s;
   if (!energy_method_ && frame() != FrameKind::kFixed)

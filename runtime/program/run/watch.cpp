@@ -73,7 +73,7 @@ Watch::Watch(const RunOptions& options, Body seen, std::int64_t steps, Recorder 
       recorder_(std::move(recorder)),
       frames_(options, steps),
       stretch_(std::make_unique<SurfaceStretch>(seen_.model())),
-      shape_every_(steps_between_shapes(seen_)) {
+      shape_looks_(seen_.model(), steps_between_shapes(seen_), steps) {
   report_->size = stretch_->size();
 }
 
@@ -95,8 +95,8 @@ Result<bool> Watch::observe(const Moment& moment) {
     report_->reason = why_out_of_bound(moment.time, energy.total());
   }
   // At rest there is nothing to see.
-  if (moment.steps > 0 ? moment.steps % shape_every_ == 0 : !options_->start.empty())
-    note_shape(moment);
+  const bool due = shape_looks_.due(moment.steps, moment.state.q);
+  if (due && (moment.steps > 0 || !options_->start.empty())) note_shape(moment);
   if (probe_.cols() > 0)
     report_->largest_probe = std::max(report_->largest_probe, (probe_ * moment.state.q).norm());
   if (ear_ && moment.steps % options_->sound_steps == 0) sound_.add(ear_->place(moment.state.q));
@@ -121,6 +121,8 @@ void Watch::note_split(const Moment& moment) {
 
 void Watch::note_shape(const Moment& moment) {
   shape_seen_ = moment.steps;
+  if (!shape_looks_.can_exceed(moment.state.q, report_->farthest.distance, report_->stretch))
+    return;
   const StretchRange now = stretch_->measure(seen_);
   report_->stretch.smallest = std::min(report_->stretch.smallest, now.smallest);
   report_->stretch.largest = std::max(report_->stretch.largest, now.largest);

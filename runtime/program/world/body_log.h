@@ -10,6 +10,7 @@
 #include "runtime/program/run/march.h"
 #include "runtime/program/run/recorder.h"
 #include "runtime/program/run/run_options.h"
+#include "runtime/program/run/shape_looks.h"
 #include "runtime/program/world/surface_depth.h"
 #include "runtime/scene/scene_world.h"
 #include "runtime/scene_reader/scene_reader.h"
@@ -77,14 +78,17 @@ class BodyLog {
 
  private:
   BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
-          std::int64_t steps);
+          const Model& model, std::int64_t steps);
   void note_shape(const SceneWorld& world);
+  void note_depth(const SceneWorld& world);
   void judge_balance(const std::string& method);
 
   std::size_t body_;
   std::unique_ptr<RunOptions> options_;  // the folder and its surfaces; frames_ refers to it
   Recorder recorder_;
   Frames frames_;
+  ShapeLooks shape_looks_;
+  double deepest_ = 0.0;  // of the points when the surface was measured, a share of the size
   Moment moment_;
   std::vector<double> further_;
   BodyReport report_;
