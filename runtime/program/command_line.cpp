@@ -47,8 +47,10 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
   run.add_option("--every", o.every, "a CSV row every so many steps")->capture_default_str();
   run.add_flag("--plot", o.plot, "draw energy.html, and energy.svg where gnuplot is installed");
   run.add_option("--surfaces", o.surfaces, "write so many surfaces, evenly spaced in time");
-  run.add_option("--wav", o.wav,
-                 "sound of what the body does, 48 000 steps a second unless --step says otherwise");
+  run.add_option(
+      "--wav", o.wav,
+      "sound of what the body does, 48 000 samples a second with as many steps each as its "
+      "modes need; with --step a step a sample");
   run.add_option("--listen", o.listen,
                  "with --wav: vertex or selector whose acceleration along the normal is heard");
   run.add_option("--surface-format", o.surface_format, "ply, obj or inc (POV-Ray)")

@@ -388,7 +388,8 @@ TEST(StiffHands, AJointIsLimitedToOneWithoutAStiffness) {
   }
   const auto stiff = make_joint(bodies[0], 5, bodies[1], JointOptions{.stiffness = 1e15});
   const auto free = make_joint(bodies[0], 5, bodies[1], JointOptions{});
-  const auto soft = make_joint(bodies[0], 5, bodies[1], JointOptions{.stiffness = 10.0, .damping = 0.1});
+  const auto soft =
+      make_joint(bodies[0], 5, bodies[1], JointOptions{.stiffness = 10.0, .damping = 0.1});
   ASSERT_TRUE(stiff && free && soft);
   EXPECT_EQ(stiff->stiffness, free->stiffness);
   EXPECT_EQ(stiff->damping, free->damping);
