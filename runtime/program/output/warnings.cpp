@@ -31,7 +31,7 @@ std::string pace_text(double factor) {
   if (!std::isfinite(factor)) return {};
   const bool slower = factor < 1.0;
   const double times = slower ? 1.0 / factor : factor;
-  return fmt::format(" ({} times {} than real time)",
+  return fmt::format("{} times {} than real time",
                      times < 100.0 ? fmt::format("{:.2g}", times) : fmt::format("{:.0f}", times),
                      slower ? "slower" : "faster");
 }

@@ -24,7 +24,8 @@ double resolving_step(double frequency);
 std::string step_warning(double frequency, double step, const std::string& whose,
                          const std::string& flag);
 
-// " (28 times slower than real time)": simulated seconds over seconds of computing.
+// "28 times slower than real time", of simulated seconds over seconds of computing; empty where that
+// is not known.
 std::string pace_text(double factor);
 
 }  // namespace tremolo

@@ -109,8 +109,9 @@ void print_text(const RunReport& report, const Warnings& warnings) {
   if (report.moves.size() > kShown)
     tell("  ... and {} moves more (--json lists them)\n", report.moves.size() - kShown);
   if (report.halved_steps > 0) tell("  {} steps were taken in parts\n", report.halved_steps);
+  const std::string pace = pace_text(report.step * 1e6 / report.microseconds_per_step);
   tell("  {:.2f} us a step{}, {:.2f} iterations\n", report.microseconds_per_step,
-       pace_text(report.step * 1e6 / report.microseconds_per_step), report.iterations_per_step);
+       pace.empty() ? pace : " (" + pace + ")", report.iterations_per_step);
   if (std::isfinite(report.energy_drift_max))
     tell("  energy {:.6g} J at the end, largest drift {:.2e}\n", report.energy_final,
          report.energy_drift_max);
