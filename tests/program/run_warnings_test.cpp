@@ -96,7 +96,8 @@ double strength(const std::vector<double>& sound, double rate, double f) {
   double re = 0.0, im = 0.0;
   for (std::size_t k = 0; k < sound.size(); ++k) {
     const double t = static_cast<double>(k) / rate;
-    const double window = 1.0 - std::cos(kTurn * static_cast<double>(k) / sound.size());
+    const double window =
+        1.0 - std::cos(kTurn * static_cast<double>(k) / static_cast<double>(sound.size()));
     re += window * sound[k] * std::cos(kTurn * f * t);
     im += window * sound[k] * std::sin(kTurn * f * t);
   }
