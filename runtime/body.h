@@ -326,6 +326,9 @@ class Body {
   void gather_on_free();
   StepReport advance();
   StepReport advance_among(std::span<const PlacedCollider> colliders);
+  StepReport advance_near(bool near);
+  StepPush step_push() const;
+  Pose step_end() const;
   // The parts of a step, for groups of bodies that touch each other.
   friend class BodyGroup;
   std::optional<StepReport> begin_step();
@@ -377,7 +380,7 @@ class Body {
   PlaceForces place_forces_;
   std::vector<Eigen::VectorXd> place_weights_;  // of a body on bones: of the places
   StepLoad step_load_;
-  Eigen::VectorXd q_before_;
+  Eigen::VectorXd q_before_, p_before_;
   double kick_ = 0.0;  // of the step's loads, J
   std::int64_t steps_ = 0;
   std::int64_t iterations_ = 0;

@@ -335,11 +335,14 @@ typedef struct tremolo_contact_options {
   uint32_t size;                 /* bytes of this struct as the caller knows it */
   int32_t points;                /* at most so many vertices of the boundary feel contact; 200 */
   double margin;                 /* where contact begins, a share of the body's size; 0.005 */
-  double stiffness;              /* (h omega)^2 of the whole body on one point a margin deep; 16 */
+  double stiffness;              /* (3 ms omega)^2 of the whole body a margin deep on its whole
+                                  * boundary, whatever the step; 16 */
   const tremolo_collider* shape; /* what other bodies bump into, in the mesh's frame; copied; NULL:
                                   * they pass through */
   double friction;               /* of this shape towards other bodies; 0.3 */
-  double restitution;            /* 0 to 1; 0.5 */
+  double restitution;            /* of a point, 0 to 1; 0.5 */
+  double modulus;                /* Pa, instead of the stiffness: the pressure is modulus x / size at
+                                  * the depth x; 0: the stiffness */
 } tremolo_contact_options;
 
 void tremolo_contact_options_init(tremolo_contact_options* options);
@@ -398,6 +401,26 @@ tremolo_status tremolo_body_contact(const tremolo_body* body, double* penetratio
 /* The impulse of each collider of the last step, N s, 0 where it was not touched. length must be
  * their count. */
 tremolo_status tremolo_body_contact_impulses(const tremolo_body* body, double* out, size_t length);
+
+/* The impulse on each collider in the last step as a vector, x y z x y z ..., N s, world; over the
+ * step it is the force. length must be 3 times their count. Colliders are known from step to step by
+ * their places in the array: friction remembers which one a point held on to. */
+tremolo_status tremolo_body_collider_impulses(const tremolo_body* body, double* out, size_t length);
+
+/* A point of the body that pushed in the last step. */
+typedef struct tremolo_contact_point {
+  uint32_t vertex;      /* of the body's mesh */
+  int32_t on_body;      /* 1: the obstacle is a body, 0: a collider */
+  uint64_t obstacle;    /* its number among the colliders, or among the bodies of the contacts */
+  double position[3];   /* at the end of the step, m, world */
+  double normal[3];     /* out of the obstacle, length 1, world */
+  double impulse[3];    /* on the body, N s, world */
+} tremolo_contact_point;
+
+/* Writes at most `capacity` of the points that pushed in the last step; count receives how many there
+ * are. Points of another body that met this one's shape are among that body's. */
+tremolo_status tremolo_body_contact_points(const tremolo_body* body, tremolo_contact_point* out,
+                                           size_t capacity, size_t* count);
 
 /* J; any may be NULL. stored: between the body and colliders, now. The others since the start: what
  * moving colliders gave, what restitution and friction took (negative), what hands gave, and what

@@ -86,7 +86,8 @@ void tremolo_contact_options_init(tremolo_contact_options* options) {
               .stiffness = defaults.stiffness,
               .shape = nullptr,
               .friction = defaults.friction,
-              .restitution = defaults.restitution};
+              .restitution = defaults.restitution,
+              .modulus = 0.0};
 }
 
 tremolo_status tremolo_body_set_contact(tremolo_body* body,
@@ -102,6 +103,7 @@ tremolo_status tremolo_body_set_contact(tremolo_body* body,
                           .friction = full->friction,
                           .restitution = full->restitution};
     if (full->shape != nullptr) wanted.shape = full->shape->shape;
+    if (full->modulus != 0.0) wanted.modulus = full->modulus;
     return known.set_contact(wanted);
   });
 }
@@ -199,6 +201,42 @@ tremolo_status tremolo_body_contact_impulses(const tremolo_body* body, double* o
     std::copy(impulses.begin(), impulses.end(), out);
     return Success{};
   });
+}
+
+tremolo_status tremolo_body_collider_impulses(const tremolo_body* body, double* out,
+                                              size_t length) {
+  return with(body, [&](const Body& known) -> Status {
+    std::span<const Eigen::Vector3d> impulses;
+    if (known.contact() != nullptr) impulses = known.contact()->collider_impulses();
+    if (Status s = tremolo::c_api::need_buffer(out, length, 3 * impulses.size()); !s) return s;
+    for (const Eigen::Vector3d& impulse : impulses) out = std::copy_n(impulse.data(), 3, out);
+    return Success{};
+  });
+}
+
+tremolo_status tremolo_body_contact_points(const tremolo_body* body, tremolo_contact_point* out,
+                                           size_t capacity, size_t* count) {
+  return with(body, {{count, "the place for the number of points"}},
+              [&](const Body& known) -> Status {
+                std::span<const tremolo::ContactedPoint> points;
+                if (known.contact() != nullptr) points = known.contact()->contacted();
+                *count = points.size();
+                if (out == nullptr && capacity != 0)
+                  return tremolo::usage_error("the buffer for the contact points is NULL");
+                for (std::size_t i = 0; i < std::min(capacity, points.size()); ++i) {
+                  const tremolo::ContactedPoint& point = points[i];
+                  out[i] = {.vertex = static_cast<uint32_t>(point.vertex),
+                            .on_body = point.on_body ? 1 : 0,
+                            .obstacle = point.obstacle,
+                            .position = {},
+                            .normal = {},
+                            .impulse = {}};
+                  std::copy_n(point.position.data(), 3, out[i].position);
+                  std::copy_n(point.normal.data(), 3, out[i].normal);
+                  std::copy_n(point.impulse.data(), 3, out[i].impulse);
+                }
+                return Success{};
+              });
 }
 
 tremolo_status tremolo_body_contact_work(const tremolo_body* body, double* stored, double* given,

@@ -15,28 +15,37 @@ Vector3d into_frame(const Pose& pose, const Vector3d& x) {
   return pose.rotation.conjugate() * (x - pose.position);
 }
 
-// (psi(d0) - psi(d1)) / (d1 - d0) and how it falls with d1. a, b: depths of the ends, M - d, which
-// may be negative.
+// (psi(d0) - psi(d1)) / (d1 - d0) and how it falls with d1.
 struct MeanForce {
   double value = 0.0;
   double fall = 0.0;
 };
 
-MeanForce mean_force(double k, double a, double b) {
+// The means of psi' from the depth a to b, which may be negative: (1/l) int psi' dx and
+// (1/l^2) int (x - a) psi'' dx with l = b - a, piece by piece without differences of energies.
+MeanForce mean_force(const ContactLaw& law, double a, double b) {
+  const double w = law.linear_from;
   if (a <= 0.0 && b <= 0.0) return {};
-  const double third = k / 3.0;
-  if (a >= 0.0 && b >= 0.0) return {third * (a * a + a * b + b * b), third * (a + 2.0 * b)};
-  // One end is outside: the cube of the other over the whole way, b - a.
-  if (b > 0.0) {
-    const double way = b - a, cube = b * b * b;
-    return {third * cube / way, third * (3.0 * b * b * way - cube) / (way * way)};
+  const double length = b - a;
+  if (length == 0.0) {
+    const double x = std::min(a, w);
+    return {law.stiffness * x * (2.0 * a - x), law.stiffness * x};
   }
-  const double way = a - b;
-  return {third * a * a * a / way, third * a * a * a / (way * way)};
+  // Of psi' = x^2 from 0 to w.
+  const double from = std::clamp(a, 0.0, w), to = std::clamp(b, 0.0, w);
+  const double s = from - a, t = to - a;
+  double value = (to - from) / 3.0 * (from * from + from * to + to * to);
+  double fall = (t - s) * (a * (t + s) + 2.0 / 3.0 * (t * t + t * s + s * s));
+  if (a > w || b > w) {
+    const double first = std::max(a, w), last = std::max(b, w);
+    value += w * (last - first) * (last + first - w);
+    fall += w * (last - first) * (last + first - 2.0 * a);
+  }
+  return {law.stiffness * value / length, law.stiffness * fall / (length * length)};
 }
 
 MeanForce mean_of(const ContactLaw& law, const ContactGap& gap) {
-  return mean_force(law.stiffness, law.margin - gap.d0, law.margin - gap.d1);
+  return mean_force(law, law.begins - gap.d0, law.begins - gap.d1);
 }
 
 // c, and 1/(|p|^2 + |w|^2), 0 where the change of distance is rounding.
@@ -53,18 +62,20 @@ Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWa
   return {(gap.d1 - gap.d0 - normal.dot(way.path - way.bend)) * shorter2, shorter2};
 }
 
-// The share of the mean force that pushes, and how it falls with d1.
-struct Outgoing {
-  double share = 1.0;
+// The factor of restitution on the mean force, and how it falls with d1.
+struct Restitution {
+  double factor = 1.0;
   double fall = 0.0;
 };
 
-Outgoing outgoing(const ContactLaw& law, const ContactGap& gap, double h) {
-  const double speed = (gap.d1 - gap.d0) / h;
-  const double taken = 1.0 - law.restitution * law.restitution;
-  const double along = std::clamp(speed / law.rebound_speed, 0.0, 1.0);
-  return {1.0 - taken * along * along * (3.0 - 2.0 * along),
-          taken * 6.0 * along * (1.0 - along) / (law.rebound_speed * h)};
+// With e^2 the ratio of the factors far out and far in, 1 in between, where it falls as a damper:
+// small motions die away, and the force stays monotonous.
+Restitution restitution_of(const ContactLaw& law, const ContactGap& gap, double h) {
+  const double square = law.restitution * law.restitution;
+  const double taken = (1.0 - square) / (1.0 + square);
+  const double along = std::clamp((gap.d1 - gap.d0) / (h * law.rebound_speed), -1.0, 1.0);
+  const double size = std::abs(along);
+  return {1.0 - taken * along * (2.0 - size), 2.0 * taken * (1.0 - size) / (law.rebound_speed * h)};
 }
 
 // s, and how it falls with d1.
@@ -75,39 +86,18 @@ struct Pressure {
 
 Pressure pressure_of(const ContactLaw& law, const ContactGap& gap, double h) {
   const MeanForce mean = mean_of(law, gap);
-  const Outgoing out = outgoing(law, gap, h);
-  return {out.share * mean.value, out.share * mean.fall + mean.value * out.fall};
+  const Restitution part = restitution_of(law, gap, h);
+  return {part.factor * mean.value, part.factor * mean.fall + mean.value * part.fall};
 }
 
-// The part of the way across the normal, m, its length, and friction over it, N/m: below the slip
-// speed friction is in proportion to the slip.
-struct Slip {
-  Vector3d way;
-  double length = 0.0;
-  bool slides = false;
-  double rubbing = 0.0;
-};
-
-Slip slip_of(const ContactLaw& law, const ContactWay& way, double h, const ContactHeld& held) {
+// The part of the way across the normal, m.
+Vector3d tangential(const ContactWay& way, const Vector3d& n) {
   const Vector3d over = way.path - way.bend;
-  const Vector3d& n = held.normal;
-  Slip slip{over - (n.dot(over) / n.squaredNorm()) * n};
-  slip.length = slip.way.norm();
-  const double whole = h * law.slip_speed;
-  slip.slides = slip.length > whole;
-  slip.rubbing =
-      held.grinding * (slip.slides ? 1.0 / slip.length : (2.0 - slip.length / whole) / whole);
-  return slip;
+  return over - (n.dot(over) / n.squaredNorm()) * n;
 }
 
-// Returns how friction falls with the way. whole: m, at which it is whole.
-Matrix3d drag_of(const Slip& slip, const Vector3d& n, double grinding, double whole) {
-  Matrix3d drag = slip.rubbing * (Matrix3d::Identity() - n * n.transpose() / n.squaredNorm());
-  if (slip.length > 0.0) {
-    const double shorter = slip.slides ? 1.0 / (slip.length * slip.length) : 1.0 / (whole * whole);
-    drag -= (grinding * shorter / slip.length) * slip.way * slip.way.transpose();
-  }
-  return drag;
+FrictionLaw friction_law(const ContactLaw& law, double h) {
+  return {law.shear, law.shear_damping / h};
 }
 
 // The mean rotation of the collider's frame in the step.
@@ -118,6 +108,22 @@ Eigen::Quaterniond mid_rotation(const PlacedCollider& collider) {
 }
 
 }  // namespace
+
+double ContactLaw::energy(double distance) const {
+  const double depth = begins - distance;
+  if (!(depth > 0.0)) return 0.0;
+  const double x = std::min(depth, linear_from), beyond = depth - x;
+  return stiffness * (x * x * x / 3.0 + (beyond > 0.0 ? x * beyond * (x + beyond) : 0.0));
+}
+
+void hold_normal(const Vector3d& normal, const ContactMemory& memory, ContactHeld& held) {
+  held.normal = normal;
+  held.slip = memory.slip;
+  if (held.slip.isZero(0.0)) return;
+  const double length = normal.norm();
+  held.slip = length > 0.0 ? turn_to_plane(memory.slip, memory.normal, normal / length)
+                           : Vector3d(Vector3d::Zero());
+}
 
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
                            const Vector3d& x) {
@@ -131,36 +137,48 @@ ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider
 }
 
 ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
-                           double h, double renew, ContactHeld& held) {
+                           double h, double limits, ContactHeld& held) {
   ContactForce contact;
   contact.distance = gap.d1;
-  contact.energy = law.energy(gap.d1);
+  const double energy = law.energy(gap.d1);
   const MeanForce mean = mean_of(law, gap);
-  if (mean.value == 0.0 && held.grinding == 0.0) return contact;
+  const double stored = 0.5 * law.shear * held.slip.squaredNorm();
+  if (mean.value == 0.0) held.limit -= limits * held.limit;
+  if (mean.value == 0.0 && held.limit == 0.0) {
+    contact.rubbed = stored;
+    return contact;
+  }
   contact.acts = true;
   const Correction correction = correct(law, gap, way, held.normal);
-  const Outgoing out = outgoing(law, gap, h);
+  const double factor = restitution_of(law, gap, h).factor;
   contact.pressure = mean.value;
-  contact.lost = (1.0 - out.share) * std::max(0.0, gap.e0 - contact.energy);
-  const double s = out.share * mean.value;
+  contact.lost = (1.0 - factor) * (gap.e0 - energy);
+  const double s = factor * mean.value;
   const Vector3d point_normal = held.normal + correction.c * way.path;
-  contact.grinding = law.friction * s * point_normal.norm();
-  if (renew > 0.0) held.grinding += renew * (contact.grinding - held.grinding);
-  const Slip slip = slip_of(law, way, h, held);
-  contact.rubbed = slip.rubbing * slip.way.squaredNorm();
-  contact.force = s * point_normal - slip.rubbing * slip.way;
-  contact.bend_force = s * (held.normal - correction.c * way.bend) - slip.rubbing * slip.way;
+  contact.limit = law.friction * s * point_normal.norm();
+  if (mean.value != 0.0) held.limit += limits * (contact.limit - held.limit);
+  const Friction friction =
+      friction_force(friction_law(law, h), held.limit, held.slip, tangential(way, held.normal));
+  // A contact that ends forgets its slip, and what that stores is friction's.
+  const bool ends = gap.d1 >= law.begins;
+  contact.rubbed = friction.lost + (ends ? friction.energy : 0.0);
+  contact.slip = ends ? Vector3d(Vector3d::Zero()) : friction.slip;
+  contact.energy = energy + (ends ? 0.0 : friction.energy);
+  contact.force = s * point_normal + friction.force;
+  contact.bend_force = s * (held.normal - correction.c * way.bend) + friction.force;
   return contact;
 }
 
 ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
-                             double h, const ContactHeld& held) {
+                             double h, const ContactHeld& held, bool follows) {
   const auto& [p, w] = way;
   const Vector3d& n = held.normal;
   const auto [c, shorter2] = correct(law, gap, way, n);
   const Pressure pressure = pressure_of(law, gap, h);
   const double s = pressure.value;
-  const Matrix3d drag = drag_of(slip_of(law, way, h, held), n, held.grinding, h * law.slip_speed);
+  const FrictionSlopes friction = friction_slopes(friction_law(law, h), held.limit, held.slip,
+                                                  tangential(way, n), n / n.norm());
+  const Matrix3d drag = -friction.by_path;
   const Vector3d by_path = shorter2 * (n + 2.0 * c * p), by_bend = shorter2 * (n - 2.0 * c * w);
   ContactSlopes slopes;
   slopes.point.by_distance = pressure.fall * (n + c * p) - (s * shorter2) * p;
@@ -171,22 +189,45 @@ ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const
   slopes.bend.by_path = drag - s * w * by_path.transpose();
   slopes.bend.by_bend = -drag + s * w * by_bend.transpose();
   slopes.bend.by_bend.diagonal().array() += s * c;
+  if (follows) {
+    // By how much L = mu s |m|, m = n + c p, falls with each.
+    const Vector3d m = n + c * p;
+    const double length = m.norm(), sizes = law.friction * s / length;
+    const double fall = law.friction * pressure.fall * length - sizes * shorter2 * m.dot(p);
+    const Eigen::RowVector3d fall_by_path =
+        sizes * (m.dot(p) * by_path.transpose() - c * m.transpose());
+    const Eigen::RowVector3d fall_by_bend = -sizes * m.dot(p) * by_bend.transpose();
+    for (ContactSlope* slope : {&slopes.point, &slopes.bend}) {
+      slope->by_distance += fall * friction.by_limit;
+      slope->by_path += friction.by_limit * fall_by_path;
+      slope->by_bend += friction.by_limit * fall_by_bend;
+    }
+  }
   return slopes;
 }
 
 ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
-                           const ContactStart& start, const Vector3d& x1, double h, double renew,
+                           const ContactStart& start, const ContactMemory& memory,
+                           const Vector3d& x1, double h, const ContactRenewal& renewal,
                            ContactHeld& held) {
   const Vector3d end = into_frame(collider.end, x1);
   const CollisionDistance found = signed_distance(collider.shape, end);
-  if (start.distance >= law.margin && found.distance >= law.margin && held.grinding == 0.0) {
-    ContactForce apart;
-    apart.distance = found.distance;
-    return apart;
+  if (start.distance >= law.begins && found.distance >= law.begins) {
+    if (renewal.limits == 1.0) held.limit = 0.0;
+    if (held.limit == 0.0) {
+      ContactForce apart;
+      apart.clear(found.distance, 0.5 * law.shear * memory.slip.squaredNorm());
+      return apart;
+    }
   }
-  if (renew > 0.0) held.normal = signed_distance(collider.shape, 0.5 * (start.place + end)).normal;
+  if (renewal.normals) {
+    const bool flat = std::holds_alternative<PlaneShape>(collider.shape);
+    hold_normal(
+        flat ? found.normal : signed_distance(collider.shape, 0.5 * (start.place + end)).normal,
+        memory, held);
+  }
   const ContactGap gap{start.distance, start.energy, found.distance};
-  ContactForce contact = contact_force(law, gap, {end - start.place}, h, renew, held);
+  ContactForce contact = contact_force(law, gap, {end - start.place}, h, renewal.limits, held);
   if (contact.acts) contact.force = mid_rotation(collider).toRotationMatrix() * contact.force;
   return contact;
 }
@@ -205,12 +246,12 @@ double contact_passage(const PlacedCollider& collider, const ContactStart& start
 
 Matrix3d contact_stiffness(const ContactLaw& law, const PlacedCollider& collider,
                            const ContactStart& start, const Vector3d& x1, double h,
-                           const ContactHeld& held) {
+                           const ContactHeld& held, bool follows) {
   const Vector3d end = into_frame(collider.end, x1);
   const CollisionDistance found = signed_distance(collider.shape, end);
   const ContactWay way{end - start.place};
   const ContactGap gap{start.distance, start.energy, found.distance};
-  const ContactSlope slope = contact_slopes(law, gap, way, h, held).point;
+  const ContactSlope slope = contact_slopes(law, gap, way, h, held, follows).point;
   const Matrix3d by_end = slope.by_path + slope.by_distance * found.normal.transpose();
   return mid_rotation(collider).toRotationMatrix() * by_end *
          collider.end.rotation.toRotationMatrix().transpose();

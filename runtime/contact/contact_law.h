@@ -1,44 +1,66 @@
-// The force between a point of a body and a collider, over one step (docs/theory.md, section
+// The force between a point of a body and an obstacle, over one step (docs/theory.md, section
 // "Contact").
 //
-// Nearer than the margin M, a point at the distance d has the energy psi(d) = k/3 (M - d)^3, a
-// convex function with two continuous derivatives. Over a step from x0 to x1, in the collider's
+// Nearer than B, a point at the distance d has the depth x = B - d and the energy psi(x), which
+// belongs to the pair and to the area a that the point stands for, not to the step:
+//
+//     psi' = a kappa x^2 up to x = w, a kappa w (2 x - w) beyond
+//
+// psi is convex with two continuous derivatives. Over a step from x0 to x1, in the obstacle's
 // frame, the force is the discrete gradient
 //
 //     f = -s n,   s = (psi(d1) - psi(d0)) / (d1 - d0),   n.(x1 - x0) = d1 - d0
 //
 // in closed form, with n the normal in the middle, corrected along x1 - x0: its work is exactly
-// psi(d0) - psi(d1). Where what is touched bends as well, by w, while the point goes by p along it,
+// psi(d0) - psi(d1). Where the obstacle bends as well, by w, while the point moves by p along it,
 // the correction is shared: n + c p pushes the point, n - c w the bending, and
 // (n + c p).p - (n - c w).w = d1 - d0. Along p - w alone it would grow without bound where the
-// point sticks to what bends. On the way out only the share e^2 of it pushes: a point mass leaves
-// with e times the speed of its arrival. Friction is mu |s| g(|t|) against the tangential part t of
-// x1 - x0, g(l) = l/w (2 - l/w) where l is below the way w of a small speed, else 1, so that it
-// only takes. All of it has a continuous derivative by x1.
+// point sticks to what bends. Restitution e multiplies
+// s by 2/(1 + e^2) on the way in and by 2 e^2/(1 + e^2) on the way out, with a smooth passage at
+// small speeds: a point mass leaves with e times the speed of its arrival. Friction is that of
+// friction.h with the limit mu |s n|.
+//
+// B is the margin M, but for a point that was found nearer than M without a memory of contact: a
+// body that begins there, or was put there. Its contact begins where it is, B = d, without energy,
+// and B follows the point outwards up to M, which costs no energy either.
 #pragma once
+
+#include <limits>
 
 #include <Eigen/Core>
 
+#include "common/state_stream.h"
 #include "runtime/contact/collider.h"
+#include "runtime/contact/friction.h"
 #include "runtime/frames/pose.h"
 
 namespace tremolo {
 
-// margin: M, m. stiffness: k, N/m^2. restitution: e, 0 to 1. friction: mu. rebound_speed: m/s, at
-// which the share that pushes on the way out has fallen to e^2. slip_speed: m/s, at which friction
-// is whole.
+// The law of one point.
 struct ContactLaw {
-  double margin = 0.0;
-  double stiffness = 0.0;
-  double restitution = 0.5;
-  double friction = 0.3;
-  double rebound_speed = 0.0;
-  double slip_speed = 0.0;
+  double margin = 0.0;                                           // M, m
+  double begins = 0.0;                                           // B, m; at most M
+  double stiffness = 0.0;                                        // a kappa, N/m^2
+  double linear_from = std::numeric_limits<double>::infinity();  // w, m
+  double restitution = 0.5;                                      // e
+  double friction = 0.3;                                         // mu
+  double rebound_speed = 0.0;  // m/s, from which on restitution is whole
+  double shear = 0.0;          // k of friction.h, N/m
+  double shear_damping = 0.0;  // c of friction.h, N s/m
 
-  double energy(double distance) const {
-    const double depth = margin - distance;
-    return depth > 0.0 ? stiffness / 3.0 * depth * depth * depth : 0.0;
-  }
+  double energy(double distance) const;
+};
+
+// The memory of a contact between steps: a point that ended a step nearer than the margin. Vectors
+// are along the obstacle's axes.
+struct ContactMemory {
+  std::size_t obstacle = 0, point = 0;
+  double begins = 0.0;                                // B, m
+  double limit = 0.0;                                 // of friction in the last step, N
+  Eigen::Vector3d slip = Eigen::Vector3d::Zero();     // xi of friction.h, m
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // of the plane of xi, length 1
+
+  void carry(StateStream& stream) { stream(obstacle, point, begins, limit, slip, normal); }
 };
 
 // A collider in the world, in one step. Its frame moves from `start` to `end`. friction,
@@ -70,34 +92,43 @@ struct ContactSlopes {
   ContactSlope point, bend;
 };
 
-// Over the step. acts: there is a force. force: on the point, N, world; the opposite of bend_force
-// is what bends that which is touched. pressure: s n's length before restitution's share and
-// friction, N. grinding: mu |s| |n| as it is, N. energy: psi(d1), J. lost: what restitution took,
-// rubbed: what friction took, J. distance: d1, m.
+// The force of a contact over the step.
 struct ContactForce {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero(), bend_force = force;
-  bool acts = false;
-  double pressure = 0.0;
-  double grinding = 0.0;
-  double energy = 0.0;
-  double lost = 0.0;
-  double rubbed = 0.0;
-  double distance = 0.0;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the point, N, world
+  // The opposite of bend_force bends the obstacle, N, world.
+  Eigen::Vector3d bend_force = Eigen::Vector3d::Zero();
+  bool acts = false;      // there is a force
+  double pressure = 0.0;  // the length of s n without restitution and friction, N
+  double limit = 0.0;     // mu |s n|, as it is, N
+  double energy = 0.0;    // psi(d1) and that of friction, J
+  double lost = 0.0;      // taken by restitution, J
+  double rubbed = 0.0;    // taken by friction, J
+  double distance = 0.0;  // d1, m
+  Eigen::Vector3d slip = Eigen::Vector3d::Zero();  // xi1, in the frame of the way, m
 
-  // Nothing acts. What is of the force itself is left as it is.
-  void clear(double at) {
+  // Nothing acts; `stored` (J), of friction's memory, is friction's loss.
+  void clear(double at, double stored) {
     acts = false;
-    pressure = grinding = energy = lost = rubbed = 0.0;
+    pressure = limit = energy = lost = 0.0;
+    rubbed = stored;
     distance = at;
+    slip.setZero();
   }
 };
 
-// What a solver holds while it looks for the end of the step, and renews at first: the normal of
-// the middle, and friction's mu |s| |n|, N. With both held the force has a symmetric derivative but
-// for curvature, which a line search needs; friction takes only, whatever is held.
+// What a solver holds while it looks for the end of the step: the normal of the middle, and the
+// limit of friction. With both held the force has a symmetric derivative but for curvature, which a
+// line search needs; the step is solved once the limit is what it should be.
 struct ContactHeld {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  double grinding = 0.0;
+  double limit = 0.0;                              // N
+  Eigen::Vector3d slip = Eigen::Vector3d::Zero();  // xi0, in the plane of the normal, m
+};
+
+// What an evaluation renews of what is held.
+struct ContactRenewal {
+  bool normals = false;
+  double limits = 0.0;  // the fraction of the way to what they are, 0 to 1
 };
 
 // p, by which the point goes along what it touches as if that did not bend, and w, by which that
@@ -112,33 +143,35 @@ struct ContactGap {
   double d0 = 0.0, e0 = 0.0, d1 = 0.0;
 };
 
-// The force of a contact. h: the step, s. renew: by this share what friction is held at goes to
-// what it is, 0 to 1. Vectors in any one frame.
-ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
-                           double h, double renew, ContactHeld& held);
+// Sets the held normal, of any length, and turns the memory's slip into its plane.
+void hold_normal(const Eigen::Vector3d& normal, const ContactMemory& memory, ContactHeld& held);
 
-// How that force, which acts, falls with what is held as it is.
+// The force of a contact. h: the step, s. limits: as of ContactRenewal. Vectors in any one frame.
+ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
+                           double h, double limits, ContactHeld& held);
+
+// How that force, which acts, falls. follows: friction's limit is not held but goes with the force.
 ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
-                             double h, const ContactHeld& held);
+                             double h, const ContactHeld& held, bool follows);
 
 // x: world, m.
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
                            const Eigen::Vector3d& x);
 
-// x1: where the point ends, world, m. h: the step, s. renew: 0: `held` stays; else it is renewed,
-// its friction by that share.
+// x1: where the point ends, world, m. h: the step, s.
 ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
-                           const ContactStart& start, const Eigen::Vector3d& x1, double h,
-                           double renew, ContactHeld& held);
+                           const ContactStart& start, const ContactMemory& memory,
+                           const Eigen::Vector3d& x1, double h, const ContactRenewal& renewal,
+                           ContactHeld& held);
 
 // How far the point went relative to the collider, m; through: whether it went through it
 // (passage.h). A plane has no other side.
 double contact_passage(const PlacedCollider& collider, const ContactStart& start,
                        const Eigen::Vector3d& x1, bool& through);
 
-// By how much that force, which acts, falls with x1, N/m.
+// By how much that force, which acts, falls with x1, N/m. follows: as of contact_slopes().
 Eigen::Matrix3d contact_stiffness(const ContactLaw& law, const PlacedCollider& collider,
                                   const ContactStart& start, const Eigen::Vector3d& x1, double h,
-                                  const ContactHeld& held);
+                                  const ContactHeld& held, bool follows);
 
 }  // namespace tremolo

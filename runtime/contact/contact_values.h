@@ -14,25 +14,43 @@
 
 namespace tremolo {
 
-// How a body feels contact. points: at most so many of its boundary's vertices. margin: where
-// contact begins, as a share of the body's extent. stiffness: of the contact, as (h omega)^2 of the
-// whole body on one point at the depth of the margin; larger: less penetration, and shorter
-// contacts than the step resolves. shape: what other bodies' points bump into, in the mesh's
-// coordinates at rest; without one they pass through. friction, restitution: towards other bodies,
-// of a pair the geometric means. colliders: false: it feels hands alone.
+// The time scale of contact: stiffness, restitution at small speeds and sleep follow from it and
+// not from the step, s.
+inline constexpr double kContactTime = 3e-3;
+
+// How a body feels contact.
 struct ContactOptions {
-  int points = 200;
-  double margin = 0.005;
+  int points = 200;       // at most so many of its boundary's vertices
+  double margin = 0.005;  // where contact begins, as a fraction of the body's extent
+  // (kContactTime omega)^2 of the whole body on the whole of its boundary at the depth of the
+  // margin. Larger: less penetration and shorter contacts.
   double stiffness = 16.0;
+  // Instead of the stiffness, Pa: the pressure is modulus x/extent at the depth x, from a tenth of
+  // the margin on; see elastic_layer_modulus().
+  std::optional<double> modulus = {};
+  // The solid that other bodies' points meet, in the mesh's coordinates at rest; without one they
+  // pass through.
   std::optional<Collider> shape = {};
-  double friction = 0.3;
-  double restitution = 0.5;
-  bool colliders = true;
+  double friction = 0.3;     // towards other bodies; of a pair the geometric mean
+  double restitution = 0.5;  // the same
+  bool colliders = true;     // false: it feels hands alone
 };
+
+// The modulus of an elastic layer of thickness t on a body of that extent, Pa: (1 - nu) E/((1 + nu)
+// (1 - 2 nu)) extent/t. young: E, Pa; poisson: nu, below 1/2; thickness and extent: m.
+inline double elastic_layer_modulus(double young, double poisson, double thickness, double extent) {
+  return (1.0 - poisson) * young / ((1.0 + poisson) * (1.0 - 2.0 * poisson)) * extent / thickness;
+}
 
 // Where the body's mesh frame is in the step. Of a free body `end` is a prediction.
 struct StepPoses {
   Pose start, end;
+};
+
+// All that acts on a body in the step to come, as far as that is known before it.
+struct StepPush {
+  const Eigen::VectorXd* force = nullptr;                  // on the coordinates, r
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // of a free body's centre, m/s^2
 };
 
 // Account of one step, J but for the last two. energy: of contact at the end. work: what contact
@@ -50,6 +68,16 @@ struct ContactAccount {
   double way = 0.0;
   int active = 0;  // points that push
   int passed = 0;  // points that went through what they should bump into (contact/passage.h)
+};
+
+// A contact point of a body that pushed in the last step.
+struct ContactedPoint {
+  VertexId vertex = 0;       // of the body's mesh
+  bool on_body = false;      // the obstacle is a body, else a collider,
+  std::size_t obstacle = 0;  // of this number in its group or among the colliders
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // at the end of the step, m, world
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // out of the obstacle, length 1, world
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();   // on the body in the step, N s, world
 };
 
 inline void carry(StateStream& stream, ContactAccount& account) {

@@ -91,17 +91,4 @@ DeepestPoint deepest_point(const Body& body, std::span<const PlacedCollider> col
   return deepest;
 }
 
-double contact_energy_at_start(const Body& body, std::span<const PlacedCollider> colliders) {
-  const ContactStep* contact = body.contact();
-  if (contact == nullptr) return 0.0;
-  const ContactPoints& points = contact->points();
-  const Pose pose = body.pose();
-  double energy = 0.0;
-  for (const PlacedCollider& collider : colliders)
-    for (std::size_t i = 0; i < points.size(); ++i)
-      energy +=
-          contact->law().energy(distance_to(collider, pose * points.place(i, body.state().q)));
-  return energy;
-}
-
 }  // namespace tremolo

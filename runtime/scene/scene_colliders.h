@@ -45,7 +45,4 @@ struct DeepestPoint {
 };
 DeepestPoint deepest_point(const Body& body, std::span<const PlacedCollider> colliders);
 
-// What the body's contact stores before its first step, J.
-double contact_energy_at_start(const Body& body, std::span<const PlacedCollider> colliders);
-
 }  // namespace tremolo

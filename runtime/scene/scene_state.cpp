@@ -77,7 +77,7 @@ void SceneWorld::carry(StateStream& stream) {
   steps_ = steps;
   for (Actor& actor : actors_) {
     std::size_t piece = actor.piece;
-    stream(piece, actor.energy_at_start, actor.failed, actor.contact_at_start, actor.penetration);
+    stream(piece, actor.energy_at_start, actor.failed, actor.penetration);
     stream(actor.contacts, actor.speed, actor.passed);
     stream.require(piece <= actor.path.jumps().size());
     if (!stream.good()) return;

@@ -222,8 +222,6 @@ Status SceneWorld::begin_contact(std::size_t i) {
         number_text(100.0 * deepest.depth / actor.size) + " % of its size) inside collider '" +
         scene_.colliders[deepest.collider].name + "', more than its contact-margin of " +
         number_text(margin) + " m: put one of them elsewhere");
-  actor.contact_at_start = contact_energy_at_start(actor.body, felt);
-  actor.energy_at_start += actor.contact_at_start;
   const std::string& name = wanted.name;
   const auto hands = std::count_if(scene_.hands.begin(), scene_.hands.end(),
                                    [&name](const SceneHand& hand) { return hand.body == name; });
@@ -330,11 +328,6 @@ void SceneWorld::move_hands() {
 void SceneWorld::note_contact(std::size_t i) {
   Actor& actor = actors_[i];
   if (actor.body.contact() == nullptr) return;
-  // Its first step found what was stored at the start.
-  if (actor.body.steps() == 1) {
-    actor.energy_at_start += actor.body.contact_error() - actor.contact_at_start;
-    actor.contact_at_start = actor.body.contact_error();
-  }
   if (asleep(i)) return;
   const ContactAccount account = actor.body.contact_account();
   if (actor.size > 0.0)
@@ -447,14 +440,13 @@ EnergyAccount SceneWorld::account(std::size_t i) const {
   account.at_start = actors_[i].energy_at_start;
   account.support = body.support_work();
   account.gravity = body.gravity_work();
-  account.contact = body.steps() > 0 ? body.contact_account().energy : actors_[i].contact_at_start;
+  account.contact = body.contact_account().energy;
   account.contact_given = body.contact_given();
   account.restitution = 0.0 - body.contact_lost();
   account.friction = 0.0 - body.contact_rubbed();
   account.hand = body.hand_work();
   account.joint = body.joint_work();
-  // A body's first step finds what was stored at the start.
-  if (body.steps() > 0) account.contact_error = body.contact_error() - actors_[i].contact_at_start;
+  account.contact_error = body.contact_error();
   account.load = body.work() - account.support - account.gravity - body.contact_work() -
                  account.hand - account.joint;
   account.damping = 0.0 - body.dissipated();

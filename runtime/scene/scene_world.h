@@ -167,7 +167,6 @@ class SceneWorld {
     std::size_t piece = 0;
     double energy_at_start = 0.0;
     bool failed = false;
-    double contact_at_start = 0.0;  // J
     double size = 0.0;              // m, of the contact points
     double penetration = 0.0;       // share of the size
     double speed = 0.0;             // m/s

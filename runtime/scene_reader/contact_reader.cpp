@@ -70,6 +70,11 @@ void read_body_contact(TomlKeys& keys, SceneBody& body) {
   keys.read("contact-points", body.contact.points);
   keys.read("contact-margin", body.contact.margin);
   keys.read("contact-stiffness", body.contact.stiffness);
+  if (keys.has("contact-modulus")) {
+    keys.read("contact-modulus", body.contact.modulus.emplace());
+    if (keys.has("contact-stiffness"))
+      keys.fail("contact-modulus", "takes the place of `contact-stiffness`: leave one of them out");
+  }
   body.contact.shape = read_shape(keys, body.shape_file, body.shape_made_by, "shape-made-by");
   keys.read("friction", body.contact.friction);
   keys.read("restitution", body.contact.restitution);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/contact/contact_law.h"
+#include "runtime/contact/friction.h"
 #include "runtime/contact/solve/bent_shape.h"
 #include "runtime/contact/solve/block_solver.h"
 
@@ -37,63 +38,147 @@ class Numbers {
 constexpr double kStep = 1e-3;
 ContactLaw pair_law() {
   return {.margin = 3e-4,
-          .stiffness = 2e9,
+          .begins = 3e-4,
+          .stiffness = 2e6,
           .restitution = 0.4,
           .friction = 0.3,
           .rebound_speed = 3e-3,
-          .slip_speed = 3e-3};
+          .shear = 600.0,
+          .shear_damping = 4.0};
 }
 
-// F.p - F_w.w, the work that the force does on the point less what it does on the bending, is what
-// the energy falls by less what restitution and friction take; whatever p, w and d1 are.
+// A linear law as well, from a tenth of the margin on.
+ContactLaw linear_law() {
+  ContactLaw law = pair_law();
+  law.linear_from = 3e-5;
+  return law;
+}
+
+// A slip in the plane of the held normal.
+ContactHeld held_at(Numbers& numbers, double slip) {
+  ContactHeld held{.normal = Vector3d(0.1, 0.2, 1.0) + numbers.vector(0.1), .limit = 0.01};
+  const Vector3d unit = held.normal.normalized(), any = numbers.vector(slip);
+  held.slip = any - unit.dot(any) * unit;
+  return held;
+}
+
+// F.p - F_w.w, the work that the force does on the point less its work on the bending, is the fall
+// of the energy less what restitution and friction take; whatever p, w and d1 are.
 TEST(ContactParts, ThePairGivesWhatItStored) {
   Numbers numbers;
-  const ContactLaw law = pair_law();
   int pushed = 0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < 4000; ++i) {
+    const ContactLaw law = i % 2 == 0 ? pair_law() : linear_law();
     const double d0 = numbers.one(4e-4), d1 = d0 + numbers.one(2e-4);
-    ContactHeld held{Vector3d(0.1, 0.2, 1.0) + numbers.vector(0.1), 0.5};
-    // Now and then the point sticks to what bends under it.
+    ContactHeld held = held_at(numbers, 5e-5);
+    // Now and then the point sticks to the obstacle that bends under it.
     const Vector3d bend = numbers.vector(2e-4);
     const ContactWay way{i % 3 == 0 ? bend : numbers.vector(2e-4), bend};
+    const double slip = 0.5 * law.shear * held.slip.squaredNorm();
     const ContactForce contact =
-        contact_force(law, {d0, law.energy(d0), d1}, way, kStep, 0.0, held);
+        contact_force(law, {d0, law.energy(d0), d1}, way, kStep, i % 4 == 0 ? 1.0 : 0.0, held);
     const double work = contact.force.dot(way.path) - contact.bend_force.dot(way.bend);
-    const double given = law.energy(d0) - law.energy(d1) - contact.lost - contact.rubbed;
-    EXPECT_NEAR(work, given, 1e-12 * (law.energy(d0) + law.energy(d1) + contact.rubbed)) << i;
+    const double before = law.energy(d0) + slip;
+    EXPECT_NEAR(work, before - contact.energy - contact.lost - contact.rubbed,
+                1e-12 * (before + contact.energy + contact.rubbed))
+        << i;
+    EXPECT_GE(contact.lost, -1e-12 * before) << i;
+    EXPECT_GE(contact.rubbed, -1e-12 * before) << i;
     if (contact.pressure == 0.0) continue;
     ++pushed;
     // No correction is longer than the change of distance that the normal leaves unexplained.
-    EXPECT_LT(contact.force.norm(), 40.0 * contact.pressure + 0.5) << i;
+    EXPECT_LT(contact.force.norm(), 60.0 * contact.pressure + 0.5) << i;
   }
-  EXPECT_GT(pushed, 1000);
+  EXPECT_GT(pushed, 2000);
 }
 
+// Both with the limit of friction held and with one that follows the force. A case in a hundred may
+// have a kink within the difference.
 TEST(ContactParts, TheSlopesAreDerivatives) {
   Numbers numbers;
-  const ContactLaw law = pair_law();
-  for (int i = 0; i < 200; ++i) {
+  int beyond = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const ContactLaw law = i % 2 == 0 ? pair_law() : linear_law();
+    const bool follows = i % 3 == 0;
     const double d0 = numbers.one(2e-4), d1 = d0 + numbers.one(1e-4);
-    ContactHeld held{Vector3d(0.1, 0.2, 1.0), 0.5};
-    const ContactWay way{numbers.vector(1e-4), numbers.vector(1e-4)};
+    ContactHeld held = held_at(numbers, i % 5 == 0 ? 0.0 : 3e-5);
+    const ContactWay way{numbers.vector(1e-4), numbers.vector(1e-5)};
     const double d_distance = numbers.one(1.0);
     const Vector3d d_path = numbers.vector(1.0), d_bend = numbers.vector(1.0);
     const auto at = [&](double t) {
       return contact_force(law, {d0, law.energy(d0), d1 + t * d_distance},
-                           {way.path + t * d_path, way.bend + t * d_bend}, kStep, 0.0, held);
+                           {way.path + t * d_path, way.bend + t * d_bend}, kStep,
+                           follows ? 1.0 : 0.0, held);
     };
     const double t = 1e-10;
-    const ContactForce before = at(-t), after = at(t);
-    const auto [point, bend] = contact_slopes(law, {d0, law.energy(d0), d1}, way, kStep, held);
+    const ContactForce before = at(-t), after = at(t), middle = at(0.0);
+    if (!before.acts || !after.acts || !middle.acts) continue;
+    const auto [point, bend] =
+        contact_slopes(law, {d0, law.energy(d0), d1}, way, kStep, held, follows);
     const auto fall = [&](const ContactSlope& slope) {
       return Vector3d(slope.by_distance * d_distance + slope.by_path * d_path +
                       slope.by_bend * d_bend);
     };
     const double size = point.by_distance.norm() + point.by_path.norm();
-    EXPECT_LT(((before.force - after.force) / (2 * t) - fall(point)).norm(), 2e-5 * size) << i;
-    EXPECT_LT(((before.bend_force - after.bend_force) / (2 * t) - fall(bend)).norm(), 2e-5 * size)
-        << i;
+    const double off =
+        std::max(((before.force - after.force) / (2 * t) - fall(point)).norm(),
+                 ((before.bend_force - after.bend_force) / (2 * t) - fall(bend)).norm());
+    beyond += off < 2e-5 * size ? 0 : 1;
   }
+  EXPECT_LE(beyond, 10);
+}
+
+// Sliding for long, forth, across and back: never more than the limit, always taking.
+TEST(ContactParts, FrictionStaysBelowItsLimitAndTakes) {
+  Numbers numbers;
+  const FrictionLaw law{600.0, 4000.0};
+  Vector3d slip = Vector3d::Zero();
+  double energy = 0.0, given = 0.0, lost = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    const double limit = 0.01 * (1.0 + numbers.one(1.0));
+    Vector3d path = numbers.vector(i % 3 == 0 ? 1e-6 : 5e-5);
+    path.z() = 0.0;
+    const Friction friction = friction_force(law, limit, slip, path);
+    EXPECT_LE(friction.force.norm(), limit * (1.0 + 1e-12)) << i;
+    EXPECT_LE(law.stiffness * friction.slip.norm(), limit * (1.0 + 1e-12)) << i;
+    EXPECT_GE(friction.lost, -1e-15 * limit) << i;
+    slip = friction.slip;
+    energy = friction.energy;
+    given -= friction.force.dot(path);
+    lost += friction.lost;
+  }
+  EXPECT_NEAR(given, energy + lost, 1e-12 * given);
+}
+
+// A long step of a point that was at rest has the mean of the force along a straight path, L less
+// half of L times the elastic part of the path: the closed form of a spring and a slider.
+TEST(ContactParts, FrictionIsTheMeanAlongAStraightPath) {
+  const FrictionLaw law{600.0, 0.0};
+  const double limit = 0.03, elastic = limit / law.stiffness;
+  for (const double path : {0.3, 0.9, 1.0, 1.5, 40.0}) {
+    const Friction friction =
+        friction_force(law, limit, Vector3d::Zero(), path * elastic * Vector3d::UnitX());
+    const double mean = path < 1.0 ? 0.5 * path : 1.0 - 0.5 / path;
+    EXPECT_NEAR(friction.force.x(), -mean * limit, 1e-12 * limit) << path;
+    EXPECT_NEAR(friction.slip.x(), std::min(path, 1.0) * elastic, 1e-12 * elastic) << path;
+  }
+}
+
+// A damped point that is moved to a place in many small steps or in one ends with the same memory.
+TEST(ContactParts, TheMemoryOfFrictionIsThatOfThePath) {
+  const FrictionLaw law{600.0, 0.0};
+  const double limit = 0.03, elastic = limit / law.stiffness;
+  const Vector3d path(3.0 * elastic, 0.0, 0.0);
+  Vector3d slip = Vector3d::Zero();
+  double lost = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    const Friction friction = friction_force(law, limit, slip, 1e-3 * path);
+    slip = friction.slip;
+    lost += friction.lost;
+  }
+  const Friction once = friction_force(law, limit, Vector3d::Zero(), path);
+  EXPECT_LT((slip - once.slip).norm(), 1e-12 * elastic);
+  EXPECT_NEAR(lost, once.lost, 1e-12 * limit * elastic);
 }
 
 // Points of a sphere whose coordinates bend it.

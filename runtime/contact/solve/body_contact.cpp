@@ -21,6 +21,8 @@ Status Body::set_contact(const ContactOptions& options) {
   if (options.points < 1 || !(options.margin > 0.0) || !(options.stiffness > 0.0) ||
       !std::isfinite(options.margin) || !std::isfinite(options.stiffness))
     return usage_error("contact needs at least one point, a margin and a stiffness above zero");
+  if (options.modulus && !(*options.modulus > 0.0 && std::isfinite(*options.modulus)))
+    return usage_error("contact needs a modulus above zero, in Pa");
   if (!(options.friction >= 0.0) || !std::isfinite(options.friction))
     return usage_error("a body's friction is " + number_text(options.friction) +
                        ", must be finite and not negative");
@@ -57,15 +59,39 @@ StepPoses Body::step_poses() const {
   return {free_->pose(), end};
 }
 
-// The step with contact where something is near.
+// The step with contact where something is near, or turns out to have been.
 StepReport Body::advance_among(std::span<const PlacedCollider> colliders) {
-  if (!near_something(colliders)) {
-    if (contact_) contact_->reset();
-    return advance();
+  return advance_near(near_something(colliders));
+}
+
+StepReport Body::advance_near(bool near) {
+  if (!near) {
+    if (!contact_) return advance();
+    contact_->reset();
+    p_before_ = state_.p;
+    const StepReport report = advance();
+    if (!report.converged || !contact_->find_missed(step_end(), state_.q)) return report;
+    state_.q = q_before_;
+    state_.p = p_before_;
+    if (free_) free_->restore(rigid_before_);
+    integrator_->reset();
   }
   const StepReport report = contact_->step(state_, step_load_, free_.get());
   if (report.converged) end_contact();
   return report;
+}
+
+// All that is known to act in the step to come.
+StepPush Body::step_push() const {
+  StepPush push{&step_load_.average};
+  if (!free_) return push;
+  push.acceleration = gravity_;
+  return push;
+}
+
+// Where the frame is at the end of a step that was made.
+Pose Body::step_end() const {
+  return free_ ? free_->pose() : step_poses().end;
 }
 
 void Body::reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands) {
@@ -74,7 +100,7 @@ void Body::reserve_contact(std::span<const PlacedCollider> colliders, std::size_
   hands_.reserve(hands);
   std::vector<Grip> all(hands);
   contact_->hold(all);
-  (void)contact_->gather(colliders, step_poses(), state_.q, state_.p);
+  (void)contact_->gather(colliders, step_poses(), state_.q, state_.p, step_push());
   contact_->hold({});
 }
 
@@ -82,7 +108,7 @@ void Body::reserve_contact(std::span<const PlacedCollider> colliders, std::size_
 bool Body::near_something(std::span<const PlacedCollider> colliders) {
   if (!contact_) return false;
   contact_->hold(grips_);
-  return contact_->gather(colliders, step_poses(), state_.q, state_.p);
+  return contact_->gather(colliders, step_poses(), state_.q, state_.p, step_push());
 }
 
 // After a step with contact.

@@ -174,7 +174,7 @@ void BodyGroup::put_to_sleep() {
                  (body.contact_account().active > 0 || is_joined(i));
     if (quiet) {
       const double speed2 = 2.0 * body.free_->kinetic(body.state_.q, body.state_.p);
-      const double limit = body.contact_->law().slip_speed;
+      const double limit = 0.01 * body.contact_->law().margin / kContactTime;
       quiet = speed2 <= body.contact_->mass() * limit * limit && !has_to_wake(i);
     }
     rest.quiet = quiet ? rest.quiet + body.options_.step : 0.0;

@@ -82,13 +82,7 @@ void BodyGroup::list_islands() {
 void BodyGroup::step_alone(std::size_t i) {
   Body& body = *bodies_[i];
   StepReport report;
-  if (near_[i] != 0) {
-    report = body.contact_->step(body.state_, body.step_load_, body.free_.get());
-    if (report.converged) body.end_contact();
-  } else {
-    if (body.contact_) body.contact_->reset();
-    report = body.advance();
-  }
+  report = body.advance_near(near_[i] != 0);
   reports_[i] = body.end_step(report);
 }
 
@@ -99,7 +93,7 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   for (std::size_t m = 0; m < island.count; ++m) {
     Body& body = *bodies_[who[m]];
     worker.members.push_back(
-        {body.contact_.get(), &body.state_, &body.step_load_, body.free_.get()});
+        {body.contact_.get(), &body.state_, &body.step_load_, body.free_.get(), who[m]});
     member_of_[who[m]] = m;
   }
   std::size_t used = 0;
@@ -114,12 +108,11 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
     }
   }
   gather_joints(parent_[who[0]], worker.joints);
-  const std::span<PairPoint> points(worker.points.data(), used);
   std::vector<StepReport>& reports = worker.reports;
   reports.resize(island.count);
-  worker.island.step(worker.members, points, worker.joints, bodies_[who[0]]->options_.step,
-                     reports);
-  if (reports[0].converged) note_touches(points, who, worker.touches);
+  worker.island.step(worker.members, worker.points, used, worker.joints,
+                     bodies_[who[0]]->options_.step, reports);
+  if (reports[0].converged) note_touches(std::span(worker.points).first(used), who, worker.touches);
   for (std::size_t m = 0; m < island.count; ++m) {
     Body& body = *bodies_[who[m]];
     if (reports[m].converged) body.end_contact();

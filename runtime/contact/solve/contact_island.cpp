@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <tuple>
 
 #include "runtime/contact/solve/line_search.h"
-
 namespace tremolo {
+static bool dbg() {
+  static bool b = getenv("DBG");
+  return b;
+}
 namespace {
 
 using Eigen::Index;
@@ -220,17 +225,17 @@ void ContactIsland::push(const IslandJoint& link) {
 
 // The residuals of those that are looked at at the members' z; returns the size of those that move
 // in units of what is small.
-double ContactIsland::evaluate(double renew) {
+double ContactIsland::evaluate(const ContactRenewal& renewal) {
   bends_.resize(members_.size());
   for (const std::size_t i : looked_at_) {
-    body(i).evaluate(renew);
+    body(i).evaluate(renewal);
     bends_[i] = body(i).bend_in_step();
   }
   for (const std::size_t k : seen_) {
     Coupling& coupling = couplings_[k];
     coupling.touches = coupling.joints != 0;
     for (PairPoint& pair : points_.subspan(coupling.first, coupling.count)) {
-      evaluate_pair(pair, {body(pair.a), body(pair.b)}, bends_[pair.b], h_, renew, scratch_);
+      evaluate_pair(pair, {body(pair.a), body(pair.b)}, bends_[pair.b], h_, renewal, scratch_);
       push(pair);
       coupling.touches = coupling.touches || pair.now.acts;
     }
@@ -249,16 +254,16 @@ double ContactIsland::evaluate(double renew) {
 }
 
 // How the members' residuals change with their own unknowns and with the other's.
-void ContactIsland::make_links(Coupling& coupling) {
+void ContactIsland::make_links(Coupling& coupling, bool follows) {
   coupling.ab.setZero();
   coupling.ba.setZero();
   const auto blocks = [&coupling](std::size_t first, std::size_t second) {
     return first < second ? std::tie(coupling.ab, coupling.ba) : std::tie(coupling.ba, coupling.ab);
   };
-  for (const PairPoint& pair : points_.subspan(coupling.first, coupling.count)) {
+  for (PairPoint& pair : points_.subspan(coupling.first, coupling.count)) {
     if (!pair.now.acts) continue;
     const auto [ab, ba] = blocks(pair.a, pair.b);
-    add_pair_slopes(pair, {body(pair.a), body(pair.b)}, h_, scratch_, ab, ba);
+    add_pair_slopes(pair, {body(pair.a), body(pair.b)}, h_, follows, scratch_, ab, ba);
   }
   for (const IslandJoint& link : joints_.subspan(coupling.first_joint, coupling.joints)) {
     const auto [ab, ba] = blocks(link.a, link.b);
@@ -266,13 +271,13 @@ void ContactIsland::make_links(Coupling& coupling) {
   }
 }
 
-void ContactIsland::make_jacobian(double heavier) {
-  for (const std::size_t i : moving_) body(i).make_jacobian(heavier);
+void ContactIsland::make_jacobian(double heavier, bool follows) {
+  for (const std::size_t i : moving_) body(i).make_jacobian(heavier, follows);
   links_.clear();
   for (const std::size_t k : seen_) {
     Coupling& coupling = couplings_[k];
     if (!coupling.touches || !(moves(coupling.a) || moves(coupling.b))) continue;
-    make_links(coupling);
+    make_links(coupling, follows);
     if (moves(coupling.a) && moves(coupling.b))
       links_.push_back({place_[coupling.a], place_[coupling.b], &coupling.ab, &coupling.ba});
   }
@@ -297,19 +302,53 @@ double ContactIsland::measure() {
   return std::sqrt(square);
 }
 
+// A whole move in which limits of friction follow the force, from z_before_. False, and nothing has
+// changed, where it does not at least halve the residual.
+bool ContactIsland::try_following(double size) {
+  const auto go = [this](double length) {
+    for (std::size_t k = 0; k < moving_.size(); ++k) {
+      const Index first = first_[k], count = first_[k + 1] - first;
+      body(moving_[k]).z().head(count) =
+          z_before_.segment(first, count) - length * move_.segment(first, count);
+    }
+    return evaluate({.normals = false, .limits = 1.0});
+  };
+  make_jacobian(0.0, true);
+  if (!solve_for_move()) return false;
+  double xx = go(1.0);
+  if (dbg()) std::fprintf(stderr, "  follow %g -> %g\n", size, xx);
+  if (xx <= 0.5 * size) return true;
+  go(0.0);
+  return false;
+}
+
+// The first try with all that move: a whole move with limits that follow. False: it does not lead
+// anywhere, or is not needed.
+bool ContactIsland::move_whole(int iteration) {
+  evaluate(renewal(iteration, measure()));
+  const double size = measure();
+  if (!std::isfinite(size) || size <= kConverged) return false;
+  keep_unknowns();
+  return try_following(size);
+}
+
+void ContactIsland::keep_unknowns() {
+  for (std::size_t k = 0; k < moving_.size(); ++k)
+    z_before_.segment(first_[k], first_[k + 1] - first_[k]) =
+        body(moving_[k]).z().head(first_[k + 1] - first_[k]);
+}
+
 // A move of Newton's method of those that move. kDone: they are converged, or at rounding.
-ContactIsland::Outcome ContactIsland::move(int iteration, double& heavier) {
+ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& heavier) {
+  evaluate(renewal(iteration, measure()));
   double size = measure();
-  if (const double renew = renewal(iteration, size); renew > 0.0) {
-    evaluate(renew);
-    size = measure();
-  }
   if (!std::isfinite(size)) return Outcome::kFailed;
+  if (size <= kConverged) return Outcome::kDone;
   const auto of = [this](VectorXd& all, std::size_t k) {
     return all.segment(first_[k], first_[k + 1] - first_[k]);
   };
-  for (std::size_t k = 0; k < moving_.size(); ++k)
-    of(z_before_, k) = body(moving_[k]).z().head(first_[k + 1] - first_[k]);
+  keep_unknowns();
+  if (follow && limits_follow(iteration, size) && try_following(size)) return Outcome::kMoved;
   const auto slope = [&] {
     double work = 0.0;
     for (std::size_t k = 0; k < moving_.size(); ++k)
@@ -320,17 +359,18 @@ ContactIsland::Outcome ContactIsland::move(int iteration, double& heavier) {
     for (std::size_t k = 0; k < moving_.size(); ++k)
       body(moving_[k]).z().head(first_[k + 1] - first_[k]) =
           of(z_before_, k) - length * of(move_, k);
-    const double next = evaluate(0.0);
+    const double next = evaluate({});
     return LineTrial{next, slope()};
   };
   const auto find_move = [&](double added) {
-    make_jacobian(added);
+    make_jacobian(added, false);
     return solve_for_move() ? slope() : 0.0;
   };
   LineTrial reached;
   const bool near = size <= 1e3;
   if (!newton_move(find_move, go, size, near, heavier, reached))
     return near ? Outcome::kDone : Outcome::kFailed;
+  if (dbg()) std::fprintf(stderr, "  newton %g -> %g heavier %g\n", size, reached.size, heavier);
   // At rounding no move helps.
   if (!(reached.size < 0.9 * size) && near) {
     if (reached.size > size) go(0.0);
@@ -344,30 +384,46 @@ ContactIsland::Outcome ContactIsland::move(int iteration, double& heavier) {
 void ContactIsland::relax(std::span<const std::size_t> group, int iteration, int times) {
   for (const std::size_t i : group) {
     choose_one(i);
-    evaluate(0.0);
+    evaluate({});
     double heavier = 0.0;
     for (int k = 0; k < times && measure() > 1.0; ++k)
-      if (move(iteration, heavier) != Outcome::kMoved) break;
+      if (move(iteration, true, heavier) != Outcome::kMoved) break;
   }
 }
 
 bool ContactIsland::solve(int relaxed, int alone, int& iterations) {
   choose_all();
-  evaluate(0.0);
+  evaluate({});
   measure();
   heavier_.assign(members_.size(), 0.0);
   for (iterations = 0; iterations < kMostIterations; ++iterations) {
-    if (!find_groups()) return true;
+    if (!find_groups()) {
+      // Limits of friction that were held along the last moves may have to follow.
+      choose_all();
+      evaluate({.normals = false, .limits = 1.0});
+      if (!find_groups()) return true;
+    }
     bool moved = false;
+    if (dbg()) {
+      std::fprintf(stderr, "it %d members %zu groups", iterations, members_.size());
+      for (auto i : by_group_) std::fprintf(stderr, " %zu:%.3g", i, sizes_[i] / enough_[i]);
+      std::fprintf(stderr, "\n");
+    }
     for (std::size_t first = 0, last = 0; first < by_group_.size(); first = last) {
       const std::size_t root = group_[by_group_[first]];
       while (last < by_group_.size() && group_[by_group_[last]] == root) ++last;
       const std::span group = std::span(by_group_).subspan(first, last - first);
-      const bool relaxes = iterations < relaxed && group.size() > 1;
-      if (relaxes) relax(group, iterations, alone);
       choose(group);
-      if (relaxes) evaluate(0.0);
-      const Outcome outcome = move(iterations, heavier_[root]);
+      if (move_whole(iterations)) {
+        moved = true;
+        continue;
+      }
+      if (iterations < relaxed && group.size() > 1) {
+        relax(group, iterations, alone);
+        choose(group);
+        evaluate({});
+      }
+      const Outcome outcome = move(iterations, false, heavier_[root]);
       if (outcome == Outcome::kFailed) return false;
       moved = moved || outcome == Outcome::kMoved;
     }
@@ -380,7 +436,7 @@ void ContactIsland::settle() {
   std::fill(accounts_.begin(), accounts_.end(), ContactAccount{});
   std::fill(starts_.begin(), starts_.end(), 0.0);
   for (const PairPoint& pair : points_) {
-    starts_[pair.a] += pair.energy;
+    starts_[pair.a] += pair.energy + 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
     settle_pair(pair, body(pair.b), h_, accounts_[pair.a], accounts_[pair.b]);
   }
   for (const IslandJoint& link : joints_)
@@ -399,10 +455,50 @@ void ContactIsland::begin() {
   }
 }
 
-void ContactIsland::step(std::span<const IslandMember> members, std::span<PairPoint> points,
-                         std::span<IslandJoint> joints, double h, std::span<StepReport> reports) {
+// Points of its pairs and of colliders that came within the margin unforeseen; true if there are
+// any.
+bool ContactIsland::add_missed(std::vector<PairPoint>& points, std::size_t& count) {
+  bool any = false;
+  for (const IslandMember& member : members_) any = member.contact->add_missed() || any;
+  const std::size_t known = count;
+  for (std::size_t k = 0; k < coupled_; ++k) {
+    const Coupling& coupling = couplings_[k];
+    if (coupling.count == 0) continue;
+    const std::size_t a = coupling.a, b = coupling.b;
+    count = add_missed_points({body(a), body(b)}, {a, b, members_[b].number}, points, count);
+    count = add_missed_points({body(b), body(a)}, {b, a, members_[a].number}, points, count);
+  }
+  if (count == known) return any;
+  const auto order = [](const PairPoint& pair) {
+    return std::tuple(std::min(pair.a, pair.b), std::max(pair.a, pair.b), pair.a, pair.point);
+  };
+  std::sort(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count),
+            [&](const PairPoint& x, const PairPoint& y) { return order(x) < order(y); });
+  points_ = std::span(points).first(count);
+  couple();
+  return true;
+}
+
+void ContactIsland::remember() {
+  for (const PairPoint& pair : points_) {
+    ContactStep& first = body(pair.a);
+    if (ContactMemory memory; memory_of(pair, memory)) first.remember_pair(memory);
+    if (pair.now.acts && pair.now.pressure != 0.0)
+      first.note_contact({.vertex = first.points().ids[pair.point],
+                          .on_body = true,
+                          .obstacle = members_[pair.b].number,
+                          .position = pair.touch_a.x1,
+                          .normal = pair.held.normal.normalized(),
+                          .impulse = h_ * pair.now.force});
+  }
+  for (const IslandMember& member : members_) member.contact->sort_pair_memories();
+}
+
+void ContactIsland::step(std::span<const IslandMember> members, std::vector<PairPoint>& points,
+                         std::size_t& count, std::span<IslandJoint> joints, double h,
+                         std::span<StepReport> reports) {
   members_ = members;
-  points_ = points;
+  points_ = std::span(points).first(count);
   joints_ = joints;
   h_ = h;
   begin();
@@ -423,9 +519,11 @@ void ContactIsland::step(std::span<const IslandMember> members, std::span<PairPo
   bool converged = false;
   for (const Attempt& attempt : kAttempts) {
     if (iterations != 0) begin();
-    int more = 0;
-    converged = solve(attempt.relaxed, attempt.alone, more);
-    iterations += more;
+    do {
+      int more = 0;
+      converged = solve(attempt.relaxed, attempt.alone, more);
+      iterations += more;
+    } while (converged && add_missed(points, count));
     if (converged) break;
   }
   if (converged) settle();
@@ -439,6 +537,7 @@ void ContactIsland::step(std::span<const IslandMember> members, std::span<PairPo
     members[i].contact->settle_pairs(accounts_[i], starts_[i]);
     members[i].contact->finish(*members[i].state, report);
   }
+  if (converged) remember();
 }
 
 }  // namespace tremolo

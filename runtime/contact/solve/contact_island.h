@@ -31,15 +31,18 @@ struct IslandMember {
   State* state = nullptr;
   const StepLoad* load = nullptr;
   FreeFrame* free = nullptr;
+  std::size_t number = 0;  // of the body in its group
 };
 
 class ContactIsland {
  public:
-  // One step of all members; points: of pairs of them, pair by pair; joints: likewise. reports: one
-  // a member; where the island does not converge, none does, and all states are as before. What it
-  // needs grows with the largest island so far; see block_solver.h.
-  void step(std::span<const IslandMember> members, std::span<PairPoint> points,
-            std::span<IslandJoint> joints, double h, std::span<StepReport> reports);
+  // One step of all members; points: of pairs of them, the first `count`, pair by pair, of each
+  // those of the lower member first; points that were missed are added. joints: pair by pair as
+  // well. reports: one a member; where the island does not converge, none does, and all states are
+  // as before. What it needs grows with the largest island so far; see block_solver.h.
+  void step(std::span<const IslandMember> members, std::vector<PairPoint>& points,
+            std::size_t& count, std::span<IslandJoint> joints, double h,
+            std::span<StepReport> reports);
 
  private:
   // Two members, a < b, their points, from `first` on, and their joints. touches: a joint holds
@@ -73,15 +76,20 @@ class ContactIsland {
   bool is_converged(std::size_t i) const;
   bool find_groups();
   double measure();
-  Outcome move(int iteration, double& heavier);
+  Outcome move(int iteration, bool follow, double& heavier);
   void relax(std::span<const std::size_t> group, int iteration, int times);
   bool moves(std::size_t member) const { return place_[member] != kStill; }
   ContactStep& body(std::size_t member) const { return *members_[member].contact; }
   void push(const PairPoint& pair);
   void push(const IslandJoint& link);
-  double evaluate(double renew);
-  void make_jacobian(double heavier);
-  void make_links(Coupling& coupling);
+  double evaluate(const ContactRenewal& renewal);
+  void make_jacobian(double heavier, bool follows);
+  void make_links(Coupling& coupling, bool follows);
+  bool try_following(double size);
+  bool move_whole(int iteration);
+  void keep_unknowns();
+  bool add_missed(std::vector<PairPoint>& points, std::size_t& count);
+  void remember();
   bool solve_for_move();
   bool solve(int relaxed, int alone, int& iterations);
   void begin();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "runtime/contact/solve/shape_reach.h"
@@ -14,9 +15,11 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kGroupSize = 8;
 
-// Indices into the boundary's vertices. gap receives the largest distance left.
+// Indices into the boundary's vertices. gap receives the largest distance left, nearest for each
+// vertex the number of the chosen one that is nearest to it.
 std::vector<std::size_t> farthest_points(const std::vector<Vector3d>& places, std::size_t most,
-                                         double& gap) {
+                                         double& gap, std::vector<std::size_t>& nearest) {
+  nearest.assign(places.size(), 0);
   std::vector<double> distance2(places.size(), std::numeric_limits<double>::infinity());
   std::vector<std::size_t> chosen;
   gap = 0.0;
@@ -27,8 +30,12 @@ std::vector<std::size_t> farthest_points(const std::vector<Vector3d>& places, st
   std::size_t next = least - places.begin();
   while (chosen.size() < std::min(most, places.size())) {
     chosen.push_back(next);
-    for (std::size_t i = 0; i < places.size(); ++i)
-      distance2[i] = std::min(distance2[i], (places[i] - places[next]).squaredNorm());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double from = (places[i] - places[next]).squaredNorm();
+      if (!(from < distance2[i])) continue;
+      distance2[i] = from;
+      nearest[i] = chosen.size() - 1;
+    }
     next = static_cast<std::size_t>(std::max_element(distance2.begin(), distance2.end()) -
                                     distance2.begin());
     gap = std::sqrt(distance2[next]);
@@ -73,13 +80,33 @@ void measure(const std::vector<Vector3d>& boundary, const Collider* shape, Conta
     points.radius = std::max(points.radius, radius_about(*shape, points.centre));
 }
 
+// The area of the boundary that is nearest to each of `count` points, by thirds of triangles, m^2.
+// A boundary without triangles counts as a ball.
+std::vector<double> areas_of(const Model& model, const std::vector<std::size_t>& nearest,
+                             std::size_t count, double extent) {
+  const std::vector<Vector3d>& rest = model.surface().rest;
+  std::vector<double> areas(count, 0.0);
+  for (const Triangle& triangle : model.triangles()) {
+    const Vector3d &a = rest[triangle[0]], &b = rest[triangle[1]], &c = rest[triangle[2]];
+    const double third = (b - a).cross(c - a).norm() / 6.0;
+    for (const auto corner : triangle) areas[nearest[corner]] += third;
+  }
+  const double whole = std::accumulate(areas.begin(), areas.end(), 0.0);
+  if (!(whole > 0.0))
+    std::fill(areas.begin(), areas.end(),
+              std::numbers::pi * extent * extent / static_cast<double>(count));
+  return areas;
+}
+
 }  // namespace
 
 ContactPoints choose_contact_points(const Model& model, std::size_t most, const Collider* shape) {
   const VertexBlock& surface = model.surface();
   ContactPoints points;
-  std::vector<std::size_t> order = farthest_points(surface.rest, most, points.gap);
-  if (order.empty()) return points;
+  std::vector<std::size_t> nearest;
+  const std::vector<std::size_t> chosen = farthest_points(surface.rest, most, points.gap, nearest);
+  if (chosen.empty()) return points;
+  std::vector<std::size_t> order = chosen;
   divide(surface.rest, order, 0, order.size(), points.groups);
   const Index r = model.modes();
   points.rows.resize(r, 3 * order.size());
@@ -101,6 +128,11 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most, const 
   for (Index i = 0; i < static_cast<Index>(points.size()); ++i)
     for (Index axis = 0; axis < 3; ++axis)
       points.axis_rows.row(axis * stride + i) = points.rows.col(3 * i + axis).transpose();
+  const std::vector<double> areas = areas_of(model, nearest, chosen.size(), points.extent);
+  std::vector<double> area_of(surface.rest.size(), 0.0);
+  for (std::size_t k = 0; k < chosen.size(); ++k) area_of[chosen[k]] = areas[k];
+  for (const std::size_t vertex : order) points.areas.push_back(area_of[vertex]);
+  points.area = std::accumulate(areas.begin(), areas.end(), 0.0);
   return points;
 }
 

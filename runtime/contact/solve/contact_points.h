@@ -24,7 +24,8 @@ struct PointGroup {
 // zero in padding. reach: r, the farthest that a unit of a coordinate moves any point: |u| <= sum_i
 // |q_i| reach_i. centre, radius: of a ball around the boundary and the body's shape, which may
 // extend beyond it (shape_reach.h), m. extent: the longest side of the boundary's box, m. gap: no
-// vertex of the boundary is farther from the nearest point, m: what may slip between points.
+// vertex of the boundary is farther from the nearest point, m: what may slip between points. areas:
+// of the boundary that each point stands for, m^2; area: their sum.
 struct ContactPoints {
   std::vector<VertexId> ids;
   std::vector<Eigen::Vector3d> rest;
@@ -33,6 +34,8 @@ struct ContactPoints {
   Eigen::MatrixXd axis_rows;
   Eigen::VectorXd reach;
   std::vector<PointGroup> groups;
+  std::vector<double> areas;
+  double area = 0.0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double radius = 0.0;
   double extent = 0.0;

@@ -33,10 +33,12 @@ double ContactStep::work_along(const Eigen::Ref<const VectorXd>& move) const {
   return work;
 }
 
-// What size_of_residual() is measured by: momenta, and forces times h.
+// The measure of size_of_residual(): momenta, and forces times h; the first residual of a step is
+// that of all forces on a body that would go on as it moves.
 double ContactStep::size_of_motion() const {
   const double h = options_.step;
-  double size = v0_.norm() + h * (G_.norm() + load_->average.norm() + contact_push_.norm());
+  double size =
+      first_size_ + v0_.norm() + h * (G_.norm() + load_->average.norm() + contact_push_.norm());
   if (free_ == nullptr) return size;
   const RigidState& rigid = free_->rigid();
   const double root = std::sqrt(mass_);
@@ -95,14 +97,65 @@ void ContactStep::settle_grips() {
   }
 }
 
+// The law of a point: its area counts, and the spring of friction is as stiff as the contact is at
+// half the margin, or where it is linear.
+ContactLaw ContactStep::law_of(std::size_t point, double friction, double restitution) const {
+  ContactLaw law = law_;
+  law.friction = friction;
+  law.restitution = restitution;
+  law.stiffness *= points_->areas[point];
+  law.shear = law.stiffness * std::min(law.margin, 2.0 * law.linear_from);
+  law.shear_damping = dampers_[point] * std::sqrt(law.shear);
+  return law;
+}
+
+// Two bodies are two springs one behind the other: of the slopes of their pressure at the depth at
+// which both are taken for linear, or else of their kappa. Where each has points that meet the
+// other's shape, each carries half. Friction and restitution are geometric means.
+ContactLaw ContactStep::law_of(std::size_t point, const ContactStep& other) const {
+  const ContactLaw& theirs = other.law_;
+  ContactLaw law = law_of(point, std::sqrt(law_.friction * theirs.friction),
+                          std::sqrt(law_.restitution * theirs.restitution));
+  const double both = std::min(law_.linear_from, theirs.linear_from);
+  const auto slope = [both](const ContactLaw& one) {
+    return std::isfinite(both) ? one.stiffness * std::min(one.margin, one.linear_from) / both
+                               : one.stiffness;
+  };
+  const double own = slope(law_), other_slope = slope(theirs);
+  const double half = shape_ && feels_ ? 0.5 : 1.0;
+  const double before = law.shear;
+  law.linear_from = both;
+  law.stiffness = points_->areas[point] * half * own * other_slope / (own + other_slope);
+  law.shear = law.stiffness * std::min(law.margin, 2.0 * law.linear_from);
+  if (before > 0.0) law.shear_damping *= std::sqrt(law.shear / before);
+  return law;
+}
+
+// About half of critical damping for the mass with which a point resists: c = (k m)^1/2.
+void ContactStep::find_dampers() {
+  const Index r = model_->modes();
+  const Eigen::ArrayXd give =
+      1.0 / (1.0 + (0.25 * kContactTime * kContactTime) * model_->lambda().array());
+  for (std::size_t i = 0; i < points_->size(); ++i) {
+    const auto rows = points_->rows.middleCols<3>(static_cast<Index>(3 * i));
+    double lightness = can_move_ ? 1.0 / mass_ : 0.0;
+    for (Index k = 0; k < r; ++k) lightness += rows.row(k).squaredNorm() * give[k] / 3.0;
+    dampers_.push_back(lightness > 0.0 ? std::sqrt(1.0 / lightness) : 0.0);
+  }
+}
+
 void ContactStep::settle_account() {
   const double before = account_.energy;
-  reset();
+  account_ = {};
+  impulses_.assign(impulses_.size(), 0.0);
+  collider_impulses_.assign(collider_impulses_.size(), Vector3d::Zero());
+  contacted_.clear();
   account_ = pairs_;
   double start = pairs_start_;
   for (const Candidate& candidate : touching()) {
     const ContactForce& now = candidate.now;
-    start += candidate.start.energy;
+    start +=
+        candidate.start.energy + 0.5 * candidate.law.shear * candidate.memory.slip.squaredNorm();
     account_.energy += now.energy;
     account_.lost += now.lost;
     account_.rubbed += now.rubbed;
@@ -116,6 +169,13 @@ void ContactStep::settle_account() {
     if (now.pressure == 0.0) continue;
     const double impulse = options_.step * now.force.norm();
     impulses_[candidate.collider] += impulse;
+    collider_impulses_[candidate.collider] -= options_.step * now.force;
+    const Pose& frame = colliders_[candidate.collider].end;
+    contacted_.push_back({.vertex = points_->ids[candidate.point],
+                          .obstacle = candidate.collider,
+                          .position = candidate.touch.x1,
+                          .normal = frame.rotation * candidate.held.normal.normalized(),
+                          .impulse = options_.step * now.force});
     account_.impulse += impulse;
     ++account_.active;
   }
@@ -142,13 +202,9 @@ void ContactStep::scale_rows() {
 }
 
 void ContactStep::set_step(double step) {
-  const double longer = step / options_.step;
   options_.step = motion_.h = step;
   damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
   S_ = (0.5 + step * damping_.theta.array() * damping_.D.array()).inverse();
-  law_.stiffness /= longer * longer;
-  law_.rebound_speed /= longer;
-  law_.slip_speed /= longer;
   scale_rows();
 }
 

@@ -15,15 +15,27 @@ using Eigen::VectorXd;
 
 constexpr int kNewtonIterations = 100;  // Newton's, with the line search
 constexpr int kShorter = 12;            // halvings of a move
-constexpr int kRenewals = 20;           // iterations in which normals and friction are renewed,
-constexpr int kFullRenewals = 6;        // of them not by halves,
+constexpr int kNormals = 20;            // iterations in which normals are renewed,
 constexpr double kHeldBelow = 1e6;      // unless the residual is below so many times what is small
+constexpr int kFullRenewals = 8;        // iterations in which limits are renewed wholly
 constexpr double kRoundedWay = 1e-14;   // of the body's extent
 
 // How far any point of a ball of `radius` about `place` moves in the world between the poses, m.
 double reach_of(const StepPoses& poses, const Vector3d& place, double radius) {
   const double angle = turn_of(poses.start.rotation.conjugate() * poses.end.rotation).norm();
   return (poses.end * place - poses.start * place).norm() + angle * radius;
+}
+
+bool is_before(const ContactMemory& x, const ContactMemory& y) {
+  return x.obstacle < y.obstacle || (x.obstacle == y.obstacle && x.point < y.point);
+}
+
+// memories: in that order. Null: there is none.
+const ContactMemory* find_memory(const std::vector<ContactMemory>& memories, std::size_t obstacle,
+                                 std::size_t point) {
+  const ContactMemory wanted{.obstacle = obstacle, .point = point};
+  const auto found = std::lower_bound(memories.begin(), memories.end(), wanted, is_before);
+  return found != memories.end() && !is_before(wanted, *found) ? &*found : nullptr;
 }
 
 }  // namespace
@@ -43,13 +55,18 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
       S_((0.5 + options.step * damping_.theta.array() * damping_.D.array()).inverse()),
       workspace_(model_->potential().make_workspace(kUseSegment)),
       lever_(model_->modes()) {
-  const double h = options.step;
-  law_.margin = contact.margin * points_->extent;
-  law_.stiffness = contact.stiffness * mass / (2.0 * h * h * law_.margin);
+  law_.margin = law_.begins = contact.margin * points_->extent;
   law_.friction = contact.friction;
   law_.restitution = contact.restitution;
-  law_.rebound_speed = 0.01 * law_.margin / h;
-  law_.slip_speed = 0.01 * law_.margin / h;
+  law_.rebound_speed = 0.01 * law_.margin / kContactTime;
+  if (contact.modulus) {
+    law_.linear_from = 0.1 * law_.margin;
+    law_.stiffness = *contact.modulus / (2.0 * law_.linear_from * points_->extent);
+  } else {
+    law_.stiffness = contact.stiffness * mass /
+                     (2.0 * kContactTime * kContactTime * points_->area * law_.margin);
+  }
+  find_dampers();
   const Index r = model_->modes(), n = r + 6;
   for (VectorXd* v : {&q0_, &v0_, &q1_, &G_, &dp_, &force_, &own_force_, &middle_, &contact_push_})
     v->setZero(r);
@@ -59,7 +76,7 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
   K_.setZero(r, r);
   jacobian_.setIdentity(n, n);
   factor_.compute(jacobian_.topLeftCorner(free ? n : r, free ? n : r));
-  motion_.h = h;
+  motion_.h = options.step;
   motion_.modes = r;
 }
 
@@ -67,25 +84,47 @@ void ContactStep::reset() {
   const double left = account_.energy;
   account_ = {};
   account_.surplus = -left;
+  memories_.clear();
+  pair_memories_.clear();
   std::fill(impulses_.begin(), impulses_.end(), 0.0);
+  std::fill(collider_impulses_.begin(), collider_impulses_.end(), Vector3d::Zero());
+  contacted_.clear();
+}
+
+// By how much forces may move any point in the step beyond what its velocity does, m: those that
+// push, and the coordinates' own, which turn around within a period.
+double ContactStep::acceleration_reach(const VectorXd& q, const StepPush& push) const {
+  const double half = 0.5 * options_.step * options_.step;
+  const VectorXd& lambda = model_->lambda();
+  double way = half * push.acceleration.norm();
+  for (Index k = 0; k < q.size(); ++k) {
+    const double own = std::abs(q[k]) * std::min(half * lambda[k], 2.0);
+    way += points_->reach[k] * (own + half * std::abs((*push.force)[k]));
+  }
+  return way;
 }
 
 bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPoses& poses,
-                         const VectorXd& q, const VectorXd& v) {
+                         const VectorXd& q, const VectorXd& v, const StepPush& push) {
   if (!kHasColliders || !feels_) colliders = {};
   colliders_ = colliders;
   poses_ = poses;
   candidates_.clear();
   candidates_.reserve(points_->size() * colliders.size());
+  memories_.reserve(points_->size() * colliders.size());
+  listed_.resize(points_->size());
   impulses_.resize(colliders.size());
+  collider_impulses_.resize(colliders.size());
+  contacted_.reserve(points_->size() * (colliders.size() + 1));
   q0_ = q;
   if (shape_) points_->displacement(q, u0_);
-  // What the coordinates move a point by: so far, and in the step.
+  // The displacement by which the coordinates deform it: so far, and in the step.
   ball_.centre = poses.start * points_->centre;
   ball_.radius = points_->radius;
   ball_.deformed = q.cwiseAbs().dot(points_->reach);
   ball_.travel = options_.step * v.cwiseAbs().dot(points_->reach) +
-                 reach_of(poses, points_->centre, ball_.radius + ball_.deformed);
+                 reach_of(poses, points_->centre, ball_.radius + ball_.deformed) +
+                 acceleration_reach(q, push);
   for (std::size_t c = 0; c < colliders.size(); ++c) {
     const PlacedCollider& collider = colliders[c];
     const Vector3d centre = ball_.centre;
@@ -95,33 +134,126 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
     const Vector3d local = collider.start.rotation.conjugate() * (centre - collider.start.position);
     // Twice: contact may speed a point up.
     const double reach = law_.margin + 2.0 * (ball_.travel + reach_of(its, local, radius));
-    if (signed_distance(collider.shape, local).distance > radius + reach) continue;
-    add_candidates(collider, c, q, reach);
+    const double far = signed_distance(collider.shape, local).distance - radius;
+    if (far <= reach) add_candidates(collider, c, q, reach);
   }
   held_.resize(grips_.size());
   return !touching().empty() || !grips_.empty();
 }
 
+const ContactMemory* ContactStep::pair_memory(std::size_t body, std::size_t point) const {
+  return find_memory(pair_memories_, body, point);
+}
+
+void ContactStep::sort_pair_memories() {
+  std::sort(pair_memories_.begin(), pair_memories_.end(), is_before);
+}
+
+// x: where the point is at the start, world, m.
+ContactStep::Candidate ContactStep::make_candidate(std::size_t point, std::size_t index,
+                                                   const Vector3d& x) const {
+  const PlacedCollider& collider = colliders_[index];
+  Candidate candidate{.point = point,
+                      .collider = index,
+                      .law = law_of(point, collider.friction, collider.restitution)};
+  candidate.start = contact_start(candidate.law, collider, x);
+  const ContactMemory* memory = find_memory(memories_, index, point);
+  if (memory != nullptr)
+    candidate.memory = *memory;
+  else
+    candidate.memory.begins = std::min(law_.margin, candidate.start.distance);
+  candidate.law.begins = candidate.memory.begins;
+  candidate.start.energy = candidate.law.energy(candidate.start.distance);
+  return candidate;
+}
+
 void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t index,
                                  const VectorXd& q, double reach) {
-  ContactLaw law = law_;
-  law.friction = collider.friction;
-  law.restitution = collider.restitution;
   const double deformed = q.cwiseAbs().dot(points_->reach);
-  const auto into = [&collider](const Vector3d& x) {
-    return Vector3d(collider.start.rotation.conjugate() * (x - collider.start.position));
+  const auto distance = [&collider](const Vector3d& x) {
+    return signed_distance(collider.shape,
+                           collider.start.rotation.conjugate() * (x - collider.start.position))
+        .distance;
   };
   for (const PointGroup& group : points_->groups) {
-    const Vector3d centre = into(poses_.start * group.centre);
-    if (signed_distance(collider.shape, centre).distance > group.radius + deformed + reach)
-      continue;
+    if (distance(poses_.start * group.centre) > group.radius + deformed + reach) continue;
     for (std::size_t i = group.first; i < group.first + group.count; ++i) {
-      Candidate candidate{i, index, law, Vector3d::Zero(), {}, {}, {}, {}};
-      candidate.start = contact_start(law, collider, poses_.start * points_->place(i, q));
-      candidate.held.normal = candidate.start.normal;
-      if (candidate.start.distance <= reach) candidates_.push_back(candidate);
+      const Vector3d x = poses_.start * points_->place(i, q);
+      if (distance(x) <= reach) candidates_.push_back(make_candidate(i, index, x));
     }
   }
+}
+
+// What is farther than the reach of gather() is not missed by a body that travels no farther than
+// was foreseen there.
+bool ContactStep::went_far(const Pose& end, const VectorXd& q) const {
+  const double bent = (q - q0_).cwiseAbs().dot(points_->reach);
+  return bent + reach_of({poses_.start, end}, points_->centre, ball_.radius + ball_.deformed) >
+         2.0 * ball_.travel;
+}
+
+Pose ContactStep::end_pose() const {
+  if (free_ == nullptr) return poses_.end;
+  const Eigen::Quaterniond rotation(motion_.R1);
+  return {motion_.c1 - motion_.R1 * motion_.origin, rotation};
+}
+
+bool ContactStep::find_missed(const Pose& end, const VectorXd& q) {
+  if (!went_far(end, q)) return false;
+  const double deformed = q.cwiseAbs().dot(points_->reach);
+  const std::size_t known = candidates_.size();
+  for (std::size_t c = 0; c < colliders_.size(); ++c) {
+    const PlacedCollider& collider = colliders_[c];
+    const auto distance = [&collider](const Vector3d& x) {
+      return signed_distance(collider.shape,
+                             collider.end.rotation.conjugate() * (x - collider.end.position))
+          .distance;
+    };
+    std::fill(listed_.begin(), listed_.end(), 0);
+    for (std::size_t k = 0; k < known; ++k)
+      if (candidates_[k].collider == c) listed_[candidates_[k].point] = 1;
+    for (const PointGroup& group : points_->groups) {
+      if (distance(end * group.centre) > group.radius + deformed + law_.margin) continue;
+      for (std::size_t i = group.first; i < group.first + group.count; ++i)
+        if (listed_[i] == 0 && distance(end * points_->place(i, q)) < law_.margin)
+          candidates_.push_back(make_candidate(i, c, poses_.start * points_->place(i, q0_)));
+    }
+  }
+  return candidates_.size() != known;
+}
+
+bool ContactStep::add_missed() {
+  if (!kHasColliders) return false;
+  const std::size_t known = candidates_.size();
+  if (!find_missed(end_pose(), q1_)) return false;
+  for (std::size_t k = known; k < candidates_.size(); ++k) begin_candidate(candidates_[k]);
+  return true;
+}
+
+// What is held begins as the last step left it.
+void ContactStep::begin_candidate(Candidate& candidate) {
+  hold_normal(candidate.start.normal, candidate.memory, candidate.held);
+  candidate.held.limit = candidate.memory.limit;
+  candidate.y0 = place_in_body(candidate.point, q0_);
+}
+
+// After a step: the points that ended it within the margin, in order.
+void ContactStep::remember() {
+  memories_.clear();
+  pair_memories_.clear();
+  for (const Candidate& candidate : touching()) {
+    const ContactForce& now = candidate.now;
+    if (!(now.distance < law_.margin)) continue;
+    const double length = candidate.held.normal.norm();
+    memories_.push_back({.obstacle = candidate.collider,
+                         .point = candidate.point,
+                         .begins = std::max(candidate.law.begins, now.distance),
+                         .limit = now.limit,
+                         .slip = now.slip,
+                         .normal = length > 0.0 ? Vector3d(candidate.held.normal / length)
+                                                : Vector3d(Vector3d::UnitZ())});
+  }
+  std::sort(memories_.begin(), memories_.end(), is_before);
 }
 
 void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* free) {
@@ -139,13 +271,11 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   motion_.origin = free_ != nullptr ? free_->mesh_centre() : Vector3d(Vector3d::Zero());
   motion_.c0 = free_ != nullptr ? free_->rigid().centre : poses_.start.position;
   z_.head(r) = h * v0_;
-  for (Candidate& candidate : touching()) {
-    candidate.held = {candidate.start.normal};
-    candidate.y0 = place_in_body(candidate.point, q0_);
-  }
+  for (Candidate& candidate : touching()) begin_candidate(candidate);
   pairs_ = {};
   pairs_start_ = 0.0;
   joints_rounding_ = 0.0;
+  first_size_ = -1.0;
   if (free_ != nullptr) {
     z_.segment<3>(r) = free_->rigid().spin;
     z_.tail<3>() = h * free_->rigid().velocity;
@@ -215,14 +345,15 @@ void ContactStep::add_grips() {
   }
 }
 
-void ContactStep::add_contact(double renew) {
+void ContactStep::add_contact(const ContactRenewal& renewal) {
   contact_force_.setZero();
   contact_torque_.setZero();
   contact_push_.setZero();
   for (Candidate& candidate : touching()) {
     candidate.touch = motion_.touch(candidate.y0, place_in_body(candidate.point, q1_));
-    candidate.now = contact_force(candidate.law, colliders_[candidate.collider], candidate.start,
-                                  candidate.touch.x1, options_.step, renew, candidate.held);
+    candidate.now =
+        contact_force(candidate.law, colliders_[candidate.collider], candidate.start,
+                      candidate.memory, candidate.touch.x1, options_.step, renewal, candidate.held);
     if (candidate.now.acts) push_point(candidate.now.force, candidate.touch, candidate.point);
   }
   add_grips();
@@ -252,10 +383,10 @@ void ContactStep::add_geometry_of_other(const Vector3d& force, const Vector3d& b
   jacobian_.block<3, 3>(r, r + 3) -= 0.5 * motion_.turn_of_arm(force) * motion_.R0.transpose();
 }
 
-void ContactStep::evaluate(double renew) {
+void ContactStep::evaluate(const ContactRenewal& renewal) {
   // Between a trial and a renewal only the contact changes.
   if (!known_ || z_ != known_z_) evaluate_body();
-  add_contact(renew);
+  add_contact(renewal);
 }
 
 // All that depends on z_ but the forces on places.
@@ -298,12 +429,14 @@ double ContactStep::close() {
     residual_.segment<3>(r) = own_spin_residual_ - h * (motion_.turn.transpose() * contact_torque_);
     residual_.tail<3>() = own_centre_residual_ - contact_force_;
   }
-  return size_of_residual();
+  const double size = size_of_residual();
+  if (first_size_ < 0.0) first_size_ = size;
+  return size;
 }
 
 // The Jacobian of the residual that evaluate() left, without the gyroscopic terms of a turning
 // frame, which are of a higher order in h.
-void ContactStep::make_jacobian(double heavier) {
+void ContactStep::make_jacobian(double heavier, bool follows) {
   const double h = options_.step;
   const Index r = model_->modes();
   const VectorXd& n = damping_.n;
@@ -328,7 +461,7 @@ void ContactStep::make_jacobian(double heavier) {
     lever_.make(motion_, candidate.touch, point_rows(candidate.point));
     const PlacedCollider& collider = colliders_[candidate.collider];
     lever_.add_tangent(contact_stiffness(candidate.law, collider, candidate.start,
-                                         candidate.touch.x1, h, candidate.held),
+                                         candidate.touch.x1, h, candidate.held, follows),
                        jacobian_);
     add_geometry_at_point(candidate.now.force, candidate.touch, candidate.point);
   }
@@ -343,20 +476,41 @@ void ContactStep::make_jacobian(double heavier) {
   }
 }
 
-double renewal(int iteration, double size) {
-  if (iteration >= kRenewals || size < kHeldBelow) return 0.0;
-  return iteration < kFullRenewals ? 1.0 : 0.5;
+ContactRenewal renewal(int iteration, double size) {
+  return {.normals = iteration < kNormals && size >= kHeldBelow,
+          .limits = iteration < kFullRenewals || size < kHeldBelow ? 1.0 : 0.5};
+}
+
+bool limits_follow(int iteration, double size) {
+  return iteration > 1 || size < kHeldBelow;
+}
+
+// A whole move of Newton's method in which limits follow the force. False, and nothing has changed,
+// where it does not at least halve the residual.
+bool ContactStep::try_following(double size, double& reached) {
+  const Index n = unknowns();
+  make_jacobian(0.0, true);
+  factor_.compute(jacobian_.topLeftCorner(n, n));
+  move_.head(n) = factor_.solve(residual_.head(n));
+  z_.head(n) = z_before_.head(n) - move_.head(n);
+  evaluate({.normals = false, .limits = 1.0});
+  reached = close();
+  if (reached <= 0.5 * size) return true;
+  z_.head(n) = z_before_.head(n);
+  evaluate({.normals = false, .limits = 1.0});
+  (void)close();
+  return false;
 }
 
 // heavier: of the first moves.
 bool ContactStep::solve(double heavier, StepReport& report) {
   const double h = options_.step;
   const Index n = unknowns();
-  evaluate(0.0);
+  evaluate({});
   double size = close(), enough = this->enough();
   for (int i = 0; i < kNewtonIterations; ++i) {
-    if (const double renew = renewal(i, size / enough); renew > 0.0) {
-      evaluate(renew);
+    if (!touching().empty()) {
+      evaluate(renewal(i, size / enough));
       size = close();
     }
     report.residual = 0.5 * h * size;
@@ -364,14 +518,20 @@ bool ContactStep::solve(double heavier, StepReport& report) {
     if (size <= enough) return true;
     if (!std::isfinite(size)) return false;
     z_before_ = z_;
+    double followed = 0.0;
+    if (!touching().empty() && limits_follow(i, size / enough) && try_following(size, followed)) {
+      ++report.iterations;
+      size = followed;
+      continue;
+    }
     const auto go = [&](double length) {
       z_.head(n) = z_before_.head(n) - length * move_.head(n);
-      evaluate(0.0);
+      evaluate({});
       const double next = close();
       return LineTrial{next, -work_along(move_.head(n))};
     };
     const auto find_move = [&](double added) {
-      make_jacobian(added);
+      make_jacobian(added, false);
       factor_.compute(jacobian_.topLeftCorner(n, n));
       move_.head(n) = factor_.solve(residual_.head(n));
       return -work_along(move_.head(n));
@@ -398,7 +558,9 @@ StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free
   for (const double heavier : {0.0, 10.0, 1000.0}) {
     begin(state, load, free);
     in_island_ = false;
-    report.converged = solve(heavier, report) && z_.allFinite();
+    do {
+      report.converged = solve(heavier, report) && z_.allFinite();
+    } while (report.converged && add_missed());
     if (report.converged) break;
   }
   if (report.converged) finish(state, report);
@@ -412,6 +574,7 @@ void ContactStep::finish(State& state, StepReport& report) {
   VectorXd& d = middle_;
   d = z_.head(model_->modes());
   settle_account();
+  remember();
   if (free_ != nullptr) {
     free_->set_contact(contact_force_, contact_torque_);
     dp_ = S_.cwiseProduct(n.cwiseProduct(d) / h - v0_);
@@ -435,6 +598,8 @@ void ContactStep::carry(StateStream& stream) {
   stream(account_, poses_.start, poses_.end, ball_.centre, ball_.radius, ball_.deformed);
   stream(ball_.travel, q0_, u0_);
   stream.sized(impulses_);
+  stream.sized(memories_);
+  stream.sized(pair_memories_);
 }
 
 }  // namespace tremolo

@@ -34,9 +34,14 @@ struct ContactBall {
   double radius = 0.0, deformed = 0.0, travel = 0.0;
 };
 
-// By how much what is held is renewed in an iteration of Newton's method, counted from 0, at a
-// residual of `size` times what is small.
-double renewal(int iteration, double size);
+// What is renewed of what is held before an iteration of Newton's method, counted from 0, at a
+// residual of `size` times the small one. Limits of friction always are, or the step would not be
+// solved; normals are not near the solution, where any normal near the middle's will do.
+ContactRenewal renewal(int iteration, double size);
+
+// Whether a move from there is one of Newton's method with limits that follow the force; else they
+// are held along the move, and a line search goes by the slope (line_search.h).
+bool limits_follow(int iteration, double size);
 
 class ContactStep {
  public:
@@ -45,12 +50,28 @@ class ContactStep {
               double mass, bool free);
 
   const ContactPoints& points() const { return *points_; }
+  // Of a unit of area: stiffness kappa, N/m^4.
   const ContactLaw& law() const { return law_; }
+  // The law of one of its points against a collider of that friction and restitution, or, with
+  // `other`, against another body.
+  ContactLaw law_of(std::size_t point, double friction, double restitution) const;
+  ContactLaw law_of(std::size_t point, const ContactStep& other) const;
+
+  // The memory of its point's contact with the body of that number in a group; null: there is none.
+  const ContactMemory* pair_memory(std::size_t body, std::size_t point) const;
+  // Those of the step that was made: after finish(), in any order, then sort_pair_memories().
+  void remember_pair(const ContactMemory& memory) { pair_memories_.push_back(memory); }
+  void note_contact(const ContactedPoint& point) { contacted_.push_back(point); }
+  void sort_pair_memories();
 
   // Finds the points that may touch a collider in the step from q, v. colliders must stay where
   // they are until the step is made. False if there are none: the step is made without contact.
   bool gather(std::span<const PlacedCollider> colliders, const StepPoses& poses,
-              const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+              const Eigen::VectorXd& q, const Eigen::VectorXd& v, const StepPush& push);
+  // After a step that was made without contact because gather() found none, with the body at q in
+  // `end`: finds the points that came within the margin all the same; true if there are any, and
+  // the step has to be made with them.
+  bool find_missed(const Pose& end, const Eigen::VectorXd& q);
 
   // The hands of the step; they must stay where they are until it is made.
   void hold(std::span<Grip> grips) { grips_ = grips; }
@@ -62,8 +83,13 @@ class ContactStep {
   // Account of the last step; when nothing was near, reset() instead.
   const ContactAccount& account() const { return account_; }
   void reset();
-  // For each collider the impulse on it in the last step, N s; 0 where there was no contact.
+  // For each collider the sum of the lengths of the impulses on it in the last step, N s; 0 where
+  // there was no contact. And the impulse itself, N s, world.
   std::span<const double> impulses() const { return impulses_; }
+  std::span<const Eigen::Vector3d> collider_impulses() const { return collider_impulses_; }
+  // The points that pushed in the last step, of colliders first. Those of another body's points
+  // that met this one's shape are among that body's.
+  std::span<const ContactedPoint> contacted() const { return contacted_; }
 
   // What solvers of several bodies at once need (contact_island.h). After gather(): begin(), with
   // z() where the body would go without forces; evaluate() at a z(), then the forces of the other
@@ -74,8 +100,7 @@ class ContactStep {
   Eigen::VectorXd& z() { return z_; }
   const Eigen::VectorXd& residual() const { return residual_; }
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }
-  // renew: as of contact_force(); see renewal().
-  void evaluate(double renew);
+  void evaluate(const ContactRenewal& renewal);
   // A joint of this stiffness, N/m, holds the place: what rounding leaves there counts as small.
   // After begin().
   void hold_at(const VertexRows& place, double stiffness);
@@ -88,8 +113,14 @@ class ContactStep {
   // minimizes, J, but for what turns.
   double work_along(const Eigen::Ref<const Eigen::VectorXd>& move) const;
   double enough() const;  // a residual's size that is small
-  // heavier: so many times more inertia than there is, for a move that falls.
-  void make_jacobian(double heavier);
+  // heavier: so many times more inertia than there is, for a move that falls. follows: as of
+  // contact_slopes().
+  void make_jacobian(double heavier, bool follows);
+  // Where the step is solved: adds the points that came within a collider's margin but were not
+  // found before; true if there are any, and the step has to be solved with them.
+  bool add_missed();
+  // Whether the body, at the present z(), went farther than gather() foresaw.
+  bool went_far() const { return went_far(end_pose(), q1_); }
   // What other bodies' contact is in the account: energy, lost, rubbed, work, given, penetration,
   // impulse and active of `pairs`, and the energy at the start of the step, J.
   void settle_pairs(const ContactAccount& pairs, double start) {
@@ -156,14 +187,15 @@ class ContactStep {
 
  private:
   struct Candidate {
-    std::size_t point;
-    std::size_t collider;
-    ContactLaw law;
-    Eigen::Vector3d y0;  // from c along the body's axes, at the start, m
-    ContactStart start;
-    ContactHeld held;
-    ContactForce now;
-    ContactTouch touch;
+    std::size_t point = 0;
+    std::size_t collider = 0;
+    ContactLaw law = {};
+    ContactMemory memory = {};
+    Eigen::Vector3d y0 = Eigen::Vector3d::Zero();  // from c along the body's axes, at the start, m
+    ContactStart start = {};
+    ContactHeld held = {};
+    ContactForce now = {};
+    ContactTouch touch = {};
   };
 
   std::span<Candidate> touching() {
@@ -171,17 +203,25 @@ class ContactStep {
   }
   void add_candidates(const PlacedCollider& collider, std::size_t index, const Eigen::VectorXd& q,
                       double reach);
+  Candidate make_candidate(std::size_t point, std::size_t index, const Eigen::Vector3d& x) const;
+  void begin_candidate(Candidate& candidate);
+  void remember();
+  void find_dampers();
+  double acceleration_reach(const Eigen::VectorXd& q, const StepPush& push) const;
   Eigen::Vector3d place_in_body(std::size_t point, const Eigen::VectorXd& q) const;
   ContactTouch touch_at(const Eigen::Vector3d& rest, const PlaceRows& rows) const;
   void add_grips();
   void evaluate_body();
-  void add_contact(double renew);
+  void add_contact(const ContactRenewal& renewal);
+  bool went_far(const Pose& end, const Eigen::VectorXd& q) const;
+  Pose end_pose() const;
   double size_of_residual() const;
   double size_of_motion() const;
   double way_of_move() const;
   double held_rounding(const VertexRows& place, double stiffness, double far) const;
   double grips_rounding() const;
   bool solve(double heavier, StepReport& report);
+  bool try_following(double size, double& reached);
   void settle_grips();
   void settle_account();
   void scale_rows();
@@ -200,15 +240,22 @@ class ContactStep {
   Eigen::VectorXd S_;
   PotentialWorkspace workspace_;
   std::vector<Candidate> candidates_;
+  std::vector<ContactMemory> memories_;       // by collider and point
+  std::vector<ContactMemory> pair_memories_;  // by body and point
+  std::vector<char> listed_;                  // points that are candidates; scratch
+  std::vector<double> dampers_;               // c of friction.h over the square root of k, kg^1/2
   std::span<Grip> grips_;
   std::vector<ContactTouch> held_;  // one a grip
   std::vector<double> impulses_;
+  std::vector<Eigen::Vector3d> collider_impulses_;
+  std::vector<ContactedPoint> contacted_;
   std::span<const PlacedCollider> colliders_;
   StepPoses poses_;
   ContactAccount account_;
   ContactAccount pairs_;
   double pairs_start_ = 0.0;
   double joints_rounding_ = 0.0;  // kg^1/2 m/s
+  double first_size_ = 0.0;       // of the first residual of a step; below 0 before it
   const StepLoad* load_ = nullptr;
   FramePointer<FreeFrame> free_ = nullptr;
 

@@ -11,15 +11,7 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-// The law of a point of `first` and the shape of `second`: stiffness in proportion to the reduced
-// mass; friction and restitution are geometric means.
-ContactLaw law_between(const ContactStep& first, const ContactStep& second) {
-  ContactLaw law = first.law();
-  if (second.can_move()) law.stiffness *= second.mass() / (first.mass() + second.mass());
-  law.friction = std::sqrt(first.law().friction * second.law().friction);
-  law.restitution = std::sqrt(first.law().restitution * second.law().restitution);
-  return law;
-}
+constexpr double kSameSlopes = 1e-3;
 
 void find_start(PairPoint& pair, const ContactStep& second, PairScratch& scratch) {
   const BentShape shape = second.shape_at_start();
@@ -39,28 +31,55 @@ bool passes(const PairPoint& pair, const ContactStep& second, double way) {
 }
 
 // How the pair's forces fall with the unknowns of its bodies, by d1, the path and the bending.
-void find_changes(const PairPoint& pair, const PairBodies& bodies, double h, PairScratch& scratch) {
+void find_changes(PairPoint& pair, const PairBodies& bodies, double h, bool follows,
+                  PairScratch& scratch) {
   const auto& [first, second] = bodies;
   const Index n = second.unknowns();
   const Index r = second.turns() ? n - 6 : n;
-  const Vector3d gradient = second.motion().turn_out_at_end(
-      bent_change(second.shape_at_end(), pair.place, scratch.bent, scratch.by_q));
+  // Slopes of a place nearby do as well: they change over the distance between points.
+  const double near = kSameSlopes * second.points().gap;
+  if (!pair.sloped || (pair.place - pair.slope_place).squaredNorm() > near * near) {
+    pair.slope = bent_change(second.shape_at_end(), pair.place, scratch.bent, pair.by_q);
+    pair.slope_place = pair.place;
+    pair.sloped = true;
+  }
+  const Vector3d gradient = second.motion().turn_out_at_end(pair.slope);
   const Eigen::Matrix3Xd& way =
       second.lever().change_of_way(second.motion(), pair.touch_b, pair.rows);
   const auto find = [&](const ContactSlope& slope, Eigen::Matrix3Xd& by_a, Eigen::Matrix3Xd& by_b) {
     const Eigen::Matrix3d by_end = slope.by_distance * gradient.transpose() + slope.by_path;
-    by_a.noalias() = by_end * bodies.first.lever().way();
+    by_a.noalias() = by_end.lazyProduct(bodies.first.lever().way());
     by_b.resize(3, n);
-    by_b.leftCols(r).noalias() = slope.by_bend * way.leftCols(r);
-    by_b.leftCols(r).noalias() += slope.by_distance * scratch.by_q.transpose();
+    by_b.leftCols(r).noalias() = slope.by_bend.lazyProduct(way.leftCols(r));
+    by_b.leftCols(r).noalias() += slope.by_distance * pair.by_q.transpose();
     if (!bodies.second.turns()) return;
     by_b.rightCols<6>().noalias() = -slope.by_path * way.middleCols<6>(r);
     by_b.rightCols<6>().noalias() -=
         slope.by_distance * (gradient.transpose() * bodies.second.lever().way().rightCols<6>());
   };
-  const ContactSlopes slopes = contact_slopes(pair.law, pair.gap(), pair.way, h, pair.held);
+  const ContactSlopes slopes =
+      contact_slopes(pair.law, pair.gap(), pair.way, h, pair.held, follows);
   find(slopes.point, scratch.change_a, scratch.change_b);
   find(slopes.bend, scratch.bend_change_a, scratch.bend_change_b);
+}
+
+// A point of the first near the second, at y in the second's mesh coordinates and at that distance
+// from it at the start.
+void begin_point(PairPoint& pair, const ContactStep& first, const ContactStep& second,
+                 const PairNames& names, std::size_t point, const Vector3d& y, double distance) {
+  pair.a = names.a;
+  pair.b = names.b;
+  pair.point = point;
+  pair.place_at_start = y;
+  pair.distance = distance;
+  pair.law = first.law_of(point, second);
+  const ContactMemory* memory = first.pair_memory(names.obstacle, point);
+  pair.memory = memory != nullptr ? *memory : ContactMemory{};
+  if (memory == nullptr) pair.memory.begins = std::min(pair.law.margin, distance);
+  pair.memory.obstacle = names.obstacle;
+  pair.memory.point = point;
+  pair.law.begins = pair.memory.begins;
+  pair.energy = pair.law.energy(distance);
 }
 
 }  // namespace
@@ -71,8 +90,8 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
   if (shape == nullptr) return count;
   const ContactPoints& on = first.points();
   const Pose from = first.poses().start, into = second.poses().start;
-  const ContactLaw law = law_between(first, second);
-  const double reach = law.margin + 2.0 * (first.ball().travel + second.ball().travel);
+  const double margin = first.law().margin;
+  const double reach = margin + 2.0 * (first.ball().travel + second.ball().travel);
   const double bent = second.ball().deformed;
   const auto place = [&](const Vector3d& x) {
     return Vector3d(into.rotation.conjugate() * (x - into.position));
@@ -87,13 +106,7 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
       PairPoint& pair = points[count];
       const double distance = bent_distance(second.shape_at_start(), y);
       if (distance > reach) continue;
-      pair.place_at_start = y;
-      pair.distance = distance;
-      pair.energy = law.energy(distance);
-      pair.a = a;
-      pair.b = b;
-      pair.point = i;
-      pair.law = law;
+      begin_point(pair, first, second, {a, b, b}, i, y, distance);
       ++count;
     }
   }
@@ -103,41 +116,93 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
 void begin_pair(PairPoint& pair) {
   pair.now = {};
   pair.held = {};
+  pair.held.limit = pair.memory.limit;
   pair.fresh = true;
+  pair.sloped = false;
 }
 
-void evaluate_pair(PairPoint& pair, const PairBodies& bodies, double bend, double h, double renew,
-                   PairScratch& scratch) {
+void evaluate_pair(PairPoint& pair, const PairBodies& bodies, double bend, double h,
+                   const ContactRenewal& renewal, PairScratch& scratch) {
   const auto& [first, second] = bodies;
   const Vector3d x1 = first.end_of_point(pair.point);
   pair.place = second.motion().into_rest(x1, true);
-  const bool acts = pair.distance < pair.law.margin || pair.held.grinding != 0.0;
+  const double begins = pair.law.begins;
+  const bool acts = pair.distance < begins || pair.held.limit != 0.0;
+  const double stored = 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
   // Too far for d1 to be within the margin, if its gradient is shorter than 2.
   const double nearer = 2.0 * ((pair.place - pair.place_at_start).norm() + bend);
-  if (!acts && pair.distance - nearer > pair.law.margin) return pair.now.clear(pair.distance);
+  if (!acts && pair.distance - nearer > pair.law.margin)
+    return pair.now.clear(pair.distance, stored);
   const BentShape shape = second.shape_at_end();
   const double distance = bent_distance(shape, pair.place);
-  if (!acts && distance >= pair.law.margin) return pair.now.clear(distance);
+  if (!acts && distance >= begins) return pair.now.clear(distance, stored);
   pair.touch_a = first.touch_at_point(pair.point);
   const bool fresh = pair.fresh;
   if (fresh) find_start(pair, second, scratch);
   pair.touch_b = second.motion().touch_by_other(x1, first.motion().middle_of(pair.touch_a));
   pair.way.path = x1 - pair.touch_a.x0 - second.motion().way_under(pair.touch_b);
   pair.way.bend = second.bend_under(pair.rows);
-  if (renew > 0.0 || fresh)
-    pair.held.normal =
-        second.motion().turn_out(0.5 * (pair.gradient + bent_gradient(shape, pair.place)));
+  if (renewal.normals || fresh) {
+    pair.frame = second.motion().halfway();
+    ContactMemory memory = pair.memory;
+    memory.slip = pair.frame * memory.slip;
+    memory.normal = pair.frame * memory.normal;
+    hold_normal(second.motion().turn_out(0.5 * (pair.gradient + bent_gradient(shape, pair.place))),
+                memory, pair.held);
+  }
   const ContactGap gap{pair.distance, pair.energy, distance};
-  pair.now = contact_force(pair.law, gap, pair.way, h, renew, pair.held);
+  pair.now = contact_force(pair.law, gap, pair.way, h, renewal.limits, pair.held);
 }
 
-void add_pair_slopes(const PairPoint& pair, const PairBodies& bodies, double h,
+std::size_t add_missed_points(const PairBodies& bodies, const PairNames& names,
+                              std::vector<PairPoint>& points, std::size_t count) {
+  const auto& [first, second] = bodies;
+  const Collider* shape = second.shape();
+  if (shape == nullptr || !(first.went_far() || second.went_far())) return count;
+  const ContactPoints& on = first.points();
+  const double margin = first.law().margin, bent = second.ball().deformed;
+  const std::size_t known = count;
+  const auto listed = [&](std::size_t point) {
+    return std::any_of(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(known),
+                       [&](const PairPoint& pair) {
+                         return pair.a == names.a && pair.b == names.b && pair.point == point;
+                       });
+  };
+  const Pose into = second.poses().start, from = first.poses().start;
+  for (std::size_t i = 0; i < on.size(); ++i) {
+    const Vector3d end = second.motion().into_rest(first.end_of_point(i), true);
+    if (signed_distance(*shape, end).distance > margin + 2.0 * bent) continue;
+    if (bent_distance(second.shape_at_end(), end) >= margin || listed(i)) continue;
+    if (count == points.size()) points.emplace_back();
+    const Vector3d x = from * on.place(i, first.q_start());
+    const Vector3d y = into.rotation.conjugate() * (x - into.position);
+    PairPoint& pair = points[count++];
+    begin_point(pair, first, second, names, i, y, bent_distance(second.shape_at_start(), y));
+    begin_pair(pair);
+  }
+  return count;
+}
+
+bool memory_of(const PairPoint& pair, ContactMemory& memory) {
+  if (!(pair.now.distance < pair.law.margin)) return false;
+  memory = pair.memory;
+  memory.begins = std::max(pair.law.begins, pair.now.distance);
+  memory.limit = pair.now.limit;
+  memory.slip.setZero();
+  const double length = pair.held.normal.norm();
+  if (!pair.now.acts || !(length > 0.0)) return true;
+  memory.slip = pair.frame.transpose() * pair.now.slip;
+  memory.normal = pair.frame.transpose() * pair.held.normal / length;
+  return true;
+}
+
+void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, double h, bool follows,
                      PairScratch& scratch, Eigen::MatrixXd& first_by_second,
                      Eigen::MatrixXd& second_by_first) {
   const auto& [first, second] = bodies;
   first.lever().make(first.motion(), pair.touch_a, first.point_rows(pair.point));
   second.lever().make(second.motion(), pair.touch_b, pair.rows);
-  find_changes(pair, bodies, h, scratch);
+  find_changes(pair, bodies, h, follows, scratch);
   first.lever().add_pushed(scratch.change_a, scratch.change_a, 1.0, first.own_block());
   first.lever().add_pushed(scratch.change_b, scratch.change_b, 1.0, first_by_second);
   second.lever().add_pushed(scratch.change_b, scratch.bend_change_b, -1.0, second.own_block());

@@ -19,12 +19,17 @@ namespace tremolo {
 struct PairPoint {
   std::size_t a = 0, b = 0, point = 0;
   ContactLaw law;
+  ContactMemory memory;   // along the axes of b's frame; its obstacle is b's number in the group
+  Eigen::Matrix3d frame;  // of the memory in the step, to the world's axes
   Eigen::MatrixX3d rows;
   double distance = 0.0, energy = 0.0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), place_at_start = gradient;  // y
   ContactHeld held;  // along the world's axes
   ContactGap gap() const { return {distance, energy, now.distance}; }
-  bool fresh = true;  // it has not acted
+  bool fresh = true;    // it has not acted
+  bool sloped = false;  // of the end's distance: its gradient by y, and by the second's q, r
+  Eigen::Vector3d slope = gradient, slope_place = gradient;
+  Eigen::VectorXd by_q;
   ContactForce now;
   ContactTouch touch_a, touch_b;
   ContactWay way;
@@ -41,7 +46,6 @@ struct PairBodies {
 // each; bend_change_*: likewise what bends the second.
 struct PairScratch {
   Eigen::Matrix3Xd change_a, change_b, bend_change_a, bend_change_b;
-  Eigen::VectorXd by_q;
   BentScratch bent;
 };
 
@@ -53,15 +57,29 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
 // At the beginning of an attempt at the step: nothing is held.
 void begin_pair(PairPoint& pair);
 
-// What the pair feels where the two bodies are now. bend: how far the second's coordinates move any
-// of its points in the step, m. h: the step, s. renew: as of contact_force().
-void evaluate_pair(PairPoint& pair, const PairBodies& bodies, double bend, double h, double renew,
-                   PairScratch& scratch);
+// The force of the pair where the two bodies are now. bend: how far the second's coordinates move
+// any of its points in the step, m. h: the step, s.
+void evaluate_pair(PairPoint& pair, const PairBodies& bodies, double bend, double h,
+                   const ContactRenewal& renewal, PairScratch& scratch);
+
+// A pair in an island.
+struct PairNames {
+  std::size_t a = 0, b = 0;  // the members: of the points, and of the shape
+  std::size_t obstacle = 0;  // the number of b's body in the group
+};
+
+// Where the step of both is solved: adds the points of a that came within the margin of b and are
+// not among the first `count` points yet; returns the number of points then.
+std::size_t add_missed_points(const PairBodies& bodies, const PairNames& names,
+                              std::vector<PairPoint>& points, std::size_t count);
+
+// What is remembered of the pair after its step. False: it ended beyond the margin.
+bool memory_of(const PairPoint& pair, ContactMemory& memory);
 
 // Adds how the forces of a pair that acts change with the unknowns to the Jacobians of both, and to
 // first_by_second and second_by_first, by how much the residual of the one changes with the
-// unknowns of the other. After evaluate_pair() with the same h.
-void add_pair_slopes(const PairPoint& pair, const PairBodies& bodies, double h,
+// unknowns of the other. After evaluate_pair() with the same h. follows: as of contact_slopes().
+void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, double h, bool follows,
                      PairScratch& scratch, Eigen::MatrixXd& first_by_second,
                      Eigen::MatrixXd& second_by_first);
 

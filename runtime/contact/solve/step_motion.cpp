@@ -27,6 +27,13 @@ Vector3d StepMotion::straight_bend(const Vector3d& force) const {
   return R0 * (pull - 0.25 * phi.cross(phi.cross(pull)));
 }
 
+Matrix3d StepMotion::halfway() const {
+  const Eigen::Quaterniond whole = Eigen::Quaterniond(2.0, phi.x(), phi.y(), phi.z()).normalized();
+  const Eigen::Quaterniond half =
+      Eigen::Quaterniond(1.0 + whole.w(), whole.x(), whole.y(), whole.z()).normalized();
+  return R0 * half.toRotationMatrix();
+}
+
 Matrix3d StepMotion::turn_of_arm(const Vector3d& force) const {
   return h * turn.transpose() * cross_matrix(R0.transpose() * force);
 }
@@ -67,8 +74,13 @@ void PlaceLever::add_tangent(const Matrix3d& stiffness, Eigen::MatrixXd& jacobia
 void PlaceLever::add_pushed(const Eigen::Matrix3Xd& change, const Eigen::Matrix3Xd& bend_change,
                             double sign, Eigen::Ref<Eigen::MatrixXd> block) const {
   const Index r = push_.rows() - 6;
-  block.topRows(r).noalias() += sign * push_.topRows(r) * bend_change;
-  if (n_ > r) block.bottomRows<6>().noalias() += sign * push_.bottomRows<6>() * change;
+  // Three multiply-adds along each column: too few to be worth the packing of a large product.
+  for (Index j = 0; j < block.cols(); ++j) {
+    const Vector3d bend = sign * bend_change.col(j);
+    block.col(j).head(r) += push_.col(0).head(r) * bend[0] + push_.col(1).head(r) * bend[1] +
+                            push_.col(2).head(r) * bend[2];
+  }
+  if (n_ > r) block.bottomRows<6>().noalias() += sign * push_.bottomRows<6>().lazyProduct(change);
 }
 
 void PlaceLever::make_swing(const StepMotion& motion, const ContactTouch& touch,

@@ -71,6 +71,8 @@ struct StepMotion {
   // A direction of those coordinates in the world, in the middle, and at the end.
   Eigen::Vector3d turn_out(const Eigen::Vector3d& n) const { return R0 * (mean * n); }
   Eigen::Vector3d turn_out_at_end(const Eigen::Vector3d& n) const { return R1 * n; }
+  // The rotation half-way between Ro0 and Ro1.
+  Eigen::Matrix3d halfway() const;
   // How the residual of omega1 changes with an arm along the body's axes at the start, on which
   // `force` (N, world) acts.
   Eigen::Matrix3d turn_of_arm(const Eigen::Vector3d& force) const;

@@ -22,8 +22,12 @@ inline BasisData corner_cube_data(double lowest = 300.0, double highest = 900.0,
   Eigen::MatrixXd all(24, 10);
   all << rigid_fields(cloud), Eigen::MatrixXd(cloud.basis.topRows(24));
   cloud.basis = mass_orthonormal(std::move(all), cloud.masses).rightCols(4);
-  return basis_of(cloud, random_strain_model(spread_omega(4, lowest, highest), nonlinearity, 3),
-                  true);
+  BasisData data =
+      basis_of(cloud, random_strain_model(spread_omega(4, lowest, highest), nonlinearity, 3), true);
+  // Its faces, seen from outside; corner 4 x + 2 y + z.
+  data.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
+                    {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
+  return data;
 }
 
 inline Model::Pointer corner_cube(double lowest = 300.0, double highest = 900.0,
