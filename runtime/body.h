@@ -156,8 +156,11 @@ class Body {
   const ContactStep* contact() const { return contact_.get(); }
 
   // A hand takes hold of a vertex where it is, by a spring (N/m) and a damper (N s/m) to a point
-  // that goes where move_hand() says. Returns its number. Needs set_contact(). Errors as
-  // Model::vertex; kUsage for values that are not finite or negative.
+  // that goes where move_hand() says. Returns its number. Needs set_contact(). A spring stiffer
+  // than that of stiffest_hand() is replaced by it and its damper, that is by pin(): beyond, its
+  // rounding errors are larger than the step's tolerance. A damper is limited to h/2 times that
+  // stiffness. hand_spring() returns the values in use. Errors as Model::vertex; kUsage for values
+  // that are not finite or negative.
   Result<std::size_t> grab(VertexId vertex, double stiffness, double damping = 0.0);
   // The same of a vertex that was looked up before (Model::vertex): nothing is allocated where
   // reserve_contact() has made room.
@@ -172,12 +175,18 @@ class Body {
   Result<std::size_t> pin(VertexId vertex);
   Result<std::size_t> pin(const SurfacePlace& place);
   Result<std::size_t> pin(VertexId vertex, VertexRows place);  // as grab() of such a vertex
+  // The spring and damper of a pin at the place with the present step; infinite for a place that
+  // does not move.
+  HandSpring stiffest_hand(const VertexRows& place) const;
   // Makes room for steps among these colliders with so many hands at once; set_contact() first.
   void reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands);
   // Where the point is at the end of the next step, m, world. kUsage: no such hand, not finite.
   Status move_hand(std::size_t hand, const Eigen::Vector3d& place);
   // The force on the body in the last step, N, world; the hand feels the opposite. Zero for none.
   Eigen::Vector3d hand_force(std::size_t hand) const;
+  // The spring and damper in use; zeros for no such hand. A longer step (set_method()) may lower
+  // them again.
+  HandSpring hand_spring(std::size_t hand) const;
   // Numbers of other hands stay.
   Status release(std::size_t hand);
   double hand_work() const { return sums_.hand; }  // J, since the start; part of work()
@@ -332,7 +341,9 @@ class Body {
   void carry_forces(StateStream& stream);
   void carry_frame(StateStream& stream);
   void carry_hands(StateStream& stream);
+  const Grip* find_hand(std::size_t hand) const;
   Grip* find_hand(std::size_t hand);
+  void limit_hand(Grip& grip) const;
   double end_frame_step(bool made);
   double end_frame_motion(bool made);
   double frame_kinetic(const Eigen::VectorXd& p) const;

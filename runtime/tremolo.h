@@ -349,7 +349,8 @@ void tremolo_contact_options_init(tremolo_contact_options* options);
 
 /* Makes the body feel colliders and hands. options: NULL for the defaults. TREMOLO_USAGE for
  * options out of range, for a driven or free body of another method than "avf", "ep2" and "ep4",
- * and for a model without inertia integrals. */
+ * and for a model without inertia integrals; TREMOLO_CONTENT for a shape that extends beyond the
+ * body by more than its size, and for a plane. */
 tremolo_status tremolo_body_set_contact(tremolo_body* body, const tremolo_contact_options* options);
 
 /* Make a shape; destroying accepts NULL. Plane: all of z <= 0. Capsule
@@ -432,8 +433,10 @@ tremolo_status tremolo_body_contact_work(const tremolo_body* body, double* store
 
 /* A hand takes hold of a vertex where it is, by a spring (N/m) and a damper (N s/m) to a point that
  * goes where tremolo_body_move_hand says, on the whole way at the end of the next step. Both are
- * implicit: no stiffness is too large. hand receives its number. Needs tremolo_body_set_contact;
- * steps of tremolo_body_step feel hands too. TREMOLO_USAGE for values that are not finite or
+ * implicit. A stiffness above that of tremolo_body_pin is replaced by it, and a damping above h/2
+ * times that stiffness by that (h: the step); tremolo_body_hand_spring returns what is used. hand
+ * receives its number. Needs tremolo_body_set_contact; steps of tremolo_body_step feel hands too.
+ * TREMOLO_USAGE for values that are not finite or
  * negative and for a hand that is not there. */
 tremolo_status tremolo_body_grab(tremolo_body* body, uint32_t vertex, double stiffness,
                                  double damping, uint64_t* hand);
@@ -456,6 +459,10 @@ tremolo_status tremolo_body_pin_at(tremolo_body* body, uint32_t triangle, const 
 /* On the body in the last step, N; the hand feels the opposite. Zero for a hand that is not there.
  */
 tremolo_status tremolo_body_hand_force(const tremolo_body* body, uint64_t hand, double force[3]);
+/* The spring (N/m) and the damper (N s/m) in use, either may be NULL. Zero for a hand that is not
+ * there. A longer step may lower them again. */
+tremolo_status tremolo_body_hand_spring(const tremolo_body* body, uint64_t hand, double* stiffness,
+                                        double* damping);
 
 /* ---- bodies that touch and hold each other ----
  *

@@ -281,3 +281,13 @@ tremolo_status tremolo_body_hand_force(const tremolo_body* body, uint64_t hand, 
     return Success{};
   });
 }
+
+tremolo_status tremolo_body_hand_spring(const tremolo_body* body, uint64_t hand, double* stiffness,
+                                        double* damping) {
+  return with(body, [&](const Body& known) -> Status {
+    const tremolo::HandSpring spring = known.hand_spring(hand);
+    put(spring.stiffness, stiffness);
+    put(spring.damping, damping);
+    return Success{};
+  });
+}

@@ -1,6 +1,7 @@
 // What a body, its hands and those who look at them say and hear of contact.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include <Eigen/Core>
@@ -86,9 +87,25 @@ inline void carry(StateStream& stream, ContactAccount& account) {
   stream(account.impulse, account.active, account.way, account.passed);
 }
 
+// The spring and the damper by which a hand or a joint holds.
+struct HandSpring {
+  double stiffness = 0.0;  // N/m
+  double damping = 0.0;    // N s/m
+};
+
+// A spring stiffer than `most` is replaced by `most` with its damper, or a larger one. In the
+// equations of a step of h seconds a damper c has the stiffness 2 c/h, which has the same limit.
+inline void limit_spring(const HandSpring& most, double h, double& stiffness, double& damping) {
+  if (stiffness > most.stiffness) {
+    stiffness = most.stiffness;
+    damping = std::max(damping, most.damping);
+  }
+  damping = std::min(damping, 0.5 * h * most.stiffness);
+}
+
 // A hand on a vertex, or in a triangle near it (not at_vertex): a spring of `stiffness` (N/m) and a
 // damper (N s/m) from it to a point that moves from `start` to `end` in the step, m, world. place:
-// of the vertex. Both are implicit, so that no stiffness is too large. force: on the body in the
+// of the vertex. Both are implicit; Body::stiffest_hand() limits them. force: on the body in the
 // last step, N, world; the hand feels its opposite. work: on the body in that step, J; of that the
 // damper took `damped`, J, where the spring stores energy(), J.
 struct Grip {

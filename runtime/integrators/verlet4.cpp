@@ -110,6 +110,20 @@ class Verlet4 final : public OneStep {
 
 }  // namespace
 
+double verlet4_cosine(double z) {
+  // The step's columns, from (q, h p) = (1, 0) and (0, 1).
+  double trace = 0.0;
+  for (const bool second : {false, true}) {
+    double q = second ? 0.0 : 1.0, p = second ? 1.0 : 0.0;
+    for (const Kick& kick : kKicks) {
+      p -= kick.weight * z * z * q;
+      if (kick.drift >= 0) q += kDrifts[static_cast<std::size_t>(kick.drift)] * p;
+    }
+    trace += second ? p : q;
+  }
+  return 0.5 * trace;
+}
+
 IntegratorPointer make_verlet4(Model::Pointer model, const IntegratorOptions& options) {
   return std::make_unique<Verlet4>(std::move(model), options);
 }

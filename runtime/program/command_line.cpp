@@ -47,8 +47,10 @@ void add_run_flags(CLI::App& run, RunOptions& o) {
   run.add_option("--every", o.every, "a CSV row every so many steps")->capture_default_str();
   run.add_flag("--plot", o.plot, "draw energy.html, and energy.svg where gnuplot is installed");
   run.add_option("--surfaces", o.surfaces, "write so many surfaces, evenly spaced in time");
-  run.add_option("--wav", o.wav,
-                 "sound of what the body does, 48 000 steps a second unless --step says otherwise");
+  run.add_option(
+      "--wav", o.wav,
+      "sound of what the body does, 48 000 samples a second with as many steps each as its "
+      "modes need; with --step a step a sample");
   run.add_option("--listen", o.listen,
                  "with --wav: vertex or selector whose acceleration along the normal is heard");
   run.add_option("--surface-format", o.surface_format, "ply, obj or inc (POV-Ray)")
@@ -257,7 +259,7 @@ Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std:
     if (flags.count("--load") > 0) body.signal.clear();
     if (flags.count("--scale") > 0) body.deflect.clear();
     if (flags.count("--deflect") > 0) body.scale = 1.0;
-    if (!body.wav.empty() && flags.count("--step") == 0) body.step = kSoundStep;
+    if (!body.wav.empty() && flags.count("--step") == 0) take_sound_step(body);
     if (!body.wav.empty() && bodies->size() > 1)
       return usage_error("--wav is of one body, and " + path + " has several");
   }
@@ -385,7 +387,7 @@ int run_program(int count, char** words, const NodalScenes* nodal) {
   if (*parser.view) return start_viewer(words);
   if (!is_scene(request.file)) {
     if (Status s = check_not_saved(request); !s) return report_error(s.error());
-    if (!options.wav.empty() && parser.run->count("--step") == 0) options.step = kSoundStep;
+    if (!options.wav.empty() && parser.run->count("--step") == 0) take_sound_step(options);
     return run_command(bodies_of(request, options), request.json);
   }
   const SceneCommand command = {request.file, options, told_flags(*parser.run), request.degree,

@@ -14,6 +14,8 @@
 #include "formats/basis/basis_reader.h"
 #include "runtime/model.h"
 #include "runtime/program/output/tell.h"
+#include "runtime/program/output/warnings.h"
+#include "runtime/program/run/run_options.h"
 #include "runtime/scene/selection.h"
 
 namespace tremolo {
@@ -78,6 +80,13 @@ Status check_model(BasisReader& reader) {
 
 double step_limit(const Contents& contents) {
   return 1.0 / (std::numbers::pi * contents.frequencies.back());
+}
+
+// With the step that `tremolo run` takes by default.
+Warnings warnings_of(const Contents& contents) {
+  const std::string step = step_warning(contents.frequencies.front(), RunOptions{}.step,
+                                        "with the default step the ", "--step ");
+  return step.empty() ? Warnings{} : Warnings{step};
 }
 
 Json sections_json(const BasisReader& reader) {
@@ -185,6 +194,8 @@ Json to_json(const std::string& path, const BasisReader& reader, const Contents&
   json["render"] = render_json(contents.render);
   json["frequencies_hz"] = contents.frequencies;
   json["explicit_step_limit_s"] = step_limit(contents);
+  json["resolving_step_s"] = resolving_step(contents.frequencies.front());
+  json["warnings"] = warnings_of(contents);
   json["mass_orthonormality_error"] =
       provenance.is_object() ? provenance.value("mass_orthonormality_error", Json()) : Json();
   json["default_load"] = load_json(contents.load);
@@ -208,6 +219,8 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
   if (reader.linear()) fmt::print("  a linear model: no cubic, no quartic terms\n");
   fmt::print("  frequencies {:.4g} Hz\n", fmt::join(contents.frequencies, " "));
   fmt::print("  explicit methods are stable below a step of {:.4g} s\n", step_limit(contents));
+  fmt::print("  the first mode makes {:g} steps a period with a step of {:.4g} s\n", kStepsAPeriod,
+             resolving_step(contents.frequencies.front()));
   for (std::size_t i = 0; i < contents.load.vertices.size() && i < 4; ++i) {
     const Eigen::Vector3d& f = contents.load.forces[i];
     fmt::print("  default load at vertex {}: {:g}, {:g}, {:g} N\n", contents.load.vertices[i],
@@ -235,6 +248,7 @@ int inspect_command(const std::string& path, const std::string& select, bool jso
   } else {
     print_text(path, *reader, *contents);
   }
+  if (select.empty()) print_warnings(warnings_of(*contents));
   return flushed(0);
 }
 

@@ -42,9 +42,11 @@ Status check_contact(const ContactOptions& contact) {
   if (!(contact.stiffness > 0.0) || !std::isfinite(contact.stiffness))
     return content_error("contact-stiffness must be positive and finite");
   if (!(contact.friction >= 0.0) || !std::isfinite(contact.friction))
-    return content_error("friction must be finite and not negative");
+    return content_error("friction is " + number_text(contact.friction) +
+                         ", must be finite and not negative");
   if (!(contact.restitution >= 0.0 && contact.restitution <= 1.0))
-    return content_error("restitution must be from 0 to 1");
+    return content_error("restitution is " + number_text(contact.restitution) +
+                         ", must be from 0 to 1");
   if (contact.shape)
     if (Status s = check(*contact.shape); !s) return content_error("shape: " + s.error().message);
   return Success{};

@@ -45,12 +45,14 @@ bool MovingHand::before_step(const SceneHand& wanted, std::int64_t k, double ste
     if (!number) return false;
     number_ = *number;
   }
+  spring_ = body.hand_spring(*number_);
   return bool(
       body.move_hand(*number_, path_.pose_in(piece, static_cast<double>(k + 1) * step) * base_));
 }
 
 void MovingHand::carry(StateStream& stream, const Body& body) {
   stream(number_, over_, base_);
+  if (stream.reads() && number_) spring_ = body.hand_spring(*number_);
   // The body has the vertex's rows of a hand that holds.
   if (!stream.reads() || number_ || over_ || place_.rows.cols() > 0) return;
   Result<VertexRows> place = body.model().vertex(vertex_);

@@ -30,6 +30,8 @@ class MovingHand {
 
   VertexId vertex() const { return vertex_; }
   bool holds() const { return number_.has_value(); }
+  // The spring and damper in use while it holds, or last used; nullopt before it has held.
+  const std::optional<HandSpring>& spring() const { return spring_; }
   // On the body in the last step, N, world; zero while it does not hold.
   Eigen::Vector3d force(const Body& body) const {
     return number_ ? body.hand_force(*number_) : Eigen::Vector3d::Zero();
@@ -44,6 +46,7 @@ class MovingHand {
   VertexRows place_;                                // the body's while it is held
   Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // of the point without its motion, m
   std::optional<std::size_t> number_;
+  std::optional<HandSpring> spring_;
   bool over_ = false;
 };
 

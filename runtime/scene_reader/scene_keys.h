@@ -13,7 +13,7 @@ namespace tremolo {
 // What a run of the scene writes. out: a folder; empty: nothing. every: a CSV row every so many
 // steps. surfaces: so many of each body, evenly spaced in time, as ply, obj or inc. save: the file
 // of the world at the end; restore: of the one at which it begins; wav: its sound; empty: none.
-// listen: of --listen.
+// listen: of --listen. sound_steps: steps a sample of it; 0: as many as its modes need.
 struct SceneOutputs {
   std::string out;
   int every = 1;
@@ -24,6 +24,7 @@ struct SceneOutputs {
   std::string restore;
   std::string wav;
   std::string listen;
+  int sound_steps = 1;
 };
 
 // out, every, surfaces and surface-format alone.

@@ -223,7 +223,9 @@ TEST(Contact, ABarLeavesAWallAfterTwoRunsOfItsWave) {
   EXPECT_NEAR(energy, 0.5 * mass * speed * speed, 0.05 * 0.5 * mass * speed * speed);
 }
 
-TEST(Hand, NoStiffnessIsTooLarge) {
+// A hand stiffer than a pin is one: it is off by at most 4/900 of the way by which it bends the
+// body, times three where a direction gives way more than the mean of all.
+TEST(Hand, TakesAnyStiffness) {
   const Model::Pointer model = cube("1e5", "z<0.001");
   for (const double stiffness : {1e2, 1e5, 1e9, 1e13}) {
     Result<Body> body = Body::create(model, "ep4", {.step = 3e-3, .beta = 2e-3}, FrameKind::kFixed);
@@ -237,10 +239,12 @@ TEST(Hand, NoStiffnessIsTooLarge) {
     }
     // At rest the body pulls as the spring does; the stiffer, the nearer to the target.
     const Vector3d lag = *body->position(63) - target;
-    EXPECT_LT((body->hand_force(*hand) + stiffness * lag).norm(),
-              1e-3 * body->hand_force(*hand).norm());
+    const double used = body->hand_spring(*hand).stiffness;
+    EXPECT_LE(used, stiffness);
+    EXPECT_LT((body->hand_force(*hand) + used * lag).norm(), 1e-3 * body->hand_force(*hand).norm());
     if (stiffness > 1e8) {
-      EXPECT_LT(lag.norm(), 1e-6);
+      EXPECT_LT(used, stiffness);
+      EXPECT_LT(lag.norm(), 3.0 * 4.0 / 900.0 * (target - rest).norm());
     }
     ASSERT_TRUE(body->release(*hand));
     ASSERT_TRUE(body->step().converged);

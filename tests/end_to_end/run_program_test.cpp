@@ -78,6 +78,31 @@ TEST_F(RunProgram, InspectTellsWhatScriptsRelyOn) {
   EXPECT_EQ(run("inspect " + model()).code, 0);
 }
 
+// The warning names the longest step that draws none.
+TEST_F(RunProgram, AStepTooLongForTheFirstModeIsWarnedOf) {
+  const ProgramResult inspected = run("inspect " + model() + " --json");
+  ASSERT_EQ(inspected.code, 0) << inspected.err;
+  const json contents = json::parse(inspected.out);
+  const double first = contents["frequencies_hz"][0];
+  EXPECT_NEAR(contents["resolving_step_s"], 1.0 / (20.0 * first), 1e-12);
+  EXPECT_EQ(contents["warnings"].empty(), 0.003 * 20.0 * first <= 1.0);
+  const std::string command = "run " + model() + " --json --duration 0.5 --step ";
+  const ProgramResult coarse = run(command + std::to_string(2.0 / (20.0 * first)));
+  ASSERT_EQ(coarse.code, 0) << coarse.err;
+  EXPECT_NE(coarse.err.find("  warning: the first mode"), std::string::npos) << coarse.err;
+  const json warnings = json::parse(coarse.out)["warnings"];
+  ASSERT_EQ(warnings.size(), 1U);
+  const std::string text = warnings[0];
+  const std::size_t named = text.find("--step ");
+  ASSERT_NE(named, std::string::npos) << text;
+  std::istringstream words(text.substr(named + 7));
+  std::string step;
+  words >> step;
+  const ProgramResult fine = run(command + step);
+  ASSERT_EQ(fine.code, 0) << fine.err;
+  EXPECT_EQ(json::parse(fine.out)["warnings"].size(), 0U) << fine.err;
+}
+
 TEST_F(RunProgram, RunTellsWhatScriptsRelyOnForEveryMethod) {
   for (const char* name : {"verlet", "midpoint", "newmark", "imexv", "imexv-thesis"}) {
     const ProgramResult result = run("run " + model() + " --json --step 0.0001 --duration 0.1 " +

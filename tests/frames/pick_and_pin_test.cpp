@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/contact/solve/make_joint.h"
 #include "runtime/scene/scene_world.h"
 #include "runtime/tremolo.h"
 #include "tests/support/frames/frame_models.h"
@@ -321,6 +322,79 @@ TEST(Pins, HandsOfAScenePinAndRaysMeetTheNearestBody) {
   const auto none = world->pick({0.0, 0.0, 50.0}, {0.0, 0.0, 1.0});
   ASSERT_TRUE(none);
   EXPECT_FALSE(*none);
+}
+
+// ---- hands and joints of any stiffness ----
+
+// A hand that is stiffer than a pin is one. A free and a fixed body are pulled about for a second:
+// every step succeeds and the energy closes as with a pin, whatever stiffness and damping are.
+TEST(StiffHands, AreLimitedToAPinAndTheAccountCloses) {
+  constexpr double kStep = 3e-3;
+  for (const FrameKind frame : {FrameKind::kFixed, FrameKind::kFree})
+    for (const double stiffness : {1.0, 1e6, 1e9, 1e12, 1e18, 1e300})
+      for (const double damping : {0.0, 1e6, 1e300}) {
+        const auto model = testing::frame_model(6, frame == FrameKind::kFree, 30.0, 400.0, 0.3);
+        Body body = testing::make_framed(model, frame, {.step = kStep});
+        ASSERT_TRUE(body.set_contact());
+        ASSERT_TRUE(body.set_gravity({0.0, 0.0, -9.81}));
+        const HandSpring most = body.stiffest_hand(*model->vertex(5));
+        const auto hand = body.grab(VertexId{5}, stiffness, damping);
+        ASSERT_TRUE(hand) << hand.error().message;
+        const HandSpring used = body.hand_spring(*hand);
+        EXPECT_EQ(used.stiffness, std::min(stiffness, most.stiffness));
+        EXPECT_LE(used.damping, 0.5 * kStep * most.stiffness);
+        if (stiffness > most.stiffness) {
+          EXPECT_GE(used.damping, most.damping);
+        }
+        const Vector3d place = *body.position(5);
+        const double start = body.energy().total();
+        double worst = 0.0, largest = start;
+        for (int k = 0; k < 333; ++k) {
+          const double t = kStep * k;
+          ASSERT_TRUE(body.move_hand(
+              *hand, place + 0.05 * Vector3d(std::sin(3.0 * t), std::sin(2.0 * t), 0.0)));
+          ASSERT_TRUE(body.step().converged) << stiffness << " " << damping << " " << k;
+          const double energy = body.energy().total();
+          largest = std::max({largest, energy, std::abs(body.gravity_work())});
+          worst = std::max(worst, std::abs(energy - start - body.work() + body.dissipated()));
+        }
+        // As of a pin: the tolerance of the solve, 1e-10 of the momenta, a step.
+        EXPECT_LT(worst, 1e-7 * largest) << stiffness << " " << damping;
+      }
+}
+
+// The same hand on a longer step may be too stiff for it.
+TEST(StiffHands, ALongerStepLimitsThemAgain) {
+  const auto model = testing::frame_model(6, true, 30.0, 400.0, 0.3);
+  Body body = testing::make_framed(model, FrameKind::kFree, {.step = 1e-3});
+  ASSERT_TRUE(body.set_contact());
+  const auto hand = body.grab(VertexId{5}, 1e12, 0.0);
+  ASSERT_TRUE(hand);
+  const HandSpring at_first = body.hand_spring(*hand);
+  ASSERT_TRUE(body.set_method("ep4", 1e-2));
+  const HandSpring now = body.hand_spring(*hand);
+  EXPECT_EQ(now.stiffness, body.stiffest_hand(*model->vertex(5)).stiffness);
+  EXPECT_LT(now.stiffness, at_first.stiffness);
+  testing::steps_of(body, 100);
+}
+
+// A joint with a stiffness beyond that of one without keeps bodies as the latter does.
+TEST(StiffHands, AJointIsLimitedToOneWithoutAStiffness) {
+  const auto model = testing::frame_model(6, true, 30.0, 400.0, 0.3);
+  std::vector<Body> bodies;
+  for (int k = 0; k < 2; ++k) {
+    bodies.push_back(testing::make_framed(model, FrameKind::kFree, {.step = 3e-3}));
+    ASSERT_TRUE(bodies.back().set_contact());
+  }
+  const auto stiff = make_joint(bodies[0], 5, bodies[1], JointOptions{.stiffness = 1e15});
+  const auto free = make_joint(bodies[0], 5, bodies[1], JointOptions{});
+  const auto soft =
+      make_joint(bodies[0], 5, bodies[1], JointOptions{.stiffness = 10.0, .damping = 0.1});
+  ASSERT_TRUE(stiff && free && soft);
+  EXPECT_EQ(stiff->stiffness, free->stiffness);
+  EXPECT_EQ(stiff->damping, free->damping);
+  EXPECT_EQ(soft->stiffness, 10.0);
+  EXPECT_EQ(soft->damping, 0.1);
 }
 
 }  // namespace

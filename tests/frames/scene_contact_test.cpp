@@ -472,6 +472,10 @@ TEST(SceneContact, RefusesMethodsThatContactDoesNotGoWith) {
                  "body 'thrown': contact-points must be at least 1");
   expect_refusal(with([](C& c) { c.margin = kNaN; }), "contact-margin must be above 0");
   expect_refusal(with([](C& c) { c.stiffness = 0.0; }), "contact-stiffness must be positive");
+  expect_refusal(with([](C& c) { c.friction = -0.1; }), "body 'thrown': friction is -0.1");
+  expect_refusal(with([](C& c) { c.friction = kNaN; }), "friction is nan");
+  expect_refusal(with([](C& c) { c.restitution = 1.01; }), "restitution is 1.01");
+  expect_refusal(with([](C& c) { c.restitution = kNaN; }), "restitution is nan");
 }
 
 }  // namespace

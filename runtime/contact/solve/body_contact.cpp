@@ -2,9 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
+#include "common/mesh/tet_mesh.h"
+#include "common/number_text.h"
 #include "runtime/body.h"
 #include "runtime/contact/solve/contact_step.h"
+#include "runtime/contact/solve/shape_reach.h"
 
 namespace tremolo {
 
@@ -19,14 +23,20 @@ Status Body::set_contact(const ContactOptions& options) {
     return usage_error("contact needs at least one point, a margin and a stiffness above zero");
   if (options.modulus && !(*options.modulus > 0.0 && std::isfinite(*options.modulus)))
     return usage_error("contact needs a modulus above zero, in Pa");
-  if (!(options.friction >= 0.0) || !std::isfinite(options.friction) ||
-      !(options.restitution >= 0.0 && options.restitution <= 1.0))
-    return usage_error(
-        "contact needs a friction that is not negative and a restitution from 0 to 1");
+  if (!(options.friction >= 0.0) || !std::isfinite(options.friction))
+    return usage_error("a body's friction is " + number_text(options.friction) +
+                       ", must be finite and not negative");
+  if (!(options.restitution >= 0.0 && options.restitution <= 1.0))
+    return usage_error("a body's restitution is " + number_text(options.restitution) +
+                       ", must be from 0 to 1");
   if (options.shape)
     if (Status s = check(*options.shape); !s) return s;
   if (!energy_method_ && frame() != FrameKind::kFixed)
     return usage_error("contact goes with avf, ep2 and ep4");
+  if (!(bounding_box(model_->surface().rest).diagonal() > 0.0))
+    return usage_error("contact needs a boundary of more than one vertex");
+  if (options.shape)
+    if (Status s = check_reach(*model_, *options.shape); !s) return s;
   contact_ = std::make_shared<ContactStep>(model_, options_, options, model_->inertia()->mass,
                                            frame() == FrameKind::kFree);
   return Success{};
@@ -141,6 +151,7 @@ Result<std::size_t> Body::grab(VertexId vertex, VertexRows place, double stiffne
       !std::isfinite(damping))
     return usage_error("a hand's stiffness and damping are finite and not negative");
   Grip grip{vertex, std::move(place), stiffness, damping};
+  limit_hand(grip);
   grip.start = grip.end = pose() * Eigen::Vector3d(grip.place.rest + grip.place.rows * state_.q);
   grips_.push_back(std::move(grip));
   hands_.push_back(next_hand_);
@@ -158,8 +169,10 @@ Result<std::size_t> Body::grab(const SurfacePlace& place, double stiffness, doub
 
 double Body::mass_at(const VertexRows& place) const {
   const double h = options_.step;
-  const Eigen::ArrayXd give = 1.0 / (1.0 + (0.25 * h * h) * model_->lambda().array());
-  double lightness = (place.rows.colwise().squaredNorm().transpose().array() * give).sum() / 3.0;
+  const Eigen::VectorXd& lambda = model_->lambda();
+  double lightness = 0.0;
+  for (Eigen::Index i = 0; i < lambda.size(); ++i)
+    lightness += place.rows.col(i).squaredNorm() / (3.0 + 0.75 * h * h * lambda[i]);
   if (free_) {
     const std::shared_ptr<const FrameInertia> inertia = model_->inertia_about_centre();
     const Eigen::Matrix3d& P = inertia->P0;
@@ -170,13 +183,23 @@ double Body::mass_at(const VertexRows& place) const {
   return 1.0 / lightness;
 }
 
-Result<std::size_t> Body::pin(VertexId vertex, VertexRows place) {
+HandSpring Body::stiffest_hand(const VertexRows& place) const {
   // (h omega) of the mass on its spring, which the damper makes critical: far enough above the 2 at
   // which the step stops a motion at once for the spring to be stiff, not so far that it rings on.
   constexpr double kTurn = 30.0;
   const double h = options_.step, mass = mass_at(place);
-  if (!std::isfinite(mass)) return usage_error("the place does not move: there is nothing to pin");
-  return grab(vertex, std::move(place), kTurn * kTurn * mass / (h * h), 2.0 * kTurn * mass / h);
+  return {kTurn * kTurn * mass / (h * h), 2.0 * kTurn * mass / h};
+}
+
+void Body::limit_hand(Grip& grip) const {
+  limit_spring(stiffest_hand(grip.place), options_.step, grip.stiffness, grip.damping);
+}
+
+Result<std::size_t> Body::pin(VertexId vertex, VertexRows place) {
+  const HandSpring pin = stiffest_hand(place);
+  if (!std::isfinite(pin.stiffness))
+    return usage_error("the place does not move: there is nothing to pin");
+  return grab(vertex, std::move(place), pin.stiffness, pin.damping);
 }
 
 Result<std::size_t> Body::pin(VertexId vertex) {
@@ -193,9 +216,13 @@ Result<std::size_t> Body::pin(const SurfacePlace& place) {
   return hand;
 }
 
-Grip* Body::find_hand(std::size_t hand) {
+const Grip* Body::find_hand(std::size_t hand) const {
   const auto found = std::find(hands_.begin(), hands_.end(), hand);
   return found == hands_.end() ? nullptr : &grips_[found - hands_.begin()];
+}
+
+Grip* Body::find_hand(std::size_t hand) {
+  return const_cast<Grip*>(std::as_const(*this).find_hand(hand));
 }
 
 Status Body::move_hand(std::size_t hand, const Eigen::Vector3d& place) {
@@ -207,9 +234,13 @@ Status Body::move_hand(std::size_t hand, const Eigen::Vector3d& place) {
 }
 
 Eigen::Vector3d Body::hand_force(std::size_t hand) const {
-  const auto found = std::find(hands_.begin(), hands_.end(), hand);
-  if (found == hands_.end()) return Eigen::Vector3d::Zero();
-  return grips_[found - hands_.begin()].force;
+  const Grip* grip = find_hand(hand);
+  return grip == nullptr ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : grip->force;
+}
+
+HandSpring Body::hand_spring(std::size_t hand) const {
+  const Grip* grip = find_hand(hand);
+  return grip == nullptr ? HandSpring{} : HandSpring{grip->stiffness, grip->damping};
 }
 
 Status Body::release(std::size_t hand) {

@@ -189,6 +189,7 @@ Status Body::set_method(std::string_view integrator, double step) {
   energy_method_ = made->energy_method_;
   if (driven_) driven_->set_step(step);
   if (contact_) contact_->set_step(step);
+  for (Grip& grip : grips_) limit_hand(grip);
   keep_sound_state();
   return Success{};
 }

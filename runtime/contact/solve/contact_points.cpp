@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "runtime/contact/solve/shape_reach.h"
+
 namespace tremolo {
 namespace {
 
@@ -67,6 +69,17 @@ void divide(const std::vector<Vector3d>& places, std::vector<std::size_t>& order
   divide(places, order, middle, last, groups);
 }
 
+// The size of the whole boundary: that of few points, or of a single one, is not the body's.
+void measure(const std::vector<Vector3d>& boundary, const Collider* shape, ContactPoints& points) {
+  const BoundingBox box = bounding_box(boundary);
+  points.centre = 0.5 * (box.low + box.high);
+  points.extent = (box.high - box.low).maxCoeff();
+  for (const Vector3d& x : boundary)
+    points.radius = std::max(points.radius, (x - points.centre).norm());
+  if (shape != nullptr)
+    points.radius = std::max(points.radius, radius_about(*shape, points.centre));
+}
+
 // The area of the boundary that is nearest to each of `count` points, by thirds of triangles, m^2.
 // A boundary without triangles counts as a ball.
 std::vector<double> areas_of(const Model& model, const std::vector<std::size_t>& nearest,
@@ -87,7 +100,7 @@ std::vector<double> areas_of(const Model& model, const std::vector<std::size_t>&
 
 }  // namespace
 
-ContactPoints choose_contact_points(const Model& model, std::size_t most) {
+ContactPoints choose_contact_points(const Model& model, std::size_t most, const Collider* shape) {
   const VertexBlock& surface = model.surface();
   ContactPoints points;
   std::vector<std::size_t> nearest;
@@ -98,7 +111,6 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most) {
   const Index r = model.modes();
   points.rows.resize(r, 3 * order.size());
   points.reach.setZero(r);
-  Vector3d low = surface.rest[order[0]], high = low;
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Index from = 3 * order[i];
     const Index to = 3 * i;
@@ -106,11 +118,8 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most) {
     points.rest.push_back(surface.rest[order[i]]);
     points.rows.middleCols<3>(to) = surface.rows.middleRows<3>(from).transpose();
     points.reach = points.reach.cwiseMax(points.rows.middleCols<3>(to).rowwise().norm());
-    low = low.cwiseMin(points.rest.back());
-    high = high.cwiseMax(points.rest.back());
   }
-  points.centre = 0.5 * (low + high);
-  points.extent = (high - low).maxCoeff();
+  measure(surface.rest, shape, points);
   // Places near the surface see several points, and the field is smooth between them.
   points.field = ScatteredPoints(
       points.rest, 0.25 * points.gap * points.gap + 1e-6 * points.extent * points.extent);
@@ -124,8 +133,6 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most) {
   for (std::size_t k = 0; k < chosen.size(); ++k) area_of[chosen[k]] = areas[k];
   for (const std::size_t vertex : order) points.areas.push_back(area_of[vertex]);
   points.area = std::accumulate(areas.begin(), areas.end(), 0.0);
-  for (const Vector3d& place : points.rest)
-    points.radius = std::max(points.radius, (place - points.centre).norm());
   return points;
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "common/mesh/tet_mesh.h"
+#include "runtime/contact/collider.h"
 #include "runtime/kernels/scattered_field.h"
 #include "runtime/model.h"
 
@@ -21,9 +22,10 @@ struct PointGroup {
 // rest: m. rows: r x 3n, columns 3 i .. 3 i + 2 are the transposed rows of U of point i. field: the
 // points for fields through them; axis_rows: 3 stride x r, the same rows of U, all x, all y, all z,
 // zero in padding. reach: r, the farthest that a unit of a coordinate moves any point: |u| <= sum_i
-// |q_i| reach_i. centre, radius: of a ball around all. extent: the longest side of the boundary's
-// box, m. gap: no vertex of the boundary is farther from the nearest point, m: what may slip
-// between points. areas: of the boundary that each point stands for, m^2; area: their sum.
+// |q_i| reach_i. centre, radius: of a ball around the boundary and the body's shape, which may
+// extend beyond it (shape_reach.h), m. extent: the longest side of the boundary's box, m. gap: no
+// vertex of the boundary is farther from the nearest point, m: what may slip between points. areas:
+// of the boundary that each point stands for, m^2; area: their sum.
 struct ContactPoints {
   std::vector<VertexId> ids;
   std::vector<Eigen::Vector3d> rest;
@@ -52,7 +54,8 @@ struct ContactPoints {
 };
 
 // At most `most` of the boundary's vertices, each the farthest from those before it, so that gap
-// falls as fast as it can.
-ContactPoints choose_contact_points(const Model& model, std::size_t most);
+// falls as fast as it can. shape: what other bodies bump into; null: nothing.
+ContactPoints choose_contact_points(const Model& model, std::size_t most,
+                                    const Collider* shape = nullptr);
 
 }  // namespace tremolo

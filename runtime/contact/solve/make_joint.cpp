@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "runtime/contact/contact_values.h"
+
 namespace tremolo {
 namespace {
 
@@ -20,19 +22,17 @@ Status set_springs(Joint& joint, const Body& first, const Body& second,
                    const JointOptions& options) {
   joint.length = options.length;
   joint.touch = options.touch;
-  if (options.stiffness) {
-    joint.stiffness = *options.stiffness;
-    joint.damping = options.damping;
-  } else {
-    const double h = first.step_size();
-    const double lightness = 1.0 / first.mass_at(joint.first) + 1.0 / second.mass_at(joint.second);
-    if (!(lightness > 0.0)) return usage_error("neither place moves: there is nothing to join");
-    joint.stiffness = kTurn * kTurn / (lightness * h * h);
-    joint.damping = 2.0 * kTurn / (lightness * h);
-  }
-  for (const double value : {joint.stiffness, joint.damping, joint.length})
+  for (const double value : {options.stiffness.value_or(0.0), options.damping, joint.length})
     if (!std::isfinite(value) || value < 0.0)
       return usage_error("a joint's stiffness, damping and length are finite and not negative");
+  const double h = first.step_size();
+  const double lightness = 1.0 / first.mass_at(joint.first) + 1.0 / second.mass_at(joint.second);
+  if (!options.stiffness && !(lightness > 0.0))
+    return usage_error("neither place moves: there is nothing to join");
+  const HandSpring most{kTurn * kTurn / (lightness * h * h), 2.0 * kTurn / (lightness * h)};
+  joint.stiffness = options.stiffness.value_or(most.stiffness);
+  joint.damping = options.stiffness ? options.damping : most.damping;
+  limit_spring(most, h, joint.stiffness, joint.damping);
   return Success{};
 }
 

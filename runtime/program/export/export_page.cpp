@@ -1,6 +1,7 @@
 #include "runtime/program/export/export_page.h"
 
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "runtime/page/document.h"
 #include "runtime/page/motion.h"
 #include "runtime/program/output/energy_page.h"
+#include "runtime/program/output/warnings.h"
 
 namespace tremolo {
 namespace {
@@ -23,13 +25,15 @@ struct Figure {
   const char* text;
 };
 
+constexpr const char* kPace = "real_time_factor";
+
 // Figures of a run's report.json.
 constexpr Figure kFigures[] = {
     {"integrator", "method"},
     {"steps", "steps"},
     {"reached", "reached, s"},
     {"microseconds_per_step", "time a step, µs"},
-    {"real_time_factor", "faster than real time, times"},
+    {kPace, "pace"},
     {"iterations_per_step", "iterations a step"},
     {"energy_reference", "energy after the push, J"},
     {"energy_final", "energy at the end, J"},
@@ -41,6 +45,7 @@ constexpr Figure kFigures[] = {
 std::string figure_text(const Json& report, const char* key) {
   const auto found = report.find(key);
   if (found == report.end() || found->is_null()) return "–";
+  if (std::string_view(key) == kPace && found->is_number()) return pace_text(found->get<double>());
   if (found->is_number_float()) return fmt::format("{:.4g}", found->get<double>());
   return found->is_string() ? found->get<std::string>() : found->dump();
 }

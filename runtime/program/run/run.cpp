@@ -9,6 +9,7 @@
 
 #include "formats/file/atomic_file.h"
 #include "runtime/program/output/tell.h"
+#include "runtime/program/output/warnings.h"
 #include "runtime/program/run/run_files.h"
 #include "runtime/program/run/simulate.h"
 
@@ -82,7 +83,21 @@ void print_rigid_loss(const RigidLoss& loss) {
          loss.force);
 }
 
-void print_text(const RunReport& report) {
+Warnings warnings_of(const RunReport& report) {
+  Warnings warnings;
+  const std::string step = step_warning(report.first_frequency, report.step, "the ", "--step ");
+  if (!step.empty()) warnings.push_back(step);
+  if (!report.sound_warning.empty()) warnings.push_back(report.sound_warning);
+  if (report.squeezed_at >= 0)
+    warnings.push_back(fmt::format(
+        "at t = {:.4g} s the surface is squeezed below {:.2f} of its length (at the worst to "
+        "{:.2f}): StVK softens there and may turn inside out; use a smaller load or a stiffer "
+        "material",
+        report.squeezed_at, kSofteningStretch, report.stretch.smallest));
+  return warnings;
+}
+
+void print_text(const RunReport& report, const Warnings& warnings) {
   tell("{}: {} reached {:.6g} of {:.6g} s in {} steps of {:.4g} s\n", report.name,
        report.integrator, report.reached, report.duration, report.steps, report.step);
   if (report.split)
@@ -94,18 +109,13 @@ void print_text(const RunReport& report) {
   if (report.moves.size() > kShown)
     tell("  ... and {} moves more (--json lists them)\n", report.moves.size() - kShown);
   if (report.halved_steps > 0) tell("  {} steps were taken in parts\n", report.halved_steps);
-  tell("  {:.2f} us a step ({:.0f} times faster than real time), {:.2f} iterations\n",
-       report.microseconds_per_step, report.step * 1e6 / report.microseconds_per_step,
-       report.iterations_per_step);
+  const std::string pace = pace_text(report.step * 1e6 / report.microseconds_per_step);
+  tell("  {:.2f} us a step{}, {:.2f} iterations\n", report.microseconds_per_step,
+       pace.empty() ? pace : " (" + pace + ")", report.iterations_per_step);
   if (std::isfinite(report.energy_drift_max))
     tell("  energy {:.6g} J at the end, largest drift {:.2e}\n", report.energy_final,
          report.energy_drift_max);
-  if (report.squeezed_at >= 0)
-    tell(
-        "  warning: at t = {:.4g} s the surface is squeezed below {:.2f} of its length (at the "
-        "worst to {:.2f}): StVK softens there and may turn inside out; use a smaller load or "
-        "a stiffer material\n",
-        report.squeezed_at, kSofteningStretch, report.stretch.smallest);
+  print_warnings(warnings);
   if (report.size > 0)
     tell("  moved by {:.4g} m at most, {:.3g} % of its size (vertex {}, t = {:.4g} s)\n",
          report.farthest.distance, 100 * report.farthest.distance / report.size,
@@ -131,8 +141,10 @@ int run_command(const std::vector<RunOptions>& bodies, bool json) {
   for (const RunOptions& options : bodies) {
     Result<RunReport> report = simulate(options);
     if (!report) return report_error(report.error());
-    print_text(*report);
+    const Warnings warnings = warnings_of(*report);
+    print_text(*report, warnings);
     objects.push_back(to_json(*report, options));
+    objects.back()["warnings"] = warnings;
     if (Status status = write_report(options, report->files, objects.back()); !status)
       return report_error(status.error());
     if (report->exit_code != 0) {

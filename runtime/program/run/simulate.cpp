@@ -10,12 +10,14 @@
 
 #include <fmt/format.h>
 
+#include "common/hertz.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/run/interruption.h"
 #include "runtime/program/run/march.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
 #include "runtime/program/run/run_progress.h"
+#include "runtime/program/run/sound.h"
 #include "runtime/program/run/watch.h"
 #include "runtime/program/start/load_search.h"
 #include "runtime/scene/selection.h"
@@ -37,6 +39,7 @@ RunReport start_report(const RunOptions& options, const Body& body) {
   report.integrator = options.integrator;
   report.step = options.step;
   report.duration = options.duration;
+  report.first_frequency = hertz(body.model().lambda()(0));
   report.scale = options.scale;
   report.split = body.integrator().split();
   return report;
@@ -151,6 +154,16 @@ Result<double> scale_for_deflection(const RunOptions& options, const RunInput& i
   return found->scale;
 }
 
+// Of a run with --wav whose step nobody named.
+Status choose_sound_steps(const Model& model, RunOptions& options) {
+  if (options.wav.empty() || options.sound_steps > 0) return Success{};
+  const Result<IntegratorOptions> settings = integrator_options(options);
+  if (!settings) return settings.error();
+  options.sound_steps = steps_a_sample(model, options.integrator, *settings, 1.0 / options.step);
+  options.step /= options.sound_steps;
+  return Success{};
+}
+
 void tell_nearest(const RunOptions& options, const Model& model) {
   for (const std::string& note : nearest_of(options.at, model)) tell("  --at {}\n", note);
   for (const std::string& probe : options.probes)
@@ -166,6 +179,7 @@ Result<RunInput> prepare_run(const RunOptions& options) {
   if (!model) return model.error();
   tell_nearest(options, **model);
   RunInput input{*model, {}, options};
+  if (Status s = choose_sound_steps(**model, input.options); !s) return s.error();
   if (!options.signal.empty())
     if (Status s = take(input.table, read_signal(options.signal)); !s) return s.error();
   if (!options.deflect.empty())
@@ -182,7 +196,14 @@ Result<RunReport> simulate(const RunOptions& options) {
   const Interruption interruption;
   ToldProgress progress(options.name, options.duration);
   Result<RunReport> report = run_body(input->options, *input, {&interruption, &progress});
-  if (report) report->rigid = *rigid;
+  if (!report) return report;
+  report->rigid = *rigid;
+  if (options.wav.empty()) return report;
+  const RunOptions& used = input->options;
+  const Result<IntegratorOptions> settings = integrator_options(used);
+  if (settings)
+    report->sound_warning = sound_warning(*input->model, used.integrator, *settings,
+                                          1.0 / (used.step * used.sound_steps));
   return report;
 }
 

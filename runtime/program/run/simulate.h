@@ -11,9 +11,9 @@
 
 namespace tremolo {
 
-// What a run begins with. table: of --signal. options: as told, but with the factor of the load
-// that
-// --deflect asked for. It must outlive the body that make_body() makes of it.
+// What a run begins with. table: of --signal. options: as told, but with the step that --wav needs
+// and the factor of the load that --deflect asked for. It must outlive the body that make_body()
+// makes of it.
 struct RunInput {
   Model::Pointer model;
   SignalTable table;
@@ -37,9 +37,10 @@ struct RunReport {
   std::string integrator;
   double step = 0;
   double duration = 0;
-  double scale = 1;        // of the load: as told, or as --deflect found it
-  std::int64_t steps = 0;  // made
-  double reached = 0;      // s of simulated time
+  double first_frequency = 0;  // of the first mode, Hz
+  double scale = 1;            // of the load: as told, or as --deflect found it
+  std::int64_t steps = 0;      // made
+  double reached = 0;          // s of simulated time
   double iterations_per_step = 0;
   double microseconds_per_step = 0;  // processor time of step() in blocks, nothing between
   double energy_initial = 0;
@@ -50,6 +51,7 @@ struct RunReport {
   double work = 0;
   double dissipated = 0;
   double largest_probe = 0;        // largest displacement of the first probe, m
+  std::string sound_warning;       // of --wav; empty: none
   std::optional<Split> split;      // at the end
   std::vector<SplitMove> moves;    // all changes of it
   std::int64_t halved_steps = 0;   // steps whose solve failed and that were taken in parts

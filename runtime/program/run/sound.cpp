@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "common/hertz.h"
 #include "common/mesh/vertex_lookup.h"
 #include "formats/sound/wav_writer.h"
 #include "formats/surface/surface_writer.h"
+#include "runtime/integrators/dispersion.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/scene/selection.h"
 
@@ -39,7 +43,43 @@ Status check_sound(const std::string& path, double step) {
   return Success{};
 }
 
-Result<Ear> Ear::create(const std::string& listen, const Model& model) {
+SoundFit fit_of_sound(const Model& model, std::string_view method, const IntegratorOptions& options,
+                      double rate) {
+  const double h = options.step;
+  SoundFit fit;
+  for (const double lambda : model.lambda()) {
+    const double frequency = hertz(lambda), z = h * std::sqrt(lambda);
+    const bool linear = model.potential().linear() && !options.moving_frame;
+    const std::optional<double> angle = step_angle(method, z, options, linear);
+    if (angle && !(frequency < 0.5 * rate)) continue;
+    const double error = frequency_error(method, z, options, linear);
+    if (error <= fit.worst) continue;
+    fit = {error, frequency, angle.value_or(0.0) / (2.0 * std::numbers::pi * h)};
+  }
+  return fit;
+}
+
+int steps_a_sample(const Model& model, std::string_view method, const IntegratorOptions& options,
+                   double rate) {
+  IntegratorOptions tried = options;
+  for (int steps = 1; steps < kMostSoundSteps; ++steps) {
+    tried.step = 1.0 / (rate * steps);
+    if (fit_of_sound(model, method, tried, rate).worst <= kSoundError) return steps;
+  }
+  return kMostSoundSteps;
+}
+
+std::string sound_warning(const Model& model, std::string_view method,
+                          const IntegratorOptions& options, double rate) {
+  const SoundFit fit = fit_of_sound(model, method, options, rate);
+  if (fit.worst <= kSoundError || !std::isfinite(fit.worst)) return {};
+  return fmt::format(
+      "with a step of {:.4g} s {} lets the mode of {:.5g} Hz sound at {:.5g} Hz: leave --step out "
+      "(--wav then takes as many steps a sample as the modes need)",
+      options.step, method, fit.frequency, fit.heard);
+}
+
+Result<Ear> Ear::create(const std::string& listen, const Model& model, double rate) {
   const Result<std::vector<VertexId>> vertices = listened_to(listen, model);
   if (!vertices) return vertices.error();
   const std::vector<Eigen::Vector3d> normals =
@@ -56,23 +96,30 @@ Result<Ear> Ear::create(const std::string& listen, const Model& model) {
   }
   if (along.isZero(0.0))
     return content_error("--wav: what is listened to does not move along its normal");
+  for (Eigen::Index i = 0; i < along.size(); ++i)
+    if (!(hertz(model.lambda()[i]) < 0.5 * rate)) along[i] = 0.0;
+  if (along.isZero(0.0))
+    return content_error(
+        fmt::format("--wav: every mode is above {:.5g} Hz, half of the samples a second: say a "
+                    "shorter --step",
+                    0.5 * rate));
   return Ear(along / static_cast<double>(vertices->size()));
 }
 
-Status SoundTrack::write(const std::string& path, double step) const {
-  if (places_.size() < 3) return content_error("--wav: the run has less than three steps");
+Status SoundTrack::write(const std::string& path, double interval) const {
+  if (places_.size() < 3) return content_error("--wav: the run has less than three samples");
   std::vector<double> samples(places_.size() - 2);
   double most = 0.0;
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    samples[k] = (places_[k + 2] - 2.0 * places_[k + 1] + places_[k]) / (step * step);
+    samples[k] = (places_[k + 2] - 2.0 * places_[k + 1] + places_[k]) / (interval * interval);
     most = std::max(most, std::abs(samples[k]));
   }
   if (!(most > 0.0)) return content_error("--wav: nothing moved: there is no sound to write");
   for (double& sample : samples) sample *= kLoudest / most;
-  const auto rate = static_cast<std::uint32_t>(std::llround(1.0 / step));
+  const auto rate = static_cast<std::uint32_t>(std::llround(1.0 / interval));
   if (Status status = write_wav(path, rate, samples); !status) return status;
   tell("{}: {:.6g} s of sound, {} samples a second, full scale {:.4g} m/s^2\n", path,
-       static_cast<double>(samples.size()) * step, rate, most / kLoudest);
+       static_cast<double>(samples.size()) * interval, rate, most / kLoudest);
   return Success{};
 }
 

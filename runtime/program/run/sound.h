@@ -2,13 +2,16 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "common/result.h"
+#include "runtime/integrator.h"
 #include "runtime/model.h"
+#include "runtime/program/run/run_options.h"
 
 namespace tremolo {
 
@@ -19,6 +22,36 @@ inline constexpr double kSoundStep = 1.0 / 48000.0;
 // is not that of a whole number of samples a second from 8 000 to 192 000.
 Status check_sound(const std::string& path, double step);
 
+// A run whose step nobody named: that of the samples, of which simulate() makes parts where its
+// modes need them.
+inline void take_sound_step(RunOptions& options) {
+  options.step = kSoundStep;
+  options.sound_steps = 0;
+}
+
+// A mode that is heard has its frequency within this fraction, five hundredths of a semitone: less
+// than what is told apart by ear. Beyond, --wav takes several steps a sample.
+inline constexpr double kSoundError = 3e-3;
+
+// How well a method follows the modes below half the rate of a sound.
+struct SoundFit {
+  double worst = 0.0;      // the largest relative error of a frequency
+  double frequency = 0.0;  // whose, Hz
+  double heard = 0.0;      // the frequency that the method gives it, Hz
+};
+SoundFit fit_of_sound(const Model& model, std::string_view method, const IntegratorOptions& options,
+                      double rate);
+
+// The least number of steps a sample, at `rate` samples a second, with which the error is at most
+// kSoundError and an explicit method is stable; kMostSoundSteps if none is enough.
+inline constexpr int kMostSoundSteps = 64;
+int steps_a_sample(const Model& model, std::string_view method, const IntegratorOptions& options,
+                   double rate);
+
+// The warning about a step that shifts a mode; empty where none is shifted. options.step: s.
+std::string sound_warning(const Model& model, std::string_view method,
+                          const IntegratorOptions& options, double rate);
+
 // The sound of small places of a surface in air far away goes as their acceleration along the
 // normal. An ear hears the mean of those of some vertices of one body.
 class Ear {
@@ -26,7 +59,9 @@ class Ear {
   // listen: a vertex or selector; empty: the vertices of the default load. Errors of the selector;
   // kContent for a vertex that is not on the boundary, does not move, or has no normal, and for a
   // model without a default load.
-  static Result<Ear> create(const std::string& listen, const Model& model);
+  // Modes above half the rate, samples a second, are left out: in the file they would have another
+  // frequency.
+  static Result<Ear> create(const std::string& listen, const Model& model, double rate);
 
   // The mean displacement along the normal, m. q: r.
   double place(const Eigen::VectorXd& q) const { return along_.dot(q); }
@@ -40,12 +75,12 @@ class Ear {
 // The sound of one ear, or of the sum of several at equal distances.
 class SoundTrack {
  public:
-  // place: of the start and then of every step, m.
+  // place: of the start and then of every sample, m.
   void add(double place) { places_.push_back(place); }
 
   // Writes the second differences, the loudest sample at nine tenths; tells of what acceleration
-  // that is. step: s.
-  Status write(const std::string& path, double step) const;
+  // that is. interval: between samples, s.
+  Status write(const std::string& path, double interval) const;
 
  private:
   std::vector<double> places_;

@@ -19,17 +19,43 @@ Eigen::Matrix2d plane_edges(const Eigen::Vector3d& a, const Eigen::Vector3d& b) 
   return edges;
 }
 
+// The inverse of a triangle's edges in its plane; false where it has no area.
+bool invert_edges(const Model& model, const Triangle& triangle, Eigen::Matrix2d& inverse) {
+  const auto& rest = model.surface().rest;
+  const auto corner = [&](int k) { return rest[triangle[k]]; };
+  const Eigen::Matrix2d edges = plane_edges(corner(1) - corner(0), corner(2) - corner(0));
+  if (!(edges.determinant() > 0.0)) return false;
+  inverse = edges.inverse();
+  return true;
+}
+
 }  // namespace
+
+Eigen::VectorXd largest_gradients(const Model& model) {
+  const auto& rows = model.surface().rows;
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(model.modes());
+  Eigen::Matrix2d inverse;
+  for (const Triangle& triangle : model.triangles()) {
+    if (!invert_edges(model, triangle, inverse)) continue;
+    for (Eigen::Index i = 0; i < largest.size(); ++i) {
+      const auto moved = [&](int k) {
+        return Eigen::Vector3d(rows.block<3, 1>(3 * Eigen::Index{triangle[k]}, i));
+      };
+      Eigen::Matrix<double, 3, 2> edges;
+      edges << moved(1) - moved(0), moved(2) - moved(0);
+      largest[i] = std::max(largest[i], (edges * inverse).norm());
+    }
+  }
+  return largest;
+}
 
 SurfaceStretch::SurfaceStretch(const Model& model)
     : model_(model), positions_(3 * model.surface().vertex_ids.size()) {
-  const auto& rest = model.surface().rest;
+  Eigen::Matrix2d inverse;
   for (const Triangle& triangle : model.triangles()) {
-    const auto corner = [&](int k) { return rest[triangle[k]]; };
-    const Eigen::Matrix2d edges = plane_edges(corner(1) - corner(0), corner(2) - corner(0));
-    if (!(edges.determinant() > 0.0)) continue;  // without area it has no stretch
+    if (!invert_edges(model, triangle, inverse)) continue;  // without area it has no stretch
     triangles_.push_back(triangle);
-    rest_inverse_.push_back(edges.inverse());
+    rest_inverse_.push_back(inverse);
   }
 }
 

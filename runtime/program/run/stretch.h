@@ -25,6 +25,11 @@ struct Excursion {
   VertexId vertex = 0;
 };
 
+// For each coordinate the largest gradient, over all triangles of the boundary, of the displacement
+// by a unit of it, by Frobenius's norm, kg^-1/2/m, r: at q no stretch is farther from 1 than
+// sum_i |q_i| of that. Zero without triangles.
+Eigen::VectorXd largest_gradients(const Model& model);
+
 class SurfaceStretch {
  public:
   explicit SurfaceStretch(const Model& model);

@@ -58,7 +58,9 @@ Result<Watch> Watch::create(const RunOptions& options, const Body& body, const i
     watch.probe_ = std::move(rows->rows);
   }
   if (!options.wav.empty())
-    if (Status s = take(watch.ear_, Ear::create(options.listen, body.model())); !s)
+    if (Status s = take(watch.ear_, Ear::create(options.listen, body.model(),
+                                                1.0 / (options.step * options.sound_steps)));
+        !s)
       return s.error();
   return watch;
 }
@@ -71,7 +73,7 @@ Watch::Watch(const RunOptions& options, Body seen, std::int64_t steps, Recorder 
       recorder_(std::move(recorder)),
       frames_(options, steps),
       stretch_(std::make_unique<SurfaceStretch>(seen_.model())),
-      shape_every_(steps_between_shapes(seen_)) {
+      shape_looks_(seen_.model(), steps_between_shapes(seen_), steps) {
   report_->size = stretch_->size();
 }
 
@@ -93,11 +95,11 @@ Result<bool> Watch::observe(const Moment& moment) {
     report_->reason = why_out_of_bound(moment.time, energy.total());
   }
   // At rest there is nothing to see.
-  if (moment.steps > 0 ? moment.steps % shape_every_ == 0 : !options_->start.empty())
-    note_shape(moment);
+  const bool due = shape_looks_.due(moment.steps, moment.state.q);
+  if (due && (moment.steps > 0 || !options_->start.empty())) note_shape(moment);
   if (probe_.cols() > 0)
     report_->largest_probe = std::max(report_->largest_probe, (probe_ * moment.state.q).norm());
-  if (ear_) sound_.add(ear_->place(moment.state.q));
+  if (ear_ && moment.steps % options_->sound_steps == 0) sound_.add(ear_->place(moment.state.q));
   last_ = moment;
   return inside;
 }
@@ -119,6 +121,8 @@ void Watch::note_split(const Moment& moment) {
 
 void Watch::note_shape(const Moment& moment) {
   shape_seen_ = moment.steps;
+  if (!shape_looks_.can_exceed(moment.state.q, report_->farthest.distance, report_->stretch))
+    return;
   const StretchRange now = stretch_->measure(seen_);
   report_->stretch.smallest = std::min(report_->stretch.smallest, now.smallest);
   report_->stretch.largest = std::max(report_->stretch.largest, now.largest);
@@ -141,7 +145,9 @@ Status Watch::finish() {
                                  static_cast<double>(std::max<std::int64_t>(last_.steps, 1));
   report_->energy_drift_max = drift_.worst();
   if (ear_)
-    if (Status status = sound_.write(options_->wav, options_->step); !status) return status;
+    if (Status status = sound_.write(options_->wav, options_->step * options_->sound_steps);
+        !status)
+      return status;
   if (options_->out.empty()) return Success{};
   if (Status status = frames_.finish(seen_.model()); !status) return status;
   report_->files = frames_.files();

@@ -9,6 +9,7 @@
 #include "runtime/energy.h"
 #include "runtime/program/run/frames.h"
 #include "runtime/program/run/recorder.h"
+#include "runtime/program/run/shape_looks.h"
 #include "runtime/program/run/simulate.h"
 #include "runtime/program/run/sound.h"
 
@@ -50,7 +51,7 @@ class Watch {
   SoundTrack sound_;
   DriftMeter drift_;
   bool was_loaded_ = false;
-  std::int64_t shape_every_;      // steps
+  ShapeLooks shape_looks_;
   std::int64_t shape_seen_ = -1;  // steps at the last look at the shape
   Moment last_;
 };

@@ -124,7 +124,7 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
   Result<Recorder> recorder = Recorder::create(model, *columns, csv);
   if (!recorder) return value_error(recorder.error());
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
-  BodyLog log(body, std::move(options), std::move(*recorder), steps);
+  BodyLog log(body, std::move(options), std::move(*recorder), model, steps);
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& x : model.surface().rest) box.extend(x);
   log.report_.size = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
@@ -133,11 +133,12 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
 }
 
 BodyLog::BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
-                 std::int64_t steps)
+                 const Model& model, std::int64_t steps)
     : body_(body),
       options_(std::move(options)),
       recorder_(std::move(recorder)),
-      frames_(*options_, steps) {}
+      frames_(*options_, steps),
+      shape_looks_(model, kStepsBetweenShapes, steps) {}
 
 Result<bool> BodyLog::observe(const SceneWorld& world) {
   const Body& body = world.body(body_);
@@ -147,7 +148,10 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   report_.energy_max = std::max(report_.energy_max, account.total());
   report_.remainder_max = std::max(report_.remainder_max, std::abs(account.remainder()));
   report_.turnover_max = std::max(report_.turnover_max, turnover(account));
-  if (moment_.steps % kStepsBetweenShapes == 0) note_shape(body);
+  if (shape_looks_.due(moment_.steps, moment_.state.q)) note_shape(world);
+  // Where the points are deeper than ever the surface may be.
+  if (world.penetration_max(body_) > deepest_) note_depth(world);
+  rebound_.observe(world, body_);
   if (!options_->out.empty() && moment_.steps % options_->every == 0) {
     const auto [pose, momenta] = place_of(world, body_);
     const Eigen::Quaterniond& turn = pose.rotation;
@@ -188,12 +192,26 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   return false;
 }
 
-void BodyLog::note_shape(const Body& body) {
-  const VertexBlock& surface = body.model().surface();
-  const Eigen::VectorXd moved = surface.rows * body.state().q;
-  for (Eigen::Index row = 0; row + 2 < moved.size(); row += 3)
-    report_.largest_displacement =
-        std::max(report_.largest_displacement, moved.segment<3>(row).norm());
+void BodyLog::note_shape(const SceneWorld& world) {
+  const Body& body = world.body(body_);
+  const Eigen::VectorXd& q = body.state().q;
+  const double known = report_.largest_displacement;
+  // Nothing is known of stretches here.
+  if (shape_looks_.can_exceed(q, known, {-HUGE_VAL, HUGE_VAL})) {
+    const Eigen::VectorXd moved = body.model().surface().rows * q;
+    for (Eigen::Index row = 0; row + 2 < moved.size(); row += 3)
+      report_.largest_displacement =
+          std::max(report_.largest_displacement, moved.segment<3>(row).norm());
+  }
+  note_depth(world);
+}
+
+void BodyLog::note_depth(const SceneWorld& world) {
+  deepest_ = world.penetration_max(body_);
+  // Where it sleeps it lies as it lay.
+  if (world.asleep(body_)) return;
+  report_.penetration_surface_max =
+      std::max(report_.penetration_surface_max, depth_.measure(world, body_));
 }
 
 void BodyLog::give_up(const StepReport& step, double time) {
@@ -215,7 +233,8 @@ void BodyLog::judge_balance(const std::string& method) {
 
 Status BodyLog::finish(const SceneWorld& world) {
   const Body& body = world.body(body_);
-  note_shape(body);
+  note_shape(world);
+  report_.rebound = rebound_.ratio();
   report_.end = place_of(world, body_);
   report_.account = world.account(body_);
   report_.high_band_final = body.energy().high_band;

@@ -10,6 +10,8 @@
 #include "runtime/program/run/march.h"
 #include "runtime/program/run/recorder.h"
 #include "runtime/program/run/run_options.h"
+#include "runtime/program/run/shape_looks.h"
+#include "runtime/program/world/surface_depth.h"
 #include "runtime/scene/scene_world.h"
 #include "runtime/scene_reader/scene_reader.h"
 
@@ -39,10 +41,12 @@ struct BodyReport {
   std::int64_t steps = 0;             // that this body made
   std::int64_t iterations = 0;
   std::int64_t halved_steps = 0;
-  std::int64_t contacts = 0;       // how often it began to touch something
-  bool asleep = false;             // at the end
-  double penetration_max = 0.0;    // of the size
-  double contact_speed_max = 0.0;  // m/s
+  std::int64_t contacts = 0;             // how often it began to touch something
+  bool asleep = false;                   // at the end
+  double penetration_max = 0.0;          // of the size
+  double penetration_surface_max = 0.0;  // m, of the drawn surface, at the moments looked at
+  std::optional<double> rebound;         // surface_depth.h
+  double contact_speed_max = 0.0;        // m/s
   std::int64_t passed_through = 0;
   int exit_code = 0;  // 0, 4 or 5
   std::string reason;
@@ -74,17 +78,22 @@ class BodyLog {
 
  private:
   BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
-          std::int64_t steps);
-  void note_shape(const Body& body);
+          const Model& model, std::int64_t steps);
+  void note_shape(const SceneWorld& world);
+  void note_depth(const SceneWorld& world);
   void judge_balance(const std::string& method);
 
   std::size_t body_;
   std::unique_ptr<RunOptions> options_;  // the folder and its surfaces; frames_ refers to it
   Recorder recorder_;
   Frames frames_;
+  ShapeLooks shape_looks_;
+  double deepest_ = 0.0;  // of the points when the surface was measured, a share of the size
   Moment moment_;
   std::vector<double> further_;
   BodyReport report_;
+  SurfaceDepth depth_;
+  Rebound rebound_;
 };
 
 }  // namespace tremolo

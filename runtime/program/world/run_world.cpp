@@ -12,11 +12,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/hertz.h"
 #include "common/processor_time.h"
 #include "formats/file/atomic_file.h"
+#include "runtime/contact/solve/contact_step.h"
+#include "runtime/contact/solve/shape_reach.h"
 #include "runtime/program/output/json_values.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/output/tell.h"
+#include "runtime/program/output/warnings.h"
 #include "runtime/program/run/interruption.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
@@ -102,6 +106,8 @@ Json body_json(const SceneBody& body, const BodyReport& report, double step) {
   json["contact_energy"] = number_or_null(account.contact);
   json["contact_error"] = number_or_null(account.contact_error);
   json["penetration_max"] = number_or_null(report.penetration_max);
+  json["penetration_surface_max"] = number_or_null(report.penetration_surface_max);
+  json["rebound"] = report.rebound ? number_or_null(*report.rebound) : Json(nullptr);
   json["contact_speed_max"] = number_or_null(report.contact_speed_max);
   json["passed_through"] = report.passed_through;
   json["asleep"] = report.asleep;
@@ -117,13 +123,79 @@ Json joint_json(const SceneJoint& wanted, const Joint* joint) {
   return {{"body", wanted.body},
           {"to", wanted.to},
           {"holds", joint != nullptr},
+          {"stiffness", joint == nullptr ? Json(nullptr) : Json(now.stiffness)},
+          {"damping", joint == nullptr ? Json(nullptr) : Json(now.damping)},
           {"force", vector_json(now.force)},
           {"energy", number_or_null(now.energy)},
           {"damped", number_or_null(now.damped)}};
 }
 
+Json hand_json(const SceneHand& wanted, const MovingHand& hand, const Eigen::Vector3d& force) {
+  Json json{{"body", wanted.body}, {"at", wanted.at}, {"holds", hand.holds()}};
+  const auto& spring = hand.spring();
+  json["stiffness"] = spring ? number_or_null(spring->stiffness) : Json(nullptr);
+  json["damping"] = spring ? number_or_null(spring->damping) : Json(nullptr);
+  json["force"] = vector_json(force);
+  return json;
+}
+
+// Springs that mass and step do not allow.
+void add_spring_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
+  const auto warn = [&warnings](const std::string& whose, double asked, double used) {
+    if (used < asked)
+      warnings.push_back(fmt::format(
+          "{}: its stiffness of {:.4g} N/m is more than mass and step allow, {:.4g} N/m is used: "
+          "a shorter step allows more, as one over its square",
+          whose, asked, used));
+  };
+  for (std::size_t i = 0; i < scene.hands.size(); ++i) {
+    const SceneHand& wanted = scene.hands[i];
+    if (const auto& spring = world.hand(i).spring(); spring && !wanted.pin)
+      warn(fmt::format("hand {} (body '{}', at {})", i + 1, wanted.body, wanted.at),
+           wanted.stiffness, spring->stiffness);
+  }
+  for (std::size_t i = 0; i < scene.joints.size(); ++i) {
+    const SceneJoint& wanted = scene.joints[i];
+    if (world.joint(i) != nullptr && wanted.options.stiffness)
+      warn(fmt::format("joint {} (body '{}', to '{}')", i + 1, wanted.body, wanted.to),
+           *wanted.options.stiffness, world.joint(i)->stiffness);
+  }
+}
+
+// Bodies whose first mode the step does not follow, one warning a model.
+void add_step_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
+  std::vector<const Model*> seen;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const Model& model = world.body(i).model();
+    if (std::find(seen.begin(), seen.end(), &model) != seen.end()) continue;
+    seen.push_back(&model);
+    const std::string warning =
+        step_warning(hertz(model.lambda()(0)), world.step_size(),
+                     "body '" + scene.bodies[i].name + "': its ", "a step of ");
+    if (!warning.empty()) warnings.push_back(warning);
+  }
+}
+
+// Shapes that extend beyond their bodies, one warning a model.
+void add_shape_warnings(const Scene& scene, const SceneWorld& world, Warnings& warnings) {
+  std::vector<const Model*> seen;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const Model& model = world.body(i).model();
+    const ContactStep* contact = world.body(i).contact();
+    if (contact == nullptr || contact->shape() == nullptr) continue;
+    if (std::find(seen.begin(), seen.end(), &model) != seen.end()) continue;
+    seen.push_back(&model);
+    const ShapeReach reach = shape_beyond(model, *contact->shape());
+    if (reach.distance <= kShapeBeyond * reach.size) continue;
+    warnings.push_back(fmt::format(
+        "body '{}': its shape: {}: other bodies bump into what its own points do not feel; use a "
+        "smaller shape",
+        scene.bodies[i].name, reach_text(*contact->shape(), reach)));
+  }
+}
+
 Json world_json(const SceneFile& file, const SceneWorld& world, const std::vector<BodyLog>& logs,
-                const WorldEnding& ending) {
+                const WorldEnding& ending, const Warnings& warnings) {
   Json json;
   json["scene"] = file.path;
   json["step"] = world.step_size();
@@ -145,6 +217,10 @@ Json world_json(const SceneFile& file, const SceneWorld& world, const std::vecto
   json["joints"] = Json::array();
   for (std::size_t i = 0; i < file.scene.joints.size(); ++i)
     json["joints"].push_back(joint_json(file.scene.joints[i], world.joint(i)));
+  json["hands"] = Json::array();
+  for (std::size_t i = 0; i < file.scene.hands.size(); ++i)
+    json["hands"].push_back(hand_json(file.scene.hands[i], world.hand(i), world.hand_force(i)));
+  json["warnings"] = warnings;
   return json;
 }
 
@@ -225,9 +301,11 @@ void print_bodies(const SceneFile& file, const SceneWorld& world,
       tell(
           "    contact {:.4g}, restitution {:.4g}, friction {:.4g}, hand {:.4g}, joint {:.4g} J; "
           "{} "
-          "contacts, {:.3g} % of its size deep at most\n",
+          "contacts, its points {:.3g} % of its size deep at most, its surface {:.3g} %{}\n",
           account.contact_given, account.restitution, account.friction, account.hand, account.joint,
-          report.contacts, 100 * report.penetration_max);
+          report.contacts, 100 * report.penetration_max,
+          100 * report.penetration_surface_max / report.size,
+          report.rebound ? fmt::format(", rebound {:.3g}", *report.rebound) : std::string());
     if (report.size > 0)
       tell("    deformed by {:.4g} m at most, {:.3g} % of its size\n", report.largest_displacement,
            100 * report.largest_displacement / report.size);
@@ -267,8 +345,21 @@ struct WorldRun {
   WorldEnding ending;
 };
 
-Result<WorldRun> run_world(const SceneFile& file, unsigned threads) {
+// The world of the scene, with as many steps a sample of --wav as its modes need where nobody named
+// a step: `file` is told.
+Result<SceneWorld> make_world(SceneFile& file) {
   Result<SceneWorld> world = SceneWorld::create(file.scene);
+  if (!world || file.outputs.wav.empty() || file.outputs.sound_steps > 0) return world;
+  file.outputs.sound_steps = steps_a_sample(*world);
+  if (file.outputs.sound_steps == 1) return world;
+  file.scene.step /= file.outputs.sound_steps;
+  return SceneWorld::create(file.scene, [&world](const SceneBody& body) {
+    return Result<Model::Pointer>(world->body(*world->find(body.name)).model_pointer());
+  });
+}
+
+Result<WorldRun> run_world(SceneFile file, unsigned threads) {
+  Result<SceneWorld> world = make_world(file);
   if (!world) return error_of_file(file.path, value_error(world.error()));
   if (Status s = world->set_threads(threads); !s) return s.error();
   if (Status s = keep_world_apart(file); !s) return s.error();
@@ -286,7 +377,9 @@ Result<WorldRun> run_world(const SceneFile& file, unsigned threads) {
   }
   std::optional<WorldSound> sound;
   if (!file.outputs.wav.empty())
-    if (Status s = take(sound, WorldSound::create(file.outputs.listen, *world)); !s)
+    if (Status s =
+            take(sound, WorldSound::create(file.outputs.listen, *world, file.outputs.sound_steps));
+        !s)
       return error_of_file(file.path, s.error());
   const auto clock = threads == 1 ? processor_time : wall_time;
   Result<WorldEnding> ending = follow_world(file, *world, logs, sound ? &*sound : nullptr, clock);
@@ -296,12 +389,21 @@ Result<WorldRun> run_world(const SceneFile& file, unsigned threads) {
   tell_end(logs, *ending);
   if (Status s = save_end(file, *world, *ending); !s) return s.error();
   if (sound && (ending->exit_code == 0 || ending->signal != 0))
-    if (Status s = sound->write(file.outputs.wav, world->step_size()); !s) return s.error();
+    if (Status s = sound->write(file.outputs.wav); !s) return s.error();
   tell("{}: {} bodies reached {:.6g} of {:.6g} s in steps of {:.4g} s, {:.2f} us each\n",
        fs::path(file.path).stem().string(), world->size(), world->time(), file.scene.duration,
        world->step_size(), 1e6 * ending->seconds / static_cast<double>(ending->steps));
   print_bodies(file, *world, logs);
-  return WorldRun{world_json(file, *world, logs, *ending), *ending};
+  Warnings warnings;
+  add_step_warnings(file.scene, *world, warnings);
+  add_shape_warnings(file.scene, *world, warnings);
+  add_spring_warnings(file.scene, *world, warnings);
+  if (sound)
+    for (std::string& warning :
+         sound_warnings(*world, 1.0 / (world->step_size() * file.outputs.sound_steps)))
+      warnings.push_back(std::move(warning));
+  print_warnings(warnings);
+  return WorldRun{world_json(file, *world, logs, *ending, warnings), *ending};
 }
 
 }  // namespace

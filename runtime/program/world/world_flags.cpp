@@ -66,7 +66,10 @@ Status apply_flags(const RunOptions& flags, const std::function<bool(const char*
   SceneOutputs& outputs = file.outputs;
   if (told("--wav")) outputs.wav = flags.wav;
   if (told("--listen")) outputs.listen = flags.listen;
-  if (!outputs.wav.empty() && !told("--step")) file.scene.step = kSoundStep;
+  if (!outputs.wav.empty() && !told("--step")) {
+    file.scene.step = kSoundStep;
+    outputs.sound_steps = 0;
+  }
   if (Status s = check_sound(outputs.wav, file.scene.step); !s) return s;
   if (Status s = apply_output_flags(flags, told, outputs); !s) return s;
   if (Status s = check_times(told, file.scene.step, file.scene.duration); !s) return s;

@@ -12,18 +12,25 @@
 
 namespace tremolo {
 
+// The least number of steps a sample with which each body's modes keep their frequencies
+// (steps_a_sample()). The world's step is that of the samples.
+int steps_a_sample(const SceneWorld& world);
+// The warnings about a step that shifts modes, one a model. rate: samples a second.
+std::vector<std::string> sound_warnings(const SceneWorld& world, double rate);
+
 class WorldSound {
  public:
   // listen: of --listen, "BODY:SELECTOR", where BODY is a body's name or that of its copies, or a
   // selector alone, which every body is asked for; empty: the default load of those that have one.
-  // Errors: those of Ear::create with the body's name; kContent if no body is heard.
-  static Result<WorldSound> create(const std::string& listen, const SceneWorld& world);
+  // steps: a sample. Errors: those of Ear::create with the body's name; kContent if no body is
+  // heard.
+  static Result<WorldSound> create(const std::string& listen, const SceneWorld& world, int steps);
 
   // Takes the start and then every step. What moves as a whole makes no sound by that.
   void add(const SceneWorld& world);
 
   // As SoundTrack::write.
-  Status write(const std::string& path, double step) const { return track_.write(path, step); }
+  Status write(const std::string& path) const { return track_.write(path, interval_); }
 
  private:
   struct HeardBody {
@@ -31,7 +38,11 @@ class WorldSound {
     Ear ear;
   };
 
+  WorldSound(int steps, double interval) : steps_(steps), interval_(interval) {}
+
   std::vector<HeardBody> heard_;
+  int steps_;        // a sample
+  double interval_;  // between samples, s
   SoundTrack track_;
 };
 

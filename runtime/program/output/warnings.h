@@ -1,0 +1,31 @@
+// Warnings of a run: on stderr as they are reported, and under `warnings` in its JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tremolo {
+
+using Warnings = std::vector<std::string>;
+
+// Prints "  warning: TEXT" for each one.
+void print_warnings(const Warnings& warnings);
+
+// Steps a period of a mode that a run should make. A sine that is seen so often is read 1.2 % too
+// low at most, 1 - cos(pi/20), and midpoint, avf and Newmark's method, with (2 pi/20)^2/12, have
+// its frequency 0.8 % too low.
+inline constexpr double kStepsAPeriod = 20.0;
+
+// The longest step, s, that makes so many steps in a period of the mode. frequency: Hz, above 0.
+double resolving_step(double frequency);
+
+// The warning about a step that is longer; empty for one that is not. whose: put before "first
+// mode", as "the " or "body 'x': its ". flag: how a shorter step is asked for, "--step ".
+std::string step_warning(double frequency, double step, const std::string& whose,
+                         const std::string& flag);
+
+// "28 times slower than real time", of simulated seconds over seconds of computing; empty where that
+// is not known.
+std::string pace_text(double factor);
+
+}  // namespace tremolo

@@ -1,0 +1,51 @@
+// What contact between points does not see: how deep the drawn surface of a body is behind
+// colliders and the shapes of other bodies, and with which part of its speed the body rebounds.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "runtime/scene/scene_world.h"
+
+namespace tremolo {
+
+// Measures the vertices of the drawn surface of one body.
+class SurfaceDepth {
+ public:
+  // The deepest vertex at present, m; 0 where none is behind anything. Bodies that do not feel
+  // contact, or that a joint lets pass, are not looked at.
+  double measure(const SceneWorld& world, std::size_t body);
+
+ private:
+  double behind_body(const Body& other, const Eigen::Vector3d& x);
+
+  std::vector<double> positions_;
+  Eigen::VectorXd displacement_;  // of the points of a body that is looked at
+};
+
+// The ratio of the normal speeds, relative to the collider, with which the centre of mass of a free
+// body leaves the first collider that it meets and arrived there. The normal is the collider's at
+// the centre of mass in the first step of contact; the speed of arrival is that at the end of the
+// step before; that of departure is the largest until the body approaches again.
+class Rebound {
+ public:
+  // After every step, and at the start.
+  void observe(const SceneWorld& world, std::size_t body);
+  // Nullopt: no collider was met, or not by approaching it.
+  std::optional<double> ratio() const;
+
+ private:
+  double speed_away(const SceneWorld& world, std::size_t body) const;
+
+  enum class Phase { kBefore, kTouching, kLeaving, kOver } phase_ = Phase::kBefore;
+  std::size_t collider_ = 0;
+  Eigen::Vector3d normal_ = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();  // of the step before, m/s
+  double arrival_ = 0.0;                                // m/s, towards the collider
+  double departure_ = 0.0;                              // m/s, away from it
+};
+
+}  // namespace tremolo
