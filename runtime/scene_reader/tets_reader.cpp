@@ -33,6 +33,7 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
     keys.fail("integrator", parsed.error().message);
   keys.read("alpha", options.alpha);
   keys.read("beta", options.beta);
+  keys.read("drag", options.drag);
   keys.read("tolerance", options.tolerance);
   keys.read("linear-tolerance", options.linear_tolerance);
   keys.read("max-iterations", options.max_iterations);

@@ -17,6 +17,9 @@ constexpr int kSlowCorrections = 3;
 constexpr double kKinkShare = 1e-3;
 // Where no correction is left, below this share: what is cut instead is solved no better.
 constexpr double kLastKinkShare = 1e-2;
+// A watched body may gain this part of the largest energy that it had, since it last lost as much.
+constexpr double kMostGain = 0.02;
+constexpr double kGuardRounding = 1e-12;
 
 double sum_of(const std::vector<double>& values) {
   double sum = 0.0;
@@ -232,9 +235,10 @@ void TetIsland::find_correction(bool exact, double tolerance) {
   for_each(members_.size(),
            [this](std::size_t i) { members_[i].body->residual_ = -members_[i].body->residual_; });
   const bool single = tolerance >= kSingleTolerance;
+  const bool pressed = touching();
   // The factor is of the body's own matrix, without what couples it to others or to a hand.
   TetBody* alone =
-      members_.size() == 1 && !touching() && !members_[0].body->hand_ ? members_[0].body : nullptr;
+      members_.size() == 1 && !pressed && !members_[0].body->hand_ ? members_[0].body : nullptr;
   bool by_factor = false;
   for (const bool own : {true, false}) {
     if (own && !exact) continue;
@@ -256,6 +260,8 @@ void TetIsland::find_correction(bool exact, double tolerance) {
     TetBody& body = *members_[i].body;
     if (!by_factor) body.solve_.finish(body.correction_);
     body.system_.follow_ends(body.correction_);
+    // What touches is held by that, not by its inertia.
+    if (!pressed && !body.hand_) body.free_rigid_correction();
   });
 }
 
@@ -386,16 +392,87 @@ bool TetIsland::make_linear_step(double h) {
   return finite;
 }
 
+// The body whose energy is watched: one by itself, whose method may add energy, without a hand,
+// which would put some in.
+TetBody* TetIsland::watched(TetMethod method) const {
+  if (members_.size() > 1) return nullptr;
+  TetBody* body = members_.front().body;
+  const bool may = method == TetMethod::kMidpoint || method == TetMethod::kNewmark;
+  return may && body->options_.guard && !body->hand_ ? body : nullptr;
+}
+
+// Whether the energy of the watched body may be what it is now; if so, it is noted.
+bool TetIsland::energy_is_good(TetBody& body) {
+  TetGuard& guard = body.guard_;
+  const double now = body.guarded_energy(members_.front().contact);
+  const double gain = now - guard.energy;
+  if (gain > 0.0 && guard.gained + gain > kMostGain * guard.largest) return false;
+  guard.gained = std::max(0.0, guard.gained + gain);
+  guard.energy = now;
+  guard.largest = std::max(guard.largest, body.kinetic_energy() + body.elastic_energy());
+  return true;
+}
+
+// Takes a step again by a method that damps what the step is too long for: half by midpoint and half
+// by bdf2, or else by implicit-euler. Of a free body that touches nothing the momenta that this loses
+// are restored. What is too much even then is taken from the velocities relative to the nearest
+// rigid motion.
+bool TetIsland::make_damped_step(TetBody& body, double h) {
+  ++report_.guarded;
+  for (const bool halves : {true, false}) {
+    body.rewind_part();
+    const bool made = halves ? make_step(TetMethod::kMidpoint, 0.5 * h) &&
+                                   make_step(TetMethod::kBdf2, 0.5 * h)
+                             : make_step(TetMethod::kImplicitEuler, h);
+    body.has_before_ = body.has_acceleration_ = false;
+    if (!made) continue;
+    if (!touching()) body.restore_momenta(body.part_, h);
+    if (energy_is_good(body)) return true;
+    if (halves) continue;
+    TetGuard& guard = body.guard_;
+    const double now = body.guarded_energy(members_.front().contact);
+    const double most = guard.energy + kMostGain * guard.largest - guard.gained;
+    guard.energy = now - body.take_internal_energy(now - most);
+    guard.gained = kMostGain * guard.largest;
+    return guard.energy <= most + kGuardRounding * guard.largest;
+  }
+  return false;
+}
+
+// A step, or a part of one, whose energy is watched.
+bool TetIsland::make_watched_step(TetMethod method, double h) {
+  TetBody* body = watched(method);
+  if (body == nullptr) return make_step(method, h);
+  if (!body->guard_.known) {
+    body->guard_.energy = body->guarded_energy(members_.front().contact);
+    body->guard_.largest =
+        std::max(body->guard_.largest, body->kinetic_energy() + body->elastic_energy());
+    body->guard_.known = true;
+  }
+  body->keep_part();
+  if (!make_step(method, h)) return false;
+  return energy_is_good(*body) || make_damped_step(*body, h);
+}
+
+// Where a part is not made, the bodies are anywhere.
 bool TetIsland::make_parts(int parts, bool linear) {
   report_.parts = parts;
   report_.linearised = linear;
   for (const TetMember& member : members_) member.body->rewind();
-  const double h = members_.front().body->options_.step / parts;
+  const double step = members_.front().body->options_.step, h = step / parts;
   bool made = true;
   for (int part = 0; part < parts && made; ++part)
-    made = linear ? make_linear_step(h) : make_step(TetMethod::kImplicitEuler, h);
-  for (const TetMember& member : members_)
-    member.body->has_before_ = member.body->has_acceleration_ = false;
+    made = linear ? make_linear_step(h) : make_watched_step(common_method(), h);
+  // The step before, which bdf2 needs, is this whole step; what is linearised is no start for it.
+  for (const TetMember& member : members_) {
+    TetBody& body = *member.body;
+    body.has_acceleration_ = false;
+    body.has_before_ = made && !linear;
+    body.before_.x = body.saved_.x;
+    body.before_.v = body.saved_.v;
+  }
+  if (made && linear && members_.size() == 1 && !touching())
+    members_.front().body->restore_momenta(members_.front().body->saved_, step);
   return made;
 }
 
@@ -407,7 +484,7 @@ void TetIsland::step(std::span<const TetMember> members, std::span<TetStepReport
   curvatures_.assign(members.size(), 0.0);
   sizes_.assign(members.size(), {});
   for_each(members.size(), [this](std::size_t i) { members_[i].body->keep_state(); });
-  report_.converged = make_step(common_method(), members.front().body->options_.step) ||
+  report_.converged = make_watched_step(common_method(), members.front().body->options_.step) ||
                       make_parts(2, false) || make_parts(8, false) || make_parts(8, true);
   std::fill(reports.begin(), reports.end(), report_);
   for_each(members.size(), [&](std::size_t i) {

@@ -2,16 +2,21 @@
 //
 // Each body's equation is M g^2 (d - d_a) = F(x_v + d, g d) (tet_stage.h), F with the forces of its
 // contact. Newton's matrix is block-diagonal,
-//   M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv    of each body,
+//   M (g^2 + (alpha + drag) g) + dforce/dx + beta g ddamping/dv    of each body,
 // and the touches and hands (tet_hand.h): with w the shares of a touch in the control points of
 // both its sides, w B w^T. They stay as they are and are multiplied one by one in conjugate
 // gradients, which run over all bodies at once, preconditioned by the diagonal's blocks; a body by
 // itself that takes too many directions, a slender one, is factored instead
 // (runtime/sparse/block_cholesky.h). First with the exact derivative; where that is indefinite,
 // with R K R^T. Each correction is shortened until the residual no longer points back. A step that
-// is not solved is cut into two, then eight of implicit-euler; where even those have no solution
-// (an element goes through a flat shape and its rotation jumps), into eight of one correction each
-// with R K R^T.
+// is not solved is cut into two, then eight of the same method; where even those have no solution
+// (an element goes through a flat shape and its rotation jumps), into eight of implicit-euler, of
+// one correction each with R K R^T; of a free body that touches nothing the momenta are restored.
+//
+// midpoint and newmark add energy where stiff elements turn in long steps. The energy of a body by
+// itself is therefore watched: a step in which it would have gained, since it last lost as much,
+// more than a fiftieth of the largest that it had is taken again, half by midpoint and half by bdf2,
+// which damps what is too fast for the step, and both momenta are restored.
 //
 // A step also ends where the forces between bodies jump and no correction makes the residual
 // smaller, which is then a thousandth of them at most, a hundredth after the last correction; it is
@@ -75,6 +80,10 @@ class TetIsland {
   bool make_step(TetMethod method, double h);
   bool make_linear_step(double h);
   bool make_parts(int parts, bool linear);
+  TetBody* watched(TetMethod method) const;
+  bool energy_is_good(TetBody& body);
+  bool make_damped_step(TetBody& body, double h);
+  bool make_watched_step(TetMethod method, double h);
   bool solve_stage();
   bool at_kink(double size, double share) const;
   bool touching() const;
