@@ -19,6 +19,7 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
   constexpr DegreeKind kKinds[] = {DegreeKind::kLinear, DegreeKind::kQuadratic,
                                    DegreeKind::kAdaptive};
   options.degree.kind = kKinds[keys.read_word("degree", {"linear", "quadratic", "adaptive"}, 2)];
+  keys.read("error", options.degree.error);
   keys.read("upper", options.degree.upper);
   keys.read("lower", options.degree.lower);
   keys.read("least-steps", options.degree.least_steps);

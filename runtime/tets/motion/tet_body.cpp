@@ -18,6 +18,9 @@ constexpr double kRounding = 4e-15;
 constexpr int kManyDirections = 100;
 // A direction takes so many for each block of the matrix.
 constexpr double kDirectionMultiplications = 18.0;
+// An edge's row of the residual is not noise where it is so many times its part of what a step may
+// leave.
+constexpr double kNoise = 4.0;
 constexpr std::size_t kMostFactorBytes = std::size_t{256} << 20;
 
 Eigen::Index body_at(std::size_t node) {
@@ -421,8 +424,16 @@ void TetBody::skip_step() {
 
 void TetBody::choose_degrees(TetStepReport& report) {
   if (options_.degree.kind != DegreeKind::kAdaptive || steps_ % options_.degree.every != 0) return;
-  const auto wanted =
-      choice_.choose(system_, now_, force_, stage_.rate * stage_.rate, options_.step);
+  rigid_part(model(), freedom_, now_.x, now_.v, work_, rigid_);
+  const double deforming =
+      std::max(0.0, kinetic_energy() - system_.kinetic_energy(rigid_)) + system_.energy();
+  const auto edges = static_cast<double>(std::max<std::size_t>(1, model().edges()));
+  const auto wanted = choice_.choose(system_, now_,
+                                     {.residual = force_,
+                                      .noise = kNoise * stop_size() / std::sqrt(edges),
+                                      .energy = deforming,
+                                      .rate = stage_.rate * stage_.rate,
+                                      .h = options_.step});
   report.switched = choice_.changed();
   if (report.switched == 0) return;
   saved_.x = now_.x;
