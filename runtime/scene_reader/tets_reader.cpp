@@ -38,7 +38,9 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
   keys.read("tolerance", options.tolerance);
   keys.read("linear-tolerance", options.linear_tolerance);
   keys.read("max-iterations", options.max_iterations);
-  options.take_unsolved = keys.read_word("unsolved", {"cut", "take"}, 0) == 1;
+  constexpr UnsolvedStep kUnsolved[] = {UnsolvedStep::kCut, UnsolvedStep::kTake,
+                                        UnsolvedStep::kTakeContact};
+  options.unsolved = kUnsolved[keys.read_word("unsolved", {"cut", "take", "take-contact"}, 2)];
   options.tangent = keys.read_word("tangent", {"exact", "frozen"}, 0) == 1 ? TangentKind::kFrozen
                                                                            : TangentKind::kExact;
 }

@@ -248,8 +248,8 @@ double TetBody::close_residual() {
   return residual_.squaredNorm();
 }
 
-double TetBody::stop_size() const {
-  return options_.tolerance * ((inertia_ - force_).norm() + inertia_.norm() + load_) +
+double TetBody::stop_size(double tolerance) const {
+  return tolerance * ((inertia_ - force_).norm() + inertia_.norm() + load_) +
          kRounding * rounding_scale_ * s_.cwiseAbs().maxCoeff();
 }
 
@@ -430,7 +430,7 @@ void TetBody::choose_degrees(TetStepReport& report) {
   const auto edges = static_cast<double>(std::max<std::size_t>(1, model().edges()));
   const auto wanted = choice_.choose(system_, now_,
                                      {.residual = force_,
-                                      .noise = kNoise * stop_size() / std::sqrt(edges),
+                                      .noise = kNoise * stop_size(options_.tolerance) / std::sqrt(edges),
                                       .energy = deforming,
                                       .rate = stage_.rate * stage_.rate,
                                       .h = options_.step});

@@ -21,28 +21,30 @@
 
 namespace tremolo {
 
-// step: s. gravity: m/s^2. alpha, 1/s: damps the motion relative to the nearest rigid one that the
-// fixed points allow, with the force -alpha M (v - rigid_part(v)): no momentum is lost by it. beta,
-// s: Rayleigh's, proportional to the stiffness. drag, 1/s: damps the whole motion, with -drag M v,
-// as in a resting medium. tolerance: of the residual over the
-// weight and the forces at the step's beginning. linear_tolerance: of a correction's equation.
-// guard: a step of midpoint or newmark that would add energy is taken in another way (tet_island.h).
-// take_unsolved: a step that max_iterations do not solve is taken as it is, and is told
-// (tet_island.h); else it is cut.
+// What becomes of a step that max_iterations do not solve (tet_island.h).
+enum class UnsolvedStep {
+  kCut,         // it is cut
+  kTake,        // it is taken as it is, which is reported
+  kTakeContact  // kCut where nothing touches; a step in contact is a few corrections of
+                // implicit-euler, which is cut where it would add energy
+};
+
 struct TetBodyOptions {
   TetMethod method = TetMethod::kBdf2;
   RotationLaw law = RotationLaw::kLeastEnergy;
   TangentKind tangent = TangentKind::kExact;
-  double step = 1.0 / 60.0;
-  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+  double step = 1.0 / 60.0;                            // s
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s^2
+  // 1/s. Damps the motion relative to the nearest rigid one that the fixed points allow, with the
+  // force -alpha M (v - rigid_part(v)): it keeps momentum and angular momentum.
   double alpha = 0.0;
-  double beta = 0.0;
-  double drag = 0.0;
-  double tolerance = 1e-6;
-  double linear_tolerance = 1e-3;
-  int max_iterations = 20;
-  bool take_unsolved = false;
-  bool guard = true;
+  double beta = 0.0;  // s; damping proportional to the stiffness
+  double drag = 0.0;  // 1/s; damps the whole motion, with -drag M v, as a resting medium does
+  double tolerance = 1e-6;  // of the residual over the weight and the forces at the step's beginning
+  double linear_tolerance = 1e-3;  // of a correction's equation
+  int max_iterations = 20;         // corrections of a step
+  UnsolvedStep unsolved = UnsolvedStep::kCut;
+  bool guard = true;  // steps of midpoint and newmark that would add energy are taken in another way
   DegreeOptions degree;
 };
 // Errors (kContent) name the value: a step, tolerance or damping out of range, thresholds the wrong
@@ -51,7 +53,7 @@ Status check(const TetBodyOptions& options);
 
 // converged: a step was made. iterations: Newton's; linear: those of conjugate gradients. parts:
 // how many steps it took. linearised: each of them is one correction, no solution was found.
-// unsolved: one of them was taken as it was (take_unsolved). guarded: so many of them would have
+// unsolved: one of them was taken as it was. guarded: so many of them would have
 // added energy.
 // switched: edges that changed their degree. energy_of_switch: J, what they took out of the body.
 // jump: the largest way of an end or a middle of an edge in that, over the edge's length.
@@ -166,7 +168,7 @@ class TetBody {
   void free_rigid_correction();
   void add_to_held(const Eigen::Vector3d& force);
   double close_residual();  // |r|^2
-  double stop_size() const;
+  double stop_size(double tolerance) const;
   void assemble(TangentKind tangent, bool single);
   void take_preconditioner(bool single);  // of what was assembled last, without touches
   // Of a body that touches nothing: how many directions its last search took, and whether a

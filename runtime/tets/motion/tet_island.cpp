@@ -20,6 +20,13 @@ constexpr double kLastKinkShare = 1e-2;
 // A watched body may gain this part of the largest energy that it had, since it last lost as much.
 constexpr double kMostGain = 0.02;
 constexpr double kGuardRounding = 1e-12;
+constexpr int kMostParts = 8;
+// A step in contact is at most so many corrections, none after the residual is below this tolerance
+// (TetBodyOptions), each to this tolerance of its equation; it may add this part of the energy.
+constexpr int kContactCorrections = 3;
+constexpr double kContactTolerance = 0.01;
+constexpr double kContactLinearTolerance = 0.1;
+constexpr double kMostContactGain = 0.05;
 
 double sum_of(const std::vector<double>& values) {
   double sum = 0.0;
@@ -226,12 +233,10 @@ bool TetIsland::search(double tolerance) {
 }
 
 // Newton's correction of each body. exact: with each body's own tangent, as long as that is
-// positive. tolerance: of the linear system, beside the bodies' own. The matrices cannot be those
+// positive. tolerance: of the linear system. The matrices cannot be those
 // of the correction before: R K R^T of another R has stiffness against turns, which nothing in the
 // residual bounds.
 void TetIsland::find_correction(bool exact, double tolerance) {
-  for (const TetMember& member : members_)
-    tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
   for_each(members_.size(),
            [this](std::size_t i) { members_[i].body->residual_ = -members_[i].body->residual_; });
   const bool single = tolerance >= kSingleTolerance;
@@ -318,11 +323,14 @@ bool TetIsland::at_kink(double size, double share) const {
 
 bool TetIsland::solve_stage() {
   bounded_ = std::all_of(members_.begin(), members_.end(), [](const TetMember& member) {
-    return member.body->options_.take_unsolved;
+    return member.body->options_.unsolved == UnsolvedStep::kTake;
   });
   for_each(members_.size(), [this](std::size_t i) { members_[i].body->guess(bounded_); });
   double size = find_residual();
-  for_each(members_.size(), [this](std::size_t i) { stops_[i] = members_[i].body->stop_size(); });
+  for_each(members_.size(), [this](std::size_t i) {
+    const TetBody& body = *members_[i].body;
+    stops_[i] = body.stop_size(body.options_.tolerance);
+  });
   int most = 0;
   for (const TetMember& member : members_)
     most = std::max(most, member.body->options_.max_iterations);
@@ -331,9 +339,16 @@ bool TetIsland::solve_stage() {
   for (int iteration = 0; iteration < most && !kink; ++iteration) {
     if (!std::isfinite(size)) return false;
     if (small_enough()) break;
+    if (watch_contact_ && touching()) {
+      met_contact_ = true;
+      return false;
+    }
     ++report_.iterations;
     const double before = size;
-    find_correction(true, 1.0);
+    double tolerance = 1.0;
+    for (const TetMember& member : members_)
+      tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
+    find_correction(true, tolerance);
     if (bounded_) {
       take_whole(size);
       continue;
@@ -454,15 +469,72 @@ bool TetIsland::make_watched_step(TetMethod method, double h) {
   return energy_is_good(*body) || make_damped_step(*body, h);
 }
 
+// Whether steps in contact are a few corrections.
+bool TetIsland::contact_is_taken() const {
+  return std::all_of(members_.begin(), members_.end(), [](const TetMember& member) {
+    const TetBodyOptions& options = member.body->options_;
+    return options.unsolved == UnsolvedStep::kTakeContact &&
+           (options.method == TetMethod::kImplicitEuler || options.method == TetMethod::kBdf2);
+  });
+}
+
+// Energy of the bodies at their trial places, where touches were found, J.
+double TetIsland::island_energy() const {
+  double sum = 0.0;
+  for (const auto& [body, contact] : members_)
+    sum += body->kinetic_energy() + body->elastic_energy() + body->gravity_energy() +
+           (contact != nullptr ? contact->look().energy : 0.0);
+  return sum;
+}
+
+// One step of implicit-euler in contact, of a few corrections from where the bodies are. last: it is
+// taken whatever it adds to the energy. The energy is not asked for where a hand pulls.
+bool TetIsland::make_contact_step(double h, bool last) {
+  for (const TetMember& member : members_) {
+    member.body->keep_part();
+    member.body->begin(TetMethod::kImplicitEuler, h);
+    member.body->guess(true);
+  }
+  double size = find_residual();
+  for_each(members_.size(), [this](std::size_t i) {
+    TetBody& body = *members_[i].body;
+    stops_[i] = body.stop_size(std::max(kContactTolerance, body.options_.tolerance));
+  });
+  const double before = island_energy();
+  for (int n = 0; n < kContactCorrections && std::isfinite(size) && !small_enough(); ++n) {
+    ++report_.iterations;
+    find_correction(false, kContactLinearTolerance);
+    take_whole(size);
+  }
+  if (!std::isfinite(size)) return false;
+  report_.unsolved = report_.unsolved || !small_enough();
+  bool pulled = false;
+  for (const TetMember& member : members_) {
+    member.body->end();
+    pulled = pulled || member.body->hand_.has_value();
+  }
+  const double after = island_energy();
+  double moving = after;
+  for (const TetMember& member : members_) moving -= member.body->gravity_energy();
+  return last || pulled || after - before <= kMostContactGain * moving;
+}
+
 // Where a part is not made, the bodies are anywhere.
-bool TetIsland::make_parts(int parts, bool linear) {
+bool TetIsland::make_parts(int parts, PartKind kind) {
+  const bool linear = kind == PartKind::kLinear;
   report_.parts = parts;
   report_.linearised = linear;
   for (const TetMember& member : members_) member.body->rewind();
   const double step = members_.front().body->options_.step, h = step / parts;
   bool made = true;
-  for (int part = 0; part < parts && made; ++part)
-    made = linear ? make_linear_step(h) : make_watched_step(common_method(), h);
+  for (int part = 0; part < parts && made; ++part) {
+    if (linear)
+      made = make_linear_step(h);
+    else if (kind == PartKind::kContact)
+      made = make_contact_step(h, parts == kMostParts);
+    else
+      made = make_watched_step(common_method(), h);
+  }
   // The step before, which bdf2 needs, is this whole step; what is linearised is no start for it.
   for (const TetMember& member : members_) {
     TetBody& body = *member.body;
@@ -476,6 +548,19 @@ bool TetIsland::make_parts(int parts, bool linear) {
   return made;
 }
 
+// The step, whole or in parts.
+bool TetIsland::make_any_step() {
+  watch_contact_ = contact_is_taken();
+  met_contact_ = false;
+  if (make_watched_step(common_method(), members_.front().body->options_.step)) return true;
+  watch_contact_ = false;
+  if (met_contact_ && (make_parts(1, PartKind::kContact) || make_parts(2, PartKind::kContact) ||
+                       make_parts(kMostParts, PartKind::kContact)))
+    return true;
+  return make_parts(2, PartKind::kMethod) || make_parts(kMostParts, PartKind::kMethod) ||
+         make_parts(kMostParts, PartKind::kLinear);
+}
+
 void TetIsland::step(std::span<const TetMember> members, std::span<TetStepReport> reports) {
   members_ = members;
   report_ = {};
@@ -484,8 +569,7 @@ void TetIsland::step(std::span<const TetMember> members, std::span<TetStepReport
   curvatures_.assign(members.size(), 0.0);
   sizes_.assign(members.size(), {});
   for_each(members.size(), [this](std::size_t i) { members_[i].body->keep_state(); });
-  report_.converged = make_watched_step(common_method(), members.front().body->options_.step) ||
-                      make_parts(2, false) || make_parts(8, false) || make_parts(8, true);
+  report_.converged = make_any_step();
   std::fill(reports.begin(), reports.end(), report_);
   for_each(members.size(), [&](std::size_t i) {
     TetBody& body = *members[i].body;

@@ -22,9 +22,15 @@
 // smaller, which is then a thousandth of them at most, a hundredth after the last correction; it is
 // told as unsolved.
 //
-// Where all bodies have `take_unsolved`, a step is max_iterations corrections at most, from where
+// Where all bodies have UnsolvedStep::kTake, a step is max_iterations corrections at most, from where
 // the bodies are, none of them shortened: the linearly implicit step of real-time programs for one,
 // whose stiffness is positive; with two, what the first ran into is known to the second.
+//
+// Where all bodies have kTakeContact and a method that damps, implicit-euler or bdf2, a step in which
+// something touches is such a step of implicit-euler: kContactCorrections of the linearly implicit
+// kind, with R K R^T. Solving it to the end takes a hundred times as long, since the forces of touches
+// have corners, and where elements are crushed there may be no solution near. A step that adds to the
+// energy more than a twentieth of what there is then is cut into two, then eight of the same kind.
 //
 // Bodies of one island take the same method, so that what one gives the other takes: where methods
 // differ, or not all have the step before that bdf2 needs, implicit-euler.
@@ -79,12 +85,17 @@ class TetIsland {
   TetMethod common_method() const;
   bool make_step(TetMethod method, double h);
   bool make_linear_step(double h);
-  bool make_parts(int parts, bool linear);
+  enum class PartKind { kMethod, kContact, kLinear };
+  bool make_parts(int parts, PartKind kind);
+  bool make_any_step();
   TetBody* watched(TetMethod method) const;
   bool energy_is_good(TetBody& body);
   bool make_damped_step(TetBody& body, double h);
   bool make_watched_step(TetMethod method, double h);
   bool solve_stage();
+  double island_energy() const;
+  bool make_contact_step(double h, bool last);
+  bool contact_is_taken() const;
   bool at_kink(double size, double share) const;
   bool touching() const;
   double find_residual();
@@ -103,6 +114,8 @@ class TetIsland {
   ThreadPool* pool_;
   std::span<const TetMember> members_;  // in a step
   bool bounded_ = false;                // all take what max_iterations find
+  bool watch_contact_ = false;          // a stage is given up where something touches
+  bool met_contact_ = false;            // one was
   TetStepReport report_;
   std::vector<Coupling> couplings_;  // body by body: touches, then the hand
   std::vector<TouchEnd> ends_;       // body by body
