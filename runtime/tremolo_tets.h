@@ -67,7 +67,7 @@ typedef struct tremolo_tets_options {
   double friction;        /* 0.3; of a pair the geometric mean */
   int32_t max_iterations; /* corrections in a step; 20 */
   /* A step that they do not solve is cut (0), is taken as it is (1), or is cut where nothing touches,
-   * while a step in contact is three corrections (2); 2 */
+   * while a step in contact is two corrections (2); 2 */
   int32_t take_unsolved;
   double drag; /* damps the whole motion as a resting medium does, 1/s; 0 */
 } tremolo_tets_options;

@@ -41,7 +41,7 @@ Status check(const DegreeOptions& options) {
   if (options.kind == DegreeKind::kAdaptive && options.error == 0.0 && !(options.lower > 0.0))
     return content_error("degree: without an error, upper and lower must be above 0");
   if (options.least_steps < 1 || options.every < 1)
-    return content_error("degree: least steps and every must be at least 1");
+    return content_error("degree: least steps and look-every must be at least 1");
   return Success{};
 }
 
@@ -81,7 +81,7 @@ std::span<const std::uint8_t> DegreeChoice::choose(const TetSystem& system, cons
       if (pull > measure.noise && pull > options_.upper * length * stiffness &&
           pull * pull > 2.0 * stiffness * bound)
         wanted_[e] = 2;
-    } else {
+    } else if (measure.calm) {
       const Eigen::Vector3d off = off_mean(edge, motion.x);
       const Eigen::Vector3d later = off + measure.h * off_mean(edge, motion.v);
       const double distance = std::max(off.norm(), later.norm());

@@ -38,26 +38,28 @@ Result<DegreeKind> parse_degree(std::string_view name);  // "linear", "quadratic
 
 // error: of the energy that deforms the body, 0 to 1; 0: any error is too large, `upper` decides.
 // upper, lower: of an edge's length, 0 <= lower <= upper; 0: `error` alone decides. every: steps
-// between two looks.
+// after which edges may become linear again, which costs a solve with the mass matrix; they become
+// quadratic after any step, which costs nothing.
 struct DegreeOptions {
   DegreeKind kind = DegreeKind::kQuadratic;
-  double error = 0.02;
+  double error = 0.05;
   double upper = 0.0;
   double lower = 0.0;
   int least_steps = 10;
-  int every = 1;
+  int every = 5;
 };
 Status check(const DegreeOptions& options);
 
 // What a body is judged by, at the end of a step. residual: of the fully quadratic equation, not
 // folded, N. noise: smaller rows of it are what the solution left, N. energy: that deforms the body,
-// J. rate: g_a, 1/s^2. h: of the step, s.
+// J. rate: g_a, 1/s^2. h: of the step, s. calm: edges may become linear.
 struct DegreeMeasure {
   const Eigen::VectorXd& residual;
   double noise = 0.0;
   double energy = 0.0;
   double rate = 0.0;
   double h = 0.0;
+  bool calm = true;
 };
 
 class DegreeChoice {

@@ -423,7 +423,7 @@ void TetBody::skip_step() {
 }
 
 void TetBody::choose_degrees(TetStepReport& report) {
-  if (options_.degree.kind != DegreeKind::kAdaptive || steps_ % options_.degree.every != 0) return;
+  if (options_.degree.kind != DegreeKind::kAdaptive) return;
   rigid_part(model(), freedom_, now_.x, now_.v, work_, rigid_);
   const double deforming =
       std::max(0.0, kinetic_energy() - system_.kinetic_energy(rigid_)) + system_.energy();
@@ -433,7 +433,8 @@ void TetBody::choose_degrees(TetStepReport& report) {
                                       .noise = kNoise * stop_size(options_.tolerance) / std::sqrt(edges),
                                       .energy = deforming,
                                       .rate = stage_.rate * stage_.rate,
-                                      .h = options_.step});
+                                      .h = options_.step,
+                                      .calm = steps_ % options_.degree.every == 0});
   report.switched = choice_.changed();
   if (report.switched == 0) return;
   saved_.x = now_.x;

@@ -23,7 +23,8 @@ constexpr double kGuardRounding = 1e-12;
 constexpr int kMostParts = 8;
 // A step in contact is at most so many corrections, none after the residual is below this tolerance
 // (TetBodyOptions), each to this tolerance of its equation; it may add this part of the energy.
-constexpr int kContactCorrections = 3;
+constexpr int kContactCorrections = 2;
+constexpr int kContactParts = 4;
 constexpr double kContactTolerance = 0.01;
 constexpr double kContactLinearTolerance = 0.1;
 constexpr double kMostContactGain = 0.05;
@@ -531,7 +532,7 @@ bool TetIsland::make_parts(int parts, PartKind kind) {
     if (linear)
       made = make_linear_step(h);
     else if (kind == PartKind::kContact)
-      made = make_contact_step(h, parts == kMostParts);
+      made = make_contact_step(h, parts == kContactParts);
     else
       made = make_watched_step(common_method(), h);
   }
@@ -555,7 +556,7 @@ bool TetIsland::make_any_step() {
   if (make_watched_step(common_method(), members_.front().body->options_.step)) return true;
   watch_contact_ = false;
   if (met_contact_ && (make_parts(1, PartKind::kContact) || make_parts(2, PartKind::kContact) ||
-                       make_parts(kMostParts, PartKind::kContact)))
+                       make_parts(kContactParts, PartKind::kContact)))
     return true;
   return make_parts(2, PartKind::kMethod) || make_parts(kMostParts, PartKind::kMethod) ||
          make_parts(kMostParts, PartKind::kLinear);

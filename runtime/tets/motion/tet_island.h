@@ -27,10 +27,9 @@
 // whose stiffness is positive; with two, what the first ran into is known to the second.
 //
 // Where all bodies have kTakeContact and a method that damps, implicit-euler or bdf2, a step in which
-// something touches is such a step of implicit-euler: kContactCorrections of the linearly implicit
-// kind, with R K R^T. Solving it to the end takes a hundred times as long, since the forces of touches
+// something touches is such a step of implicit-euler: two corrections with R K R^T. Solving it to the end takes a hundred times as long, since the forces of touches
 // have corners, and where elements are crushed there may be no solution near. A step that adds to the
-// energy more than a twentieth of what there is then is cut into two, then eight of the same kind.
+// energy more than a twentieth of what there is then is cut into two, then four of the same kind.
 //
 // Bodies of one island take the same method, so that what one gives the other takes: where methods
 // differ, or not all have the step before that bdf2 needs, implicit-euler.
