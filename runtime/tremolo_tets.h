@@ -66,8 +66,8 @@ typedef struct tremolo_tets_options {
   double tolerance;       /* of a step's residual over the weight and the forces; 1e-6 */
   double friction;        /* 0.3; of a pair the geometric mean */
   int32_t max_iterations; /* corrections in a step; 20 */
-  /* A step that they do not solve is cut (0), is taken as it is (1), or is cut where nothing touches,
-   * while a step in contact is two corrections (2); 2 */
+  /* A step that they do not solve is cut (0), is taken as it is (1), or is cut where nothing
+   * touches, while a step in contact is two corrections (2); 2 */
   int32_t take_unsolved;
   double drag; /* damps the whole motion as a resting medium does, 1/s; 0 */
 } tremolo_tets_options;

@@ -193,7 +193,8 @@ bool TetsRun::inside_bound() {
   if (bound_.look(*bodies_.group)) return true;
   ending_.exit_code = exit_code(ErrorKind::kBound);
   ending_.reason = fmt::format(
-      "at t = {:.6g} s the energy of the bodies, {:.3g} J, is more than {:g} times all that was put "
+      "at t = {:.6g} s the energy of the bodies, {:.3g} J, is more than {:g} times all that was "
+      "put "
       "in; a shorter step, `integrator = \"bdf2\"` or `unsolved = \"cut\"` may help",
       ending_.reached, bound_.energy(), kEnergyBound);
   return false;

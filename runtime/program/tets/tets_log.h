@@ -88,7 +88,7 @@ class TetsLog {
   std::int64_t steps_ = 0;  // of the whole run
   std::shared_ptr<const TetSurface> surface_;
   bool held_ = false;  // the mesh has fixed vertices
-  TetSystem forces_;  // of its own, to look at them between steps
+  TetSystem forces_;   // of its own, to look at them between steps
   Eigen::VectorXd force_, first_;
   double force_sum_ = 0.0, force_size_ = 0.0, torque_sum_ = 0.0, torque_size_ = 0.0;
   MomentumLoss loss_;

@@ -13,8 +13,8 @@
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_progress.h"
 #include "runtime/program/tets/run_tets.h"
-#include "runtime/tets/motion/tet_bound.h"
 #include "runtime/tets/elements/rotation.h"
+#include "runtime/tets/motion/tet_bound.h"
 
 namespace tremolo {
 namespace {
@@ -117,10 +117,11 @@ Result<RecordedMotion> animate_tets(const TetScene& scene, const FrameRange& ran
             ErrorKind::kSolver,
             fmt::format("{}: the step from t = {:.6g} s could not be solved", scene.path, from)};
       if (!bound.look(*bodies->group))
-        return Error{ErrorKind::kBound,
-                     fmt::format("{}: in the step from t = {:.6g} s the energy of the bodies, {:.3g} "
-                                 "J, became more than {:g} times all that was put in",
-                                 scene.path, from, bound.energy(), kEnergyBound)};
+        return Error{
+            ErrorKind::kBound,
+            fmt::format("{}: in the step from t = {:.6g} s the energy of the bodies, {:.3g} "
+                        "J, became more than {:g} times all that was put in",
+                        scene.path, from, bound.energy(), kEnergyBound)};
     }
     const double time = scene.step * static_cast<double>(step);
     record_tets(*bodies, motion.animation, time, scene, scenery);

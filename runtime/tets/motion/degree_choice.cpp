@@ -66,8 +66,8 @@ std::vector<std::uint8_t> DegreeChoice::first_degrees() const {
 std::span<const std::uint8_t> DegreeChoice::choose(const TetSystem& system, const TetMotion& motion,
                                                    const DegreeMeasure& measure) {
   const TetModel& model = system.model();
-  const double bound =
-      options_.error * measure.energy / static_cast<double>(std::max<std::size_t>(1, wanted_.size()));
+  const double bound = options_.error * measure.energy /
+                       static_cast<double>(std::max<std::size_t>(1, wanted_.size()));
   changed_ = 0;
   for (std::size_t e = 0; e < wanted_.size(); ++e) {
     const std::uint8_t now = system.degrees()[e];

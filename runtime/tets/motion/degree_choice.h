@@ -2,19 +2,20 @@
 //
 // A linear edge's control point is kept at the mean of its ends. The residual r_ab of its row, with
 // which the quadratic mesh would pull at it, says where it would go, by |r_ab| / s, and how much
-// energy that would set free, |r_ab|^2 / (2 s), with s = g_a m_ab + k_ab: m_ab its mass, k_ab a third
-// of the trace of its own stiffness at rest. This is the error estimate of hierarchical bases (Bank
-// and Weiser 1985). Of a quadratic edge the distance d from the mean is known, now and a step later,
-// and the energy s d^2 / 2 that it would cost to keep it there.
+// energy that would set free, |r_ab|^2 / (2 s), with s = g_a m_ab + k_ab: m_ab its mass, k_ab a
+// third of the trace of its own stiffness at rest. This is the error estimate of hierarchical bases
+// (Bank and Weiser 1985). Of a quadratic edge the distance d from the mean is known, now and a step
+// later, and the energy s d^2 / 2 that it would cost to keep it there.
 //
-// An edge becomes quadratic where that energy is above an equal part of `error` times the energy that
-// deforms the body: elastic, and kinetic relative to the nearest rigid motion. The energy that linear
-// edges keep from being set free is then below `error` of it, and so, about, is what the body is too
-// stiff by, however little or much it bends. It becomes linear below kCalmer of that. Where `upper`
-// is given, an edge also has to go by more than `upper` times its length at rest to become quadratic,
-// and becomes linear where it goes by less than `lower` times: smaller ways are not seen, whatever
-// they do to the stiffness. A degree is kept for `least_steps` steps. With infinitely many candidates
-// right at a threshold the body would flicker; two thresholds and the least time prevent it.
+// An edge becomes quadratic where that energy is above an equal part of `error` times the energy
+// that deforms the body: elastic, and kinetic relative to the nearest rigid motion. The energy that
+// linear edges keep from being set free is then below `error` of it, and so, about, is what the
+// body is too stiff by, however little or much it bends. It becomes linear below kCalmer of that.
+// Where `upper` is given, an edge also has to go by more than `upper` times its length at rest to
+// become quadratic, and becomes linear where it goes by less than `lower` times: smaller ways are
+// not seen, whatever they do to the stiffness. A degree is kept for `least_steps` steps. With
+// infinitely many candidates right at a threshold the body would flicker; two thresholds and the
+// least time prevent it.
 //
 // When edges become linear, x and v become E (E^T M E)^-1 E^T M x and likewise v, E the map from
 // free control points to all: the nearest motion in kinetic energy that the linear edges can make,
@@ -51,8 +52,8 @@ struct DegreeOptions {
 Status check(const DegreeOptions& options);
 
 // What a body is judged by, at the end of a step. residual: of the fully quadratic equation, not
-// folded, N. noise: smaller rows of it are what the solution left, N. energy: that deforms the body,
-// J. rate: g_a, 1/s^2. h: of the step, s. calm: edges may become linear.
+// folded, N. noise: smaller rows of it are what the solution left, N. energy: that deforms the
+// body, J. rate: g_a, 1/s^2. h: of the step, s. calm: edges may become linear.
 struct DegreeMeasure {
   const Eigen::VectorXd& residual;
   double noise = 0.0;

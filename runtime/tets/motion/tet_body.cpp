@@ -83,8 +83,9 @@ TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
     motion->v.setZero(size);
     motion->a.setZero(size);
   }
-  for (Eigen::VectorXd* v : {&way_, &s_, &start_, &velocity_, &force_, &residual_, &correction_,
-                             &direction_, &inertia_, &work_, &rigid_, &stage_.from, &stage_.inertial})
+  for (Eigen::VectorXd* v :
+       {&way_, &s_, &start_, &velocity_, &force_, &residual_, &correction_, &direction_, &inertia_,
+        &work_, &rigid_, &stage_.from, &stage_.inertial})
     v->setZero(size);
   for (const std::uint8_t flag : model->held()) held_ = held_ || flag != 0;
   freedom_ = rigid_freedom(*model);
@@ -385,7 +386,8 @@ void TetBody::rewind_part() {
 
 double TetBody::guarded_energy(const TetContact* contact) {
   const bool pressed = contact != nullptr && !contact->touches().empty();
-  return kinetic_energy() + elastic_energy() + gravity_energy() + (pressed ? contact->look(now_.x).energy : 0.0);
+  return kinetic_energy() + elastic_energy() + gravity_energy() +
+         (pressed ? contact->look(now_.x).energy : 0.0);
 }
 
 double TetBody::take_internal_energy(double excess) {
@@ -428,13 +430,14 @@ void TetBody::choose_degrees(TetStepReport& report) {
   const double deforming =
       std::max(0.0, kinetic_energy() - system_.kinetic_energy(rigid_)) + system_.energy();
   const auto edges = static_cast<double>(std::max<std::size_t>(1, model().edges()));
-  const auto wanted = choice_.choose(system_, now_,
-                                     {.residual = force_,
-                                      .noise = kNoise * stop_size(options_.tolerance) / std::sqrt(edges),
-                                      .energy = deforming,
-                                      .rate = stage_.rate * stage_.rate,
-                                      .h = options_.step,
-                                      .calm = steps_ % options_.degree.every == 0});
+  const auto wanted =
+      choice_.choose(system_, now_,
+                     {.residual = force_,
+                      .noise = kNoise * stop_size(options_.tolerance) / std::sqrt(edges),
+                      .energy = deforming,
+                      .rate = stage_.rate * stage_.rate,
+                      .h = options_.step,
+                      .calm = steps_ % options_.degree.every == 0});
   report.switched = choice_.changed();
   if (report.switched == 0) return;
   saved_.x = now_.x;

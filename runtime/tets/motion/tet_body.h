@@ -33,18 +33,20 @@ struct TetBodyOptions {
   TetMethod method = TetMethod::kBdf2;
   RotationLaw law = RotationLaw::kLeastEnergy;
   TangentKind tangent = TangentKind::kExact;
-  double step = 1.0 / 60.0;                            // s
+  double step = 1.0 / 60.0;                           // s
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s^2
   // 1/s. Damps the motion relative to the nearest rigid one that the fixed points allow, with the
   // force -alpha M (v - rigid_part(v)): it keeps momentum and angular momentum.
   double alpha = 0.0;
   double beta = 0.0;  // s; damping proportional to the stiffness
   double drag = 0.0;  // 1/s; damps the whole motion, with -drag M v, as a resting medium does
-  double tolerance = 1e-6;  // of the residual over the weight and the forces at the step's beginning
+  double tolerance =
+      1e-6;  // of the residual over the weight and the forces at the step's beginning
   double linear_tolerance = 1e-3;  // of a correction's equation
   int max_iterations = 20;         // corrections of a step
   UnsolvedStep unsolved = UnsolvedStep::kCut;
-  bool guard = true;  // steps of midpoint and newmark that would add energy are taken in another way
+  bool guard =
+      true;  // steps of midpoint and newmark that would add energy are taken in another way
   DegreeOptions degree;
 };
 // Errors (kContent) name the value: a step, tolerance or damping out of range, thresholds the wrong
@@ -74,8 +76,8 @@ class TetContact;
 class TetIsland;
 
 // Energy that midpoint or newmark has added. known: `energy`, J, is that of the state as it is.
-// gained: J, since as much was last taken. largest: kinetic and elastic energy, J, that there was at
-// most.
+// gained: J, since as much was last taken. largest: kinetic and elastic energy, J, that there was
+// at most.
 struct TetGuard {
   bool known = false;
   double energy = 0.0, gained = 0.0, largest = 0.0;

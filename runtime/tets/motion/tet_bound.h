@@ -1,8 +1,8 @@
 // Whether the energy of bodies of tetrahedra can still be what was put in (runtime/energy_bound.h).
 //
-// What deforms and moves all bodies together, and what is stored where they are pressed, is compared
-// with what there was at the start and what gravity has given since. Bodies push each other, so that
-// only the sum is bounded.
+// What deforms and moves all bodies together, and what is stored where they are pressed, is
+// compared with what there was at the start and what gravity has given since. Bodies push each
+// other, so that only the sum is bounded.
 #pragma once
 
 #include "runtime/energy_bound.h"

@@ -429,17 +429,17 @@ bool TetIsland::energy_is_good(TetBody& body) {
   return true;
 }
 
-// Takes a step again by a method that damps what the step is too long for: half by midpoint and half
-// by bdf2, or else by implicit-euler. Of a free body that touches nothing the momenta that this loses
-// are restored. What is too much even then is taken from the velocities relative to the nearest
-// rigid motion.
+// Takes a step again by a method that damps what the step is too long for: half by midpoint and
+// half by bdf2, or else by implicit-euler. Of a free body that touches nothing the momenta that
+// this loses are restored. What is too much even then is taken from the velocities relative to the
+// nearest rigid motion.
 bool TetIsland::make_damped_step(TetBody& body, double h) {
   ++report_.guarded;
   for (const bool halves : {true, false}) {
     body.rewind_part();
-    const bool made = halves ? make_step(TetMethod::kMidpoint, 0.5 * h) &&
-                                   make_step(TetMethod::kBdf2, 0.5 * h)
-                             : make_step(TetMethod::kImplicitEuler, h);
+    const bool made =
+        halves ? make_step(TetMethod::kMidpoint, 0.5 * h) && make_step(TetMethod::kBdf2, 0.5 * h)
+               : make_step(TetMethod::kImplicitEuler, h);
     body.has_before_ = body.has_acceleration_ = false;
     if (!made) continue;
     if (!touching()) body.restore_momenta(body.part_, h);
@@ -488,8 +488,8 @@ double TetIsland::island_energy() const {
   return sum;
 }
 
-// One step of implicit-euler in contact, of a few corrections from where the bodies are. last: it is
-// taken whatever it adds to the energy. The energy is not asked for where a hand pulls.
+// One step of implicit-euler in contact, of a few corrections from where the bodies are. last: it
+// is taken whatever it adds to the energy. The energy is not asked for where a hand pulls.
 bool TetIsland::make_contact_step(double h, bool last) {
   for (const TetMember& member : members_) {
     member.body->keep_part();

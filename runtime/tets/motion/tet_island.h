@@ -15,21 +15,22 @@
 //
 // midpoint and newmark add energy where stiff elements turn in long steps. The energy of a body by
 // itself is therefore watched: a step in which it would have gained, since it last lost as much,
-// more than a fiftieth of the largest that it had is taken again, half by midpoint and half by bdf2,
-// which damps what is too fast for the step, and both momenta are restored.
+// more than a fiftieth of the largest that it had is taken again, half by midpoint and half by
+// bdf2, which damps what is too fast for the step, and both momenta are restored.
 //
 // A step also ends where the forces between bodies jump and no correction makes the residual
 // smaller, which is then a thousandth of them at most, a hundredth after the last correction; it is
 // told as unsolved.
 //
-// Where all bodies have UnsolvedStep::kTake, a step is max_iterations corrections at most, from where
-// the bodies are, none of them shortened: the linearly implicit step of real-time programs for one,
-// whose stiffness is positive; with two, what the first ran into is known to the second.
+// Where all bodies have UnsolvedStep::kTake, a step is max_iterations corrections at most, from
+// where the bodies are, none of them shortened: the linearly implicit step of real-time programs
+// for one, whose stiffness is positive; with two, what the first ran into is known to the second.
 //
-// Where all bodies have kTakeContact and a method that damps, implicit-euler or bdf2, a step in which
-// something touches is such a step of implicit-euler: two corrections with R K R^T. Solving it to the end takes a hundred times as long, since the forces of touches
-// have corners, and where elements are crushed there may be no solution near. A step that adds to the
-// energy more than a twentieth of what there is then is cut into two, then four of the same kind.
+// Where all bodies have kTakeContact and a method that damps, implicit-euler or bdf2, a step in
+// which something touches is such a step of implicit-euler: two corrections with R K R^T. Solving
+// it to the end takes a hundred times as long, since the forces of touches have corners, and where
+// elements are crushed there may be no solution near. A step that adds to the energy more than a
+// twentieth of what there is then is cut into two, then four of the same kind.
 //
 // Bodies of one island take the same method, so that what one gives the other takes: where methods
 // differ, or not all have the step before that bdf2 needs, implicit-euler.

@@ -15,8 +15,8 @@ Eigen::Index rigid_at(std::size_t node) {
 Eigen::Matrix3d inertia_about(const TetModel& model, const RigidInertia& rigid,
                               const Eigen::Vector3d& point) {
   const Eigen::Vector3d arm = rigid.centre - point;
-  return rigid.inertia + model.mass() * (arm.squaredNorm() * Eigen::Matrix3d::Identity() -
-                                         arm * arm.transpose());
+  return rigid.inertia +
+         model.mass() * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
 }
 
 // J^-1 L, refined once: the inverse alone may have ten digits only.
