@@ -385,9 +385,8 @@ void TetBody::rewind_part() {
 }
 
 double TetBody::guarded_energy(const TetContact* contact) {
-  const bool pressed = contact != nullptr && !contact->touches().empty();
   return kinetic_energy() + elastic_energy() + gravity_energy() +
-         (pressed ? contact->look(now_.x).energy : 0.0);
+         (contact != nullptr ? contact->look(now_.x).energy : 0.0);
 }
 
 double TetBody::take_internal_energy(double excess) {

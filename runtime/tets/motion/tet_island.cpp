@@ -437,12 +437,16 @@ bool TetIsland::make_damped_step(TetBody& body, double h) {
   ++report_.guarded;
   for (const bool halves : {true, false}) {
     body.rewind_part();
-    const bool made =
-        halves ? make_step(TetMethod::kMidpoint, 0.5 * h) && make_step(TetMethod::kBdf2, 0.5 * h)
-               : make_step(TetMethod::kImplicitEuler, h);
+    bool made =
+        make_step(halves ? TetMethod::kMidpoint : TetMethod::kImplicitEuler, halves ? 0.5 * h : h);
+    bool touched = touching();
+    if (halves && made) {
+      made = make_step(TetMethod::kBdf2, 0.5 * h);
+      touched = touched || touching();
+    }
     body.has_before_ = body.has_acceleration_ = false;
     if (!made) continue;
-    if (!touching()) body.restore_momenta(body.part_, h);
+    if (!touched) body.restore_momenta(body.part_, h);
     if (energy_is_good(body)) return true;
     if (halves) continue;
     TetGuard& guard = body.guard_;
@@ -458,7 +462,10 @@ bool TetIsland::make_damped_step(TetBody& body, double h) {
 // A step, or a part of one, whose energy is watched.
 bool TetIsland::make_watched_step(TetMethod method, double h) {
   TetBody* body = watched(method);
-  if (body == nullptr) return make_step(method, h);
+  if (body == nullptr) {
+    for (const TetMember& member : members_) member.body->guard_.known = false;
+    return make_step(method, h);
+  }
   if (!body->guard_.known) {
     body->guard_.energy = body->guarded_energy(members_.front().contact);
     body->guard_.largest =
@@ -492,7 +499,6 @@ double TetIsland::island_energy() const {
 // is taken whatever it adds to the energy. The energy is not asked for where a hand pulls.
 bool TetIsland::make_contact_step(double h, bool last) {
   for (const TetMember& member : members_) {
-    member.body->keep_part();
     member.body->begin(TetMethod::kImplicitEuler, h);
     member.body->guess(true);
   }
@@ -509,6 +515,7 @@ bool TetIsland::make_contact_step(double h, bool last) {
   }
   if (!std::isfinite(size)) return false;
   report_.unsolved = report_.unsolved || !small_enough();
+  if (members_.size() == 1 && !touching()) members_.front().body->balance_momenta();
   bool pulled = false;
   for (const TetMember& member : members_) {
     member.body->end();
@@ -527,7 +534,7 @@ bool TetIsland::make_parts(int parts, PartKind kind) {
   report_.linearised = linear;
   for (const TetMember& member : members_) member.body->rewind();
   const double step = members_.front().body->options_.step, h = step / parts;
-  bool made = true;
+  bool made = true, touched = false;
   for (int part = 0; part < parts && made; ++part) {
     if (linear)
       made = make_linear_step(h);
@@ -535,6 +542,7 @@ bool TetIsland::make_parts(int parts, PartKind kind) {
       made = make_contact_step(h, parts == kContactParts);
     else
       made = make_watched_step(common_method(), h);
+    touched = touched || touching();
   }
   // The step before, which bdf2 needs, is this whole step; what is linearised is no start for it.
   for (const TetMember& member : members_) {
@@ -544,7 +552,7 @@ bool TetIsland::make_parts(int parts, PartKind kind) {
     body.before_.x = body.saved_.x;
     body.before_.v = body.saved_.v;
   }
-  if (made && linear && members_.size() == 1 && !touching())
+  if (made && linear && members_.size() == 1 && !touched)
     members_.front().body->restore_momenta(members_.front().body->saved_, step);
   return made;
 }
@@ -554,6 +562,7 @@ bool TetIsland::make_any_step() {
   watch_contact_ = contact_is_taken();
   met_contact_ = false;
   if (make_watched_step(common_method(), members_.front().body->options_.step)) return true;
+  met_contact_ = met_contact_ || (watch_contact_ && touching());
   watch_contact_ = false;
   if (met_contact_ && (make_parts(1, PartKind::kContact) || make_parts(2, PartKind::kContact) ||
                        make_parts(kContactParts, PartKind::kContact)))
