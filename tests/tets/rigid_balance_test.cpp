@@ -73,13 +73,13 @@ TEST(RigidPart, IsEveryMotionThatTheFixedPointsAllowAndNoOther) {
   EXPECT_EQ(parts_of(*held, x, rotating(x, a, spin, {0, 0, 0})).rigid.norm(), 0.0);
 }
 
-struct Run {
+struct FreeRun {
   double fallen = 0.0, kinetic = 0.0, spin_change = 0.0, speed = 0.0, worst_gain = 0.0;
   double internal_first = 0.0, internal_last = 0.0;
 };
 
 // A free bar for one second: it falls from rest, or spins and bends.
-Run run_free(double alpha, double drag, bool spins) {
+FreeRun run_free(double alpha, double drag, bool spins) {
   const TetModelPointer model = bar_fixed_at({});
   TetBodyOptions options;
   options.method = TetMethod::kMidpoint;
@@ -102,7 +102,7 @@ Run run_free(double alpha, double drag, bool spins) {
     const Parts parts = parts_of(*model, body.positions(), body.velocities());
     return body.system().kinetic_energy(parts.rest) + body.elastic_energy();
   };
-  Run run;
+  FreeRun run;
   run.internal_first = internal();
   const Eigen::Vector3d spin = body.angular_momentum();
   double energy = body.kinetic_energy() + body.elastic_energy();
@@ -127,7 +127,7 @@ TEST(MassDamping, AlphaLeavesFreeFallAndDragSlowsIt) {
 }
 
 TEST(MassDamping, AlphaKeepsTheSpinAndTakesFromWhatDeforms) {
-  const Run undamped = run_free(0.0, 0.0, true), damped = run_free(3.0, 0.0, true);
+  const FreeRun undamped = run_free(0.0, 0.0, true), damped = run_free(3.0, 0.0, true);
   // Rounding of 500 balances.
   EXPECT_LE(damped.spin_change, 1e-11);
   EXPECT_LE(undamped.spin_change, 1e-11);
