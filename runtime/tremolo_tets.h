@@ -61,11 +61,15 @@ typedef struct tremolo_tets_options {
   double quaternion[4];   /* w, x, y, z, of length one to 1e-6 */
   double velocity[3];     /* m/s, of the centre of mass */
   double spin[3];         /* rad/s, about it */
-  double alpha, beta;     /* Rayleigh's damping, 1/s and s; 0 */
+  double alpha;           /* damps the motion relative to the nearest rigid one, 1/s; 0 */
+  double beta;            /* Rayleigh's damping by the stiffness, s; 0 */
   double tolerance;       /* of a step's residual over the weight and the forces; 1e-6 */
   double friction;        /* 0.3; of a pair the geometric mean */
   int32_t max_iterations; /* corrections in a step; 20 */
-  int32_t take_unsolved;  /* 0: a step they do not solve is cut; else it is taken as it is */
+  /* A step that they do not solve is cut (0), is taken as it is (1), or is cut where nothing
+   * touches, while a step in contact is two corrections (2); 2 */
+  int32_t take_unsolved;
+  double drag; /* damps the whole motion as a resting medium does, 1/s; 0 */
 } tremolo_tets_options;
 
 void tremolo_tets_options_init(tremolo_tets_options* options);

@@ -63,6 +63,15 @@ std::optional<Collider> read_shape(TomlKeys& keys, std::string& file, std::strin
   return shape;
 }
 
+// Friction is at least 0, restitution from 0 to 1.
+void read_rubbing(TomlKeys& keys, double& friction, double& restitution) {
+  keys.read("friction", friction);
+  if (!(friction >= 0.0)) keys.fail("friction", "'friction' must not be negative");
+  keys.read("restitution", restitution);
+  if (!(restitution >= 0.0 && restitution <= 1.0))
+    keys.fail("restitution", "'restitution' must be from 0 to 1");
+}
+
 }  // namespace
 
 void read_body_contact(TomlKeys& keys, SceneBody& body) {
@@ -76,8 +85,7 @@ void read_body_contact(TomlKeys& keys, SceneBody& body) {
       keys.fail("contact-modulus", "takes the place of `contact-stiffness`: leave one of them out");
   }
   body.contact.shape = read_shape(keys, body.shape_file, body.shape_made_by, "shape-made-by");
-  keys.read("friction", body.contact.friction);
-  keys.read("restitution", body.contact.restitution);
+  read_rubbing(keys, body.contact.friction, body.contact.restitution);
 }
 
 Result<SceneCollider> read_collider(const toml::table& table, std::size_t number,
@@ -92,8 +100,7 @@ Result<SceneCollider> read_collider(const toml::table& table, std::size_t number
   if (const auto shape = read_shape(keys, collider.file, collider.made_by, "made-by"))
     collider.shape = *shape;
   collider.pose = read_pose(keys);
-  keys.read("friction", collider.friction);
-  keys.read("restitution", collider.restitution);
+  read_rubbing(keys, collider.friction, collider.restitution);
   if (Status s = take(collider.motion, read_motion(keys, path, what, files)); !s) return s.error();
   if (Status s = keys.finish(); !s) return s.error();
   return collider;

@@ -19,6 +19,7 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
   constexpr DegreeKind kKinds[] = {DegreeKind::kLinear, DegreeKind::kQuadratic,
                                    DegreeKind::kAdaptive};
   options.degree.kind = kKinds[keys.read_word("degree", {"linear", "quadratic", "adaptive"}, 2)];
+  keys.read("error", options.degree.error);
   keys.read("upper", options.degree.upper);
   keys.read("lower", options.degree.lower);
   keys.read("least-steps", options.degree.least_steps);
@@ -33,10 +34,13 @@ void read_tets_method(TomlKeys& keys, TetBodyOptions& options) {
     keys.fail("integrator", parsed.error().message);
   keys.read("alpha", options.alpha);
   keys.read("beta", options.beta);
+  keys.read("drag", options.drag);
   keys.read("tolerance", options.tolerance);
   keys.read("linear-tolerance", options.linear_tolerance);
   keys.read("max-iterations", options.max_iterations);
-  options.take_unsolved = keys.read_word("unsolved", {"cut", "take"}, 0) == 1;
+  constexpr UnsolvedStep kUnsolved[] = {UnsolvedStep::kCut, UnsolvedStep::kTake,
+                                        UnsolvedStep::kTakeContact};
+  options.unsolved = kUnsolved[keys.read_word("unsolved", {"cut", "take", "take-contact"}, 2)];
   options.tangent = keys.read_word("tangent", {"exact", "frozen"}, 0) == 1 ? TangentKind::kFrozen
                                                                            : TangentKind::kExact;
 }

@@ -187,6 +187,7 @@ TEST_F(ClothProgram, OtherCommandsSayWhatGoesInstead) {
   EXPECT_NE(inspect.err.find("tremolo run"), std::string::npos) << inspect.err;
   expect_refused(small_sheet(), "--load is of bodies", "--load square");
   expect_refused(small_sheet(), "none of cloth's", "--integrator ep4");
+  expect_refused(small_sheet(), "half a step", "--step 0.01 --duration 0.004");
 }
 
 TEST_F(ClothProgram, ExplicitMethodsAreRefusedBeyondTheirLimitWhichIsTold) {

@@ -287,6 +287,69 @@ TEST(TetBody, AdaptiveDegreesFollowWhereABarBends) {
   EXPECT_LE(jump, 1e-3);
 }
 
+// The sag of a bar under its weight, and the period of a small free vibration, with these degrees.
+struct Softness {
+  double sag = 0.0, period = 0.0;
+};
+Softness softness(double young, const DegreeOptions& degree) {
+  const TetModelPointer model = tet_bar({8, 2, 2}, {0.4, 0.1, 0.1}, true, {young, 0.4, 1000.0});
+  Eigen::Index tip = 0;
+  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(3 * model->vertices()); i += 3)
+    if ((model->rest().segment<3>(i) - Eigen::Vector3d(0.4, 0, 0)).norm() < 1e-9) tip = i + 2;
+  TetBodyOptions options;
+  options.degree = degree;
+  options.gravity = {0, 0, -9.81};
+  options.alpha = 3.0;
+  options.beta = 0.02;
+  TetBody hanging = body_of(model, options);
+  for (int n = 0; n < 240; ++n) EXPECT_TRUE(hanging.step().converged);
+  Softness found;
+  found.sag = model->rest()[tip] - hanging.positions()[tip];
+  // The beam's first circular frequency gives the step, a sixtieth of a period.
+  const double omega = 1.015 * 0.1 / 0.16 * std::sqrt(young / 1000.0);
+  TetBodyOptions free;
+  free.degree = degree;
+  free.method = TetMethod::kMidpoint;
+  free.step = 2.0 * std::numbers::pi / omega / 60.0;
+  TetBody body = body_of(model, free);
+  Eigen::VectorXd v = Eigen::VectorXd::Zero(model->rest().size());
+  for (Eigen::Index i = 0; i < v.size(); i += 3) {
+    const double along = model->rest()[i] / 0.4;
+    if (model->held()[i / 3] == 0) v[i + 2] = 1e-4 * 0.4 * omega * along * along;
+  }
+  EXPECT_TRUE(body.set_state(model->rest(), v));
+  double first = 0.0, last = 0.0, before = 0.0;
+  int crossings = 0;
+  for (int n = 1; n <= 400; ++n) {
+    EXPECT_TRUE(body.step().converged);
+    const double z = body.positions()[tip] - model->rest()[tip];
+    if (before < 0.0 && z >= 0.0) {
+      last = free.step * (n - z / (z - before));
+      if (crossings++ == 0) first = last;
+    }
+    before = z;
+  }
+  found.period = (last - first) / (crossings - 1);
+  return found;
+}
+
+TEST(TetBody, AdaptiveEdgesAreAsSoftAsQuadraticOnesHoweverLittleTheyBend) {
+  DegreeOptions quadratic, adaptive, seen;
+  adaptive.kind = seen.kind = DegreeKind::kAdaptive;
+  seen.error = 0.0;
+  seen.upper = 1e-3;
+  seen.lower = 4e-4;
+  for (const double young : {5e6, 2e7}) {
+    const Softness all = softness(young, quadratic);
+    const Softness some = softness(young, adaptive);
+    // `error`, 5 %, bounds what is missing from the energy; less than half of it is.
+    EXPECT_NEAR(some.sag / all.sag, 1.0, 0.025) << young;
+    EXPECT_NEAR(some.period / all.period, 1.0, 0.025) << young;
+    // A threshold in the edge's length sees nothing bend: the linear mesh is left.
+    EXPECT_LT(softness(young, seen).sag / all.sag, 0.8) << young;
+  }
+}
+
 TEST(TetBody, InvertedAndFlatElementsComeBackToRest) {
   const TetModelPointer model = tet_bar({2, 1, 1}, {0.2, 0.1, 0.1}, false);
   for (const double squeeze : {0.0, -0.5, -1.0}) {
@@ -349,6 +412,15 @@ TEST(TetBody, WrongOptionsAreNamed) {
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("lower <= upper"), std::string::npos);
   options.degree = {};
+  options.degree.error = -0.1;
+  EXPECT_FALSE(TetBody::create(model, options));
+  options.degree.kind = DegreeKind::kAdaptive;
+  options.degree.error = 0.0;  // and no threshold: nothing decides
+  EXPECT_FALSE(TetBody::create(model, options));
+  options.degree = {};
+  options.drag = -1.0;
+  EXPECT_FALSE(TetBody::create(model, options));
+  options.drag = 0.0;
   options.step = 0.0;
   EXPECT_FALSE(TetBody::create(model, options));
   options.step = std::nan("");

@@ -145,6 +145,11 @@ TEST(TetSystem, WrongMeshesAreRefusedByName) {
   const auto refused = TetModel::create(flat, {{{"gel", testing::kTetGel}}, {}}, {});
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("tetrahedron 0 has a volume"), std::string::npos);
+  TetMesh turned = testing::box_mesh({1, 1, 1}, {1, 1, 1});
+  std::swap(turned.tetrahedra[2][0], turned.tetrahedra[2][1]);
+  const auto inside_out = TetModel::create(turned, {{{"gel", testing::kTetGel}}, {}}, {});
+  ASSERT_FALSE(inside_out);
+  EXPECT_NE(inside_out.error().message.find("tetrahedron 2 has a volume of -"), std::string::npos);
   const auto far = TetModel::create(testing::box_mesh({1, 1, 1}, {1, 1, 1}),
                                     {{{"gel", testing::kTetGel}}, {}}, std::vector<VertexId>{99});
   ASSERT_FALSE(far);

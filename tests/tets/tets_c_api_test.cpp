@@ -58,6 +58,7 @@ class CApiTets : public ::testing::Test {
     body.options.step = 0.01;
     body.options.gravity = {0.0, 0.0, -9.81};
     body.options.beta = 0.002;
+    body.options.unsolved = UnsolvedStep::kTakeContact;  // as tremolo_tets_options_init
     body.options.degree.kind = DegreeKind::kAdaptive;
     scene.bodies.push_back(body);
     body.name = "high";

@@ -17,6 +17,7 @@
 #include "runtime/program/run/run_progress.h"
 #include "runtime/program/tets/tets_log.h"
 #include "runtime/program/world/scene_ending.h"
+#include "runtime/tets/motion/tet_bound.h"
 
 namespace tremolo {
 namespace {
@@ -81,9 +82,17 @@ TetsJson tets_body_json(const TetSceneBody& wanted, const TetBody& body, const T
           {"steps_in_parts", report.in_parts},
           {"steps_linearised", report.linearised},
           {"steps_unsolved", report.unsolved},
+          {"steps_guarded", report.guarded},
           {"elements_inverted_most", report.inverted_most},
           {"elements_inverted_final", report.inverted},
-          {"momentum_error", number_or_null(report.momentum_error)},
+          {"momentum_error", number_or_null(report.momentum_error())},
+          {"elastic_momentum_error", number_or_null(report.elastic_error)},
+          {"linear_momentum_lost", number_or_null(report.linear_lost)},
+          {"angular_momentum_lost", number_or_null(report.angular_lost)},
+          {"linear_momentum_initial", vector_json(report.momenta_start.linear)},
+          {"linear_momentum_final", vector_json(report.momenta_end.linear)},
+          {"angular_momentum_initial", vector_json(report.momenta_start.angular)},
+          {"angular_momentum_final", vector_json(report.momenta_end.angular)},
           {"speed_final", number_or_null(body.momentum().norm() / body.model().mass())},
           {"asleep", asleep},
           {"contact_points_initial", first.touching},
@@ -121,6 +130,7 @@ class TetsRun {
   void place_all();
   Status observe_all(const std::vector<TetStepReport>& steps);
   bool step_all(std::vector<TetStepReport>& steps);
+  bool inside_bound();
   void note_pace(double second);
 
   const TetScene& scene_;
@@ -131,6 +141,7 @@ class TetsRun {
   std::vector<TetContact::Look> first_;  // what touches before the first step
   std::vector<std::uint8_t> placed_;     // a surface that sleeps stays as it is
   TetsEnding ending_;
+  TetBound bound_;
   double counted_ = 0.0, begun_ = 0.0;  // of the second of motion at hand: wall, s, and its start
 };
 
@@ -157,7 +168,8 @@ void TetsRun::place_all() {
 Status TetsRun::observe_all(const std::vector<TetStepReport>& steps) {
   take_time(ending_.busy.drawing, ending_.wall.drawing, [this] { place_all(); });
   for (std::size_t i = 0; i < logs_.size(); ++i)
-    if (Status s = logs_[i].observe(bodies_.group->body(i), steps[i], vertices_[i], normals_[i]);
+    if (Status s = logs_[i].observe(bodies_.group->body(i), steps[i], vertices_[i], normals_[i],
+                                    bodies_.group->touched(i));
         !s)
       return s;
   return Success{};
@@ -176,6 +188,18 @@ bool TetsRun::step_all(std::vector<TetStepReport>& steps) {
   return made;
 }
 
+// False: the energy is more than can have been put in, and the ending says so.
+bool TetsRun::inside_bound() {
+  if (bound_.look(*bodies_.group)) return true;
+  ending_.exit_code = exit_code(ErrorKind::kBound);
+  ending_.reason = fmt::format(
+      "at t = {:.6g} s the energy of the bodies, {:.3g} J, is more than {:g} times all that was "
+      "put "
+      "in; a shorter step, `integrator = \"bdf2\"` or `unsolved = \"cut\"` may help",
+      ending_.reached, bound_.energy(), kEnergyBound);
+  return false;
+}
+
 // The longest second of motion, once it is over.
 void TetsRun::note_pace(double reached) {
   if (reached - begun_ < 1.0 - 0.5 * scene_.step) return;
@@ -192,13 +216,15 @@ Status TetsRun::follow() {
   look_at_start();
   if (Status s = observe_all(reports); !s) return s;
   ending_.busy = ending_.wall = {};
-  while (ending_.steps < steps && ending_.exit_code == 0 && step_all(reports)) {
+  bool inside = inside_bound();
+  while (inside && ending_.steps < steps && ending_.exit_code == 0 && step_all(reports)) {
     ++ending_.steps;
     ending_.reached = static_cast<double>(ending_.steps) * scene_.step;
     if (Status s = observe_all(reports); !s) return s;
     note_pace(ending_.reached);
     progress.reached(ending_.reached);
-    ending_.interrupted(interruption.signal(), ending_.reached);
+    inside = inside_bound();
+    if (inside) ending_.interrupted(interruption.signal(), ending_.reached);
   }
   for (TetsLog& log : logs_)
     if (Status s = log.finish(); !s) return s;
@@ -214,7 +240,7 @@ TetsJson TetsRun::json() const {
     const auto weight = static_cast<double>(bodies_.group->body(i).model().edges());
     share += weight * report.share;
     edges += weight;
-    momentum = std::max(momentum, report.momentum_error);
+    momentum = std::max(momentum, report.momentum_error());
     for (const auto& [sum, one] : {std::pair{&start, report.start}, {&end, report.end}}) {
       sum->kinetic += one.kinetic;
       sum->elastic += one.elastic;

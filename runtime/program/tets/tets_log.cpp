@@ -25,11 +25,41 @@ std::string tets_folder(const TetScene& scene, std::size_t body) {
 
 }  // namespace
 
+void MomentumLoss::note(const TetBody& body, bool alone) {
+  // A body that moves by less than this part of its size in a step has no momentum to lose.
+  constexpr double kLeastWay = 1e-9;
+  const TetModel& model = body.model();
+  const Momenta before = now_;
+  const Eigen::Vector3d centre = body.system().momentum(body.positions()) / model.mass();
+  pushed_.resize(body.velocities().size());
+  model.mass_times(body.velocities(), pushed_);
+  now_ = {body.momentum(), Eigen::Vector3d::Zero()};
+  double linear = 0.0, angular = 0.0;
+  for (Eigen::Index i = 0; i < pushed_.size(); i += 3) {
+    const Eigen::Vector3d arm = body.positions().segment<3>(i) - centre;
+    now_.angular += arm.cross(pushed_.segment<3>(i));
+    linear += pushed_.segment<3>(i).norm();
+    angular += arm.norm() * pushed_.segment<3>(i).norm();
+  }
+  const double size = model.rest_box().diagonal(), step = body.options().step;
+  const double least = kLeastWay * model.mass() * size / step;
+  linear_size_ = std::max({linear_size_, linear, least});
+  angular_size_ = std::max({angular_size_, angular, least * size});
+  if (known_ && alone) {
+    linear_ += now_.linear - before.linear - model.mass() * step * body.options().gravity;
+    angular_ += now_.angular - before.angular;
+    most_linear_ = std::max(most_linear_, linear_.norm());
+    most_angular_ = std::max(most_angular_, angular_.norm());
+  }
+  known_ = true;
+}
+
 TetsLog::TetsLog(const TetScene& scene, const TetsKind& kind, std::size_t body)
     : outputs_(scene.outputs),
       folder_(tets_folder(scene, body)),
       steps_(std::llround(scene.duration / scene.step)),
       surface_(kind.surface),
+      held_(kind.held),
       forces_(kind.model, scene.bodies[body].options.law),
       table_(kTetsColumns) {
   force_.resize(kind.model->rest().size());
@@ -71,7 +101,7 @@ void TetsLog::note_forces(const TetBody& body) {
   force_size_ = std::max(force_size_, size);
   torque_size_ = std::max(torque_size_, torque_size);
   if (force_size_ > 0.0 && torque_size_ > 0.0)
-    report_.momentum_error = std::max(force_sum_ / force_size_, torque_sum_ / torque_size_);
+    report_.elastic_error = std::max(force_sum_ / force_size_, torque_sum_ / torque_size_);
 }
 
 void TetsLog::look(TetBody& body) {
@@ -122,9 +152,19 @@ Status TetsLog::write_frame(double time, const std::vector<Eigen::Vector3d>& ver
   return Success{};
 }
 
+void TetsLog::note_momenta(const TetBody& body, bool touched) {
+  loss_.note(body, !held_ && !touched && !(body.options().drag > 0.0));
+  if (first_.size() == 0) report_.momenta_start = loss_.now();
+  report_.momenta_end = loss_.now();
+  report_.linear_lost = loss_.linear();
+  report_.angular_lost = loss_.angular();
+}
+
 Status TetsLog::observe(TetBody& body, const TetStepReport& step,
                         const std::vector<Eigen::Vector3d>& vertices,
-                        const std::vector<Eigen::Vector3f>& normals) {
+                        const std::vector<Eigen::Vector3f>& normals, bool touched) {
+  note_momenta(body, touched);
+  report_.guarded += step.guarded > 0 ? 1 : 0;
   report_.iterations += step.iterations;
   report_.switched += static_cast<std::int64_t>(step.switched);
   report_.in_parts += step.parts > 1 ? 1 : 0;

@@ -14,6 +14,7 @@
 #include "runtime/program/run/run_progress.h"
 #include "runtime/program/tets/run_tets.h"
 #include "runtime/tets/elements/rotation.h"
+#include "runtime/tets/motion/tet_bound.h"
 
 namespace tremolo {
 namespace {
@@ -104,13 +105,24 @@ Result<RecordedMotion> animate_tets(const TetScene& scene, const FrameRange& ran
   motion.left_out = scenery.left_out;
   ToldProgress progress(std::filesystem::path(scene.path).stem().string(), scene.duration);
   std::vector<TetStepReport> reports(scene.bodies.size());
+  TetBound bound;
+  bodies->group->find_touches();
+  bound.look(*bodies->group);
   std::int64_t made = 0;
   for (const std::int64_t step : frames->steps) {
-    for (; made < step; ++made)
+    for (; made < step; ++made) {
+      const double from = scene.step * static_cast<double>(made);
       if (!bodies->group->step(reports))
-        return Error{ErrorKind::kSolver,
-                     fmt::format("{}: the step from t = {:.6g} s could not be solved", scene.path,
-                                 scene.step * static_cast<double>(made))};
+        return Error{
+            ErrorKind::kSolver,
+            fmt::format("{}: the step from t = {:.6g} s could not be solved", scene.path, from)};
+      if (!bound.look(*bodies->group))
+        return Error{
+            ErrorKind::kBound,
+            fmt::format("{}: in the step from t = {:.6g} s the energy of the bodies, {:.3g} "
+                        "J, became more than {:g} times all that was put in",
+                        scene.path, from, bound.energy(), kEnergyBound)};
+    }
     const double time = scene.step * static_cast<double>(step);
     record_tets(*bodies, motion.animation, time, scene, scenery);
     progress.reached(time);

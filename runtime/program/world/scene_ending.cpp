@@ -30,6 +30,11 @@ Status check_times(const std::function<bool(const char*)>& told, double step, do
   for (const auto& [flag, value] : {std::pair{"--step", step}, {"--duration", duration}})
     if (told(flag) && !(value > 0.0 && std::isfinite(value)))
       return content_error(fmt::format("{} must be positive and finite (s)", flag));
+  if (duration < 0.5 * step)
+    return content_error(
+        fmt::format("the duration, {:g} s, is shorter than half a step of {:g} s: nothing would be "
+                    "done; give a longer --duration or a shorter --step",
+                    duration, step));
   return Success{};
 }
 

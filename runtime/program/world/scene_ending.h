@@ -17,7 +17,8 @@ namespace tremolo {
 Status apply_output_flags(const RunOptions& flags, const std::function<bool(const char*)>& told,
                           SceneOutputs& outputs);
 
-// Errors (kContent) of --step and --duration (s), where they were told.
+// Errors (kContent): --step or --duration (s), where given, is not positive and finite; the
+// duration is shorter than half a step.
 Status check_times(const std::function<bool(const char*)>& told, double step, double duration);
 
 // How the run of a scene ended. signal: the one that interrupted it; 0: none.

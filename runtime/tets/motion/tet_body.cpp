@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "runtime/tets/motion/tet_island.h"
-#include "runtime/tets/solve/rigid_balance.h"
 
 namespace tremolo {
 namespace {
@@ -19,6 +18,9 @@ constexpr double kRounding = 4e-15;
 constexpr int kManyDirections = 100;
 // A direction takes so many for each block of the matrix.
 constexpr double kDirectionMultiplications = 18.0;
+// An edge's row of the residual is not noise where it is so many times its part of what a step may
+// leave.
+constexpr double kNoise = 4.0;
 constexpr std::size_t kMostFactorBytes = std::size_t{256} << 20;
 
 Eigen::Index body_at(std::size_t node) {
@@ -52,6 +54,7 @@ Status check(const TetBodyOptions& options) {
        {check_range("step", options.step, 0.0, true),
         check_range("alpha", options.alpha, 0.0, false),
         check_range("beta", options.beta, 0.0, false),
+        check_range("drag", options.drag, 0.0, false),
         check_range("tolerance", options.tolerance, 0.0, true),
         check_range("linear tolerance", options.linear_tolerance, 0.0, true),
         check_range("max iterations", options.max_iterations, 0.0, true), check(options.degree)})
@@ -75,15 +78,17 @@ TetBody::TetBody(TetModelPointer model, const TetBodyOptions& options)
       factor_(slender_factor(model->pattern())),
       alone_(std::make_unique<TetIsland>()) {
   const Eigen::Index size = model->rest().size();
-  for (TetMotion* motion : {&now_, &before_, &saved_, &saved_before_}) {
+  for (TetMotion* motion : {&now_, &before_, &saved_, &saved_before_, &part_}) {
     motion->x = model->rest();
     motion->v.setZero(size);
     motion->a.setZero(size);
   }
-  for (Eigen::VectorXd* v : {&way_, &s_, &start_, &velocity_, &force_, &residual_, &correction_,
-                             &direction_, &inertia_, &stage_.from, &stage_.inertial})
+  for (Eigen::VectorXd* v :
+       {&way_, &s_, &start_, &velocity_, &force_, &residual_, &correction_, &direction_, &inertia_,
+        &work_, &rigid_, &stage_.from, &stage_.inertial})
     v->setZero(size);
   for (const std::uint8_t flag : model->held()) held_ = held_ || flag != 0;
+  freedom_ = rigid_freedom(*model);
   // A place's rounding times this is the rounding of a force.
   double squared = 0.0;
   for (const TetModelElement& element : model->elements())
@@ -113,7 +118,7 @@ Status TetBody::set_state(const Eigen::VectorXd& x, const Eigen::VectorXd& v) {
   now_.v = v;
   system_.follow_ends(now_.x);
   system_.follow_ends(now_.v);
-  has_before_ = has_acceleration_ = false;
+  has_before_ = has_acceleration_ = guard_.known = false;
   return Success{};
 }
 
@@ -136,7 +141,7 @@ double TetBody::set_degrees(std::span<const std::uint8_t> degrees) {
   const Eigen::Vector3d spin = angular_momentum();
   system_.set_degrees(degrees);
   solve_.choose(system_.active());
-  has_acceleration_ = false;
+  has_acceleration_ = guard_.known = false;
   if (only_more) return 0.0;
   const std::array<Eigen::VectorXd*, 4> vectors = {&now_.x, &now_.v, &before_.x, &before_.v};
   const std::size_t count = options_.method == TetMethod::kBdf2 ? 4 : 2;
@@ -165,13 +170,21 @@ void TetBody::find_forces() {
   system_.evaluate(s_);
   velocity_ = stage_.rate * way_;
   correction_ = (stage_.rate * stage_.rate) * (way_ - stage_.inertial);
-  if (options_.alpha > 0.0) correction_ += options_.alpha * velocity_;
+  add_mass_damping(s_, velocity_, correction_);
   model().mass_times(correction_, inertia_);
   for (std::size_t i = 0; i < model().nodes(); ++i)
     force_.segment<3>(body_at(i)) = weight_[body_at(i)] * options_.gravity;
   system_.add_force(force_);
   if (options_.beta > 0.0) system_.add_damping_force(velocity_, options_.beta, force_);
   if (hand_) add_hand_force();
+}
+
+void TetBody::add_mass_damping(const Eigen::VectorXd& x, const Eigen::VectorXd& v,
+                               Eigen::VectorXd& deceleration) {
+  if (options_.drag > 0.0) deceleration += options_.drag * v;
+  if (!(options_.alpha > 0.0)) return;
+  rigid_part(model(), freedom_, x, v, work_, rigid_);
+  deceleration += options_.alpha * (v - rigid_);
 }
 
 void TetBody::add_hand_force() {
@@ -203,6 +216,7 @@ Status TetBody::set_hand(const std::optional<TetHand>& hand) {
   const bool same = hand && hand_ && hand->nodes == hand_->nodes && hand->shares == hand_->shares &&
                     hand->stiffness == hand_->stiffness && hand->damping == hand_->damping;
   hand_ = hand;
+  guard_.known = false;
   if (!same) has_acceleration_ = false;
   return Success{};
 }
@@ -235,15 +249,15 @@ double TetBody::close_residual() {
   return residual_.squaredNorm();
 }
 
-double TetBody::stop_size() const {
-  return options_.tolerance * ((inertia_ - force_).norm() + inertia_.norm() + load_) +
+double TetBody::stop_size(double tolerance) const {
+  return tolerance * ((inertia_ - force_).norm() + inertia_.norm() + load_) +
          kRounding * rounding_scale_ * s_.cwiseAbs().maxCoeff();
 }
 
-// The matrix M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv.
+// The matrix M (g^2 + (alpha + drag) g) + dforce/dx + beta g ddamping/dv.
 void TetBody::assemble(TangentKind tangent, bool single) {
   TetMatrixFactors factors;
-  factors.mass = stage_.rate * (stage_.rate + options_.alpha);
+  factors.mass = mass_factor();
   factors.tangent = {1.0, options_.beta * stage_.rate, tangent};
   if (single)
     system_.assemble(factors, solve_.begin_single());
@@ -256,8 +270,7 @@ void TetBody::take_preconditioner(bool single) {
     solve_.take_diagonal();
   else
     solve_.take_diagonal(matrix_);
-  solve_.take_smooth(system_.mean_rotation(), stage_.rate * (stage_.rate + options_.alpha),
-                     1.0 + options_.beta * stage_.rate);
+  solve_.take_smooth(system_.mean_rotation(), mass_factor(), 1.0 + options_.beta * stage_.rate);
 }
 
 void TetBody::note_search(int iterations) {
@@ -291,11 +304,18 @@ bool TetBody::solve_by_factor() {
 void TetBody::balance_momenta() {
   if (held_ || hand_) return;
   for (int pass = 0; pass < 3; ++pass) {
-    if (!rigid_correction(model(), s_, residual_, stage_.rate * stage_.rate, correction_)) return;
+    const double factor = stage_.rate * (stage_.rate + options_.drag);
+    if (!rigid_correction(model(), s_, residual_, factor, correction_)) return;
     way_ += correction_;
     find_forces();
     close_residual();
   }
+}
+
+void TetBody::free_rigid_correction() {
+  if (!(options_.alpha > 0.0)) return;
+  rigid_part(model(), freedom_, s_, correction_, work_, rigid_);
+  correction_ += (options_.alpha / (stage_.rate + options_.drag)) * rigid_;
 }
 
 void TetBody::end() {
@@ -310,10 +330,11 @@ void TetBody::find_acceleration() {
   way_.setZero();
   find_forces();
   close_residual();
-  if (options_.alpha > 0.0 || options_.beta > 0.0 || hand_) {
+  if (options_.alpha > 0.0 || options_.drag > 0.0 || options_.beta > 0.0 || hand_) {
     // With a rate of zero the velocity was zero: damping of the state's own comes on top.
     force_.setZero();
-    velocity_ = options_.alpha * now_.v;
+    velocity_.setZero();
+    add_mass_damping(now_.x, now_.v, velocity_);
     model().mass_times(velocity_, force_);
     force_ = -force_;
     if (options_.beta > 0.0) system_.add_damping_force(now_.v, options_.beta, force_);
@@ -343,17 +364,58 @@ void TetBody::restore_state() {
   before_.x = saved_before_.x;
   before_.v = saved_before_.v;
   has_before_ = had_before_;
+  has_acceleration_ = guard_.known = false;
 }
 
 void TetBody::rewind() {
   now_.x = saved_.x;
   now_.v = saved_.v;
+  has_before_ = has_acceleration_ = guard_.known = false;
+}
+
+void TetBody::keep_part() {
+  part_.x = now_.x;
+  part_.v = now_.v;
+}
+
+void TetBody::rewind_part() {
+  now_.x = part_.x;
+  now_.v = part_.v;
   has_before_ = has_acceleration_ = false;
+}
+
+double TetBody::guarded_energy(const TetContact* contact) {
+  return kinetic_energy() + elastic_energy() + gravity_energy() +
+         (contact != nullptr ? contact->look(now_.x).energy : 0.0);
+}
+
+double TetBody::take_internal_energy(double excess) {
+  rigid_part(model(), freedom_, now_.x, now_.v, work_, rigid_);
+  correction_ = now_.v - rigid_;
+  const double internal = system_.kinetic_energy(correction_);
+  if (!(internal > 0.0)) return 0.0;
+  const double taken = std::min(excess, internal);
+  now_.v = rigid_ + std::sqrt(1.0 - taken / internal) * correction_;
+  return taken;
+}
+
+void TetBody::restore_momenta(const TetMotion& start, double passed) {
+  if (held_ || hand_ || options_.drag > 0.0) return;
+  const Eigen::Vector3d centre_before = system_.momentum(start.x) / model().mass();
+  const Eigen::Vector3d before = system_.momentum(start.v);
+  const Eigen::Vector3d spin =
+      system_.angular_momentum(start.x, start.v) - centre_before.cross(before);
+  const Eigen::Vector3d momentum = before + model().mass() * passed * options_.gravity;
+  const Eigen::Vector3d shift = (momentum - system_.momentum(now_.v)) / model().mass();
+  for (std::size_t i = 0; i < model().nodes(); ++i) now_.v.segment<3>(body_at(i)) += shift;
+  const Eigen::Vector3d centre = system_.momentum(now_.x) / model().mass();
+  const Eigen::Vector3d now = angular_momentum() - centre.cross(momentum);
+  restore_spin(model(), spin - now, now_.x, now_.v, correction_);
 }
 
 void TetBody::stop() {
   now_.v.setZero();
-  has_before_ = has_acceleration_ = false;
+  has_before_ = has_acceleration_ = guard_.known = false;
 }
 
 void TetBody::skip_step() {
@@ -362,9 +424,19 @@ void TetBody::skip_step() {
 }
 
 void TetBody::choose_degrees(TetStepReport& report) {
-  if (options_.degree.kind != DegreeKind::kAdaptive || steps_ % options_.degree.every != 0) return;
+  if (options_.degree.kind != DegreeKind::kAdaptive) return;
+  rigid_part(model(), freedom_, now_.x, now_.v, work_, rigid_);
+  const double deforming =
+      std::max(0.0, kinetic_energy() - system_.kinetic_energy(rigid_)) + system_.energy();
+  const auto edges = static_cast<double>(std::max<std::size_t>(1, model().edges()));
   const auto wanted =
-      choice_.choose(system_, now_, force_, stage_.rate * stage_.rate, options_.step);
+      choice_.choose(system_, now_,
+                     {.residual = force_,
+                      .noise = kNoise * stop_size(options_.tolerance) / std::sqrt(edges),
+                      .energy = deforming,
+                      .rate = stage_.rate * stage_.rate,
+                      .h = options_.step,
+                      .calm = steps_ % options_.degree.every == 0});
   report.switched = choice_.changed();
   if (report.switched == 0) return;
   saved_.x = now_.x;
@@ -398,7 +470,7 @@ TetStepReport TetBody::step(TetContact* contact) {
 std::size_t TetBody::bytes() const {
   return system_.bytes() + solve_.bytes() + projection_.bytes() +
          model().pattern()->blocks() * sizeof(Eigen::Matrix3d) +
-         static_cast<std::size_t>(now_.x.size()) * 24 * sizeof(double) +
+         static_cast<std::size_t>(now_.x.size()) * 26 * sizeof(double) +
          (factor_ ? factor_->bytes() : 0);
 }
 

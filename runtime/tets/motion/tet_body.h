@@ -16,26 +16,37 @@
 #include "runtime/tets/motion/tet_hand.h"
 #include "runtime/tets/solve/active_solve.h"
 #include "runtime/tets/solve/mass_projection.h"
+#include "runtime/tets/solve/rigid_balance.h"
 #include "runtime/tets/solve/tet_stage.h"
 
 namespace tremolo {
 
-// step: s. gravity: m/s^2. alpha, 1/s, and beta, s: Rayleigh's. tolerance: of the residual over the
-// weight and the forces at the step's beginning. linear_tolerance: of a correction's equation.
-// take_unsolved: a step that max_iterations do not solve is taken as it is, and is told
-// (tet_island.h); else it is cut.
+// What becomes of a step that max_iterations do not solve (tet_island.h).
+enum class UnsolvedStep {
+  kCut,         // it is cut
+  kTake,        // it is taken as it is, which is reported
+  kTakeContact  // kCut where nothing touches; a step in contact is a few corrections of
+                // implicit-euler, which is cut where it would add energy
+};
+
 struct TetBodyOptions {
   TetMethod method = TetMethod::kBdf2;
   RotationLaw law = RotationLaw::kLeastEnergy;
   TangentKind tangent = TangentKind::kExact;
-  double step = 1.0 / 60.0;
-  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
+  double step = 1.0 / 60.0;                           // s
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s^2
+  // 1/s. Damps the motion relative to the nearest rigid one that the fixed points allow, with the
+  // force -alpha M (v - rigid_part(v)): it keeps momentum and angular momentum.
   double alpha = 0.0;
-  double beta = 0.0;
-  double tolerance = 1e-6;
-  double linear_tolerance = 1e-3;
-  int max_iterations = 20;
-  bool take_unsolved = false;
+  double beta = 0.0;  // s; damping proportional to the stiffness
+  double drag = 0.0;  // 1/s; damps the whole motion, with -drag M v, as a resting medium does
+  double tolerance =
+      1e-6;  // of the residual over the weight and the forces at the step's beginning
+  double linear_tolerance = 1e-3;  // of a correction's equation
+  int max_iterations = 20;         // corrections of a step
+  UnsolvedStep unsolved = UnsolvedStep::kCut;
+  bool guard =
+      true;  // steps of midpoint and newmark that would add energy are taken in another way
   DegreeOptions degree;
 };
 // Errors (kContent) name the value: a step, tolerance or damping out of range, thresholds the wrong
@@ -44,7 +55,8 @@ Status check(const TetBodyOptions& options);
 
 // converged: a step was made. iterations: Newton's; linear: those of conjugate gradients. parts:
 // how many steps it took. linearised: each of them is one correction, no solution was found.
-// unsolved: one of them was taken as it was (take_unsolved).
+// unsolved: one of them was taken as it was. guarded: so many of them would have
+// added energy.
 // switched: edges that changed their degree. energy_of_switch: J, what they took out of the body.
 // jump: the largest way of an end or a middle of an edge in that, over the edge's length.
 struct TetStepReport {
@@ -54,6 +66,7 @@ struct TetStepReport {
   int parts = 1;
   bool linearised = false;
   bool unsolved = false;
+  int guarded = 0;
   std::size_t switched = 0;
   double energy_of_switch = 0.0;
   double jump = 0.0;
@@ -61,6 +74,14 @@ struct TetStepReport {
 
 class TetContact;
 class TetIsland;
+
+// Energy that midpoint or newmark has added. known: `energy`, J, is that of the state as it is.
+// gained: J, since as much was last taken. largest: kinetic and elastic energy, J, that there was
+// at most.
+struct TetGuard {
+  bool known = false;
+  double energy = 0.0, gained = 0.0, largest = 0.0;
+};
 
 class TetBody {
  public:
@@ -121,14 +142,35 @@ class TetBody {
   void keep_state();
   void restore_state();  // all of it
   void rewind();         // to where the step began, without what came before
+  void keep_part();      // x and v, where a part of a step begins
+  void rewind_part();
+  // Energy of the state, and of its contact with what is at rest, J.
+  double guarded_energy(const TetContact* contact);
+  // Takes `excess` J of the kinetic energy relative to the nearest rigid motion, or all there is.
+  // Returns what it took.
+  double take_internal_energy(double excess);
+  // Momentum and angular momentum become those of `before`, and what gravity added in the time that
+  // passed, s. Only of a body that nothing else acts on.
+  void restore_momenta(const TetMotion& before, double passed);
   void begin(TetMethod method, double h);
   void guess(bool stay);  // the way to begin with; stay: none, where the body is
   // The forces at way_, without contact, go to force_, and then become the residual.
   void find_forces();
   void add_hand_force();
+  // deceleration += the part of damping that is proportional to the mass, over the mass, m/s^2, at
+  // positions x and velocities v.
+  void add_mass_damping(const Eigen::VectorXd& x, const Eigen::VectorXd& v,
+                        Eigen::VectorXd& deceleration);
+  // c of the part c M of Newton's matrix; g is the stage's rate.
+  double mass_factor() const {
+    return stage_.rate * (stage_.rate + options_.alpha + options_.drag);
+  }
+  // Newton's matrix has alpha M for alpha (M - M rigid_part): what that leaves out of the
+  // correction's rigid part.
+  void free_rigid_correction();
   void add_to_held(const Eigen::Vector3d& force);
   double close_residual();  // |r|^2
-  double stop_size() const;
+  double stop_size(double tolerance) const;
   void assemble(TangentKind tangent, bool single);
   void take_preconditioner(bool single);  // of what was assembled last, without touches
   // Of a body that touches nothing: how many directions its last search took, and whether a
@@ -152,12 +194,14 @@ class TetBody {
   std::optional<BlockCholesky> factor_;
   int search_iterations_ = 0;
   std::size_t search_nodes_ = 0;
+  RigidFreedom freedom_;
   std::vector<std::uint8_t> folded_;  // a flag for each control point that is not active
-  TetMotion now_, before_, saved_, saved_before_;
+  TetMotion now_, before_, saved_, saved_before_, part_;
+  TetGuard guard_;
   TetStage stage_;
   bool has_before_ = false, had_before_ = false, has_acceleration_ = false, held_ = false;
   Eigen::VectorXd way_, s_, start_, velocity_, force_, residual_, correction_, direction_, inertia_,
-      weight_;
+      weight_, work_, rigid_;
   double rounding_scale_ = 0.0, load_ = 0.0, time_ = 0.0;
   std::int64_t steps_ = 0;
   std::optional<TetHand> hand_;

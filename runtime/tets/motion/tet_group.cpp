@@ -53,6 +53,18 @@ std::size_t TetGroup::sleeping() const {
   return static_cast<std::size_t>(std::count(asleep_.begin(), asleep_.end(), 1));
 }
 
+bool TetGroup::touched(std::size_t i) const {
+  if (!contacts_[i].touches().empty()) return true;
+  for (std::size_t other = 0; other < contacts_.size(); ++other) {
+    if (other == i || asleep_[other] != 0) continue;
+    for (const TetTouch& touch : contacts_[other].touches())
+      if (touch.partner != kNoPartner &&
+          contacts_[other].partners()[touch.partner].contact == &contacts_[i])
+        return true;
+  }
+  return false;
+}
+
 std::uint32_t TetGroup::root(std::uint32_t i) {
   while (roots_[i] != i) i = roots_[i] = roots_[roots_[i]];
   return i;

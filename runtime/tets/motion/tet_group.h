@@ -42,6 +42,8 @@ class TetGroup {
   const TetContact& contact(std::size_t i) const { return contacts_[i]; }
   bool asleep(std::size_t i) const { return asleep_[i] != 0; }
   std::size_t sleeping() const;
+  // Whether a point of the body pressed on something in the last step, or something on it.
+  bool touched(std::size_t i) const;
   // J, what falling asleep has taken so far.
   double energy_of_sleep() const { return energy_of_sleep_; }
 

@@ -17,6 +17,17 @@ constexpr int kSlowCorrections = 3;
 constexpr double kKinkShare = 1e-3;
 // Where no correction is left, below this share: what is cut instead is solved no better.
 constexpr double kLastKinkShare = 1e-2;
+// A watched body may gain this part of the largest energy that it had, since it last lost as much.
+constexpr double kMostGain = 0.02;
+constexpr double kGuardRounding = 1e-12;
+constexpr int kMostParts = 8;
+// A step in contact is at most so many corrections, none after the residual is below this tolerance
+// (TetBodyOptions), each to this tolerance of its equation; it may add this part of the energy.
+constexpr int kContactCorrections = 2;
+constexpr int kContactParts = 4;
+constexpr double kContactTolerance = 0.01;
+constexpr double kContactLinearTolerance = 0.1;
+constexpr double kMostContactGain = 0.05;
 
 double sum_of(const std::vector<double>& values) {
   double sum = 0.0;
@@ -223,18 +234,17 @@ bool TetIsland::search(double tolerance) {
 }
 
 // Newton's correction of each body. exact: with each body's own tangent, as long as that is
-// positive. tolerance: of the linear system, beside the bodies' own. The matrices cannot be those
+// positive. tolerance: of the linear system. The matrices cannot be those
 // of the correction before: R K R^T of another R has stiffness against turns, which nothing in the
 // residual bounds.
 void TetIsland::find_correction(bool exact, double tolerance) {
-  for (const TetMember& member : members_)
-    tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
   for_each(members_.size(),
            [this](std::size_t i) { members_[i].body->residual_ = -members_[i].body->residual_; });
   const bool single = tolerance >= kSingleTolerance;
+  const bool pressed = touching();
   // The factor is of the body's own matrix, without what couples it to others or to a hand.
   TetBody* alone =
-      members_.size() == 1 && !touching() && !members_[0].body->hand_ ? members_[0].body : nullptr;
+      members_.size() == 1 && !pressed && !members_[0].body->hand_ ? members_[0].body : nullptr;
   bool by_factor = false;
   for (const bool own : {true, false}) {
     if (own && !exact) continue;
@@ -256,6 +266,8 @@ void TetIsland::find_correction(bool exact, double tolerance) {
     TetBody& body = *members_[i].body;
     if (!by_factor) body.solve_.finish(body.correction_);
     body.system_.follow_ends(body.correction_);
+    // What touches is held by that, not by its inertia.
+    if (!pressed && !body.hand_) body.free_rigid_correction();
   });
 }
 
@@ -312,11 +324,14 @@ bool TetIsland::at_kink(double size, double share) const {
 
 bool TetIsland::solve_stage() {
   bounded_ = std::all_of(members_.begin(), members_.end(), [](const TetMember& member) {
-    return member.body->options_.take_unsolved;
+    return member.body->options_.unsolved == UnsolvedStep::kTake;
   });
   for_each(members_.size(), [this](std::size_t i) { members_[i].body->guess(bounded_); });
   double size = find_residual();
-  for_each(members_.size(), [this](std::size_t i) { stops_[i] = members_[i].body->stop_size(); });
+  for_each(members_.size(), [this](std::size_t i) {
+    const TetBody& body = *members_[i].body;
+    stops_[i] = body.stop_size(body.options_.tolerance);
+  });
   int most = 0;
   for (const TetMember& member : members_)
     most = std::max(most, member.body->options_.max_iterations);
@@ -325,9 +340,16 @@ bool TetIsland::solve_stage() {
   for (int iteration = 0; iteration < most && !kink; ++iteration) {
     if (!std::isfinite(size)) return false;
     if (small_enough()) break;
+    if (watch_contact_ && touching()) {
+      met_contact_ = true;
+      return false;
+    }
     ++report_.iterations;
     const double before = size;
-    find_correction(true, 1.0);
+    double tolerance = 1.0;
+    for (const TetMember& member : members_)
+      tolerance = std::min(tolerance, member.body->options_.linear_tolerance);
+    find_correction(true, tolerance);
     if (bounded_) {
       take_whole(size);
       continue;
@@ -386,17 +408,167 @@ bool TetIsland::make_linear_step(double h) {
   return finite;
 }
 
-bool TetIsland::make_parts(int parts, bool linear) {
+// The body whose energy is watched: one by itself, whose method may add energy, without a hand,
+// which would put some in.
+TetBody* TetIsland::watched(TetMethod method) const {
+  if (members_.size() > 1) return nullptr;
+  TetBody* body = members_.front().body;
+  const bool may = method == TetMethod::kMidpoint || method == TetMethod::kNewmark;
+  return may && body->options_.guard && !body->hand_ ? body : nullptr;
+}
+
+// Whether the energy of the watched body may be what it is now; if so, it is noted.
+bool TetIsland::energy_is_good(TetBody& body) {
+  TetGuard& guard = body.guard_;
+  const double now = body.guarded_energy(members_.front().contact);
+  const double gain = now - guard.energy;
+  if (gain > 0.0 && guard.gained + gain > kMostGain * guard.largest) return false;
+  guard.gained = std::max(0.0, guard.gained + gain);
+  guard.energy = now;
+  guard.largest = std::max(guard.largest, body.kinetic_energy() + body.elastic_energy());
+  return true;
+}
+
+// Takes a step again by a method that damps what the step is too long for: half by midpoint and
+// half by bdf2, or else by implicit-euler. Of a free body that touches nothing the momenta that
+// this loses are restored. What is too much even then is taken from the velocities relative to the
+// nearest rigid motion.
+bool TetIsland::make_damped_step(TetBody& body, double h) {
+  ++report_.guarded;
+  for (const bool halves : {true, false}) {
+    body.rewind_part();
+    bool made =
+        make_step(halves ? TetMethod::kMidpoint : TetMethod::kImplicitEuler, halves ? 0.5 * h : h);
+    bool touched = touching();
+    if (halves && made) {
+      made = make_step(TetMethod::kBdf2, 0.5 * h);
+      touched = touched || touching();
+    }
+    body.has_before_ = body.has_acceleration_ = false;
+    if (!made) continue;
+    if (!touched) body.restore_momenta(body.part_, h);
+    if (energy_is_good(body)) return true;
+    if (halves) continue;
+    TetGuard& guard = body.guard_;
+    const double now = body.guarded_energy(members_.front().contact);
+    const double most = guard.energy + kMostGain * guard.largest - guard.gained;
+    guard.energy = now - body.take_internal_energy(now - most);
+    guard.gained = kMostGain * guard.largest;
+    return guard.energy <= most + kGuardRounding * guard.largest;
+  }
+  return false;
+}
+
+// A step, or a part of one, whose energy is watched.
+bool TetIsland::make_watched_step(TetMethod method, double h) {
+  TetBody* body = watched(method);
+  if (body == nullptr) {
+    for (const TetMember& member : members_) member.body->guard_.known = false;
+    return make_step(method, h);
+  }
+  if (!body->guard_.known) {
+    body->guard_.energy = body->guarded_energy(members_.front().contact);
+    body->guard_.largest =
+        std::max(body->guard_.largest, body->kinetic_energy() + body->elastic_energy());
+    body->guard_.known = true;
+  }
+  body->keep_part();
+  if (!make_step(method, h)) return false;
+  return energy_is_good(*body) || make_damped_step(*body, h);
+}
+
+// Whether steps in contact are a few corrections.
+bool TetIsland::contact_is_taken() const {
+  return std::all_of(members_.begin(), members_.end(), [](const TetMember& member) {
+    const TetBodyOptions& options = member.body->options_;
+    return options.unsolved == UnsolvedStep::kTakeContact &&
+           (options.method == TetMethod::kImplicitEuler || options.method == TetMethod::kBdf2);
+  });
+}
+
+// Energy of the bodies at their trial places, where touches were found, J.
+double TetIsland::island_energy() const {
+  double sum = 0.0;
+  for (const auto& [body, contact] : members_)
+    sum += body->kinetic_energy() + body->elastic_energy() + body->gravity_energy() +
+           (contact != nullptr ? contact->look().energy : 0.0);
+  return sum;
+}
+
+// One step of implicit-euler in contact, of a few corrections from where the bodies are. last: it
+// is taken whatever it adds to the energy. The energy is not asked for where a hand pulls.
+bool TetIsland::make_contact_step(double h, bool last) {
+  for (const TetMember& member : members_) {
+    member.body->begin(TetMethod::kImplicitEuler, h);
+    member.body->guess(true);
+  }
+  double size = find_residual();
+  for_each(members_.size(), [this](std::size_t i) {
+    TetBody& body = *members_[i].body;
+    stops_[i] = body.stop_size(std::max(kContactTolerance, body.options_.tolerance));
+  });
+  const double before = island_energy();
+  for (int n = 0; n < kContactCorrections && std::isfinite(size) && !small_enough(); ++n) {
+    ++report_.iterations;
+    find_correction(false, kContactLinearTolerance);
+    take_whole(size);
+  }
+  if (!std::isfinite(size)) return false;
+  report_.unsolved = report_.unsolved || !small_enough();
+  if (members_.size() == 1 && !touching()) members_.front().body->balance_momenta();
+  bool pulled = false;
+  for (const TetMember& member : members_) {
+    member.body->end();
+    pulled = pulled || member.body->hand_.has_value();
+  }
+  const double after = island_energy();
+  double moving = after;
+  for (const TetMember& member : members_) moving -= member.body->gravity_energy();
+  return last || pulled || after - before <= kMostContactGain * moving;
+}
+
+// Where a part is not made, the bodies are anywhere.
+bool TetIsland::make_parts(int parts, PartKind kind) {
+  const bool linear = kind == PartKind::kLinear;
   report_.parts = parts;
   report_.linearised = linear;
   for (const TetMember& member : members_) member.body->rewind();
-  const double h = members_.front().body->options_.step / parts;
-  bool made = true;
-  for (int part = 0; part < parts && made; ++part)
-    made = linear ? make_linear_step(h) : make_step(TetMethod::kImplicitEuler, h);
-  for (const TetMember& member : members_)
-    member.body->has_before_ = member.body->has_acceleration_ = false;
+  const double step = members_.front().body->options_.step, h = step / parts;
+  bool made = true, touched = false;
+  for (int part = 0; part < parts && made; ++part) {
+    if (linear)
+      made = make_linear_step(h);
+    else if (kind == PartKind::kContact)
+      made = make_contact_step(h, parts == kContactParts);
+    else
+      made = make_watched_step(common_method(), h);
+    touched = touched || touching();
+  }
+  // The step before, which bdf2 needs, is this whole step; what is linearised is no start for it.
+  for (const TetMember& member : members_) {
+    TetBody& body = *member.body;
+    body.has_acceleration_ = false;
+    body.has_before_ = made && !linear;
+    body.before_.x = body.saved_.x;
+    body.before_.v = body.saved_.v;
+  }
+  if (made && linear && members_.size() == 1 && !touched)
+    members_.front().body->restore_momenta(members_.front().body->saved_, step);
   return made;
+}
+
+// The step, whole or in parts.
+bool TetIsland::make_any_step() {
+  watch_contact_ = contact_is_taken();
+  met_contact_ = false;
+  if (make_watched_step(common_method(), members_.front().body->options_.step)) return true;
+  met_contact_ = met_contact_ || (watch_contact_ && touching());
+  watch_contact_ = false;
+  if (met_contact_ && (make_parts(1, PartKind::kContact) || make_parts(2, PartKind::kContact) ||
+                       make_parts(kContactParts, PartKind::kContact)))
+    return true;
+  return make_parts(2, PartKind::kMethod) || make_parts(kMostParts, PartKind::kMethod) ||
+         make_parts(kMostParts, PartKind::kLinear);
 }
 
 void TetIsland::step(std::span<const TetMember> members, std::span<TetStepReport> reports) {
@@ -407,8 +579,7 @@ void TetIsland::step(std::span<const TetMember> members, std::span<TetStepReport
   curvatures_.assign(members.size(), 0.0);
   sizes_.assign(members.size(), {});
   for_each(members.size(), [this](std::size_t i) { members_[i].body->keep_state(); });
-  report_.converged = make_step(common_method(), members.front().body->options_.step) ||
-                      make_parts(2, false) || make_parts(8, false) || make_parts(8, true);
+  report_.converged = make_any_step();
   std::fill(reports.begin(), reports.end(), report_);
   for_each(members.size(), [&](std::size_t i) {
     TetBody& body = *members[i].body;

@@ -2,24 +2,35 @@
 //
 // Each body's equation is M g^2 (d - d_a) = F(x_v + d, g d) (tet_stage.h), F with the forces of its
 // contact. Newton's matrix is block-diagonal,
-//   M (g^2 + alpha g) + dforce/dx + beta g ddamping/dv    of each body,
+//   M (g^2 + (alpha + drag) g) + dforce/dx + beta g ddamping/dv    of each body,
 // and the touches and hands (tet_hand.h): with w the shares of a touch in the control points of
 // both its sides, w B w^T. They stay as they are and are multiplied one by one in conjugate
 // gradients, which run over all bodies at once, preconditioned by the diagonal's blocks; a body by
 // itself that takes too many directions, a slender one, is factored instead
 // (runtime/sparse/block_cholesky.h). First with the exact derivative; where that is indefinite,
 // with R K R^T. Each correction is shortened until the residual no longer points back. A step that
-// is not solved is cut into two, then eight of implicit-euler; where even those have no solution
-// (an element goes through a flat shape and its rotation jumps), into eight of one correction each
-// with R K R^T.
+// is not solved is cut into two, then eight of the same method; where even those have no solution
+// (an element goes through a flat shape and its rotation jumps), into eight of implicit-euler, of
+// one correction each with R K R^T; of a free body that touches nothing the momenta are restored.
+//
+// midpoint and newmark add energy where stiff elements turn in long steps. The energy of a body by
+// itself is therefore watched: a step in which it would have gained, since it last lost as much,
+// more than a fiftieth of the largest that it had is taken again, half by midpoint and half by
+// bdf2, which damps what is too fast for the step, and both momenta are restored.
 //
 // A step also ends where the forces between bodies jump and no correction makes the residual
 // smaller, which is then a thousandth of them at most, a hundredth after the last correction; it is
 // told as unsolved.
 //
-// Where all bodies have `take_unsolved`, a step is max_iterations corrections at most, from where
-// the bodies are, none of them shortened: the linearly implicit step of real-time programs for one,
-// whose stiffness is positive; with two, what the first ran into is known to the second.
+// Where all bodies have UnsolvedStep::kTake, a step is max_iterations corrections at most, from
+// where the bodies are, none of them shortened: the linearly implicit step of real-time programs
+// for one, whose stiffness is positive; with two, what the first ran into is known to the second.
+//
+// Where all bodies have kTakeContact and a method that damps, implicit-euler or bdf2, a step in
+// which something touches is such a step of implicit-euler: two corrections with R K R^T. Solving
+// it to the end takes a hundred times as long, since the forces of touches have corners, and where
+// elements are crushed there may be no solution near. A step that adds to the energy more than a
+// twentieth of what there is then is cut into two, then four of the same kind.
 //
 // Bodies of one island take the same method, so that what one gives the other takes: where methods
 // differ, or not all have the step before that bdf2 needs, implicit-euler.
@@ -74,8 +85,17 @@ class TetIsland {
   TetMethod common_method() const;
   bool make_step(TetMethod method, double h);
   bool make_linear_step(double h);
-  bool make_parts(int parts, bool linear);
+  enum class PartKind { kMethod, kContact, kLinear };
+  bool make_parts(int parts, PartKind kind);
+  bool make_any_step();
+  TetBody* watched(TetMethod method) const;
+  bool energy_is_good(TetBody& body);
+  bool make_damped_step(TetBody& body, double h);
+  bool make_watched_step(TetMethod method, double h);
   bool solve_stage();
+  double island_energy() const;
+  bool make_contact_step(double h, bool last);
+  bool contact_is_taken() const;
   bool at_kink(double size, double share) const;
   bool touching() const;
   double find_residual();
@@ -94,6 +114,8 @@ class TetIsland {
   ThreadPool* pool_;
   std::span<const TetMember> members_;  // in a step
   bool bounded_ = false;                // all take what max_iterations find
+  bool watch_contact_ = false;          // a stage is given up where something touches
+  bool met_contact_ = false;            // one was
   TetStepReport report_;
   std::vector<Coupling> couplings_;  // body by body: touches, then the hand
   std::vector<TouchEnd> ends_;       // body by body

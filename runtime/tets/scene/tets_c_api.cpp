@@ -84,7 +84,14 @@ Result<tremolo::TetBodyOptions> to_options(const tremolo_tets_options& given) {
   options.beta = given.beta;
   options.tolerance = given.tolerance;
   options.max_iterations = given.max_iterations;
-  options.take_unsolved = given.take_unsolved != 0;
+  constexpr tremolo::UnsolvedStep kUnsolved[] = {tremolo::UnsolvedStep::kCut,
+                                                 tremolo::UnsolvedStep::kTake,
+                                                 tremolo::UnsolvedStep::kTakeContact};
+  if (given.take_unsolved < 0 || given.take_unsolved > 2)
+    return usage_error("take_unsolved is " + std::to_string(given.take_unsolved) +
+                       ", must be 0, 1 or 2");
+  options.unsolved = kUnsolved[given.take_unsolved];
+  options.drag = given.drag;
   return options;
 }
 
@@ -184,7 +191,8 @@ void tremolo_tets_options_init(tremolo_tets_options* options) {
               .tolerance = usual.options.tolerance,
               .friction = usual.friction,
               .max_iterations = usual.options.max_iterations,
-              .take_unsolved = usual.options.take_unsolved ? 1 : 0};
+              .take_unsolved = 2,
+              .drag = usual.options.drag};
 }
 
 tremolo_status tremolo_tets_scene_add(tremolo_tets_scene* scene,

@@ -15,6 +15,27 @@ struct RigidInertia {
 // work: 3 nodes(), overwritten.
 RigidInertia rigid_inertia(const TetModel& model, const Eigen::VectorXd& x, Eigen::VectorXd& work);
 
+// The rigid motions that the fixed control points of a mesh leave free. axis_end: a second fixed
+// control point, away from `pivot`; both are numbers of control points.
+struct RigidFreedom {
+  enum class Kind {
+    kAll,         // nothing is fixed
+    kAboutPoint,  // rotations about `pivot`
+    kAboutAxis,   // rotations about the line from `pivot` to `axis_end`
+    kNone         // fixed points span a triangle
+  };
+  Kind kind = Kind::kAll;
+  std::size_t pivot = 0, axis_end = 0;
+};
+RigidFreedom rigid_freedom(const TetModel& model);
+
+// rigid = the free rigid motion at x that is nearest to the velocities v in kinetic energy: v -
+// rigid has no momentum, no angular momentum, and its kinetic energy is that of v less that of
+// rigid. Of fixed bodies this holds of what their freedom has. work: 3 nodes(), overwritten. x, v,
+// rigid and work are different vectors. Allocates nothing.
+void rigid_part(const TetModel& model, const RigidFreedom& freedom, const Eigen::VectorXd& x,
+                const Eigen::VectorXd& v, Eigen::VectorXd& work, Eigen::VectorXd& rigid);
+
 // v += w x (x - centre) with w = J^-1 spin: adds `spin`, kg m^2/s, to the angular momentum.
 void restore_spin(const TetModel& model, const Eigen::Vector3d& spin, const Eigen::VectorXd& x,
                   Eigen::VectorXd& v, Eigen::VectorXd& work);

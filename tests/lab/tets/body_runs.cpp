@@ -22,8 +22,7 @@ TetBody shape_body(const BodyCase& wanted, const TetModelPointer& model) {
   options.gravity = {0.0, 0.0, -9.81};
   options.beta = 0.01;
   options.degree.kind = wanted.kind;
-  options.degree.upper = wanted.upper;
-  options.degree.lower = 0.4 * wanted.upper;
+  options.degree.error = wanted.error;
   return or_fail(TetBody::create(model, options));
 }
 

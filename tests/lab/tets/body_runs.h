@@ -21,13 +21,13 @@ inline constexpr int kRunSteps = 60;
 // length.
 inline constexpr double kBentEdge = 0.001;
 
-// cells: m of the shape. young: Pa. upper: threshold of adaptive edges; the lower is 0.4 of it.
+// cells: m of the shape. young: Pa. error: of adaptive edges (degree_choice.h).
 struct BodyCase {
   ShapeKind shape = ShapeKind::kBar;
   int cells = 1;
   double young = 2e5;
   DegreeKind kind = DegreeKind::kQuadratic;
-  double upper = 0.001;
+  double error = 0.05;
 };
 
 // points: 3 for each point and step, m. seconds: processor time of all steps, one for each turn.
