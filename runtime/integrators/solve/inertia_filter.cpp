@@ -32,6 +32,8 @@ InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions&
   InertiaDamping damping;
   damping.D = damping_rates(model.lambda(), options.alpha, options.beta);
   damping.present = damping.D.maxCoeff() > 0.0;
+  damping.z = (0.25 * h * h) * model.lambda();
+  if (!model.potential().linear()) damping.strain = 2.0 * options.beta / h;
   for (VectorXd* v : {&damping.theta, &damping.n, &damping.shift, &damping.g, &damping.slope})
     v->setZero(r);
   for (Index i = 0; i < r; ++i) {
@@ -46,17 +48,19 @@ InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions&
   return damping;
 }
 
-DampedMatrixFilter::DampedMatrixFilter(const InertiaDamping& damping, const VectorXd& z)
+DampedMatrixFilter::DampedMatrixFilter(const InertiaDamping& damping)
     : shift_(damping.shift),
       shifted_(shift_),
       slope_(damping.slope),
       factors_(shift_.size(), shift_.size()),
       filter_(shift_.size(), kRobustShape),
       factor_(shift_.size()) {
+  const VectorXd& z = damping.z;
   const VectorXd weight = damping.n.cwiseProduct(damping.g.cwiseInverse());
   for (Index j = 0; j < shift_.size(); ++j)
     for (Index i = 0; i < shift_.size(); ++i)
-      factors_(i, j) = 1.0 + filter_slope(kRobustShape, z[i], z[j]) * (weight[i] + weight[j]);
+      factors_(i, j) =
+          1.0 + damping.strain + filter_slope(kRobustShape, z[i], z[j]) * (weight[i] + weight[j]);
   const Eigen::ArrayXd undamped = (damping.n - damping.shift).array().square();
   const Eigen::ArrayXd change = (slope_.array() - undamped).abs() / (undamped + z.array());
   strong_ = change.maxCoeff() > kStrongDamping;
