@@ -120,8 +120,7 @@ class ImexvAdaptive final : public ImexvStep {
 
   void carry(StateStream& stream) override {
     Index low = low_, most_low = most_low_;
-    ImexvStep::carry(stream);
-    stream(low, most_low, patience_, watching_, balance_.now, balance_.highest, z1_);
+    stream(V_, low, most_low, patience_, watching_, balance_.now, balance_.highest, z1_);
     stream.require(low >= 0 && low <= model_->modes() && most_low >= 0 &&
                    most_low <= model_->modes());
     if (!stream.good()) return;

@@ -21,6 +21,7 @@
 // coupling of low and high rows, at the price of as many unknowns as the midpoint rule. Undamped
 // and all low it is `verlet`, all high `midpoint`. Conditionally stable: linearly iff h omega < 2
 // on the low rows, as `imexv`. `dissipated` is that of runtime/integrators/solve/damping.h.
+#include "runtime/integrators/imexv/damped_rows.h"
 #include "runtime/integrators/imexv/imexv_step.h"
 #include "runtime/integrators/implicit_step.h"
 
@@ -30,19 +31,12 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Where theta of the low rows is zero.
-DampedMidpoint damped_midpoint(const VectorXd& D, const VectorXd& lambda, Split split, double h) {
-  DampedMidpoint midpoint = make_damped_midpoint(D, lambda, h);
-  midpoint.g.head(split.low).setOnes();
-  return midpoint;
-}
-
 class ImexvCoupled final : public ImplicitStep {
  public:
   ImexvCoupled(Model::Pointer model, const IntegratorOptions& options, Split split)
       : ImplicitStep("imexv-coupled", std::move(model), options),
         split_(split),
-        midpoint_(damped_midpoint(D_, model_->lambda(), split, h_)),
+        midpoint_(make_split_midpoint(*model_, options, split)),
         V_slow_(model_->potential().leading(split.low)),
         S_ends_(V_slow_, kWantEnergy | kWantForce, kUsePoint),
         S_middle_(V_slow_, kWantForce, kUseTangent),

@@ -25,6 +25,11 @@ double rational_weight(double x) {
   return filter_value(kRobustShape, x * x);
 }
 
+double stiff_share(double damping) {
+  const double x = std::clamp(4.0 * damping - 1.0, 0.0, 1.0);
+  return 1.0 - x * x * (3.0 - 2.0 * x);
+}
+
 InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions& options,
                                     InertiaWeight at_rest) {
   const double h = options.step;
@@ -38,10 +43,14 @@ InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions&
     v->setZero(r);
   for (Index i = 0; i < r; ++i) {
     const double c = h * damping.D[i], w = h * std::sqrt(model.lambda()[i]);
-    const auto [theta, n] = damped_weights(c, w, at_rest);
+    const DampedWeights whole = damped_weights(c, w, at_rest);
+    const double rest = at_rest(0.5 * w);
+    const double share = damping.strain > 0.0 ? stiff_share(options.beta * (w * w / h)) : 1.0;
+    const double theta = share * whole.theta;
+    const double n = share == 1.0 ? whole.n : rest + share * (whole.n - rest);
     damping.theta[i] = theta;
     damping.n[i] = n;
-    damping.shift[i] = n - at_rest(0.5 * w);
+    damping.shift[i] = n - rest;
     damping.g[i] = 1.0 + 2.0 * theta * c;
     damping.slope[i] = n * n / damping.g[i] + 0.5 * c;
   }

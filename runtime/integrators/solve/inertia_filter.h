@@ -30,6 +30,13 @@ namespace tremolo {
 double cotangent_weight(double x);
 double rational_weight(double x);
 
+// How much of theta and of the change of n (damping.h) a coordinate gets whose stiffness damping is
+// h beta omega^2: all below 1/4, none from 1/2 on. theta takes h theta D Dp^2 of a coordinate that
+// follows others, too, in which strains, and with them the true damping, may not change at all, and
+// n changes its inertia; both errors grow as h falls until h D is resolved. A free mode of so much
+// damping is gone in a few steps whatever its roots are.
+double stiff_share(double damping);
+
 // What damping makes of the step, for each coordinate; r each.
 struct InertiaDamping {
   Eigen::VectorXd D;      // 1/s
