@@ -79,7 +79,7 @@ TEST(Halving, StepInPartsIsThatOfTheSmallerSteps) {
         const Eigen::VectorXd before = small.q;
         restrict_load(load, begin, begin + 0.5, part);
         const StepReport one = half->step(small, part);
-        ASSERT_TRUE(one.converged);
+        ASSERT_TRUE(one.converged) << name << ", tolerance " << tolerance;
         work += part.average.dot(small.q - before);
         dissipated += one.dissipated;
       }

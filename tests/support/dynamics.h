@@ -65,9 +65,11 @@ inline bool is_explicit(std::string_view name) {
          name == "rk4";
 }
 
-// Order on a smooth problem, damped and loaded or not; imexv-thesis has 1 where there is damping.
-inline int order_of(std::string_view name) {
+// Order on a smooth problem, loaded or not; imexv-thesis has 1 where there is damping, ep4 2 where
+// the damping depends on q.
+inline int order_of(std::string_view name, double beta = 0.0) {
   if (name == "explicit-euler" || name == "implicit-euler") return 1;
+  if (name == "ep4" && beta > 0.0) return 2;
   if (name == "verlet4" || name == "rk4" || name == "ep4") return 4;
   return 2;
 }
