@@ -62,8 +62,7 @@ TEST(Halving, StepInPartsIsThatOfTheSmallerSteps) {
       options.split = {.rule = SplitRule::kCount, .count = 2};
       options.tolerance = tolerance;
       options.max_iterations = 1;
-      options.alpha = 0.9;
-      options.beta = 3e-3;
+      options.alpha = 0.9;  // with beta the Jacobian is near, not exact: one iteration is too few
       State state = violent_state();
       const StepLoad load = some_load();
       const StepReport report = make(name, model, options)->step(state, load);
