@@ -21,9 +21,23 @@ constexpr std::size_t quad_count(std::size_t r) {
   return r * (r + 1) / 2 * ((r + 2) * (r + 3) / 2) / 6;
 }
 
+// Number of terms of a quadratic strain over r coordinates: q_0, q_0 q_0, q_1, q_0 q_1, q_1 q_1,
+// ... They are the pairs of (1, q_0 .. q_{r-1}) in the order of pair_index, without the constant,
+// so that those of the first R coordinates are a prefix, too.
+constexpr std::size_t strain_terms(std::size_t r) {
+  return pair_count(r + 1) - 1;
+}
+
 // Place of entry i <= j (<= k <= l), zero-based.
 constexpr std::size_t pair_index(std::size_t i, std::size_t j) {
   return pair_count(j) + i;
+}
+// Place of the strain terms q_j and, for i <= j, q_i q_j.
+constexpr std::size_t strain_index(std::size_t j) {
+  return pair_index(0, j + 1) - 1;
+}
+constexpr std::size_t strain_index(std::size_t i, std::size_t j) {
+  return pair_index(i + 1, j + 1) - 1;
 }
 constexpr std::size_t triple_index(std::size_t i, std::size_t j, std::size_t k) {
   return triple_count(k) + pair_index(i, j);

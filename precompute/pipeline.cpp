@@ -136,6 +136,7 @@ void store_response(RestResponse response, PrecomputeResult& result) {
 void store_coefficients(FinishedCoefficients coefficients, PrecomputeResult& result) {
   result.data.cubic = std::move(coefficients.cubic);
   result.data.quartic = std::move(coefficients.quartic);
+  result.data.strain_gram = std::move(coefficients.strain_gram);
   result.findings.polynomial_error = coefficients.polynomial_error;
 }
 

@@ -76,18 +76,20 @@ std::string outcome_of_basis(const FinishedBasis& finished) {
 }
 
 // Ranks share the elements; all of them get the sum.
-Coefficients sum_coefficients(const Run& run, const System& system) {
-  const BasisRows& rows = run.result.rows;
+Eigen::MatrixXd sum_strain_gram(const Run& run, const System& system) {
   Eigen::MatrixXd gram =
-      strain_gram(system.solid, rows, 0, run.result.local.counted, run.request.threads);
+      strain_gram(system.solid, run.result.rows, 0, run.result.local.counted, run.request.threads);
   sum_over_ranks(gram);
-  return coefficients_from_gram(gram, static_cast<int>(rows.cols()));
+  return gram;
 }
 
 FinishedCoefficients compute_coefficients(const Run& run, const System& system) {
   const PrecomputeResult& result = run.result;
-  Coefficients made = sum_coefficients(run, system);
+  const Eigen::MatrixXd gram = sum_strain_gram(run, system);
+  const auto r = static_cast<int>(result.rows.cols());
+  Coefficients made = coefficients_from_gram(gram, r);
   FinishedCoefficients coefficients;
+  coefficients.strain_gram = packed_strain_gram(gram, r);
   coefficients.polynomial_error =
       polynomial_error(system.solid, result.local.counted, result.rows, result.data.lambda,
                        made.cubic, made.quartic, 0.5 * body_size(result.problem));

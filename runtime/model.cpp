@@ -14,6 +14,7 @@
 #include "runtime/display/interior_rows.h"
 #include "runtime/display/surface.h"
 #include "runtime/frames/frame_inertia.h"
+#include "runtime/kernels/strain_matrix.h"
 
 namespace tremolo {
 namespace {
@@ -126,6 +127,22 @@ Status check_response(const BasisData& data) {
   return Success{};
 }
 
+std::ptrdiff_t strain_numbers(Eigen::Index modes) {
+  return static_cast<std::ptrdiff_t>(pair_count(strain_terms(static_cast<std::size_t>(modes))));
+}
+
+Status check_strain_gram(const BasisData& data) {
+  const std::vector<double>& gram = data.strain_gram;
+  if (std::ssize(gram) != strain_numbers(data.lambda.size()))
+    return content_error("the Gram matrix of the strains does not fit the coordinates");
+  for (std::size_t a = 0; pair_index(a, a) < gram.size(); ++a)
+    if (!(gram[pair_index(a, a)] >= 0.0))
+      return content_error("the Gram matrix of the strains has a negative entry on its diagonal");
+  if (!std::all_of(gram.begin(), gram.end(), [](double value) { return std::isfinite(value); }))
+    return content_error("the Gram matrix of the strains is not finite");
+  return Success{};
+}
+
 // All but the interior and the provenance.
 Result<BasisData> read_visible(BasisReader& reader, const ModelOptions& options) {
   BasisData data;
@@ -213,6 +230,10 @@ Result<Model::Pointer> Model::from_data(const BasisData& data, ModelOptions opti
   if (!data.response.at.empty() && inside.rows() != interior->rows.rows())
     return content_error("the response at places does not fit the vertices inside");
   (*model)->interior_ = std::make_unique<InteriorRows>(std::move(*interior), inside);
+  if (data.strain_gram.empty() || (*model)->potential().linear()) return Pointer(std::move(*model));
+  if (Status s = check_strain_gram(data); !s) return s.error();
+  (*model)->strain_gram_.assign(data.strain_gram.begin(),
+                                data.strain_gram.begin() + strain_numbers(*modes));
   return Pointer(std::move(*model));
 }
 
@@ -225,7 +246,10 @@ Result<Model::Pointer> Model::load(const std::string& path, ModelOptions options
   if (!modes) return modes.error();
   Result<std::shared_ptr<Model>> model = assemble(*data, *modes, options);
   if (!model) return error_of_file(path, model.error());
-  (*model)->interior_ = std::make_unique<InteriorRows>(std::move(*reader), *modes);
+  const auto file = std::shared_ptr<OpenBasis>(new OpenBasis{{}, std::move(*reader)});
+  if (file->reader.has(basis_layout::kStrainGram) && !options.linear && !file->reader.linear())
+    (*model)->strain_file_ = file;
+  (*model)->interior_ = std::make_unique<InteriorRows>(file, *modes);
   return Pointer(std::move(*model));
 }
 
@@ -236,6 +260,29 @@ Result<Model::Pointer> Model::load_from_memory(std::span<const std::byte> bytes,
   const Result<BasisData> data = read_basis(*reader);
   if (!data) return data.error();
   return from_data(*data, options);
+}
+
+bool Model::has_strain_gram() const {
+  const std::scoped_lock lock(strains_mutex_);
+  return strains_ || strain_file_ || !strain_gram_.empty();
+}
+
+Result<std::shared_ptr<const StrainMatrix>> Model::strain_matrix() const {
+  const std::scoped_lock lock(strains_mutex_);
+  if (strains_ || (!strain_file_ && strain_gram_.empty())) return strains_;
+  if (strain_file_) {
+    const std::scoped_lock reading(strain_file_->mutex);
+    if (Status s = take(strain_gram_, strain_file_->reader.strain_gram()); !s) return s.error();
+  }
+  strains_ = std::make_shared<const StrainMatrix>(static_cast<std::size_t>(modes()), strain_gram_);
+  strain_file_.reset();
+  strain_gram_ = {};
+  return strains_;
+}
+
+std::shared_ptr<const StrainMatrix> Model::known_strain_matrix() const {
+  const std::scoped_lock lock(strains_mutex_);
+  return strains_;
 }
 
 Eigen::VectorXd Model::frequencies_hz() const {

@@ -21,6 +21,8 @@
 namespace tremolo {
 
 class InteriorRows;
+class StrainMatrix;
+struct OpenBasis;
 struct SurfaceBasis;
 struct FrameInertia;
 
@@ -71,6 +73,14 @@ class Model {
   // Unique entries of C and Q over the r coordinates, packed as in common/packed_index.h.
   std::span<const double> cubic() const { return potential_.cubic(); }
   std::span<const double> quartic() const { return potential_.quartic(); }
+  // Stiffness damping by strain rates needs the Gram matrix of the strains. False: the file has
+  // none (an imported model, or one made before 1.4), or the model is linear.
+  bool has_strain_gram() const;
+  // Reads it when somebody asks first; null if there is none. Errors of reading the file.
+  // Thread-safe; may throw bad_alloc.
+  Result<std::shared_ptr<const StrainMatrix>> strain_matrix() const;
+  // Null as long as nobody has read it.
+  std::shared_ptr<const StrainMatrix> known_strain_matrix() const;
   // The solid's boundary, whatever is drawn. rows has r columns.
   const VertexBlock& surface() const { return surface_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }  // into surface()
@@ -161,6 +171,10 @@ class Model {
   std::size_t vertex_count_ = 0;
   std::size_t tetrahedron_count_ = 0;
   std::unique_ptr<InteriorRows> interior_;
+  mutable std::mutex strains_mutex_;
+  mutable std::vector<double> strain_gram_;         // of data in memory, until the matrix is made
+  mutable std::shared_ptr<OpenBasis> strain_file_;  // likewise, of a file
+  mutable std::shared_ptr<const StrainMatrix> strains_;
   mutable std::once_flag surface_basis_once_;
   mutable std::unique_ptr<SurfaceBasis> surface_basis_;
   mutable std::once_flag drawn_tree_once_, boundary_tree_once_;

@@ -154,8 +154,8 @@ typedef struct tremolo_body_options {
   const char* integrator; /* a name of tremolo_integrator_name(); "ep4" */
   const char* split;      /* "default", "thesis" or a count such as "9"; "default" */
   double step;            /* h, s; 0.003 */
-  double alpha;           /* Rayleigh damping alpha M + beta K(0), 1/s; 0 */
-  double beta;            /* s; 0 */
+  double alpha;           /* damping by the mass, 1/s; 0 */
+  double beta;            /* damping of the rates of the strains, s; 0 */
   double newmark_beta;    /* 0.25 */
   double newmark_gamma;   /* 0.5 */
   double safety;          /* of the default split, in (0, 1]; 0.9 */

@@ -126,6 +126,7 @@ Result<BasisData> read_basis(BasisReader& reader) {
   if (Status s = take(data.lambda, read_lambda(reader)); !s) return s.error();
   if (Status s = take(data.cubic, reader.coefficients(kCubic)); !s) return s.error();
   if (Status s = take(data.quartic, reader.coefficients(kQuartic)); !s) return s.error();
+  if (Status s = take(data.strain_gram, reader.strain_gram()); !s) return s.error();
   if (Status s = read_blocks(reader, data); !s) return s.error();
   if (Status s = take(data.triangles, read_triangles(reader)); !s) return s.error();
   if (Status s = take(data.load, read_default_load(reader)); !s) return s.error();

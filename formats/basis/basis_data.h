@@ -96,6 +96,10 @@ struct BasisData {
   std::vector<double> cubic;            // C: triple_count(r) entries, packed_index.h
   std::vector<double> quartic;          // Q: quad_count(r) entries; both empty: a linear model
   std::vector<double> singular_values;  // of the mass-PCA, descending, kept and cut
+  // G of V = 1/2 y^T G y, y the strain_terms(r) of packed_index.h: pair_count(strain_terms(r))
+  // entries, place pair_index(a, b) for a <= b. Stiffness damping needs it. Empty: not known (an
+  // imported model, an older file) or a linear model.
+  std::vector<double> strain_gram;
 
   VertexBlock surface;                   // vertices of the boundary
   VertexBlock interior;                  // all others

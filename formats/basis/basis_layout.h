@@ -1,4 +1,4 @@
-// The bytes of a basis file, versions 1.0 to 1.3, that are its own. docs/basis-format.md is the
+// The bytes of a basis file, versions 1.0 to 1.4, that are its own. docs/basis-format.md is the
 // same in prose; change both or neither.
 #pragma once
 
@@ -22,6 +22,8 @@ inline constexpr std::uint16_t kMinorEncoded = 1;
 inline constexpr std::uint16_t kMinorRender = 2;
 // Version of a file of quadratic elements, whatever else it is.
 inline constexpr std::uint16_t kMinorQuadratic = 3;
+// Version of a file with the strains' Gram matrix, whatever else it is.
+inline constexpr std::uint16_t kMinorStrains = 4;
 
 // Section names; basis_sections.cpp has their types and shapes.
 inline constexpr std::string_view kDimensions = "dimensions";
@@ -64,6 +66,10 @@ inline constexpr std::string_view kRenderColours = "render_colours";
 
 // Version 1.3, of quadratic elements.
 inline constexpr std::string_view kEdgePoints = "edge_points";
+
+// Version 1.4, of stiffness damping.
+inline constexpr std::string_view kStrainGram = "strain_gram";
+inline constexpr std::string_view kStrainScale = "strain_scale";  // of a compact file
 
 // Optional ones of any version: the body in a moving frame.
 inline constexpr std::string_view kInertiaRest = "inertia_rest";

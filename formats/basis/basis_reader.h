@@ -58,6 +58,9 @@ class BasisReader {
   Result<std::span<const double>> doubles(std::string_view section);
   // `cubic` or `quartic` as doubles, whatever the encoding.
   Result<std::vector<double>> coefficients(std::string_view section);
+  // The Gram matrix of the strains as in BasisData, whatever the encoding; empty if the file has
+  // none. No entry of its diagonal is negative.
+  Result<std::vector<double>> strain_gram();
   // Ids, each below `bound`.
   Result<std::span<const std::uint32_t>> indices(std::string_view section, std::uint64_t bound);
   Result<std::string_view> text(std::string_view section);

@@ -12,6 +12,7 @@ std::vector<SectionShape> section_shapes(const SectionSizes& sizes) {
   const auto& [r, s, inner, t, fixed, l, v, w, edges, m, p, compact, linear] = sizes;
   const std::uint64_t cubic = linear ? 0 : triple_count(r);
   const std::uint64_t quartic = linear ? 0 : quad_count(r);
+  const std::uint64_t strains = pair_count(strain_terms(r));
   constexpr bool yes = true, no = false;
   return {
       {kDimensions, u64, dimension::kCount, 1, yes},
@@ -22,6 +23,8 @@ std::vector<SectionShape> section_shapes(const SectionSizes& sizes) {
       {kCubic, coefficient, cubic, 1, yes},
       {kQuartic, coefficient, quartic, 1, yes},
       {kEdgePoints, u32, edges, 3, edges > 0},
+      {kStrainScale, f64, 1, 1, no, kStrainGram},
+      {kStrainGram, coefficient, strains, 1, no, compact ? kStrainScale : kStrainGram},
       {kLoadIds, u32, l, 1, no, kLoadForces},
       {kLoadForces, f64, l, 3, no, kLoadIds},
       {kSurfaceIds, u32, s, 1, yes},

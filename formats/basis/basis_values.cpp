@@ -1,6 +1,7 @@
 // Sections of a basis file -> numbers.
 #include <cmath>
 
+#include "common/packed_index.h"
 #include "formats/basis/basis_reader.h"
 #include "formats/basis/compact_values.h"
 
@@ -83,6 +84,26 @@ Result<std::vector<double>> BasisReader::coefficients(std::string_view name) {
       return file_.error_at(name, file_.find(name)->offset + i * sizeof(float),
                             "a value is not finite");
   }
+  return values;
+}
+
+Result<std::vector<double>> BasisReader::strain_gram() {
+  std::vector<double> values;
+  if (!has(kStrainGram)) return values;
+  if (!compact()) {
+    if (Status status = take(values, doubles(kStrainGram)); !status) return status.error();
+  } else {
+    const Result<std::span<const double>> scale = scales(kStrainScale);
+    if (!scale) return scale.error();
+    const Result<std::span<const float>> rounded = floats(kStrainGram);
+    if (!rounded) return rounded.error();
+    for (const float value : *rounded) values.push_back(scale->front() * value);
+  }
+  const std::size_t size = compact() ? sizeof(float) : sizeof(double);
+  for (std::size_t a = 0; pair_index(a, a) < values.size(); ++a)
+    if (const std::size_t i = pair_index(a, a); !(values[i] >= 0.0) || !std::isfinite(values[i]))
+      return file_.error_at(kStrainGram, file_.find(kStrainGram)->offset + i * size,
+                            "an entry of the diagonal is negative or too large");
   return values;
 }
 

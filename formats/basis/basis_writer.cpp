@@ -129,9 +129,13 @@ Contents contents_of(const BasisData& data, const Additions& more) {
     contents[kBasisScales] = bytes_of(compact->basis_scales);
     contents[kCubic] = bytes_of(compact->cubic);
     contents[kQuartic] = bytes_of(compact->quartic);
+    if (!compact->strain_gram.empty()) contents[kStrainScale] = bytes_of(compact->strain_scale);
     contents[kSurfaceBasis] = bytes_of(compact->surface);
     contents[kInteriorBasis] = bytes_of(compact->interior);
   }
+  if (!data.strain_gram.empty())
+    contents[kStrainGram] =
+        more.compact ? bytes_of(more.compact->strain_gram) : bytes_of(data.strain_gram);
   static_assert(sizeof(MeshEdge) == 3 * sizeof(VertexId));
   if (!data.edges.empty()) contents[kEdgePoints] = bytes_of(data.edges);
   if (data.render) add_render(*data.render, more, contents);
@@ -224,8 +228,9 @@ auto with_basis_sections(const BasisData& data, BasisEncoding encoding, const Ro
   if (!sections) return sections.error();
   const std::uint16_t encoded = more->compact || is_linear(data) ? kMinorEncoded : kMinor;
   const std::uint16_t shown = data.render ? kMinorRender : encoded;
+  const std::uint16_t curved = data.edges.empty() ? shown : kMinorQuadratic;
   return use(
-      SectionList{kKind, data.edges.empty() ? shown : kMinorQuadratic, std::move(*sections)});
+      SectionList{kKind, data.strain_gram.empty() ? curved : kMinorStrains, std::move(*sections)});
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <string>
 #include <tuple>
 
+#include "common/packed_index.h"
+
 namespace tremolo {
 namespace {
 
@@ -30,6 +32,19 @@ Status round_coefficients(const std::vector<double>& values, const char* name,
   rounded.reserve(values.size());
   for (const double value : values) rounded.push_back(static_cast<float>(value / scale));
   return Success{};
+}
+
+// Rounding changes an entry G_ab by at most 2^-24 (G_aa G_bb)^1/2, so that the matrix loses at most
+// c 2^-24 times its diagonal.
+void round_strain_gram(const std::vector<double>& gram, CompactValues& compact) {
+  const std::vector<double>& scale = compact.strain_scale;
+  std::size_t terms = 0;
+  while (pair_count(terms) < gram.size()) ++terms;
+  const double grown = 1.0 + static_cast<double>(terms + 1) * std::ldexp(1.0, -24);
+  for (std::size_t a = 0; a < terms; ++a) {
+    const std::size_t i = pair_index(a, a);
+    compact.strain_gram[i] = static_cast<float>(grown * gram[i] / scale.front());
+  }
 }
 
 // The rows of a basis, what to call them in a message, and where their integers go.
@@ -71,6 +86,13 @@ Result<CompactValues> compact_values(const BasisData& data) {
         std::tuple{&data.quartic, "quartic", &compact.quartic}})
     if (Status s = round_coefficients(*values, name, compact.coefficient_scales, *rounded); !s)
       return s.error();
+  if (!data.strain_gram.empty()) {
+    if (Status s = round_coefficients(data.strain_gram, "strain_gram", compact.strain_scale,
+                                      compact.strain_gram);
+        !s)
+      return s.error();
+    round_strain_gram(data.strain_gram, compact);
+  }
   std::vector<Block> blocks = {{&data.surface.rows, "surface", &compact.surface},
                                {&data.interior.rows, "interior", &compact.interior}};
   if (data.render) blocks.push_back({&data.render->rows, "render", &compact.render});

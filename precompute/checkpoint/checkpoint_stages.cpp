@@ -148,6 +148,7 @@ void describe_coefficients(Archive& archive, Value& finished, Eigen::Index r) {
   const std::size_t count = r;
   archive("cubic", finished.cubic, triple_count(count));
   archive("quartic", finished.quartic, quad_count(count));
+  archive("strain_gram", finished.strain_gram, pair_count(strain_terms(count)));
   archive("polynomial_error", finished.polynomial_error);
 }
 

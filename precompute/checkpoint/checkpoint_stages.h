@@ -37,9 +37,9 @@ struct FinishedBasis {
 void keep_basis(Checkpoint& checkpoint, const FinishedBasis& finished);
 std::optional<FinishedBasis> find_basis(Checkpoint& checkpoint, Eigen::Index rows, Eigen::Index r);
 
-// cubic, quartic: as in BasisData.
+// cubic, quartic, strain_gram: as in BasisData.
 struct FinishedCoefficients {
-  std::vector<double> cubic, quartic;
+  std::vector<double> cubic, quartic, strain_gram;
   double polynomial_error = 0;
 };
 void keep_coefficients(Checkpoint& checkpoint, const FinishedCoefficients& finished);

@@ -205,6 +205,22 @@ Eigen::MatrixXd strain_gram(const Solid& solid, const BasisRows& basis, std::siz
   return std::move(sums[0]);
 }
 
+std::vector<double> packed_strain_gram(const Eigen::MatrixXd& gram, int r) {
+  const std::size_t modes = r;
+  std::vector<Eigen::Index> column(strain_terms(modes));  // of each term in `gram`
+  for (std::size_t j = 0; j < modes; ++j) {
+    column[strain_index(j)] = static_cast<Eigen::Index>(j);
+    for (std::size_t i = 0; i <= j; ++i)
+      column[strain_index(i, j)] = static_cast<Eigen::Index>(modes + pair_index(i, j));
+  }
+  std::vector<double> packed;
+  packed.reserve(pair_count(column.size()));
+  for (std::size_t b = 0; b < column.size(); ++b)
+    for (std::size_t a = 0; a <= b; ++a)
+      packed.push_back(gram(std::max(column[a], column[b]), std::min(column[a], column[b])));
+  return packed;
+}
+
 Coefficients coefficients_from_gram(const Eigen::MatrixXd& gram, int r) {
   const std::size_t modes = r;
   const auto entry = [&gram](std::size_t a, std::size_t b) {

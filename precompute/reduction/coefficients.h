@@ -29,4 +29,7 @@ struct Coefficients {
 };
 Coefficients coefficients_from_gram(const Eigen::MatrixXd& gram, int r);
 
+// The lower triangle of strain_gram() as BasisData::strain_gram stores it.
+std::vector<double> packed_strain_gram(const Eigen::MatrixXd& gram, int r);
+
 }  // namespace tremolo

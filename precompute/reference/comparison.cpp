@@ -132,7 +132,9 @@ ReducedBody make_reduced_body(const FullOrder& body, const BasisData& data,
     throw Failure(content_error("--modes " + std::to_string(r) + ": " + name + " has " +
                                 std::to_string(all)));
   ReducedBody reduced = make_reduced_body(
-      body, first_coordinates(make_reduced_model(data.lambda, data.cubic, data.quartic), r),
+      body,
+      first_coordinates(make_reduced_model(data.lambda, data.cubic, data.quartic, data.strain_gram),
+                        r),
       basis_of_unknowns(body, data, r, name));
   const bool compact = data.surface.column_scales.size() > 0;
   require_same_body(body, reduced, compact ? 0.02 : 1e-6, name);

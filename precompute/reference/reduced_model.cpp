@@ -57,6 +57,40 @@ Vector gradient_at(const ReducedModel& model, const StepEquation& equation, cons
          equation.mass * d + equation.rest * model.lambda.cwiseProduct(d);
 }
 
+// The strain terms (packed_index.h) at q.
+Vector strains_at(const Vector& q) {
+  const auto r = index_of(q.size());
+  Vector y(strain_terms(r));
+  for (std::size_t j = 0; j < r; ++j) {
+    y[strain_index(j)] = q[j];
+    for (std::size_t i = 0; i <= j; ++i) y[strain_index(i, j)] = q[i] * q[j];
+  }
+  return y;
+}
+
+// Returns J^T s, J the derivative of the strain terms at q.
+Vector pull_back(const Vector& q, const Vector& s) {
+  const auto r = index_of(q.size());
+  Vector force(r);
+  for (std::size_t j = 0; j < r; ++j) force[j] = s[strain_index(j)];
+  for (std::size_t j = 0; j < r; ++j)
+    for (std::size_t i = 0; i <= j; ++i) {
+      force[i] += s[strain_index(i, j)] * q[j];
+      force[j] += s[strain_index(i, j)] * q[i];
+    }
+  return force;
+}
+
+// G times the change of the strain terms from q to q + d.
+Vector changed_stress(const ReducedModel& model, const Vector& q, const Vector& d) {
+  return model.strains * (strains_at(q + d) - strains_at(q));
+}
+
+Vector damping_force(const ReducedModel& model, const Vector& q, const Vector& d, double fraction) {
+  if (model.strains.size() == 0) return model.lambda.cwiseProduct(d);
+  return pull_back(q + fraction * d, changed_stress(model, q, d));
+}
+
 // Returns a factor of J, shifted by a multiple of the identity until it is positive definite.
 Eigen::LLT<Eigen::MatrixXd> definite_factor(const Eigen::MatrixXd& jacobian) {
   Eigen::LLT<Eigen::MatrixXd> factor(jacobian);
@@ -94,7 +128,8 @@ SolveReport solve(const ReducedModel& model, const SolveOptions& options,
 }  // namespace
 
 ReducedModel make_reduced_model(const Vector& lambda, const std::vector<double>& cubic,
-                                const std::vector<double>& quartic) {
+                                const std::vector<double>& quartic,
+                                const std::vector<double>& strain_gram) {
   ReducedModel model{lambda, {}, {}};
   if (quartic.empty()) return model;
   const auto r = index_of(lambda.size());
@@ -110,6 +145,12 @@ ReducedModel make_reduced_model(const Vector& lambda, const std::vector<double>&
         for (std::size_t k = 0; k <= l; ++k, ++column)
           model.quartic(row, column) = quartic[quad_index_any(i, j, k, l)];
     }
+  if (strain_gram.empty()) return model;
+  const std::size_t terms = strain_terms(r);
+  model.strains.resize(terms, terms);
+  for (std::size_t b = 0; b < terms; ++b)
+    for (std::size_t a = 0; a <= b; ++a)
+      model.strains(a, b) = model.strains(b, a) = strain_gram[pair_index(a, b)];
   return model;
 }
 
@@ -119,6 +160,8 @@ ReducedModel first_coordinates(const ReducedModel& model, Eigen::Index r) {
   const Eigen::Index pairs = pair_count(index_of(r));
   first.cubic = model.cubic.topLeftCorner(pairs, r);
   first.quartic = model.quartic.topLeftCorner(pairs, pairs);
+  const Eigen::Index terms = strain_terms(index_of(r));
+  if (model.strains.size() > 0) first.strains = model.strains.topLeftCorner(terms, terms);
   return first;
 }
 
@@ -133,6 +176,10 @@ Vector reduced_force(const ReducedModel& model, const std::vector<SegmentPoint>&
   const std::vector<Contraction> contractions = contract(model, at);
   Vector force = Vector::Zero(q.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].rate) {
+      force += points[i].weight * damping_force(model, q, d, points[i].fraction);
+      continue;
+    }
     const Vector here = at.col(i);
     force +=
         points[i].weight * (model.lambda.cwiseProduct(here) +
@@ -146,7 +193,8 @@ Eigen::MatrixXd reduced_tangent(const ReducedModel& model, const std::vector<Seg
   const std::vector<Contraction> contractions = contract(model, positions(points, q, d));
   Eigen::MatrixXd tangent = Eigen::MatrixXd::Zero(q.size(), q.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double weight = points[i].weight * points[i].fraction;
+    // Of stiffness damping the tangent at the point: it differs by the stress there.
+    const double weight = points[i].weight * (points[i].rate ? 1.0 : points[i].fraction);
     tangent += weight * (6.0 * contractions[i].cubic + 12.0 * contractions[i].quartic);
     tangent.diagonal() += weight * model.lambda;
   }
@@ -155,7 +203,10 @@ Eigen::MatrixXd reduced_tangent(const ReducedModel& model, const std::vector<Seg
 
 SecondOrderSystem make_system(const ReducedModel& model, SolveOptions options) {
   return {model.size(), [](const Vector& x) { return x; },
-          [&model](const Vector& x) -> Vector { return model.lambda.cwiseProduct(x); },
+          [&model](const Vector& q, const Vector& d) {
+            if (model.strains.size() == 0) return d.dot(model.lambda.cwiseProduct(d));
+            return changed_stress(model, q, d).dot(strains_at(q + d) - strains_at(q));
+          },
           [&model](const Vector& q) { return reduced_energy(model, q); },
           [&model, options](const StepEquation& equation, double energy, Vector& d) {
             return solve(model, options, equation, energy, d);

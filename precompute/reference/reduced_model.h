@@ -9,17 +9,20 @@ namespace tremolo {
 
 // cubic: pairs x r, C_ijk; quartic: pairs x pairs, Q_ijkl; rows and columns in the order of
 // pair_index (common/packed_index.h), so that the first coordinates form a leading block. Both are
-// empty for a linear model.
+// empty for a linear model. strains: the Gram matrix of BasisData::strain_gram, whole; empty if it
+// is not known: stiffness damping is then that of the rest shape.
 struct ReducedModel {
   Vector lambda;
   Eigen::MatrixXd cubic, quartic;
+  Eigen::MatrixXd strains = {};
   Eigen::Index size() const { return lambda.size(); }
 };
 
 // cubic, quartic: unique entries (packed_index.h) for at least r coordinates; empty: a linear
 // model.
 ReducedModel make_reduced_model(const Vector& lambda, const std::vector<double>& cubic,
-                                const std::vector<double>& quartic);
+                                const std::vector<double>& quartic,
+                                const std::vector<double>& strain_gram = {});
 
 // Returns the model of the first r coordinates.
 ReducedModel first_coordinates(const ReducedModel& model, Eigen::Index r);

@@ -44,8 +44,8 @@ bool take_step(const SecondOrderSystem& system, const TimeSettings& settings, do
   const double factor = std::exp(-0.5 * settings.alpha * step);
   apply_mass_damping(factor, next);
   const Vector momentum = system.mass_times(next.v);
-  const StepEquation equation{2.0 / (step * step), settings.beta / step,
-                              segment_points(settings.scheme), next.u,
+  const StepEquation equation{2.0 / (step * step), 0.0,
+                              segment_points(settings.scheme, settings.beta / step), next.u,
                               (-2.0 / step) * momentum - load};
   Vector d = predict(next, step);
   const SolveReport report = system.solve(equation, std::max(0.0, motion.total()), d);
@@ -56,7 +56,8 @@ bool take_step(const SecondOrderSystem& system, const TimeSettings& settings, do
   if (report.scale > 0)
     next.worst_residual = std::max(next.worst_residual, report.residual / report.scale);
   next.work += load.dot(d);
-  if (settings.beta > 0) next.dissipated += (settings.beta / step) * d.dot(system.rest_times(d));
+  if (settings.beta > 0)
+    next.dissipated += (settings.beta / step) * system.strain_change_work(next.u, d);
   next.u += d;
   next.v = (2.0 / step) * d - next.v;
   next.kinetic = kinetic_energy(system, next.v);
@@ -85,10 +86,15 @@ void advance_part(const SecondOrderSystem& system, const TimeSettings& settings,
 
 }  // namespace
 
-std::vector<SegmentPoint> segment_points(TimeScheme scheme) {
-  if (scheme == TimeScheme::kMidpoint) return {{1.0, 0.5}};
+std::vector<SegmentPoint> segment_points(TimeScheme scheme, double damping) {
   const double off = 0.5 / std::numbers::sqrt3;
-  return {{0.5, 0.5 - off}, {0.5, 0.5 + off}};
+  std::vector<SegmentPoint> points;
+  if (scheme == TimeScheme::kMidpoint)
+    points = {{1.0, 0.5}};
+  else
+    points = {{0.5, 0.5 - off}, {0.5, 0.5 + off}};
+  if (damping > 0) points.push_back({damping, 0.5, true});
+  return points;
 }
 
 Motion start_motion(const SecondOrderSystem& system, Vector u, Vector v) {

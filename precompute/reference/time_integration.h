@@ -1,11 +1,11 @@
 // Time integration of the full mesh or of the reduced model, by the same steps.
 //
 // With d = u1 - u0, the mean load f over the step and momentum M v:
-//   M (2/h) (d/h - v0) + F + beta K d/h = f,    v1 = 2 d/h - v0.
+//   M (2/h) (d/h - v0) + F + F_v = f,    v1 = 2 d/h - v0.
 // F = f(u0 + d/2) for the implicit midpoint rule, the mean of f(u) on the segment for the averaged
-// vector field (exact with two Gauss points, since f is cubic): H1 - H0 = f . d - d . beta K d/h.
-// Mass damping multiplies v by exp(-alpha h/2) before and after the step. K is the stiffness at
-// rest.
+// vector field (exact with two Gauss points, since f is cubic). F_v is the force of the stress
+// beta C : (E1 - E0)/h at u0 + d/2: H1 - H0 = f . d - beta/h int (E1 - E0) : C : (E1 - E0).
+// Mass damping multiplies v by exp(-alpha h/2) before and after the step.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,9 @@ namespace tremolo {
 
 enum class TimeScheme { kMidpoint, kAveragedField };
 
-// Returns the points at which the scheme evaluates the force.
-std::vector<SegmentPoint> segment_points(TimeScheme scheme);
+// Returns the points at which the scheme evaluates the force; with stiffness damping, beta/h, the
+// point of its stress, too.
+std::vector<SegmentPoint> segment_points(TimeScheme scheme, double damping = 0);
 
 // step: s; alpha: 1/s; beta: s.
 struct TimeSettings {

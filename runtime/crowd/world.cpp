@@ -71,14 +71,20 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
                        std::to_string(available));
   const Eigen::Index modes = options.modes == 0 ? available : options.modes;
   WorldGroup group;
-  if (steps_in_lanes(options.integrator)) {
+  // Lanes have the damping at rest alone.
+  const bool strain_damped = options.options.beta > 0.0 && !model->potential().linear();
+  if (steps_in_lanes(options.integrator) && !strain_damped) {
     Result<LaneGroup> lanes = LaneGroup::create(*model, options.integrator, options.options,
                                                 static_cast<std::size_t>(modes), options.precision);
     if (!lanes) return lanes.error();
     group.lanes.emplace(std::move(*lanes));
   } else if (modes != available) {
-    return usage_error("only verlet and imexv-linear leave coordinates out; load the model with " +
-                       std::to_string(modes) + " modes");
+    return usage_error(
+        std::string(strain_damped && steps_in_lanes(options.integrator)
+                        ? "with beta > 0 the bodies of a group step each by itself and leave no "
+                          "coordinates out"
+                        : "only verlet and imexv-linear leave coordinates out") +
+        "; load the model with " + std::to_string(modes) + " modes");
   }
   const Result<Split> band =
       choose_split(model->lambda().head(modes), options.options.step, options.options.split);

@@ -30,20 +30,22 @@ Result<VertexBlock> leading_columns(const VertexBlock& block, Eigen::Index modes
 Result<const VertexBlock*> InteriorRows::block() {
   const std::scoped_lock lock(mutex_);
   if (!block_) {
-    if (!reader_->has(basis_layout::kInteriorIds)) {
+    const std::scoped_lock reading(file_->mutex);
+    BasisReader& reader = file_->reader;
+    if (!reader.has(basis_layout::kInteriorIds)) {
       block_.emplace();
     } else {
-      const Result<VertexBlock> all = reader_->vertex_block(
+      const Result<VertexBlock> all = reader.vertex_block(
           basis_layout::kInteriorIds, basis_layout::kInteriorRest, basis_layout::kInteriorBasis);
       if (!all) return all.error();
       Result<VertexBlock> leading = leading_columns(*all, modes_, "interior");
       if (!leading) return leading.error();
-      if (reader_->has(basis_layout::kResponseAt))
-        if (Status s = take(response_, read_response_inside(*reader_)); !s) return s.error();
+      if (reader.has(basis_layout::kResponseAt))
+        if (Status s = take(response_, read_response_inside(reader)); !s) return s.error();
       block_ = std::move(*leading);
     }
-    reader_.reset();
   }
+  file_.reset();
   return &*block_;
 }
 

@@ -1,6 +1,7 @@
 // Rows of the vertices inside a solid: in memory, or in a file until somebody asks.
 #pragma once
 
+#include <memory>
 #include <mutex>
 #include <optional>
 
@@ -14,13 +15,19 @@ namespace tremolo {
 // kContent if sizes differ, ids do not ascend or a value is not finite.
 Result<VertexBlock> leading_columns(const VertexBlock& block, Eigen::Index modes, const char* name);
 
+// A file of which more is read when somebody asks for it.
+struct OpenBasis {
+  std::mutex mutex;  // of the reader
+  BasisReader reader;
+};
+
 class InteriorRows {
  public:
   // response: as in LocalResponse; no columns if there is none.
   InteriorRows(VertexBlock block, BasisRows response)
       : block_(std::move(block)), response_(std::move(response)) {}
-  InteriorRows(BasisReader reader, Eigen::Index modes)
-      : reader_(std::move(reader)), modes_(modes) {}
+  InteriorRows(std::shared_ptr<OpenBasis> file, Eigen::Index modes)
+      : file_(std::move(file)), modes_(modes) {}
 
   // The block, read on first use. Thread-safe; the reference stays valid as long as the object.
   Result<const VertexBlock*> block();
@@ -29,7 +36,7 @@ class InteriorRows {
 
  private:
   std::mutex mutex_;
-  std::optional<BasisReader> reader_;  // gone once the block is there
+  std::shared_ptr<OpenBasis> file_;  // gone once the block is there
   Eigen::Index modes_ = 0;
   std::optional<VertexBlock> block_;
   BasisRows response_;

@@ -60,6 +60,7 @@
 #include "runtime/integrators/methods.h"
 #include "runtime/integrators/solve/inertia_filter.h"
 #include "runtime/integrators/solve/newton.h"
+#include "runtime/integrators/solve/strain_damping.h"
 
 namespace tremolo {
 namespace {
@@ -88,13 +89,15 @@ class EnergyPreserving final : public Integrator {
         D_(damping.D),
         theta_D_(damping.theta.cwiseProduct(D_)),
         S_((0.5 + h_ * theta_D_.array()).inverse().matrix()),
+        strain_(*model_, options.beta),
         N_(std::move(filter)),
         workspace_(model_->potential().make_workspace(kUseSegment)),
         Z_(MatrixXd::Zero(D_.size(), D_.size())),
         N_matrix_(Z_),
         newton_(D_.size()) {
-    for (VectorXd* v : {&d_, &q1_, &G_, &G_before_, &d_hat_before_, &G_predicted_, &G_missed_,
-                        &d_hat_, &dp_hat_, &b_hat_, &g_hat_, &x_})
+    for (VectorXd* v :
+         {&d_, &q1_, &G_, &G_before_, &d_hat_before_, &G_predicted_, &G_missed_, &d_hat_, &dp_hat_,
+          &b_hat_, &g_hat_, &x_, &middle_, &rest_, &rest_predicted_, &rest_missed_})
       v->setZero(D_.size());
     for (VectorXd& v : moves_) v.setZero(D_.size());
     z1_ = {d_, d_};
@@ -105,6 +108,10 @@ class EnergyPreserving final : public Integrator {
     p0_ = &state.p;
     load_ = &load;
     if (load.coupling != nullptr) load.coupling->begin(h_, state.q, state.p);
+    if (strain_.present()) {
+      middle_ = state.q + (0.5 * h_) * state.p;
+      strain_.stand_at(middle_);
+    }
     StepReport report = solve(state);
     report.converged = report.converged && q1_.allFinite() && dp_hat_.allFinite();
     if (!report.converged) return report;
@@ -112,7 +119,8 @@ class EnergyPreserving final : public Integrator {
     VectorXd& dp = dp_hat_;
     N_.from_basis(dp);
     if (damped_)
-      report.dissipated = D_.dot(d_.cwiseAbs2()) / h_ + h_ * theta_D_.dot(dp.cwiseAbs2());
+      report.dissipated =
+          D_.dot(d_.cwiseAbs2()) / h_ + h_ * theta_D_.dot(dp.cwiseAbs2()) + rest_work_;
     if (fourth_order() && load.active)
       report.extra_work = h_ / 12.0 * (load.end - load.start).dot(dp);
     state.q = q1_;
@@ -135,6 +143,7 @@ class EnergyPreserving final : public Integrator {
     if constexpr (Filter::kFollowsTheState) {
       if (!N_of_last_step_ || !stream.good()) return;
       stream(z1_, G_before_, d_hat_before_, G_missed_, N_);
+      if (strain_.present()) stream(rest_missed_);
     } else {
       stream.require(!N_of_last_step_);
     }
@@ -204,6 +213,7 @@ class EnergyPreserving final : public Integrator {
     N_.apply(g_hat_);
     x_ *= h;
     if (damped_) x_ += D_.cwiseProduct(d_);
+    if (strain_.present()) x_ += rest_;
     N_.to_basis(x_);
     g_hat_ = (0.5 * h) * (g_hat_ + x_);
     return relative_residual(g_hat_.norm(), tolerance_, h, p0_->norm(), G_.norm(), f_norm);
@@ -219,6 +229,19 @@ class EnergyPreserving final : public Integrator {
       N_.from_basis(x_);
       G_predicted_ = G_before_ + 2.0 / (h_ * h_) * x_;
       G_ = G_predicted_ + G_missed_;
+      if (!strain_.present()) return;
+      predict_rest();
+      rest_ = rest_predicted_ + rest_missed_;
+    }
+  }
+
+  // rest(qm) d with the K of the step before in the place of J^T G J.
+  void predict_rest() {
+    if constexpr (Filter::kFollowsTheState) {
+      x_ = d_hat_;
+      N_.multiply(x_);
+      N_.from_basis(x_);
+      rest_predicted_ = strain_.beta() * (4.0 / (h_ * h_) * x_ - model_->lambda().cwiseProduct(d_));
     }
   }
 
@@ -229,6 +252,7 @@ class EnergyPreserving final : public Integrator {
       N_.multiply(x_);
       N_.from_basis(x_);
       G_predicted_ += 2.0 / (h_ * h_) * x_;
+      if (strain_.present()) predict_rest();
     }
   }
 
@@ -236,6 +260,9 @@ class EnergyPreserving final : public Integrator {
   void evaluate_gradient(MatrixXd* K) {
     q1_ = *q0_ + d_;
     model_->potential().averaged_gradient(*q0_, q1_, workspace_, G_, K);
+    if (!strain_.present()) return;
+    middle_ = *q0_ + 0.5 * d_;
+    rest_work_ = strain_.force(middle_, d_, rest_) / h_;
   }
 
   // N and the frozen Jacobian from the K in Z_, and what of (a) depends on them. False if they
@@ -266,6 +293,7 @@ class EnergyPreserving final : public Integrator {
       return true;
     }
     G_missed_.setZero();
+    rest_missed_.setZero();
     N_of_last_step_ = false;
     evaluate_gradient(&Z_);
     return make_filter();
@@ -321,6 +349,7 @@ class EnergyPreserving final : public Integrator {
     if (from_prediction) move_prediction(move);
     evaluate_gradient(&Z_);
     if (from_prediction) G_missed_ = G_ - G_predicted_;
+    if (from_prediction && strain_.present()) rest_missed_ = rest_ - rest_predicted_;
     return make_filter();
   }
 
@@ -362,11 +391,13 @@ class EnergyPreserving final : public Integrator {
     newton_.residual = g_hat_;
     N_.from_basis(newton_.residual);
     model_->potential().averaged_jacobian(*q0_, q1_, workspace_, newton_.jacobian);
-    newton_.jacobian *= 0.5 * h_ * h_;
+    newton_.jacobian *= 0.5 * h_ * h_ + h_ * strain_.beta();
     MatrixXd& SN = Z_;
     SN = S_.asDiagonal() * N_matrix_;
     newton_.jacobian.noalias() += 0.5 * N_matrix_ * SN;
     newton_.jacobian.diagonal() += (0.5 * h_) * D_;
+    if (strain_.present())
+      newton_.jacobian.diagonal() -= (0.5 * h_ * strain_.beta()) * model_->lambda();
     return ratio;
   }
 
@@ -382,6 +413,7 @@ class EnergyPreserving final : public Integrator {
   VectorXd D_;                   // 1/s
   VectorXd theta_D_;
   VectorXd S_;
+  StrainDamping strain_;
   Filter N_;
   PotentialWorkspace workspace_;
   MatrixXd Z_;         // h^2 K/4, spent by N_.compute(); scratch of the exact solve
@@ -399,6 +431,13 @@ class EnergyPreserving final : public Integrator {
   VectorXd b_hat_;
   VectorXd g_hat_;
   VectorXd x_;  // scratch
+  // Of strain_: rest(qm) d, what is expected of it before it is evaluated (without rest_missed_,
+  // the difference in the step before), and its work d.rest(qm) d/h, J.
+  VectorXd middle_;
+  VectorXd rest_;
+  VectorXd rest_predicted_;
+  VectorXd rest_missed_;
+  double rest_work_ = 0.0;
   std::array<VectorXd, kUpdates> moves_;
   const VectorXd* q0_ = nullptr;
   const VectorXd* p0_ = nullptr;
@@ -435,8 +474,7 @@ IntegratorPointer make_ep4(Model::Pointer model, const IntegratorOptions& option
     const Index r = model->modes();
     return make_step("ep4", std::move(model), options, damping, MatrixFilter(r));
   }
-  const VectorXd z = (0.25 * options.step * options.step) * model->lambda();
-  return make_step("ep4", std::move(model), options, damping, DampedMatrixFilter(damping, z));
+  return make_step("ep4", std::move(model), options, damping, DampedMatrixFilter(damping));
 }
 
 }  // namespace tremolo

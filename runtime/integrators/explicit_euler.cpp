@@ -19,9 +19,9 @@ class ExplicitEuler final : public OneStep {
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
     z0_ = state;
-    rates(z0_, load.average, k_);
+    const double power = rates(z0_, load.average, k_);
     advance(z0_, h_, k_, state);
-    return finish({.dissipated = h_ * dissipation(z0_.p)}, state);
+    return finish({.dissipated = h_ * power}, state);
   }
 
  private:

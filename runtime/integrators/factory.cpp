@@ -97,6 +97,8 @@ std::span<const std::string_view> integrator_names() {
 MadeIntegrator make_integrator(std::string_view name, Model::Pointer model,
                                const IntegratorOptions& wanted) {
   if (!model) return usage_error("an integrator needs a model");
+  if (wanted.beta > 0.0)
+    if (const auto strains = model->strain_matrix(); !strains) return strains.error();
   for (const Entry& entry : kEntries) {
     if (entry.name != name) continue;
     if (Status status = check_options(wanted); !status) return status.error();

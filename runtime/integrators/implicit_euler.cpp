@@ -25,12 +25,12 @@ class ImplicitEuler final : public ImplicitStep {
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
     Eigen::VectorXd& d = newton_.unknowns;
-    d = h_ * state.p;
+    begin_solve(1.0, state);
     StepReport report = solve_newton(newton_, max_iterations_, [&] {
       return evaluate_one_stage(1.0, state, load.average, true);
     });
     if (!report.converged) return report;
-    report.dissipated = dissipation(d) / h_;
+    report.dissipated = dissipated();
     state.q += d;
     state.p = d / h_;
     return report;

@@ -20,8 +20,9 @@ class ImplicitStep : public OneStep {
   //
   //     d - h p0 + theta h^2 [R(qm) + D d/h - f]
   //
-  // and, if it is wanted, the Jacobian I + theta^2 h^2 K(qm) + theta h D. f: average of the load
-  // over the step. Returns relative_residual().
+  // and, if it is wanted, the Jacobian I + theta^2 h^2 K(qm) + theta h D. D has its rest at qm; of
+  // that the Jacobian has beta (K - Lambda), which is near. f: average of the load over the step.
+  // Returns relative_residual().
   double evaluate_one_stage(double theta, const State& z0, const Eigen::VectorXd& f,
                             bool jacobian) {
     const double h = h_;
@@ -29,18 +30,36 @@ class ImplicitStep : public OneStep {
     qm_ = z0.q + theta * d;
     const auto& [V, R, K] = V_.evaluate(qm_, jacobian ? kWantForce | kWantTangent : kWantForce);
     newton_.residual = d - h * z0.p + (theta * h * h) * (R - f) + (theta * h) * D_.cwiseProduct(d);
+    if (strain_.present()) {
+      rest_work_ = strain_.force(qm_, d, rest_) / h;
+      newton_.residual += (theta * h) * rest_;
+    }
     if (jacobian) {
-      newton_.jacobian = (theta * theta * h * h) * K;
+      const double beta = strain_.beta();
+      newton_.jacobian = (theta * theta * h * h + theta * h * beta) * K;
       newton_.jacobian.diagonal().array() += 1.0 + theta * h * D_.array();
+      if (strain_.present()) newton_.jacobian.diagonal() -= (theta * h * beta) * model_->lambda();
     }
     return relative_residual(newton_.residual.norm(), tolerance_, h, z0.p.norm(), R.norm(),
                              f.norm());
   }
 
+  // d = h p0, where a solve begins.
+  void begin_solve(double theta, const State& z0) {
+    newton_.unknowns = h_ * z0.p;
+    if (!strain_.present()) return;
+    qm_ = z0.q + theta * newton_.unknowns;
+    strain_.stand_at(qm_);
+  }
+
+  // d.D d/h, what damping took on the way d, J.
+  double dissipated() const { return dissipation(newton_.unknowns) / h_ + rest_work_; }
+
   double tolerance_;
   int max_iterations_;
   NewtonWorkspace newton_;
-  Eigen::VectorXd qm_;  // where R and K are taken
+  Eigen::VectorXd qm_;      // where R and K are taken
+  double rest_work_ = 0.0;  // d.rest(qm) d/h, J
 };
 
 }  // namespace tremolo

@@ -25,12 +25,12 @@ class Midpoint final : public ImplicitStep {
 
   StepReport step(State& state, const StepLoad& load) noexcept override {
     Eigen::VectorXd& d = newton_.unknowns;
-    d = h_ * state.p;
+    begin_solve(0.5, state);
     StepReport report = solve_frozen(newton_, max_iterations_, [&](bool jacobian) {
       return evaluate_one_stage(0.5, state, load.average, jacobian);
     });
     if (!report.converged) return report;
-    report.dissipated = dissipation(d) / h_;
+    report.dissipated = dissipated();
     state.q += d;
     state.p = (2.0 / h_) * d - state.p;
     return report;

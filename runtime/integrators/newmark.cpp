@@ -3,7 +3,7 @@
 //
 //     q1 = q0 + h v0 + h^2 [(1/2 - beta) a0 + beta a1]
 //     v1 = v0 + h [(1 - gamma) a0 + gamma a1]
-//     a1 + D v1 + R(q1) = f((t+h)-)
+//     a1 + D v1 + R(q1) = f((t+h)-)             D with its rest at q1 (solve/strain_damping.h)
 //
 // a0 is not carried over but recomputed from the left end's own load, a0 = f(t+) - D v0 - R(q0):
 // where f jumps between two steps each step then sees the value on its side. The unknown is
@@ -34,7 +34,7 @@ class Newmark final : public ImplicitStep {
         beta_(options.newmark_beta),
         gamma_(options.newmark_gamma),
         z1_{VectorXd::Zero(model_->modes()), VectorXd::Zero(model_->modes())} {
-    for (VectorXd* v : {&a0_, &q1_, &v1_, &R_predicted_, &R_missed_, &Kd_})
+    for (VectorXd* v : {&a0_, &q1_, &v1_, &R_predicted_, &R_missed_, &Kd_, &rest0_, &rest1_})
       v->setZero(model_->modes());
   }
 
@@ -42,6 +42,7 @@ class Newmark final : public ImplicitStep {
     const VectorXd& R0 = V_.force(state.q);  // the last that the step before evaluated
     a0_ = load.start - D_.cwiseProduct(state.p) - R0;
     R0_norm_ = R0.norm();
+    if (strain_.present()) begin_rest(state);
     VectorXd& w = newton_.unknowns;
     w = (h_ * h_) * a0_;
     if (!w.allFinite()) return {.residual = w.norm(), .converged = false};
@@ -56,18 +57,40 @@ class Newmark final : public ImplicitStep {
         newton_, max_iterations_, [&](bool jacobian) { return evaluate(state, load, jacobian); });
     if (!report.converged) return report;
     report.dissipated = dissipation(q1_ - state.q) / h_;
+    if (strain_.present()) report.dissipated += rest_work(state.q);
     state.q = q1_;
     state.p = v1_;
     z1_ = state;
+    if (strain_.present()) rest1_ = rest_;
     return report;
   }
 
   void carry(StateStream& stream) override {
     stream(V_, newton_.frozen);
     if (newton_.frozen && stream.good()) stream(newton_.jacobian, newton_.cholesky, z1_, R_missed_);
+    if (strain_.present()) stream(rest1_, z1_);
   }
 
  private:
+  // The rest of the damping at the start.
+  void begin_rest(const State& z0) {
+    q1_ = z0.q + h_ * z0.p;
+    strain_.stand_at(q1_);
+    if (z1_.q == z0.q && z1_.p == z0.p)
+      rest0_ = rest1_;
+    else
+      strain_.force(z0.q, z0.p, rest0_);
+    a0_ -= rest0_;
+  }
+
+  // d.rest d/h in the middle of the step from q0 to q1_, J.
+  double rest_work(const VectorXd& q0) {
+    VectorXd &d = Kd_, &middle = R_predicted_;
+    d = q1_ - q0;
+    middle = 0.5 * (q0 + q1_);
+    return strain_.force(middle, d, a0_) / h_;
+  }
+
   // Sets w to the solution with the predicted R(q1).
   void predict(const State& z0, const StepLoad& load, const VectorXd& R0) {
     const double h = h_;
@@ -77,6 +100,10 @@ class Newmark final : public ImplicitStep {
     d = h * z0.p + (0.5 - beta_) * h * h * a0_ + beta_ * w;
     multiply_by_tangent(d);
     R_predicted_ = R0 + Kd_;
+    if (strain_.present()) {
+      rest_ = v1_ - z0.p;
+      R_predicted_ += rest0_ + multiply_by_tangent_rest();
+    }
     VectorXd& dw = newton_.correction;
     dw = w + (h * h) * (D_.cwiseProduct(v1_) + R_predicted_ + R_missed_ - load.end);
     newton_.cholesky.solve(dw);
@@ -84,13 +111,25 @@ class Newmark final : public ImplicitStep {
     d = -beta_ * dw;
     multiply_by_tangent(d);
     R_predicted_ += Kd_;
+    if (!strain_.present()) return;
+    rest_ = (-gamma_ / h) * dw;
+    R_predicted_ += multiply_by_tangent_rest();
+  }
+
+  // Kd_ = beta (K - Lambda) v for v = rest_, K as in multiply_by_tangent().
+  const VectorXd& multiply_by_tangent_rest() {
+    multiply_by_tangent(rest_);
+    Kd_ -= model_->lambda().cwiseProduct(rest_);
+    Kd_ *= strain_.beta();
+    return Kd_;
   }
 
   // Kd_ = K d, with K from the Jacobian of the step before.
   void multiply_by_tangent(const VectorXd& d) {
     Kd_.noalias() = newton_.jacobian * d;
     Kd_ -= d + gamma_ * h_ * D_.cwiseProduct(d);
-    Kd_ /= beta_ * h_ * h_;
+    if (strain_.present()) Kd_ += (gamma_ * h_ * strain_.beta()) * model_->lambda().cwiseProduct(d);
+    Kd_ /= beta_ * h_ * h_ + gamma_ * h_ * strain_.beta();
   }
 
   double evaluate(const State& z0, const StepLoad& load, bool jacobian) {
@@ -100,17 +139,23 @@ class Newmark final : public ImplicitStep {
     v1_ = z0.p + (1.0 - gamma_) * h * a0_ + (gamma_ / h) * w;
     const bool tangent = jacobian && beta_ > 0.0;
     const auto& [V, R, K] = V_.evaluate(q1_, tangent ? kWantForce | kWantTangent : kWantForce);
+    if (strain_.present()) strain_.force(q1_, v1_, rest_);
     if (jacobian && predicted_) {
       R_missed_ = R - R_predicted_;
+      if (strain_.present()) R_missed_ += rest_;
       predicted_ = false;
     }
     newton_.residual = w + (h * h) * (D_.cwiseProduct(v1_) + R - load.end);
+    if (strain_.present()) newton_.residual += (h * h) * rest_;
     if (jacobian) {
+      const double of_damping = gamma_ * h * strain_.beta();
       if (tangent)
-        newton_.jacobian = (beta_ * h * h) * K;
+        newton_.jacobian = (beta_ * h * h + of_damping) * K;
       else
         newton_.jacobian.setZero();
       newton_.jacobian.diagonal().array() += 1.0 + gamma_ * h * D_.array();
+      if (tangent && strain_.present())
+        newton_.jacobian.diagonal() -= of_damping * model_->lambda();
     }
     return relative_residual(newton_.residual.norm(), tolerance_, h, z0.p.norm(), R0_norm_,
                              std::max(load.start.norm(), load.end.norm()));
@@ -127,6 +172,8 @@ class Newmark final : public ImplicitStep {
   VectorXd R_predicted_;    // R(q1) by predict(), without R_missed_
   VectorXd R_missed_;       // R(q1) less R_predicted_ at the step before
   VectorXd Kd_;
+  VectorXd rest0_;  // the rest of the damping at the start; rest_ is that at the end
+  VectorXd rest1_;  // at the end of the last step that succeeded
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 //
 //     q'' + D q' + R(q) = f(t),     R = grad V,   K = grad R,   p = q'
 //
+// with D = alpha + beta Lambda + rest(q) (solve/damping.h, solve/strain_damping.h),
 // from (q0, p0) to (q1, p1) in the step h. A method derives from OneStep, opens its file with its
 // equation and writes that down in step().
 #pragma once
@@ -12,6 +13,7 @@
 #include "runtime/integrators/methods.h"
 #include "runtime/integrators/solve/damping.h"
 #include "runtime/integrators/solve/potential_cache.h"
+#include "runtime/integrators/solve/strain_damping.h"
 
 namespace tremolo {
 
@@ -32,7 +34,9 @@ class OneStep : public Integrator {
         h_(options.step),
         D_(damping_rates(model_->lambda(), options.alpha, options.beta)),
         V_(model_->potential(), want, uses),
-        z0_{D_, D_} {}
+        z0_{D_, D_},
+        strain_(*model_, options.beta),
+        rest_(Eigen::VectorXd::Zero(D_.size())) {}
 
   // Ends the step that began at z0_: where its solve failed or a number is not finite, the state is
   // put back to z0_ and the report says so.
@@ -42,10 +46,16 @@ class OneStep : public Integrator {
     return report;
   }
 
-  // k = F(t, z), the rates of z = (q, p) under the load f:  q' = p,  p' = f - R(q) - D p.
-  void rates(const State& z, const Eigen::VectorXd& f, State& k) const {
+  // k = F(t, z), the rates of z = (q, p) under the load f:  q' = p,  p' = f - R(q) - D(q) p.
+  // Returns what damping takes there, W.
+  double rates(const State& z, const Eigen::VectorXd& f, State& k) {
     k.q = z.p;
     k.p = f - V_.force(z.q) - D_.cwiseProduct(z.p);
+    const double power = dissipation(z.p);
+    if (!strain_.present()) return power;
+    const double more = strain_.force_at(z.q, z.p, rest_);
+    k.p -= rest_;
+    return power + more;
   }
 
   // to = from + s k.
@@ -54,7 +64,7 @@ class OneStep : public Integrator {
     to.p = from.p + s * k.p;
   }
 
-  // p.D p, W: what damping takes at the velocity p.
+  // p.D p, W: what damping takes at the velocity p, without the rest of StrainDamping.
   template <class Velocity>
   double dissipation(const Eigen::MatrixBase<Velocity>& p) const {
     return (p.array().square() * D_.array()).sum();
@@ -66,6 +76,8 @@ class OneStep : public Integrator {
   Eigen::VectorXd D_;         // the diagonal of D, 1/s, r
   mutable PotentialCache V_;  // V, R and K
   State z0_;                  // (q0, p0), for methods that change the state before they know
+  StrainDamping strain_;      // the part of the damping that depends on q
+  Eigen::VectorXd rest_;      // its force or impulse, r
 };
 
 }  // namespace tremolo

@@ -24,9 +24,9 @@ class Rk2 final : public OneStep {
     z0_ = state;
     rates(z0_, load.start, k_);
     advance(z0_, 0.5 * h_, k_, zm_);
-    rates(zm_, load.average, k_);
+    const double power = rates(zm_, load.average, k_);
     advance(z0_, h_, k_, state);
-    return finish({.dissipated = h_ * dissipation(zm_.p)}, state);
+    return finish({.dissipated = h_ * power}, state);
   }
 
  private:

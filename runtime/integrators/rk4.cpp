@@ -47,9 +47,8 @@ class Rk4 final : public OneStep {
       const double share = weight * h_;
       advance(z0_, node * h_, k_, z_);
       load_at(load, node, f_);
-      rates(z_, f_, k_);
+      report.dissipated += share * rates(z_, f_, k_);
       advance(state, share, k_, state);
-      report.dissipated += share * dissipation(z_.p);
       work += share * f_.dot(z_.p);
     }
     report.extra_work = work - load.average.dot(state.q - z0_.q);

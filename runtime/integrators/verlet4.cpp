@@ -18,6 +18,9 @@
 // they meet the conditions of third order to 3e-16, and tests check the observed order and the
 // angle by which a linear mode turns.
 //
+// The part of the damping that depends on q (solve/strain_damping.h) is in the kicks, whose flow is
+// then that of p' = f - R(q) - rest(q) p, exact too.
+//
 // f inside the step is the quadratic of runtime/load.h; the rule of nodes and weights b integrates
 // it exactly, so that the impulse of any load is exact.
 //
@@ -33,6 +36,7 @@
 #include <cmath>
 
 #include "runtime/integrators/one_step.h"
+#include "runtime/integrators/solve/strain_kick.h"
 
 namespace tremolo {
 namespace {
@@ -77,7 +81,8 @@ class Verlet4 final : public OneStep {
       : OneStep("verlet4", std::move(model), options),
         damped_(options.alpha > 0.0 || options.beta > 0.0),
         f_(D_),
-        dp_(D_) {
+        dp_(D_),
+        flow_{D_, D_, D_} {
     for (std::size_t i = 0; i < kDrifts.size(); ++i) drifts_[i] = make_drift(D_, kDrifts[i] * h_);
   }
 
@@ -89,9 +94,15 @@ class Verlet4 final : public OneStep {
     for (const auto& [weight, node, drift] : kKicks) {
       const double share = weight * h_;
       load_at(load, node, f_);
-      dp_ = share * (f_ - V_.force(q));
-      work += share * f_.dot(p + 0.5 * dp_);
-      p += dp_;
+      if (strain_.present()) {
+        dp_ = f_ - V_.force(q);
+        report.dissipated += flow_with_strain_damping(strain_, q, dp_, share, p, flow_);
+        work += f_.dot(flow_.path);
+      } else {
+        dp_ = share * (f_ - V_.force(q));
+        work += share * f_.dot(p + 0.5 * dp_);
+        p += dp_;
+      }
       if (drift < 0) break;
       const auto& [reach, decay] = drifts_[drift];
       q.array() += reach.array() * p.array();
@@ -106,6 +117,7 @@ class Verlet4 final : public OneStep {
   std::array<Drift, kDrifts.size()> drifts_;
   Eigen::VectorXd f_;
   Eigen::VectorXd dp_;  // of one kick
+  StrainFlowScratch flow_;
 };
 
 }  // namespace

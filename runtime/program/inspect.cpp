@@ -182,6 +182,7 @@ Json to_json(const std::string& path, const BasisReader& reader, const Contents&
   json["format_version"] = fmt::format("{}.{}", layout::kMajor, reader.minor_version());
   json["encoding"] = encoding_json(reader, provenance);
   json["linear"] = reader.linear();
+  json["strain_gram"] = reader.has(layout::kStrainGram);
   json["order"] = reader.order();
   json["n"] = d.vertices;
   json["m"] = d.tetrahedra;
@@ -217,6 +218,10 @@ void print_text(const std::string& path, const BasisReader& reader, const Conten
              d.rigid > 0 ? fmt::format("; a free body, {} rigid motions left out", d.rigid) : "");
   fmt::print("  {}\n", encoding_text(encoding_json(reader, contents.provenance)));
   if (reader.linear()) fmt::print("  a linear model: no cubic, no quartic terms\n");
+  if (!reader.linear() && !reader.has(layout::kStrainGram))
+    fmt::print(
+        "  no section strain_gram: stiffness damping (beta) takes the positive part of the tangent "
+        "stiffness; a file that tremolo-precompute makes today has it\n");
   fmt::print("  frequencies {:.4g} Hz\n", fmt::join(contents.frequencies, " "));
   fmt::print("  explicit methods are stable below a step of {:.4g} s\n", step_limit(contents));
   fmt::print("  the first mode makes {:g} steps a period with a step of {:.4g} s\n", kStepsAPeriod,

@@ -367,5 +367,36 @@ TEST(FreeBody, RefusesWhatItCannotBe) {
   EXPECT_FALSE(body.add_load({Signal{.kind = SignalKind::kSquare}, VectorXd::Zero(3)}));
 }
 
+// What damps by strain rates takes nothing from the whole rotation: the angular momentum stays, and
+// the energy falls to the least that goes with it, steady spin about the axis of largest inertia.
+TEST(FreeBody, ADampedSpinEndsAboutTheAxisOfLargestInertia) {
+  const Model::Pointer model = testing::frame_model(6, true, 30.0, 400.0, 0.2);
+  const InertiaIntegrals& inertia = *model->inertia();
+  const Vector3d centre = inertia.first_moment / inertia.mass;
+  const Eigen::Matrix3d P = inertia.second_moment - inertia.mass * centre * centre.transpose();
+  const Eigen::Matrix3d J = P.trace() * Eigen::Matrix3d::Identity() - P;
+  const Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(J).eigenvalues();
+  for (const char* method : {"avf", "ep2", "ep4"}) {
+    Body body = testing::make_framed(model, FrameKind::kFree, {.step = 2e-3, .beta = 5e-2}, method);
+    ASSERT_TRUE(body.set_motion(Vector3d::Zero(), 15.0 * Vector3d(1.0, 0.5, -0.7)));
+    const Vector3d before = body.angular_momentum();
+    const double start = body.energy().total();
+    double last = start;
+    for (int k = 0; k < 15000; ++k) {
+      ASSERT_TRUE(body.step().converged);
+      const double now = body.energy().total();
+      ASSERT_LE(now, last * (1.0 + 1e-12)) << method << ", " << k;
+      last = now;
+    }
+    EXPECT_LE((body.angular_momentum() - before).norm(), 1e-12 * before.norm()) << method;
+    EXPECT_NEAR(last + body.dissipated(), start, 1e-11 * start) << method;
+    const Vector3d spin = body.rigid_state().spin;
+    const Vector3d momentum = body.pose().rotation.conjugate() * body.angular_momentum();
+    // After 30 s the wobble has shrunk to a hundredth; its energy is of second order.
+    EXPECT_LE(spin.cross(momentum).norm(), 0.03 * spin.norm() * momentum.norm()) << method;
+    EXPECT_LT(last, before.squaredNorm() / (2.0 * moments[1])) << method;
+  }
+}
+
 }  // namespace
 }  // namespace tremolo

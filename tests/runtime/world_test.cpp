@@ -12,7 +12,7 @@ namespace {
 using namespace testing;
 
 // With a step of 3 ms imexv-linear has three rows above its split; verlet needs a shorter one.
-GroupOptions group_options(std::string_view integrator, double alpha = 0.3, double beta = 1e-6) {
+GroupOptions group_options(std::string_view integrator, double alpha = 0.3, double beta = 0.0) {
   GroupOptions options;
   options.integrator = integrator;
   options.options = {.step = integrator == "verlet" ? 1e-3 : 3e-3, .alpha = alpha, .beta = beta};
@@ -108,6 +108,19 @@ TEST(World, LanesInFloatAreExactWhereTheModelIsLinear) {
 
 TEST(World, OtherMethodsAreBodies) {
   EXPECT_EQ(difference_to_bodies(crowd_model(), group_options("ep4"), 30), 0.0);
+}
+
+// Lanes have the damping of the rest shape alone.
+TEST(World, GroupsWhoseDampingFeelsStrainsAreBodiesWithAllCoordinates) {
+  for (const char* method : {"verlet", "imexv-linear"}) {
+    GroupOptions options = group_options(method, 0.3, 1e-6);
+    EXPECT_EQ(difference_to_bodies(crowd_model(), options, 30), 0.0) << method;
+    options.modes = 5;
+    World world = std::move(*World::create());
+    const auto refused = world.add_group(crowd_model(), options);
+    ASSERT_FALSE(refused) << method;
+    EXPECT_NE(refused.error().message.find("beta > 0"), std::string::npos);
+  }
 }
 
 // A crowd of three groups in which bodies are pushed, fail, sleep and wake; all states at its end.

@@ -44,6 +44,7 @@ TEST(StiffOrbit, HalvingItsStepChangesItByLessThanItIsTrustedFor) {
   const reproduce::SampleModel horse = sample_model("horse");
   StiffProblem problem;
   problem.model = horse.model;
+  problem.strain_gram = horse.strain_gram;
   const Result<Eigen::VectorXd> force = reduce_load(*horse.model, horse.model->default_load());
   ASSERT_TRUE(force);
   problem.load = {{.kind = SignalKind::kSquare}, *force};

@@ -3,8 +3,9 @@
 //     V(q) = 1/2 sum_e (omega_e q_e + q^T B_e q)^2,   B_e symmetric, e = 1..r
 //
 // has the shape of a StVK energy: a sum of squares of quadratic strains, never negative, with a
-// diagonal Hessian at rest, Lambda = diag(omega^2). strain_energy() and strain_force() evaluate
-// this form directly; sample_basis() expands it into the packed coefficients of a basis file.
+// diagonal Hessian at rest, Lambda = diag(omega^2). strain_energy(), strain_force() and
+// strain_damping_force() evaluate this form directly; sample_basis() expands it into the packed
+// coefficients of a basis file.
 #pragma once
 
 #include <cmath>
@@ -89,6 +90,37 @@ inline void expand_coefficients(const StrainModel& model, BasisData& data) {
         }
 }
 
+// G of V = 1/2 y^T G y: the sum of c c^T, c the coefficients of one strain in the strain terms.
+inline std::vector<double> expand_strain_gram(const StrainModel& model) {
+  const std::size_t r = model.omega.size();
+  Eigen::MatrixXd strains = Eigen::MatrixXd::Zero(r, strain_terms(r));
+  for (std::size_t e = 0; e < r; ++e) {
+    const auto row = static_cast<Eigen::Index>(e);
+    const auto at = [](std::size_t i) { return static_cast<Eigen::Index>(i); };
+    strains(row, at(strain_index(e))) = model.omega[row];
+    for (std::size_t j = 0; j < r; ++j)
+      for (std::size_t i = 0; i <= j; ++i)
+        strains(row, at(strain_index(i, j))) = (i == j ? 1.0 : 2.0) * model.b[e](at(i), at(j));
+  }
+  const Eigen::MatrixXd gram = strains.transpose() * strains;
+  std::vector<double> packed;
+  for (Eigen::Index b = 0; b < gram.cols(); ++b)
+    for (Eigen::Index a = 0; a <= b; ++a) packed.push_back(gram(a, b));
+  return packed;
+}
+
+// The force of damping by the strains' rates: sum_e grad(strain_e) (grad(strain_e) . v).
+inline Eigen::VectorXd strain_damping_force(const StrainModel& model, const Eigen::VectorXd& q,
+                                            const Eigen::VectorXd& v) {
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(q.size());
+  for (Eigen::Index e = 0; e < q.size(); ++e) {
+    Eigen::VectorXd gradient = 2.0 * (model.b[e] * q);
+    gradient[e] += model.omega[e];
+    force += gradient.dot(v) * gradient;
+  }
+  return force;
+}
+
 // The model as a basis: seven vertices, of which 1 and 4 lie inside and 0 is fixed; a default load
 // on vertex 3.
 inline BasisData sample_basis(const StrainModel& model, unsigned seed = 7) {
@@ -103,6 +135,7 @@ inline BasisData sample_basis(const StrainModel& model, unsigned seed = 7) {
   data.total_mass = 2.0;
   data.lambda = model.omega.cwiseAbs2();
   expand_coefficients(model, data);
+  data.strain_gram = expand_strain_gram(model);
   const auto fill = [&](VertexBlock& block, std::vector<VertexId> ids) {
     block.vertex_ids = std::move(ids);
     block.rows.resize(3 * block.vertex_ids.size(), r);

@@ -81,6 +81,20 @@ Field all_by(const FullOrder& body, const Vector& d) {
   return field;
 }
 
+// The sum of value_of(element), the same for any number of threads.
+template <class ValueOf>
+double sum_over_elements(const FullOrder& body, const ValueOf& value_of) {
+  const std::size_t count = body.solid.elements.size();
+  std::vector<double> sums((count + kChunk - 1) / kChunk, 0.0);
+  parallel_for(sums.size(), body.threads, [&](std::size_t chunk) {
+    const std::size_t last = std::min(count, (chunk + 1) * kChunk);
+    for (std::size_t e = chunk * kChunk; e < last; ++e) sums[chunk] += value_of(e);
+  });
+  double total = 0;
+  for (double sum : sums) total += sum;
+  return total;
+}
+
 // In a free body all three components of each node are unknowns, so rows agree with the dof map.
 void find_rigid_motions(const Problem& problem, FullOrder& body) {
   constexpr const char* kDoing = "find the rigid motions";
@@ -133,16 +147,14 @@ Vector multiply(const FullOrder& body, const std::vector<double>& values, const 
 double potential_energy(const FullOrder& body, const Vector& u) {
   Field field = all_from(body, u);
   if (body.support.by.size() > 0) field += body.support.by;
-  const std::size_t count = body.solid.elements.size();
-  std::vector<double> sums((count + kChunk - 1) / kChunk, 0.0);
-  parallel_for(sums.size(), body.threads, [&](std::size_t chunk) {
-    const std::size_t last = std::min(count, (chunk + 1) * kChunk);
-    for (std::size_t e = chunk * kChunk; e < last; ++e)
-      sums[chunk] += element_energy(body.solid, e, field);
-  });
-  double energy = 0;
-  for (double sum : sums) energy += sum;
-  return energy;
+  return sum_over_elements(body,
+                           [&](std::size_t e) { return element_energy(body.solid, e, field); });
+}
+
+double strain_change_work(const FullOrder& body, const Vector& u, const Vector& d) {
+  const Field from = all_from(body, u), by = all_by(body, d);
+  return sum_over_elements(
+      body, [&](std::size_t e) { return element_strain_change_work(body.solid, e, from, by); });
 }
 
 Vector segment_force(const FullOrder& body, const std::vector<SegmentPoint>& points,

@@ -44,6 +44,10 @@ Vector multiply(const FullOrder& body, const std::vector<double>& values, const 
 
 double potential_energy(const FullOrder& body, const Vector& u);  // V at the step's end, J
 
+// The integral of dE : C : dE over the change of the strains from u to u + d, the support's step
+// included, J.
+double strain_change_work(const FullOrder& body, const Vector& u, const Vector& d);
+
 // Returns the forces of the elements on the held components, N, 3n, zero elsewhere; as
 // segment_force().
 Field held_force(const FullOrder& body, const std::vector<SegmentPoint>& points, const Vector& u,

@@ -55,7 +55,8 @@ void renew_factor(FullOrderSolver& solver, const StepEquation& equation) {
     if (failure.error().kind != ErrorKind::kSolver) throw;
   }
   double rest = equation.rest;
-  for (const SegmentPoint& point : equation.points) rest += point.weight * point.fraction;
+  for (const SegmentPoint& point : equation.points)
+    rest += point.weight * (point.rate ? 1.0 : point.fraction);
   std::fill(values.begin(), values.end(), 0.0);
   add_constant_part(body, equation.mass + shift, rest, values);
   try {
@@ -251,7 +252,7 @@ Vector linear_response(FullOrderSolver& solver, const Vector& force) {
 SecondOrderSystem make_system(FullOrderSolver& solver) {
   const FullOrder& body = *solver.body;
   return {body.size(), [&body](const Vector& x) { return multiply(body, body.mass, x); },
-          [&body](const Vector& x) { return multiply(body, body.stiffness, x); },
+          [&body](const Vector& u, const Vector& d) { return strain_change_work(body, u, d); },
           [&body](const Vector& u) { return potential_energy(body, u); },
           [&solver](const StepEquation& equation, double energy, Vector& d) {
             return solve(solver, equation, energy, d);

@@ -14,8 +14,21 @@ Deformation deform(const Solid& solid, std::size_t element, const Eigen::Matrix3
   return {Eigen::Matrix3d::Identity() + g, stress(solid.elasticity(element), green_strain(g))};
 }
 
+// The change of the strain over the segment.
+Eigen::Matrix3d strain_change(const Eigen::Matrix3d& from, const Eigen::Matrix3d& by) {
+  return green_strain(from + by) - green_strain(from);
+}
+
+// At a point of the segment, with the stress of `point`.
+Deformation deform(const Solid& solid, std::size_t element, const SegmentPoint& point,
+                   const Eigen::Matrix3d& from, const Eigen::Matrix3d& by) {
+  Deformation at = deform(solid, element, from + point.fraction * by);
+  if (point.rate) at.stress = stress(solid.elasticity(element), strain_change(from, by));
+  return at;
+}
+
 // Returns the derivative of the strain, in Mandel's notation, with respect to one node: 6 x 3.
-Eigen::Matrix<double, 6, 3> strain_change(const Eigen::Matrix3d& f, const Eigen::Vector3d& g) {
+Eigen::Matrix<double, 6, 3> strain_derivative(const Eigen::Matrix3d& f, const Eigen::Vector3d& g) {
   constexpr double h = std::numbers::sqrt2 / 2.0;
   Eigen::Matrix<double, 6, 3> b;
   for (int x = 0; x < 3; ++x) {
@@ -46,7 +59,7 @@ void add_general(const Elasticity& law, const Deformation& at, const NodeGradien
   const NodeGradients pulled = at.stress * g;
   std::array<Eigen::Matrix<double, 6, 3>, kMostNodes> change, stressed;
   for (int a = 0; a < g.cols(); ++a) {
-    change[a] = strain_change(at.gradient, g.col(a));
+    change[a] = strain_derivative(at.gradient, g.col(a));
     stressed[a] = weight * law.tensor * change[a];
   }
   for (int b = 0; b < g.cols(); ++b)
@@ -70,6 +83,19 @@ double element_energy(const Solid& solid, std::size_t element, const Field& u) {
   return energy;
 }
 
+double element_strain_change_work(const Solid& solid, std::size_t element, const Field& u,
+                                  const Field& d) {
+  const GradientField start = displacement_gradients(solid, element, u);
+  const GradientField change = displacement_gradients(solid, element, d);
+  double work = 0;
+  for (const SamplePoint& sample : sample_points(solid.order(), 4)) {
+    const Eigen::Matrix3d strain = strain_change(start(sample), change(sample));
+    work += (sample.share * solid.elements[element].volume) *
+            stress(solid.elasticity(element), strain).cwiseProduct(strain).sum();
+  }
+  return work;
+}
+
 NodeForces element_force(const Solid& solid, std::size_t element,
                          const std::vector<SegmentPoint>& points, const Field& u, const Field& d) {
   const GradientField start = displacement_gradients(solid, element, u);
@@ -80,7 +106,7 @@ NodeForces element_force(const Solid& solid, std::size_t element,
     const Eigen::Matrix3d from = start(sample), by = change(sample);
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (const SegmentPoint& point : points) {
-      const Deformation at = deform(solid, element, from + point.fraction * by);
+      const Deformation at = deform(solid, element, point, from, by);
       sum += (point.weight * (sample.share * volume)) * at.gradient * at.stress;
     }
     piola.add(sample, sum);
@@ -100,8 +126,11 @@ void element_tangent(const Solid& solid, std::size_t element,
     const Eigen::Matrix3d from = start(sample), by = change(sample);
     const NodeGradients gradients = node_gradients(geometry, solid.order(), sample);
     for (const SegmentPoint& point : points) {
-      const Deformation at = deform(solid, element, from + point.fraction * by);
-      const double weight = point.weight * point.fraction * (sample.share * geometry.volume);
+      Deformation at = deform(solid, element, point, from, by);
+      // The stress of the strain's change has all of the strain's derivative.
+      if (point.rate) at.stress *= point.fraction;
+      const double weight =
+          point.weight * (point.rate ? 1.0 : point.fraction) * (sample.share * geometry.volume);
       if (law.isotropic)
         add_isotropic(law, at, gradients, weight, blocks);
       else

@@ -19,6 +19,10 @@ constexpr int element_blocks(int order) {
 
 double element_energy(const Solid& solid, std::size_t element, const Field& u);  // J
 
+// The integral of dE : C : dE over the change of the strains from u to u + d, J. u, d: 3n.
+double element_strain_change_work(const Solid& solid, std::size_t element, const Field& u,
+                                  const Field& d);
+
 // Returns sum_i w_i f(u + s_i d). u, d: 3n.
 NodeForces element_force(const Solid& solid, std::size_t element,
                          const std::vector<SegmentPoint>& points, const Field& u, const Field& d);

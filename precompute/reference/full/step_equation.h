@@ -17,9 +17,14 @@ namespace tremolo {
 using Vector = Eigen::VectorXd;
 
 // A point on the segment from origin to origin + d at which the force is evaluated, and its weight.
+// rate: the stress is not that of the strain there but that of the strain's change E(origin + d) -
+// E(origin). In the middle of the segment that is stiffness damping: the force's product with d is
+// the integral of the change's product with its stress, never negative. It is no gradient; of its
+// derivative the symmetric part at the point is taken.
 struct SegmentPoint {
   double weight = 1;    // w
   double fraction = 1;  // s
+  bool rate = false;
 };
 
 // mass: 1/s^2; rest: dimensionless. constant: N.
@@ -54,7 +59,8 @@ struct SolveOptions {
 struct SecondOrderSystem {
   Eigen::Index size = 0;
   std::function<Vector(const Vector&)> mass_times;
-  std::function<Vector(const Vector&)> rest_times;
+  // The integral of dE : C : dE over the change of the strains from u to u + d, J.
+  std::function<double(const Vector& u, const Vector& d)> strain_change_work;
   std::function<double(const Vector&)> energy;  // V, J
   std::function<SolveReport(const StepEquation&, double energy, Vector& d)> solve;
 };

@@ -56,22 +56,4 @@ Field whole_mass_times(const WorldBody& world, const Field& x) {
   return product;
 }
 
-std::vector<double> turned_stiffness(const WorldBody& world, const Eigen::Matrix3d& turn) {
-  const Pattern& pattern = world.body.pattern;
-  std::vector<double> turned(world.stiffness.size());
-  for (int node = 0; node < world.body.unknowns.map.nodes(); ++node)
-    for (int block = pattern.block[node]; block < pattern.block[node + 1]; ++block) {
-      const auto entry = [&](int x, int y) {
-        return pattern.start[3 * node + x] + pattern.offset[block] + y;
-      };
-      Eigen::Matrix3d at;
-      for (int x = 0; x < 3; ++x)
-        for (int y = 0; y < 3; ++y) at(x, y) = world.stiffness[entry(x, y)];
-      at = (turn * at * turn.transpose()).eval();
-      for (int x = 0; x < 3; ++x)
-        for (int y = 0; y < 3; ++y) turned[entry(x, y)] = at(x, y);
-    }
-  return turned;
-}
-
 }  // namespace tremolo

@@ -9,14 +9,13 @@
 
 namespace tremolo {
 
-// path: of the support; none: the body has none and flies. stiffness: at rest, N/m, on the body's
-// pattern. body and solver are not owned, and the solver is the body's.
+// path: of the support; none: the body has none and flies. body and solver are not owned, and the
+// solver is the body's.
 struct WorldBody {
   FullOrder& body;
   FullOrderSolver& solver;
   MassKind mass = MassKind::kConsistent;
   const PosePath* path = nullptr;
-  std::vector<double> stiffness = {};
 };
 
 // Displacements (m) of the held vertices where the support takes them, and their velocities (m/s):
@@ -29,8 +28,5 @@ Vector riding_velocity(const WorldBody& world, const RigidMotion& support, const
 
 // M x with the rows and columns of all vertices, point masses included. x: 3n.
 Field whole_mass_times(const WorldBody& world, const Field& x);
-
-// turn K turn^T of the stiffness at rest, turned node by node.
-std::vector<double> turned_stiffness(const WorldBody& world, const Eigen::Matrix3d& turn);
 
 }  // namespace tremolo

@@ -190,7 +190,7 @@ void run_in_world(const ReferenceOptions& options) {
   FullOrderSolver solver;
   solver.body = &body;
   solver.options = {options.tolerance, options.max_iterations};
-  WorldBody world{body, solver, options.solid.mass, path ? &*path : nullptr, body.stiffness};
+  WorldBody world{body, solver, options.solid.mass, path ? &*path : nullptr};
   WorldCourse course;
   course.motion = start_in_world(world, first_flight(options, world));
   course.table = world_table_head(probes);

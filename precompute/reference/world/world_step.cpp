@@ -40,19 +40,6 @@ double support_work(const WorldBody& world, const std::vector<SegmentPoint>& poi
   return force.dot(body.support.by);
 }
 
-struct StepDamping {
-  double rest = 0;  // of K in the step's equation
-  Vector riding;    // V
-};
-
-StepDamping prepare_damping(WorldBody& world, const TimeSettings& settings, const Motion& motion) {
-  if (settings.beta == 0) return {};
-  const double h = settings.step;
-  const RigidMotion middle = support_at(world, motion.time + 0.5 * h);
-  world.body.stiffness = turned_stiffness(world, middle.turn);
-  return {settings.beta / h, riding_velocity(world, middle, motion.u + (0.5 * h) * motion.v)};
-}
-
 }  // namespace
 
 Motion start_in_world(const WorldBody& world, const RigidMotion& flight) {
@@ -96,13 +83,10 @@ void advance_in_world(WorldBody& world, const TimeSettings& settings, const Load
     acceleration = (held_velocity(world, end) - held_velocity(world, start)) / h;
   }
   const Vector pull = load(time, h);
-  const StepDamping damping = prepare_damping(world, settings, motion);
-  StepEquation equation{2.0 / (h * h), damping.rest, segment_points(settings.scheme), motion.u,
-                        (-2.0 / h) * multiply(body, body.mass, motion.v) - pull};
+  StepEquation equation{2.0 / (h * h), 0.0, segment_points(settings.scheme, settings.beta / h),
+                        motion.u, (-2.0 / h) * multiply(body, body.mass, motion.v) - pull};
   if (world.path != nullptr)
     equation.constant += restrict_to(body.unknowns, whole_mass_times(world, acceleration));
-  if (damping.rest != 0)
-    equation.constant -= settings.beta * multiply(body, body.stiffness, damping.riding);
 
   Vector d = h * motion.v;
   if (motion.last_steps.size() == 3)
@@ -119,12 +103,8 @@ void advance_in_world(WorldBody& world, const TimeSettings& settings, const Load
 
   acceleration += expand(body.unknowns, (2.0 / h) * (d / h - motion.v));
   motion.work += pull.dot(d) + support_work(world, equation.points, motion, d, acceleration);
-  if (damping.rest != 0) {
-    const Vector relative = d / h - damping.riding;
-    const Vector force = settings.beta * multiply(body, body.stiffness, relative);
-    motion.dissipated += h * force.dot(relative);
-    motion.work -= h * force.dot(damping.riding);
-  }
+  if (settings.beta > 0)
+    motion.dissipated += (settings.beta / h) * strain_change_work(body, motion.u, d);
   motion.v = (2.0 / h) * d - motion.v;
   motion.u += d;
   motion.potential = potential_energy(body, motion.u);

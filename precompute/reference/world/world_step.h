@@ -23,8 +23,8 @@ Motion start_in_world(const WorldBody& world, const RigidMotion& flight);
 Field whole_displacement(const WorldBody& world, const Motion& motion);
 Field whole_velocity(const WorldBody& world, const Motion& motion);
 
-// Advances by one step. motion.work includes that of the support; with damping by the mass or the
-// stiffness also what holds the damper does. load: on the unknowns, N. Throws Failure (kSolver) if
+// Advances by one step. motion.work includes that of the support; with damping by the mass also what
+// holds the damper does. load: on the unknowns, N. Throws Failure (kSolver) if
 // the solve does not converge.
 void advance_in_world(WorldBody& world, const TimeSettings& settings, const LoadHistory& load,
                       Motion& motion);

@@ -190,6 +190,7 @@ void ContactStep::set_damping(double alpha, double beta) {
   options_.alpha = alpha;
   options_.beta = beta;
   damping_ = make_inertia_damping(*model_, options_, cotangent_weight);
+  strain_ = StrainDamping(*model_, options_.beta);
   S_ = (0.5 + options_.step * damping_.theta.array() * damping_.D.array()).inverse();
 }
 

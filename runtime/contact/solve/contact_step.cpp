@@ -53,6 +53,9 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
       feels_(contact.colliders),
       shape_(contact.shape),
       damping_(make_inertia_damping(*model_, options, cotangent_weight)),
+      strain_(*model_, options.beta),
+      rest_(Eigen::VectorXd::Zero(model_->modes())),
+      rest_middle_(rest_),
       S_((0.5 + options.step * damping_.theta.array() * damping_.D.array()).inverse()),
       workspace_(model_->potential().make_workspace(kUseSegment)),
       lever_(model_->modes()) {
@@ -266,6 +269,8 @@ void ContactStep::begin(const State& state, const StepLoad& load, FreeFrame* fre
   known_ = false;
   q0_ = state.q;
   v0_ = state.p;
+  rest_middle_ = q0_ + (0.5 * h) * v0_;
+  strain_.stand_at(rest_middle_);
   if (load.coupling != nullptr) load.coupling->begin(h, q0_, v0_);
   motion_.free = free_ != nullptr;
   motion_.R0 = poses_.start.rotation.toRotationMatrix();
@@ -403,6 +408,11 @@ void ContactStep::evaluate_body() {
   dp_ = S_.cwiseProduct(damping_.n.cwiseProduct(d) / h - v0_);
   own_force_ = G_ - load_->average;
   middle_ = d;
+  if (strain_.present()) {
+    rest_middle_ = q0_ + 0.5 * middle_;
+    rest_work_ = strain_.force(rest_middle_, middle_, rest_) / h;
+    own_force_ += rest_ / h;
+  }
   if (free_ != nullptr) {
     const FreeFrame::SpinTrial trial =
         free_->try_spin(middle_, S_, z_.segment<3>(r), dp_, own_force_);
@@ -443,7 +453,9 @@ void ContactStep::make_jacobian(double heavier, bool follows) {
   const VectorXd& n = damping_.n;
   model_->potential().averaged_jacobian(q0_, q1_, workspace_, K_);
   jacobian_.setZero();
-  jacobian_.topLeftCorner(r, r) = (0.5 * h * h) * K_;
+  jacobian_.topLeftCorner(r, r) = (0.5 * h * h + h * strain_.beta()) * K_;
+  if (strain_.present())
+    jacobian_.topLeftCorner(r, r).diagonal() -= (0.5 * h * strain_.beta()) * model_->lambda();
   jacobian_.topLeftCorner(r, r).diagonal() +=
       ((0.5 + 0.5 * heavier) * n.array().square() * S_.array() + 0.5 * h * damping_.D.array())
           .matrix();
@@ -601,6 +613,7 @@ void ContactStep::finish(State& state, StepReport& report) {
     free_->set_contact(contact_force_, contact_torque_);
     dp_ = S_.cwiseProduct(n.cwiseProduct(d) / h - v0_);
     force_ = G_ - load_->average;
+    if (strain_.present()) force_ += rest_ / h;
     free_->evaluate(d, S_, dp_, force_);
     force_ -= contact_push_;
   }
@@ -608,7 +621,7 @@ void ContactStep::finish(State& state, StepReport& report) {
       (2.0 / (h * h)) * d.dot((0.5 * h) * n.cwiseProduct(dp_) + (0.5 * h * h) * force_ +
                               (0.5 * h) * damping_.D.cwiseProduct(d));
   report.dissipated = damping_.D.dot(d.cwiseAbs2()) / h +
-                      h * damping_.theta.cwiseProduct(damping_.D).dot(dp_.cwiseAbs2());
+                      h * damping_.theta.cwiseProduct(damping_.D).dot(dp_.cwiseAbs2()) + rest_work_;
   state.q = q1_;
   if (load_->coupling == nullptr || !load_->coupling->finish(d, defect, state.p)) {
     state.p += dp_;

@@ -23,6 +23,7 @@
 #include "runtime/frames/free_frame.h"
 #include "runtime/integrator.h"
 #include "runtime/integrators/solve/inertia_filter.h"
+#include "runtime/integrators/solve/strain_damping.h"
 #include "runtime/parts.h"
 
 namespace tremolo {
@@ -246,6 +247,9 @@ class ContactStep {
   std::optional<Collider> shape_;
   ContactBall ball_;
   InertiaDamping damping_;
+  StrainDamping strain_;
+  Eigen::VectorXd rest_, rest_middle_;  // rest(qm) d of strain_, and qm; r
+  double rest_work_ = 0.0;              // d.rest(qm) d/h, J
   Eigen::VectorXd S_;
   PotentialWorkspace workspace_;
   std::vector<Candidate> candidates_;

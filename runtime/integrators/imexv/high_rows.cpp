@@ -16,13 +16,24 @@ HighRows::HighRows(const Model& model, Split split, const IntegratorOptions& opt
       damping_(damping),
       norm_(norm),
       scratch_(scratch ? std::move(scratch) : std::make_shared<HighScratch>(potential_)),
-      newton_(split.high) {
+      newton_(split.high),
+      strain_(model, options.beta),
+      lambda_(model.lambda().tail(split.high)),
+      d_(Eigen::VectorXd::Zero(model.modes())),
+      rest_(d_) {
   if (damping == HighDamping::kEndVelocity) midpoint_.g.setOnes();
 }
 
 StepReport HighRows::advance(const Eigen::VectorXd& q0, State& state, const Eigen::VectorXd& f) {
-  if (split_.high == 0) return {};
   const double h = midpoint_.h;
+  if (strain_.present()) {
+    d_.head(split_.low) = state.q.head(split_.low) - q0.head(split_.low);
+    d_.tail(split_.high) = h * state.p.tail(split_.high);
+    scratch_->qm = q0 + 0.5 * d_;
+    strain_.stand_at(scratch_->qm);
+    if (split_.high == 0) strain_.force(scratch_->qm, d_, rest_);
+  }
+  if (split_.high == 0) return {};
   Eigen::VectorXd& d = newton_.unknowns;
   auto p = state.p.tail(split_.high);
   d = h * p;
@@ -39,6 +50,7 @@ StepReport HighRows::advance(const Eigen::VectorXd& q0, State& state, const Eige
   report.dissipated = damping_ == HighDamping::kMeanVelocity
                           ? midpoint_.dissipated(d, dp)
                           : (d.array() * midpoint_.D.array() * p.array()).sum();
+  if (strain_.present()) report.dissipated += d.dot(rest_.tail(split_.high)) / h;
   return report;
 }
 
@@ -52,7 +64,15 @@ double HighRows::evaluate(const Eigen::VectorXd& q0, const State& state, const E
                                scratch_->workspace, scratch_->evaluation);
   const auto R = scratch_->evaluation.force.tail(high);
   newton_.residual.array() = (d - h * p).array() / g.array() + (0.5 * h * h) * (R - f_high).array();
-  newton_.jacobian = (0.25 * h * h) * scratch_->evaluation.tangent.bottomRightCorner(high, high);
+  const double beta = strain_.beta();
+  newton_.jacobian =
+      (0.25 * h * h + 0.5 * h * beta) * scratch_->evaluation.tangent.bottomRightCorner(high, high);
+  if (strain_.present()) {
+    d_.tail(high) = d;
+    strain_.force(scratch_->qm, d_, rest_);
+    newton_.residual += (0.5 * h) * rest_.tail(high);
+    newton_.jacobian.diagonal() -= (0.5 * h * beta) * lambda_;
+  }
   if (damping_ == HighDamping::kMeanVelocity) {
     newton_.residual.array() += (0.5 * h) * D.array() * d.array();
     newton_.jacobian.diagonal().array() += g.array().inverse() + (0.5 * h) * D.array();

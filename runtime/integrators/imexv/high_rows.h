@@ -8,6 +8,7 @@
 
 #include "runtime/integrators/solve/damping.h"
 #include "runtime/integrators/solve/newton.h"
+#include "runtime/integrators/solve/strain_damping.h"
 #include "runtime/kernels/potential.h"
 
 namespace tremolo {
@@ -46,8 +47,13 @@ class HighRows {
   // before it. f: average of the load over the step, r. Solves
   //     (d - h p0)/g + (h^2/2) [R(qm) + damping force - f]_h = 0,      p1 = p0 + (2/g) (d/h - p0)
   // with g = 1 + 2 theta h D, or 1 for kEndVelocity, and moves the high rows of state to the end;
-  // leaves them alone if it does not converge. dissipated: what damping took, J.
+  // leaves them alone if it does not converge. The damping force has its rest at qm, with the mean
+  // velocity of all rows. dissipated: what damping took of the high rows, J.
   StepReport advance(const Eigen::VectorXd& q0, State& state, const Eigen::VectorXd& f);
+
+  // rest(qm) d of StrainDamping in the last step, d the change of all rows: the impulse of that
+  // damping, r. On the high rows it has acted; on the low rows the caller lets it act.
+  const Eigen::VectorXd& rest() const { return rest_; }
 
  private:
   double evaluate(const Eigen::VectorXd& q0, const State& state, const Eigen::VectorXd& f);
@@ -61,6 +67,9 @@ class HighRows {
   SolveNorm norm_;
   std::shared_ptr<HighScratch> scratch_;
   NewtonWorkspace newton_;  // d_h
+  StrainDamping strain_;
+  Eigen::VectorXd lambda_;    // of the high rows
+  Eigen::VectorXd d_, rest_;  // of all rows
 };
 
 }  // namespace tremolo

@@ -13,13 +13,15 @@
 //     p_l <- p_l + (h/2) (f_l((t+h)-) - S_l(q1))
 //
 // On the high rows f is the load's average over the step, on the low rows zero. g = 1 + 2 theta h
-// D, theta of runtime/integrators/solve/damping.h, on the low rows that of omega = 0: there the
-// drift between the kicks is the exact flow of q' = p, p' = -D p.
+// D, theta of runtime/integrators/solve/damping.h; on the low rows theta = 0. There the kicks S and
+// the middle's R - S balance each other in a slow motion, p changes by h S within the step, and a
+// theta would take energy from that change. To D belongs the rest at qm (solve/strain_damping.h).
 //
 // Second order, also with load and damping; symplectic and time-reversible without damping, for any
 // coupling of low and high rows, at the price of as many unknowns as the midpoint rule. Undamped
 // and all low it is `verlet`, all high `midpoint`. Conditionally stable: linearly iff h omega < 2
 // on the low rows, as `imexv`. `dissipated` is that of runtime/integrators/solve/damping.h.
+#include "runtime/integrators/imexv/damped_rows.h"
 #include "runtime/integrators/imexv/imexv_step.h"
 #include "runtime/integrators/implicit_step.h"
 
@@ -29,19 +31,12 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// lambda of the linear part of V_fast: none on the low rows.
-VectorXd fast_part(const VectorXd& lambda, Split split) {
-  VectorXd fast = lambda;
-  fast.head(split.low).setZero();
-  return fast;
-}
-
 class ImexvCoupled final : public ImplicitStep {
  public:
   ImexvCoupled(Model::Pointer model, const IntegratorOptions& options, Split split)
       : ImplicitStep("imexv-coupled", std::move(model), options),
         split_(split),
-        midpoint_(make_damped_midpoint(D_, fast_part(model_->lambda(), split), h_)),
+        midpoint_(make_split_midpoint(*model_, options, split)),
         V_slow_(model_->potential().leading(split.low)),
         S_ends_(V_slow_, kWantEnergy | kWantForce, kUsePoint),
         S_middle_(V_slow_, kWantForce, kUseTangent),
@@ -53,16 +48,16 @@ class ImexvCoupled final : public ImplicitStep {
     kick_low(state, load.start);
     StepReport report;
     VectorXd& d = newton_.unknowns;
-    if (split_.high == 0) {  // V_fast = 0: a damped drift
+    if (split_.high == 0 && !strain_.present()) {  // V_fast = 0: a damped drift
       d = h_ * (state.p.array() / (1.0 + 0.5 * h_ * D_.array() * midpoint_.g.array()));
     } else {
-      d = h_ * state.p;
+      begin_solve(0.5, state);
       report =
           solve_newton(newton_, max_iterations_, [&] { return evaluate(state, load.average); });
     }
     if (report.converged) {
       midpoint_.set_change(d, state.p, dp_);
-      report.dissipated = midpoint_.dissipated(d, dp_);
+      report.dissipated = midpoint_.dissipated(d, dp_) + rest_work_;
       state.q += d;
       state.p += dp_;
       kick_low(state, load.end);
@@ -89,6 +84,7 @@ class ImexvCoupled final : public ImplicitStep {
     auto& [V, R, K] = V_.evaluate(qm_, kWantForce | kWantTangent);
     // The norm is that of the whole force: its rest on the low rows is rounded like the whole.
     const double R_norm = R.norm();
+    newton_.jacobian = (0.5 * h * strain_.beta()) * K;
     if (low > 0) {
       q_low_ = qm_.head(low);
       const auto& [V_slow, S, dS] = S_middle_.evaluate(q_low_, kWantForce | kWantTangent);
@@ -98,8 +94,13 @@ class ImexvCoupled final : public ImplicitStep {
     newton_.residual.array() = (d - h * z.p).array() / midpoint_.g.array() +
                                (0.5 * h) * (h * R + D_.cwiseProduct(d)).array();
     newton_.residual.tail(high) -= (0.5 * h * h) * f.tail(high);
-    newton_.jacobian = (0.25 * h * h) * K;
+    newton_.jacobian += (0.25 * h * h) * K;
     newton_.jacobian.diagonal().array() += midpoint_.g.array().inverse() + (0.5 * h) * D_.array();
+    if (strain_.present()) {
+      newton_.jacobian.diagonal() -= (0.5 * h * strain_.beta()) * model_->lambda();
+      rest_work_ = strain_.force(qm_, d, rest_) / h;
+      newton_.residual += (0.5 * h) * rest_;
+    }
     return relative_residual(newton_.residual.norm(), tolerance_, h, z.p.norm(), R_norm,
                              f.tail(high).norm());
   }

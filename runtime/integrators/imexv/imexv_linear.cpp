@@ -11,7 +11,9 @@
 //     q_h <- q_h + d_h,  p_h <- p_h + (2/g) (d_h/h - p_h)
 //     p   <- p + (h/2) (f((t+h)-) - R_s(q1))      on all rows; low rows: DampedKick
 //
-// with g = 1 + 2 theta h D_h; DampedKick and theta: runtime/integrators/solve/damping.h.
+// with g = 1 + 2 theta h D_h; DampedKick and theta: runtime/integrators/solve/damping.h. Where the
+// damping depends on q (solve/strain_damping.h), all of it is in the kicks, those of StrainKick on
+// all rows, and D_h = 0 between them.
 //
 // No equation is left to solve: one force a step. Second order, also with load and damping;
 // symplectic and time-reversible without damping, for any coupling of low and high rows. All low:
@@ -28,6 +30,7 @@
 
 #include "runtime/integrators/imexv/imexv_step.h"
 #include "runtime/integrators/imexv/linear_rows.h"
+#include "runtime/integrators/solve/strain_kick.h"
 
 namespace tremolo {
 namespace {
@@ -41,8 +44,12 @@ class ImexvLinear final : public OneStep {
       : OneStep("imexv-linear", std::move(model), options),
         split_(split),
         kick_(D_, h_),
+        strain_kick_(D_, h_),
+        f_(rest_),
         lambda_(model_->lambda().tail(split.high)),
-        midpoint_(make_damped_midpoint(D_.tail(split.high), lambda_, h_)),
+        midpoint_(make_damped_midpoint(strain_.present() ? VectorXd(VectorXd::Zero(split.high))
+                                                         : VectorXd(D_.tail(split.high)),
+                                       lambda_, h_)),
         d_(lambda_),
         dp_(lambda_) {
     for (Index i = 0; i < split.high; ++i)
@@ -68,6 +75,11 @@ class ImexvLinear final : public OneStep {
   // Returns what damping took of the low rows, J.
   double kick(State& state, const VectorXd& f) {
     const VectorXd& R = V_.force(state.q);
+    if (strain_.present()) {
+      f_ = f - R;
+      f_.tail(split_.high).array() += lambda_.array() * state.q.tail(split_.high).array();
+      return strain_kick_(strain_, state.q, f_, state.p);
+    }
     auto p = state.p.tail(split_.high);
     p += 0.5 * h_ * (f - R).tail(split_.high);
     p.array() += 0.5 * h_ * lambda_.array() * state.q.tail(split_.high).array();
@@ -76,6 +88,8 @@ class ImexvLinear final : public OneStep {
 
   Split split_;
   DampedKick kick_;  // of the low rows
+  StrainKick strain_kick_;
+  VectorXd f_;
   // These belong to the high rows.
   VectorXd lambda_;
   DampedMidpoint midpoint_;

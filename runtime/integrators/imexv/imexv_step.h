@@ -1,6 +1,9 @@
 // The step of `imexv` with a given split; its equations stand in imexv.cpp.
 #pragma once
 
+#include <optional>
+
+#include "runtime/integrators/imexv/damped_rows.h"
 #include "runtime/integrators/imexv/high_rows.h"
 #include "runtime/integrators/one_step.h"
 
@@ -13,13 +16,22 @@ class ImexvStep : public OneStep {
  protected:
   ImexvStep(std::string_view name, Model::Pointer model, const IntegratorOptions& options,
             Split split, unsigned want, unsigned uses)
-      : OneStep(name, std::move(model), options, want, uses), low_(split.low), kick_(D_, h_) {}
+      : OneStep(name, std::move(model), options, want, uses),
+        low_(split.low),
+        kick_(strain_.present() ? Eigen::VectorXd(Eigen::VectorXd::Zero(D_.size())) : D_, h_) {
+    if (strain_.present()) damped_rows_.emplace(*model_, options);
+  }
 
   // From z0_, with the leading low_ coordinates explicit. high: made for that split.
   StepReport split_step(HighRows& high, State& state, const StepLoad& load) {
     double dissipated = kick_low(state, load.start);
-    state.q.head(low_) += h_ * state.p.head(low_);
-    StepReport report = high.advance(z0_.q, state, load.average);
+    StepReport report;
+    if (damped_rows_) {
+      report = damped_rows_->advance({low_, model_->modes() - low_}, strain_, state, load.average);
+    } else {
+      state.q.head(low_) += h_ * state.p.head(low_);
+      report = high.advance(z0_.q, state, load.average);
+    }
     if (report.converged) dissipated += kick_low(state, load.end);
     report.dissipated += dissipated;
     report.converged = report.converged && state.q.allFinite() && state.p.allFinite();
@@ -35,6 +47,8 @@ class ImexvStep : public OneStep {
     if (low_ == 0) return 0.0;
     return kick_((f - V_.force(state.q)).head(low_), state.p);
   }
+
+  std::optional<DampedRows> damped_rows_;  // where the damping depends on q
 };
 
 // Makes a method that takes the split it starts with. Errors as choose_split.

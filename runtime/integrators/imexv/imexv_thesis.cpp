@@ -12,6 +12,9 @@
 // the low momenta that are stored lag by half a kick, so an energy must be read from
 // synchronized_momentum(), which adds the missing half.
 //
+// The part of the damping that depends on q (solve/strain_damping.h), which the thesis has not,
+// goes by mean velocities: on high rows in the solve, on low rows as a kick behind it.
+//
 // Kept as in the thesis:
 //   - the merged kick, and a start that is not staggered: the given p is taken as the lagging one;
 //   - damping by the velocity at the end of the step on high rows and by p_k on low ones: first
@@ -62,6 +65,12 @@ class ImexvThesis final : public OneStep {
     }
     StepReport report = high_.advance(z0_.q, state, load.average);
     report.dissipated += dissipated;
+    if (report.converged && strain_.present()) {
+      auto p = state.p.head(low);
+      const double before = p.squaredNorm();
+      p -= high_.rest().head(low);
+      report.dissipated += 0.5 * (before - p.squaredNorm());
+    }
     report = finish(report, state);
     if (!report.converged) return report;
     f_before_ = load.end;

@@ -134,13 +134,15 @@ class DampedKick {
   bool damped() const { return damped_; }
   const Eigen::VectorXd& decay() const { return decay_; }  // e^{-y}
   const Eigen::VectorXd& reach() const { return reach_; }  // s phi1(y), s
+  // s^2 (1 - phi1(y))/y, s^2: the path that f itself makes in the half step.
+  const Eigen::VectorXd& path() const { return path_; }
 
  private:
   bool damped_ = false;
   double half_step_ = 0.0;
   Eigen::VectorXd decay_;
   Eigen::VectorXd reach_;
-  Eigen::VectorXd path_;  // s^2 (1 - phi1(y))/y, s^2: the way that f itself makes
+  Eigen::VectorXd path_;
 };
 
 }  // namespace tremolo

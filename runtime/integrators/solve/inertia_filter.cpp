@@ -25,6 +25,11 @@ double rational_weight(double x) {
   return filter_value(kRobustShape, x * x);
 }
 
+double stiff_share(double damping) {
+  const double x = std::clamp(4.0 * damping - 1.0, 0.0, 1.0);
+  return 1.0 - x * x * (3.0 - 2.0 * x);
+}
+
 InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions& options,
                                     InertiaWeight at_rest) {
   const double h = options.step;
@@ -32,31 +37,39 @@ InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions&
   InertiaDamping damping;
   damping.D = damping_rates(model.lambda(), options.alpha, options.beta);
   damping.present = damping.D.maxCoeff() > 0.0;
+  damping.z = (0.25 * h * h) * model.lambda();
+  if (!model.potential().linear()) damping.strain = 2.0 * options.beta / h;
   for (VectorXd* v : {&damping.theta, &damping.n, &damping.shift, &damping.g, &damping.slope})
     v->setZero(r);
   for (Index i = 0; i < r; ++i) {
     const double c = h * damping.D[i], w = h * std::sqrt(model.lambda()[i]);
-    const auto [theta, n] = damped_weights(c, w, at_rest);
+    const DampedWeights whole = damped_weights(c, w, at_rest);
+    const double rest = at_rest(0.5 * w);
+    const double share = damping.strain > 0.0 ? stiff_share(options.beta * (w * w / h)) : 1.0;
+    const double theta = share * whole.theta;
+    const double n = share == 1.0 ? whole.n : rest + share * (whole.n - rest);
     damping.theta[i] = theta;
     damping.n[i] = n;
-    damping.shift[i] = n - at_rest(0.5 * w);
+    damping.shift[i] = n - rest;
     damping.g[i] = 1.0 + 2.0 * theta * c;
     damping.slope[i] = n * n / damping.g[i] + 0.5 * c;
   }
   return damping;
 }
 
-DampedMatrixFilter::DampedMatrixFilter(const InertiaDamping& damping, const VectorXd& z)
+DampedMatrixFilter::DampedMatrixFilter(const InertiaDamping& damping)
     : shift_(damping.shift),
       shifted_(shift_),
       slope_(damping.slope),
       factors_(shift_.size(), shift_.size()),
       filter_(shift_.size(), kRobustShape),
       factor_(shift_.size()) {
+  const VectorXd& z = damping.z;
   const VectorXd weight = damping.n.cwiseProduct(damping.g.cwiseInverse());
   for (Index j = 0; j < shift_.size(); ++j)
     for (Index i = 0; i < shift_.size(); ++i)
-      factors_(i, j) = 1.0 + filter_slope(kRobustShape, z[i], z[j]) * (weight[i] + weight[j]);
+      factors_(i, j) =
+          1.0 + damping.strain + filter_slope(kRobustShape, z[i], z[j]) * (weight[i] + weight[j]);
   const Eigen::ArrayXd undamped = (damping.n - damping.shift).array().square();
   const Eigen::ArrayXd change = (slope_.array() - undamped).abs() / (undamped + z.array());
   strong_ = change.maxCoeff() > kStrongDamping;

@@ -6,7 +6,8 @@
 //
 //     compute(Z)           makes N and a factor of the frozen Jacobian J, about N^2 + Z, which for
 //                          Jacobians with damping is N S N/2 + Z + h D/2; Z may be changed. False
-//                          where J is not positive definite
+//                          where J is not positive definite. With StrainDamping J has its part of
+//                          beta (K - Lambda) h/2, that of the tangent
 //     to_basis(x)          x <- W^T x
 //     from_basis(x)        x <- W x
 //     apply(x), solve(x)   in the basis: x <- N x and x <- J^-1 x
@@ -29,6 +30,13 @@ namespace tremolo {
 double cotangent_weight(double x);
 double rational_weight(double x);
 
+// How much of theta and of the change of n (damping.h) a coordinate gets whose stiffness damping is
+// h beta omega^2: all below 1/4, none from 1/2 on. theta takes h theta D Dp^2 of a coordinate that
+// follows others, too, in which strains, and with them the true damping, may not change at all, and
+// n changes its inertia; both errors grow as h falls until h D is resolved. A free mode of so much
+// damping is gone in a few steps whatever its roots are.
+double stiff_share(double damping);
+
 // What damping makes of the step, for each coordinate; r each.
 struct InertiaDamping {
   Eigen::VectorXd D;      // 1/s
@@ -37,7 +45,11 @@ struct InertiaDamping {
   Eigen::VectorXd shift;  // n less N at rest
   Eigen::VectorXd g;      // 1 + 2 theta h D = 2/S
   Eigen::VectorXd slope;  // n^2/g + h D/2: J at rest, without Z
-  bool present = false;   // some D is not zero
+  Eigen::VectorXd z;      // Z at rest, its diagonal
+  // What StrainDamping adds to J for each unit of Z less its value at rest, 2 beta/h; 0 where the
+  // model is linear.
+  double strain = 0.0;
+  bool present = false;  // some D is not zero
 };
 
 InertiaDamping make_inertia_damping(const Model& model, const IntegratorOptions& options,
@@ -49,9 +61,13 @@ class DiagonalFilter {
   static constexpr bool kFollowsTheState = false;
 
   explicit DiagonalFilter(const InertiaDamping& damping)
-      : n_(damping.n), slope_(damping.slope), factor_(n_.size()) {}
+      : n_(damping.n),
+        slope_(damping.slope - damping.strain * damping.z),
+        strain_(damping.strain),
+        factor_(n_.size()) {}
 
   bool compute(Eigen::MatrixXd& Z) {
+    if (strain_ > 0.0) Z *= 1.0 + strain_;
     Z.diagonal() += slope_;
     return factor_.compute(Z);
   }
@@ -63,6 +79,7 @@ class DiagonalFilter {
  private:
   Eigen::VectorXd n_;
   Eigen::VectorXd slope_;
+  double strain_;
   SmallCholesky factor_;
 };
 
@@ -85,8 +102,7 @@ class DampedMatrixFilter {
  public:
   static constexpr bool kFollowsTheState = true;
 
-  // z: Z at rest, its diagonal, r.
-  DampedMatrixFilter(const InertiaDamping& damping, const Eigen::VectorXd& z);
+  explicit DampedMatrixFilter(const InertiaDamping& damping);
 
   bool compute(Eigen::MatrixXd& Z) {
     filter_.compute(Z);

@@ -66,6 +66,7 @@ Json to_json(const RunReport& report, const RunOptions& options) {
   if (!options.probes.empty()) json["largest_probe_displacement"] = number(report.largest_probe);
   json["exit_code"] = report.exit_code;
   json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
+  json["notes"] = report.notes;
   json["files"] = report.files;
   return json;
 }

@@ -152,6 +152,16 @@ Result<Body> make_body(const RunOptions& options, Model::Pointer model, const Si
   return body;
 }
 
+Result<Eigen::VectorXd> largest_load(const RunOptions& options, const Model& model,
+                                     const SignalTable& table) {
+  const Result<Load> load = reduced_load(options, model, table);
+  if (!load) return load.error();
+  const SignalKind kind = load->signal.kind;
+  const bool lasts =
+      kind == SignalKind::kSquare || kind == SignalKind::kSine || kind == SignalKind::kConstant;
+  return lasts ? load->force : Eigen::VectorXd(Eigen::VectorXd::Zero(model.modes()));
+}
+
 Result<std::vector<int>> coordinates_of(const std::vector<std::string>& texts, Eigen::Index modes) {
   std::vector<int> coordinates;
   for (const std::string& text : texts) {

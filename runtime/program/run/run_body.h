@@ -25,6 +25,11 @@ Result<DefaultLoad> load_of_run(const RunOptions& options, const Model& model);
 // Errors of Body::create and Body::add_load, and of start_state.
 Result<Body> make_body(const RunOptions& options, Model::Pointer model, const SignalTable& table);
 
+// The largest reduced force of the load in time, r: of a square, a sine and a constant one; zero for
+// an impulse, which is over before the body is where it would hold it, and for --signal.
+Result<Eigen::VectorXd> largest_load(const RunOptions& options, const Model& model,
+                                     const SignalTable& table);
+
 // The coordinates of "all", "I" and "I-J", each once, in the order named. Errors: kUsage.
 Result<std::vector<int>> coordinates_of(const std::vector<std::string>& texts, Eigen::Index modes);
 

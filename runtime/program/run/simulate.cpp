@@ -20,6 +20,7 @@
 #include "runtime/program/run/sound.h"
 #include "runtime/program/run/watch.h"
 #include "runtime/program/start/load_search.h"
+#include "runtime/program/start/run_notes.h"
 #include "runtime/scene/selection.h"
 #include "runtime/scene_reader/csv_rows.h"
 
@@ -108,6 +109,12 @@ Result<RunReport> run_body(const RunOptions& options, const RunInput& input,
   if (!recorder) return value_error(recorder.error());
 
   RunReport report = start_report(options, *body);
+  if (links.interruption != nullptr) {  // not a trial
+    Eigen::VectorXd load;
+    if (Status s = take(load, largest_load(options, *model, input.table)); !s) return s.error();
+    report.notes = notes_before(*body, load);
+    for (const std::string& note : report.notes) tell("{}: note: {}\n", options.name, note);
+  }
   const std::int64_t steps = std::llround(options.duration / options.step);
   Result<Watch> watch =
       Watch::create(options, *body, columns.probes.empty() ? nullptr : columns.probes.data(), steps,

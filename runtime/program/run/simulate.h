@@ -65,6 +65,7 @@ struct RunReport {
   int exit_code = 0;               // 0, 4 or 5; 128 + n when signal n ended it early
   int signal = 0;                  // that n; 0: none
   std::string reason;              // why exit_code is not 0
+  std::vector<std::string> notes;  // start/run_notes.h
 };
 
 // With options.deflect the load's factor is found first, by runs that write nothing. Errors: what

@@ -50,6 +50,7 @@ struct BodyReport {
   std::int64_t passed_through = 0;
   int exit_code = 0;  // 0, 4 or 5
   std::string reason;
+  std::vector<std::string> notes;  // start/run_notes.h
   std::vector<std::string> files;
 
   // |change of the energy - all that was told| over the largest energy; 0 where nothing ever moved.
@@ -72,6 +73,8 @@ class BodyLog {
   void give_up(const StepReport& step, double time);
   // Puts the files in their places.
   Status finish(const SceneWorld& world);
+
+  void add_notes(const std::vector<std::string>& notes) { report_.notes = notes; }
 
   const BodyReport& report() const { return report_; }
   const RunOptions& options() const { return *options_; }

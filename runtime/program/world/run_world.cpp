@@ -25,6 +25,7 @@
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
 #include "runtime/program/run/run_progress.h"
+#include "runtime/program/start/run_notes.h"
 #include "runtime/program/world/body_log.h"
 #include "runtime/program/world/scene_ending.h"
 #include "runtime/program/world/world_sound.h"
@@ -113,6 +114,7 @@ Json body_json(const SceneBody& body, const BodyReport& report, double step) {
   json["asleep"] = report.asleep;
   json["exit_code"] = report.exit_code;
   json["reason"] = report.reason.empty() ? Json(nullptr) : Json(report.reason);
+  json["notes"] = report.notes;
   json["files"] = report.files;
   return json;
 }
@@ -286,6 +288,22 @@ Result<WorldEnding> follow_world(const SceneFile& file, SceneWorld& world,
   return ending;
 }
 
+// Bodies with the same notes are told once.
+void take_notes(const SceneFile& file, const SceneWorld& world, std::vector<BodyLog>& logs) {
+  std::vector<std::string> told;
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    const Body& body = world.body(i);
+    const std::vector<std::string> notes =
+        notes_before(body, Eigen::VectorXd::Zero(body.model().modes()));
+    for (const std::string& note : notes) {
+      if (std::find(told.begin(), told.end(), note) != told.end()) continue;
+      told.push_back(note);
+      tell("{}: note: {}\n", file.scene.bodies[i].name, note);
+    }
+    logs[i].add_notes(notes);
+  }
+}
+
 void print_bodies(const SceneFile& file, const SceneWorld& world,
                   const std::vector<BodyLog>& logs) {
   const std::size_t told = std::min(logs.size(), kTold);
@@ -375,6 +393,7 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
     if (!log) return told(i, log.error());
     logs.push_back(std::move(*log));
   }
+  take_notes(file, *world, logs);
   std::optional<WorldSound> sound;
   if (!file.outputs.wav.empty())
     if (Status s =

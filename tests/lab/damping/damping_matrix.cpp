@@ -36,6 +36,7 @@ bool Entry::judged() const {
 std::vector<Entry> damping_matrix(const reproduce::SampleModel& sample) {
   StiffProblem problem;
   problem.model = sample.model;
+  problem.strain_gram = sample.strain_gram;
   problem.duration = kDuration;
   problem.load = {{.kind = SignalKind::kSquare},
                   or_fail(reduce_load(*sample.model, sample.model->default_load()))};

@@ -3,6 +3,8 @@
 // right on slaved coordinates at any D h.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "runtime/load.h"
@@ -12,8 +14,10 @@ namespace tremolo::damping {
 
 // alpha, beta: Rayleigh's, 1/s and s. step: s; `sample` is a multiple of it, and the load may jump
 // at multiples of it only.
+// strain_gram: as BasisData has it; empty: the damping of the rest shape.
 struct StiffProblem {
   Model::Pointer model;
+  std::vector<double> strain_gram = {};
   double alpha = 0.0;
   double beta = 0.0;
   Load load;

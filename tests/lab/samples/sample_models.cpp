@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "formats/basis/basis_reader.h"
 #include "formats/file/checksum.h"
 #include "formats/file/output_guard.h"
 #include "formats/file/whole_file.h"
@@ -44,7 +45,8 @@ SampleModel load_one(const std::string& directory, std::string_view name) {
   Model::Pointer model = or_fail(Model::load(path));
   if (model->default_load().vertices.empty())
     throw Failure(content_error(path + ": the model has no default load"));
-  return {std::string(name), checksum(bytes), std::move(model)};
+  BasisReader reader = or_fail(BasisReader::open(path));
+  return {std::string(name), checksum(bytes), std::move(model), or_fail(reader.strain_gram())};
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ struct SampleModel {
   std::string name;
   std::string checksum;
   Model::Pointer model;
+  std::vector<double> strain_gram = {};  // as BasisData has it
 };
 
 // names: of thesis::kModels, in any order; empty for all six. The result is in the thesis's order.

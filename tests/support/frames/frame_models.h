@@ -129,6 +129,7 @@ inline BasisData basis_of(const PointCloud& cloud, const StrainModel& strain, bo
   data.rigid_mode_count = free ? 6 : 0;
   data.lambda = strain.omega.cwiseAbs2();
   expand_coefficients(strain, data);
+  data.strain_gram = expand_strain_gram(strain);
   for (std::size_t k = 0; k < n; ++k) data.surface.vertex_ids.push_back(static_cast<VertexId>(k));
   data.surface.rest = cloud.places;
   data.surface.rows = cloud.basis;

@@ -1,0 +1,219 @@
+// Stiffness damping by the rates of the strains: its force, what it takes in a step, what it leaves
+// alone, and what happens to models that do not know their strains.
+#include "runtime/integrators/solve/strain_damping.h"
+
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "runtime/body.h"
+#include "tests/support/dynamics.h"
+
+namespace tremolo {
+namespace {
+
+using namespace testing;
+using Eigen::VectorXd;
+
+// All of the damping force of beta = 1: the rest and that of the linear terms.
+VectorXd damping_of(StrainDamping& damping, const StrainModel& strain, const VectorXd& q,
+                    const VectorXd& v) {
+  VectorXd force(q.size());
+  const double power = damping.force_at(q, v, force);
+  EXPECT_NEAR(power, v.dot(force), 1e-12 * force.norm() * v.norm());
+  return force + strain.omega.cwiseAbs2().cwiseProduct(v);
+}
+
+// Sizes on both sides of each length of a vector.
+TEST(StrainMatrixKernel, TheForceIsThatOfTheStrainsRatesForEveryNumberOfCoordinates) {
+  for (Eigen::Index r = 1; r <= 41; ++r) {
+    const StrainModel strain = random_strain_model(spread_omega(r, 3.0, 400.0), 0.5, 11);
+    const Model::Pointer model = make_model(strain);
+    ASSERT_TRUE(model->strain_matrix());
+    StrainDamping damping(*model, 1.0);
+    const VectorXd q = random_vector(r, 0.6, 1), v = random_vector(r, 2.0, 2);
+    const VectorXd expected = strain_damping_force(strain, q, v);
+    // Sums of up to 900 products.
+    EXPECT_LE((damping_of(damping, strain, q, v) - expected).norm(), 1e-12 * expected.norm()) << r;
+  }
+}
+
+TEST(StrainDamping, LeadingCoordinatesTakeThePartOfTheMatrixThatIsTheirs) {
+  const StrainModel strain = random_strain_model(spread_omega(7, 3.0, 90.0), 0.5, 12);
+  const BasisData data = sample_basis(strain);
+  for (int modes = 1; modes <= 7; ++modes) {
+    const auto model = Model::from_data(data, {.modes = modes});
+    ASSERT_TRUE(model);
+    ASSERT_TRUE((*model)->strain_matrix());
+    StrainDamping damping(**model, 1.0);
+    VectorXd q = random_vector(7, 0.5, 3), v = random_vector(7, 1.0, 4);
+    q.tail(7 - modes).setZero();
+    v.tail(7 - modes).setZero();
+    VectorXd force(modes);
+    damping.force(q.head(modes), v.head(modes), force);
+    force += (*model)->lambda().cwiseProduct(v.head(modes));
+    const VectorXd expected = strain_damping_force(strain, q, v).head(modes);
+    EXPECT_LE((force - expected).norm(), 1e-13 * expected.norm()) << modes;
+  }
+}
+
+// Two coordinates on a circle through the origin keep the strain omega q0 + b (q0^2 + q1^2) at
+// zero; a third vibrates.
+StrainModel circle(double omega) {
+  StrainModel strain = random_strain_model(Eigen::Vector3d(1e-3, omega, 2 * omega), 0.0, 1);
+  strain.b[1](0, 0) = strain.b[1](1, 1) = 0.5 * omega;
+  return strain;
+}
+
+TEST(StrainDamping, AMotionThatDoesNotStrainIsNotDamped) {
+  const StrainModel strain = circle(50.0);
+  const Model::Pointer model = make_model(strain);
+  ASSERT_TRUE(model->strain_matrix());
+  StrainDamping damping(*model, 1.0);
+  for (double angle = 0.0; angle < 6.0; angle += 0.3) {
+    const Eigen::Vector3d q(std::sin(angle), std::cos(angle) - 1.0, 0.0);
+    const Eigen::Vector3d v(std::cos(angle), -std::sin(angle), 0.0);
+    // The soft strain of 1e-3 rad/s is all that is left of 2500.
+    EXPECT_LE(damping_of(damping, strain, q, v).norm(), 2e-6 + 1e-12) << angle;
+  }
+}
+
+// The strains y(q) of the model: omega_e q_e + q^T B_e q.
+VectorXd strains_at(const StrainModel& model, const VectorXd& q) {
+  VectorXd strains(q.size());
+  for (Eigen::Index e = 0; e < q.size(); ++e)
+    strains[e] = model.omega[e] * q[e] + q.dot(model.b[e] * q);
+  return strains;
+}
+
+// theta's part is never negative and known for small h D: theta h D Dp^2, theta = 1/12 at most 1/4.
+TEST(StrainDamping, AnEnergyPreservingStepTakesTheSquareOfTheStrainsChange) {
+  const StrainModel strain = strong_strain_model();
+  const Model::Pointer model = make_model(strain);
+  for (const char* name : {"avf", "ep2", "ep4"})
+    for (const double beta : {1e-6, 1e-3, 1.0}) {
+      const IntegratorOptions options{.step = 5e-3, .beta = beta};
+      const auto integrator = make(name, model, options);
+      State state = strong_state();
+      StepLoad load = make_step_load(4);
+      for (int k = 0; k < 100; ++k) {
+        const State before = state;
+        const StepReport report = integrator->step(state, load);
+        ASSERT_TRUE(report.converged);
+        const double taken =
+            beta / options.step *
+            (strains_at(strain, state.q) - strains_at(strain, before.q)).squaredNorm();
+        const VectorXd dp = state.p - before.p;
+        const double most = 0.25 * options.step * beta * dp.cwiseAbs2().dot(model->lambda());
+        EXPECT_GE(report.dissipated, taken * (1.0 - 1e-6) - 1e-15) << name << ", " << beta;
+        EXPECT_LE(report.dissipated, taken * (1.0 + 1e-6) + most + 1e-15) << name << ", " << beta;
+      }
+    }
+}
+
+// Energy left after 6 halves of a period about zero of a pendulum of a soft spring on a stiff rod.
+// q0 swings, q1 follows on a circle of radius one: what is stiff does not strain.
+TEST(StrainDamping, TheDecayOfASwingDoesNotDependOnHowFarItGoes) {
+  StrainModel strain = circle(300.0);
+  strain.omega[0] = 10.0;
+  const Model::Pointer model = make_model(strain);
+  const double beta = 2.0 * 0.02 / 10.0;  // 2 % of critical
+  for (const char* name : {"ep4", "ep2", "newmark", "midpoint"})
+    for (const double velocity : {0.1, 1.0, 2.0}) {
+      const auto integrator = make(name, model, {.step = 1e-3, .beta = beta});
+      State state{VectorXd::Zero(3), Eigen::Vector3d(velocity, 0.0, 0.0)};
+      StepLoad load = make_step_load(3);
+      const auto energy = [&] {
+        return 0.5 * state.p.squaredNorm() + strain_energy(strain, state.q);
+      };
+      const double start = energy();
+      double time = 0.0;
+      for (int crossings = 0; crossings < 6; time += 1e-3) {
+        const double q = state.q[0];
+        ASSERT_TRUE(integrator->step(state, load).converged);
+        if (time > 0.0 && (q < 0.0) != (state.q[0] < 0.0)) ++crossings;
+      }
+      // A swing of 0.2 of the radius has a period longer by a hundredth and a path longer than its
+      // chord: 2 %, the bound that bodies have to keep too.
+      EXPECT_NEAR(energy() / start, std::exp(-12.0 * 3.14159265 * 0.02), 0.02 * 0.47)
+          << name << ", " << velocity;
+    }
+}
+
+BasisData without_strains(const StrainModel& strain) {
+  BasisData data = sample_basis(strain);
+  data.strain_gram.clear();
+  return data;
+}
+
+TEST(StrainDamping, AModelWithoutItsStrainsIsDampedByThePositivePartOfItsTangent) {
+  const StrainModel strain = strong_strain_model();
+  const auto model = Model::from_data(without_strains(strain));
+  ASSERT_TRUE(model);
+  EXPECT_FALSE((*model)->has_strain_gram());
+  StrainDamping damping(**model, 1.0);
+  Evaluation at = (*model)->potential().make_evaluation();
+  PotentialWorkspace workspace = (*model)->potential().make_workspace();
+  bool indefinite = false;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const VectorXd q = random_vector(4, 0.5, seed), v = random_vector(4, 1.0, 100 + seed);
+    (*model)->potential().evaluate(q, kWantTangent, workspace, at);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(at.tangent);
+    indefinite = indefinite || eigen.eigenvalues().minCoeff() < 0.0;
+    const VectorXd expected = eigen.eigenvectors() *
+                              eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+                              (eigen.eigenvectors().transpose() * v);
+    const VectorXd force = damping_of(damping, strain, q, v);
+    EXPECT_LE((force - expected).norm(), 1e-12 * expected.norm());
+    EXPECT_GE(v.dot(force), 0.0);
+  }
+  EXPECT_TRUE(indefinite);
+}
+
+TEST(StrainDamping, WithoutStrainsEveryMethodTakesEnergyAndTheFamilyBalances) {
+  const StrainModel strain = strong_strain_model();
+  const auto model = Model::from_data(without_strains(strain));
+  ASSERT_TRUE(model);
+  const auto energy = [&](const State& s) {
+    return 0.5 * s.p.squaredNorm() + strain_energy(strain, s.q);
+  };
+  for (const std::string_view name : integrator_names()) {
+    if (name == "explicit-euler") continue;  // it feeds more than this damping takes
+    const auto integrator = make(name, *model, {.step = 1e-3, .beta = 3e-3});
+    State state = strong_state();
+    StepLoad load = make_step_load(4);
+    double dissipated = 0.0;
+    for (int k = 0; k < 400; ++k) {
+      const StepReport report = integrator->step(state, load);
+      ASSERT_TRUE(report.converged) << name;
+      dissipated += report.dissipated;
+    }
+    EXPECT_LT(energy(state), 0.5 * energy(strong_state())) << name;
+    if (name == "avf" || name == "ep2" || name == "ep4") {
+      EXPECT_NEAR(energy(state) + dissipated, energy(strong_state()), 1e-11) << name;
+    }
+  }
+}
+
+TEST(StrainDamping, ALinearModelHasTheDampingOfTheRestShapeAndReadsNothing) {
+  const auto model = Model::from_data(sample_basis(strong_strain_model()), {.linear = true});
+  ASSERT_TRUE(model);
+  EXPECT_FALSE((*model)->has_strain_gram());
+  EXPECT_FALSE(StrainDamping(**model, 1.0).present());
+}
+
+TEST(StrainDamping, DataOfAnotherSizeOrWithoutSenseAreRefused) {
+  for (int what = 0; what < 3; ++what) {
+    BasisData data = sample_basis(strong_strain_model());
+    if (what == 0) data.strain_gram.pop_back();
+    if (what == 1) data.strain_gram.front() = -1.0;
+    if (what == 2) data.strain_gram[1] = std::nan("");
+    const auto model = Model::from_data(data);
+    ASSERT_FALSE(model) << what;
+    EXPECT_EQ(model.error().kind, ErrorKind::kContent);
+  }
+}
+
+}  // namespace
+}  // namespace tremolo
