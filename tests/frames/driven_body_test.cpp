@@ -48,10 +48,10 @@ class HeldCloud {
   HeldCloud(testing::PointCloud cloud, testing::StrainModel strain, MotionPath path)
       : cloud_(std::move(cloud)), strain_(std::move(strain)), path_(std::move(path)) {}
 
-  State run(State s, const Vector3d& gravity, const VectorXd& damping, double time, int steps) {
+  State run(State s, const Vector3d& gravity, const testing::HeldCase& held, int steps) {
     return testing::runge_kutta(
-        std::move(s), time, steps, [&](double at, const VectorXd& q, const VectorXd& v) {
-          return State{v, acceleration(at, q, v, gravity) - damping.cwiseProduct(v)};
+        std::move(s), held.kTime, steps, [&](double at, const VectorXd& q, const VectorXd& v) {
+          return State{v, acceleration(at, q, v, gravity) - held.damping(q, v)};
         });
   }
 
@@ -89,8 +89,8 @@ class HeldCloud {
 TEST(DrivenBody, FollowsNewtonsLawsOfItsPointsInSecondOrder) {
   const Vector3d gravity(0.0, 2.0, -9.81);
   const testing::HeldCase held;
-  const State exact = HeldCloud(held.cloud, held.strain, whirl())
-                          .run(held.start, gravity, held.damping, held.kTime, 3000);
+  const State exact =
+      HeldCloud(held.cloud, held.strain, whirl()).run(held.start, gravity, held, 3000);
   for (const char* method : kDrivenMethods)
     testing::expect_second_order(method, exact.q, [&](int steps) {
       Body body = make_framed(held.model, FrameKind::kDriven, testing::held_options(steps), method);

@@ -125,7 +125,8 @@ TEST(SceneContact, AccountsCloseWithEverythingAtOnce) {
   EXPECT_NE(held.support, 0.0);
   EXPECT_GT(world.contacts(0), 0);
   EXPECT_GT(world.contacts(1), 0);
-  EXPECT_LT(world.penetration_max(0), 0.02);
+  // A fall from 0.8 m with 4 m/s, within a contact of some milliseconds, whatever the step.
+  EXPECT_LT(world.penetration_max(0), 0.03);
 }
 
 TEST(SceneContact, StepsAreThoseOfABodyAmongTheSameColliders) {
@@ -286,7 +287,8 @@ TEST(SceneContact, BodyMayBeginWithinTheMargin) {
   const double margin = before.body(0).contact()->law().margin;
   scene.colliders[0].pose.position.z() = lowest + 0.5 * margin;
   SceneWorld world = touching_world(scene);
-  EXPECT_GT(world.account(0).contact, 0.0);
+  // Its contact begins where it is, with no energy that nobody put in.
+  EXPECT_EQ(world.account(0).contact, 0.0);
   EXPECT_EQ(world.account(0).remainder(), 0.0);
   double most = 0.0;
   for (int k = 0; k < 100; ++k) {

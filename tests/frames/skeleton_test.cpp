@@ -285,13 +285,12 @@ TEST(Skeleton, ForceOnPointsOfOneBoneEachIsThatOfTheSkinsOwnField) {
 }
 
 // Newton's laws of the shares by the classical method of Runge and Kutta.
-State run_shares(const testing::PointCloud& cloud, const testing::StrainModel& strain,
-                 const BoneWeights& weights, const std::vector<MotionPath>& paths, State s,
-                 const VectorXd& damping, double time, int steps) {
+State run_shares(const testing::HeldCase& held, const BoneWeights& weights,
+                 const std::vector<MotionPath>& paths, int steps) {
   return testing::runge_kutta(
-      std::move(s), time, steps, [&](double at, const VectorXd& q, const VectorXd& v) {
-        return State{v, forces_by_differences(cloud, weights, paths, q, v, at).shares -
-                            testing::strain_force(strain, q) - damping.cwiseProduct(v)};
+      held.start, held.kTime, steps, [&](double at, const VectorXd& q, const VectorXd& v) {
+        return State{v, forces_by_differences(held.cloud, weights, paths, q, v, at).shares -
+                            testing::strain_force(held.strain, q) - held.damping(q, v)};
       });
 }
 
@@ -311,8 +310,7 @@ TEST(Skeleton, FollowsNewtonsLawsOfItsSharesInSecondOrder) {
                                                                Vector3d(Vector3d::Zero())));
   }
   const auto shared = std::make_shared<const Skin>(skin);
-  const State exact = run_shares(held.cloud, held.strain, weights, paths, held.start, held.damping,
-                                 held.kTime, 3000);
+  const State exact = run_shares(held, weights, paths, 3000);
   for (const char* method : kDrivenMethods)
     testing::expect_second_order(method, exact.q, [&](int steps) {
       Body body = make_rigged(held.model, shared, testing::held_options(steps), method);

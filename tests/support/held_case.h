@@ -20,7 +20,11 @@ struct HeldCase {
   PointCloud cloud = random_cloud(4, false, 3);
   Model::Pointer model = *Model::from_data(basis_of(cloud, strain, false));
   State start{random_vector(4, 0.02, 8), random_vector(4, 0.3, 9)};
-  Eigen::VectorXd damping = (0.3 + 1e-3 * strain.omega.array().square()).matrix();
+
+  // What alpha and beta of held_options() take from the motion: beta by the rates of strains.
+  Eigen::VectorXd damping(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+    return 0.3 * v + 1e-3 * strain_damping_force(strain, q, v);
+  }
 };
 
 // Steps through kTime; the solver's tolerance does not show.

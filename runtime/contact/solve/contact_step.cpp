@@ -408,6 +408,7 @@ void ContactStep::evaluate_body() {
   dp_ = S_.cwiseProduct(damping_.n.cwiseProduct(d) / h - v0_);
   own_force_ = G_ - load_->average;
   middle_ = d;
+  rest_work_ = 0.0;
   if (strain_.present()) {
     rest_middle_ = q0_ + 0.5 * middle_;
     rest_work_ = strain_.force(rest_middle_, middle_, rest_) / h;

@@ -1,0 +1,288 @@
+// Contact against closed forms, with default settings, at a step, its half and its quarter, and
+// with few and many points: what touches must not depend on either.
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "runtime/body.h"
+#include "runtime/contact/solve/body_group.h"
+#include "runtime/contact/solve/contact_step.h"
+#include "tests/support/meshes/made_cube.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+using testing::balance;
+
+constexpr double kGravity = 9.81, kFriction = 0.3, kSide = 0.1;
+constexpr double kSteps[] = {3e-3, 1.5e-3, 7.5e-4};
+#ifdef TREMOLO_LONG_TESTS
+constexpr double kLong = 600.0;  // s
+#else
+constexpr double kLong = 20.0;
+#endif
+
+// A cube of 0.1 m and 1 kg that nothing holds, with its middle at the mesh's origin.
+Body cube(const std::string& young, double step, int points, const Vector3d& gravity,
+          const Vector3d& centre) {
+  const Model::Pointer model =
+      testing::made_cube("physics-" + young, Vector3d::Constant(-0.5 * kSide), young, "none");
+  IntegratorOptions options;
+  options.step = step;
+  options.beta = 2e-3;
+  Result<Body> body = Body::create(model, "ep4", options, FrameKind::kFree);
+  EXPECT_TRUE(body) << body.error().message;
+  ContactOptions contact;
+  contact.points = points;
+  contact.shape = BoxShape{Vector3d::Constant(0.5 * kSide)};
+  contact.friction = kFriction;
+  EXPECT_TRUE(body->set_contact(contact));
+  EXPECT_TRUE(body->set_gravity(gravity));
+  EXPECT_TRUE(body->set_pose({centre, Eigen::Quaterniond::Identity()}));
+  return std::move(*body);
+}
+
+const Vector3d kDown(0.0, 0.0, -kGravity), kOnFloor(0.0, 0.0, 0.5 * kSide);
+
+std::vector<PlacedCollider> floor_plane() {
+  return {{PlaneShape{}, {}, {}, kFriction, 0.5}};
+}
+
+// Steps for so many seconds.
+void run(Body& body, std::span<const PlacedCollider> colliders, double seconds) {
+  const long steps = std::lround(seconds / body.step_size());
+  for (long i = 0; i < steps; ++i) ASSERT_TRUE(body.step(colliders).converged) << i;
+}
+
+// A block that has come to rest on a belt is accelerated by mu g from the moment in which the belt
+// begins to glide: after 90 ms it has 0.26 m/s, where the elastic path of friction costs a
+// thousandth of it.
+TEST(ContactPhysics, ABeltThatBeginsToGlideDragsABlockThatRests) {
+  for (const char* young : {"5e4", "5e7"})
+    for (const int points : {8, 200})
+      for (const double h : kSteps) {
+        Body body = cube(young, h, points, kDown, kOnFloor);
+        std::vector<PlacedCollider> belt = floor_plane();
+        run(body, belt, 0.6);
+        const double before = body.rigid_state().velocity.x();
+        const long steps = std::lround(0.09 / h);
+        for (long i = 0; i < steps; ++i) {
+          belt[0].start.position.x() = h * static_cast<double>(i);
+          belt[0].end.position.x() = h * static_cast<double>(i + 1);
+          ASSERT_TRUE(body.step(belt).converged);
+        }
+        const double speed = body.rigid_state().velocity.x() - before;
+        EXPECT_NEAR(speed, kFriction * kGravity * 0.09, 0.005 * kFriction * kGravity * 0.09)
+            << young << " " << points << " " << h;
+        EXPECT_GT(body.contact_rubbed(), 0.0);
+        EXPECT_NEAR(balance(body), 0.0, 1e-9);
+      }
+}
+
+Vector3d on_slope(double share) {
+  const double angle = share * std::atan(kFriction);
+  return kGravity * Vector3d(std::sin(angle), 0.0, -std::cos(angle));
+}
+
+TEST(ContactPhysics, ABlockSlidesDownASlopeAboveTheAngleOfFriction) {
+  const double angle = 1.05 * std::atan(kFriction);
+  const double expected = kGravity * (std::sin(angle) - kFriction * std::cos(angle));
+  for (const char* young : {"5e4", "5e7"})
+    for (const int points : {8, 200})
+      for (const double h : kSteps) {
+        Body body = cube(young, h, points, on_slope(1.05), kOnFloor);
+        run(body, floor_plane(), 0.6);
+        const double before = body.rigid_state().velocity.x();
+        run(body, floor_plane(), 0.6);
+        EXPECT_NEAR((body.rigid_state().velocity.x() - before) / 0.6, expected, 0.005 * expected)
+            << young << " " << points << " " << h;
+      }
+}
+
+// Awake: a body that is stepped by itself does not sleep. Less than a micrometre, a two-hundredth
+// of what friction's springs gave way by.
+TEST(ContactPhysics, ABlockRestsOnASlopeBelowTheAngleOfFriction) {
+  for (const char* young : {"5e4", "5e7"})
+    for (const double h : {3e-3, 7.5e-4}) {
+      Body body = cube(young, h, 200, on_slope(0.95), kOnFloor);
+      run(body, floor_plane(), 3.0);
+      const Vector3d before = body.rigid_state().centre;
+      run(body, floor_plane(), h > 1e-3 ? kLong : 0.1 * kLong);
+      EXPECT_LT((body.rigid_state().centre - before).norm(), 1e-6) << young << " " << h;
+    }
+}
+
+TEST(ContactPhysics, AThrownBlockStopsAfterItsSquaredSpeedOverTwiceFriction) {
+  const double expected = 2.0 * 2.0 / (2.0 * kFriction * kGravity);
+  for (const int points : {8, 200})
+    for (const double h : kSteps) {
+      Body body = cube("5e7", h, points, kDown, kOnFloor);
+      ASSERT_TRUE(body.set_motion({2.0, 0.0, 0.0}, Vector3d::Zero()));
+      run(body, floor_plane(), 0.9);
+      EXPECT_NEAR(body.rigid_state().centre.x(), expected, 0.005 * expected) << points << " " << h;
+      // All of its energy is friction's but for what restitution had of the way down.
+      EXPECT_NEAR(body.contact_rubbed(), 2.0, 0.01) << points << " " << h;
+    }
+}
+
+// What begins on the floor has no energy that nobody put in: its contact begins where it is. It
+// sinks until contact carries it, and comes to rest.
+TEST(ContactPhysics, ABlockThatIsLaidOnTheFloorStaysThere) {
+  for (const char* young : {"5e4", "5e7"})
+    for (const int points : {8, 200})
+      for (const double h : {3e-3, 1e-3, 2.5e-4}) {
+        Body body = cube(young, h, points, kDown, kOnFloor);
+        const double margin = body.contact()->law().margin;
+        const std::vector<PlacedCollider> floor = floor_plane();
+        double highest = 0.0, most = 0.0;
+        for (long i = 0; i < std::lround(1.0 / h); ++i) {
+          ASSERT_TRUE(body.step(floor).converged);
+          highest = std::max(highest, body.rigid_state().centre.z() - kOnFloor.z());
+          const double rigid = 0.5 * body.rigid_state().velocity.squaredNorm();
+          most = std::max(most, rigid + body.contact_account().energy);
+        }
+        EXPECT_LE(highest, 1e-12) << young << " " << points << " " << h;
+        // A soft block sinks by its own squeezing too, 0.6 mm.
+        EXPECT_LT(most, kGravity * (margin + 6e-4));
+        EXPECT_EQ(body.contact_error(), 0.0);
+        const double before = body.rigid_state().centre.z();
+        run(body, floor, 0.3);
+        EXPECT_NEAR(body.rigid_state().centre.z(), before, 1e-6) << young << " " << points;
+      }
+}
+
+// Gravity brings it in within the step: what is at rest just above the margin, and what is pushed
+// from farther off.
+TEST(ContactPhysics, WhatAnAccelerationBringsInIsFound) {
+  for (const double h : {1.0 / 60.0, 3e-3}) {
+    const double margin = 0.005 * kSide;
+    for (const double share : {0.1, 0.5, 0.9}) {
+      const double gap = margin + share * 0.5 * kGravity * h * h;
+      Body body = cube("5e7", h, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, gap));
+      run(body, floor_plane(), 0.5);
+      EXPECT_EQ(body.contact_error(), 0.0) << h << " " << share;
+      EXPECT_NEAR(balance(body), 0.0, 1e-9) << h << " " << share;
+      EXPECT_GT(body.rigid_state().centre.z(), 0.5 * kSide - 2.0 * margin);
+    }
+    Body pushed = cube("5e7", h, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, 0.002));
+    for (VertexId vertex = 48; vertex < 64; ++vertex)
+      ASSERT_TRUE(pushed.apply_force(vertex, {0.0, 0.0, -300.0 / 16.0}, 1'000));
+    run(pushed, floor_plane(), 0.3);
+    EXPECT_EQ(pushed.contact_error(), 0.0) << h;
+    EXPECT_NEAR(balance(pushed), 0.0, 1e-9) << h;
+    // The load's and gravity's work is what stays in contact and was taken: nothing else is there.
+    EXPECT_LT(pushed.energy().total() + pushed.contact_account().energy, 309.0 * 0.003);
+  }
+}
+
+// Two plates press a cube of 1 kg by some 20 N each and lift it: friction 1 holds it, and it does
+// not creep, awake.
+TEST(ContactPhysics, AGripHolds) {
+  for (const double h : {3e-3, 7.5e-4}) {
+    Body body = cube("1e5", h, 200, kDown, Vector3d::Zero());
+    std::vector<PlacedCollider> grip;
+    const BoxShape plate{{0.02, 0.1, 0.1}};
+    for (const double side : {-1.0, 1.0}) {
+      PlacedCollider one{plate, {}, {}, 1.0, 0.0};
+      one.start.position.x() = one.end.position.x() = side * (0.5 * kSide + 0.0205);
+      grip.push_back(one);
+    }
+    PlacedCollider floor{PlaneShape{}, {}, {}, kFriction, 0.5};
+    floor.start.position.z() = floor.end.position.z() = -0.5 * kSide - 5e-4;
+    grip.push_back(floor);
+    double lift = 0.0, slip = 0.0, held = 0.0;
+    const auto steps = std::lround((h > 1e-3 ? 9.0 : 5.0) / h);
+    for (long i = 0; i < steps; ++i) {
+      const double t = static_cast<double>(i + 1) * h;
+      const double up = t < 2.0 ? 0.0 : 0.05 * h * std::min(1.0, (t - 2.0) / 0.1);
+      for (int k = 0; k < 2; ++k) {
+        grip[k].start = grip[k].end;
+        grip[k].end.position.z() += up;
+        if (t < 1.0) grip[k].end.position.x() += (k == 0 ? 1.0 : -1.0) * 0.002 * h;
+      }
+      lift += up;
+      ASSERT_TRUE(body.step(grip).converged) << t;
+      const double now = body.rigid_state().centre.z() - lift;
+      if (std::abs(t - 3.0) < 0.5 * h) held = now;
+      if (t > 3.0) slip = std::max(slip, std::abs(now - held));
+    }
+    EXPECT_GT(body.rigid_state().centre.z(), lift - 0.002) << h;
+    EXPECT_LT(slip, 1e-6) << h;
+    EXPECT_NEAR(balance(body), 0.0, 1e-9) << h;
+  }
+}
+
+// A modulus gives p = W (x - w/2)/size beyond the smooth beginning w: the depth at which a stiff
+// block's weight rests, by the areas of its points.
+TEST(ContactPhysics, AModulusSaysHowDeepABlockRests) {
+  const double modulus = 2e5;
+  Body body = cube("5e7", 1e-3, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, 1e-3));
+  ContactOptions contact;
+  contact.modulus = modulus;
+  ASSERT_TRUE(body.set_contact(contact));
+  run(body, floor_plane(), 1.5);
+  const ContactPoints& points = body.contact()->points();
+  double area = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points.rest[i].z() < -0.49 * kSide) area += points.areas[i];
+  const double margin = body.contact()->law().margin;
+  const double depth = margin - (body.rigid_state().centre.z() - 0.5 * kSide);
+  EXPECT_NEAR(depth, 0.05 * margin + kGravity * kSide / (modulus * area), 0.002 * depth);
+  EXPECT_FALSE(body.set_contact({.modulus = 0.0}));
+}
+
+// The areas of all points together are the boundary's, however many points there are.
+TEST(ContactPhysics, AreasOfPointsAddUpToTheBoundary) {
+  for (const int points : {1, 8, 20, 200}) {
+    const Body body = cube("5e7", 1e-3, points, kDown, kOnFloor);
+    double sum = 0.0;
+    for (const double area : body.contact()->points().areas) sum += area;
+    EXPECT_NEAR(sum, 6.0 * kSide * kSide, 1e-12) << points;
+  }
+}
+
+// The force on the floor is the weight, as a vector; the points' impulses add up to it.
+TEST(ContactPhysics, ForcesOnTheFloorAreReportedAsVectors) {
+  Body body = cube("5e7", 1e-3, 200, on_slope(0.9), kOnFloor);
+  const std::vector<PlacedCollider> floor = floor_plane();
+  run(body, floor, 1.0);
+  ASSERT_EQ(body.contact()->collider_impulses().size(), 1U);
+  const Vector3d force = body.contact()->collider_impulses()[0] / 1e-3;
+  EXPECT_LT((force - on_slope(0.9)).norm(), 1e-4 * kGravity);
+  Vector3d sum = Vector3d::Zero();
+  for (const ContactedPoint& point : body.contact()->contacted()) {
+    EXPECT_FALSE(point.on_body);
+    EXPECT_LT((point.normal - Vector3d::UnitZ()).norm(), 1e-12);
+    EXPECT_LT(std::abs(point.position.z()), 5e-4);
+    sum += point.impulse;
+  }
+  EXPECT_LT((sum / 1e-3 + force).norm(), 1e-12 * kGravity);
+}
+
+// Three blocks exactly one margin apart: what is small in a step is measured by gravity as well.
+TEST(ContactPhysics, AStackExactlyOneMarginApartComesToRest) {
+  for (const double h : kSteps) {
+    std::vector<Body> blocks;
+    for (int i = 0; i < 3; ++i)
+      blocks.push_back(cube("5e6", h, 200, kDown, {0.0, 0.0, 0.0505 + (kSide + 0.0005) * i}));
+    const std::array<Body*, 3> bodies = {&blocks[0], &blocks[1], &blocks[2]};
+    std::array<StepReport, 3> reports;
+    BodyGroup group;
+    const std::vector<PlacedCollider> floor = floor_plane();
+    for (long i = 0; i < std::lround(2.0 / h); ++i) {
+      group.step(bodies, floor, reports);
+      for (const StepReport& report : reports) ASSERT_TRUE(report.converged) << i << " " << h;
+    }
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_TRUE(group.asleep(static_cast<std::size_t>(i))) << h;
+      EXPECT_NEAR(blocks[i].rigid_state().centre.z(), 0.05 + kSide * i, 1e-3) << h;
+      EXPECT_NEAR(balance(blocks[i]), 0.0, 1e-9) << h;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tremolo
