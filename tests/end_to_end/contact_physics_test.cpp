@@ -18,6 +18,9 @@ using Eigen::Vector3d;
 using testing::balance;
 
 constexpr double kGravity = 9.81, kFriction = 0.3, kSide = 0.1;
+// J. A step is solved to 1e-10 of its momenta, some N s here, at speeds below 1 m/s; what the end
+// of a step and the start of the next differ by in contact energy is of that size, some ten times.
+constexpr double kSolved = 1e-8;
 constexpr double kSteps[] = {3e-3, 1.5e-3, 7.5e-4};
 #ifdef TREMOLO_LONG_TESTS
 constexpr double kLong = 600.0;  // s
@@ -58,8 +61,8 @@ void run(Body& body, std::span<const PlacedCollider> colliders, double seconds) 
 }
 
 // A block that has come to rest on a belt is accelerated by mu g from the moment in which the belt
-// begins to glide: after 90 ms it has 0.26 m/s, where the elastic path of friction costs a
-// thousandth of it.
+// begins to glide: after 150 ms it has 0.44 m/s. The elastic path of friction, and of a soft
+// block's shear, costs the same impulse at each step, 0.3 % of it at most.
 TEST(ContactPhysics, ABeltThatBeginsToGlideDragsABlockThatRests) {
   for (const char* young : {"5e4", "5e7"})
     for (const int points : {8, 200})
@@ -68,14 +71,14 @@ TEST(ContactPhysics, ABeltThatBeginsToGlideDragsABlockThatRests) {
         std::vector<PlacedCollider> belt = floor_plane();
         run(body, belt, 0.6);
         const double before = body.rigid_state().velocity.x();
-        const long steps = std::lround(0.09 / h);
+        const long steps = std::lround(0.15 / h);
         for (long i = 0; i < steps; ++i) {
           belt[0].start.position.x() = h * static_cast<double>(i);
           belt[0].end.position.x() = h * static_cast<double>(i + 1);
           ASSERT_TRUE(body.step(belt).converged);
         }
         const double speed = body.rigid_state().velocity.x() - before;
-        EXPECT_NEAR(speed, kFriction * kGravity * 0.09, 0.005 * kFriction * kGravity * 0.09)
+        EXPECT_NEAR(speed, kFriction * kGravity * 0.15, 0.005 * kFriction * kGravity * 0.15)
             << young << " " << points << " " << h;
         EXPECT_GT(body.contact_rubbed(), 0.0);
         EXPECT_NEAR(balance(body), 0.0, 1e-9);
@@ -147,7 +150,7 @@ TEST(ContactPhysics, ABlockThatIsLaidOnTheFloorStaysThere) {
         EXPECT_LE(highest, 1e-12) << young << " " << points << " " << h;
         // A soft block sinks by its own squeezing too, 0.6 mm.
         EXPECT_LT(most, kGravity * (margin + 6e-4));
-        EXPECT_EQ(body.contact_error(), 0.0);
+        EXPECT_NEAR(body.contact_error(), 0.0, kSolved);
         const double before = body.rigid_state().centre.z();
         run(body, floor, 0.3);
         EXPECT_NEAR(body.rigid_state().centre.z(), before, 1e-6) << young << " " << points;
@@ -163,7 +166,7 @@ TEST(ContactPhysics, WhatAnAccelerationBringsInIsFound) {
       const double gap = margin + share * 0.5 * kGravity * h * h;
       Body body = cube("5e7", h, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, gap));
       run(body, floor_plane(), 0.5);
-      EXPECT_EQ(body.contact_error(), 0.0) << h << " " << share;
+      EXPECT_NEAR(body.contact_error(), 0.0, kSolved) << h << " " << share;
       EXPECT_NEAR(balance(body), 0.0, 1e-9) << h << " " << share;
       EXPECT_GT(body.rigid_state().centre.z(), 0.5 * kSide - 2.0 * margin);
     }
@@ -171,8 +174,8 @@ TEST(ContactPhysics, WhatAnAccelerationBringsInIsFound) {
     for (VertexId vertex = 48; vertex < 64; ++vertex)
       ASSERT_TRUE(pushed.apply_force(vertex, {0.0, 0.0, -300.0 / 16.0}, 1'000));
     run(pushed, floor_plane(), 0.3);
-    EXPECT_EQ(pushed.contact_error(), 0.0) << h;
-    EXPECT_NEAR(balance(pushed), 0.0, 1e-9) << h;
+    EXPECT_NEAR(pushed.contact_error(), 0.0, kSolved) << h;
+    EXPECT_NEAR(balance(pushed), 0.0, kSolved) << h;
     // The load's and gravity's work is what stays in contact and was taken: nothing else is there.
     EXPECT_LT(pushed.energy().total() + pushed.contact_account().energy, 309.0 * 0.003);
   }
@@ -219,7 +222,7 @@ TEST(ContactPhysics, AGripHolds) {
 // block's weight rests, by the areas of its points.
 TEST(ContactPhysics, AModulusSaysHowDeepABlockRests) {
   const double modulus = 2e5;
-  Body body = cube("5e7", 1e-3, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, 1e-3));
+  Body body = cube("5e9", 1e-3, 200, kDown, kOnFloor + Vector3d(0.0, 0.0, 1e-3));
   ContactOptions contact;
   contact.modulus = modulus;
   ASSERT_TRUE(body.set_contact(contact));

@@ -1,6 +1,7 @@
 #include "runtime/contact/solve/contact_points.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -80,16 +81,22 @@ void measure(const std::vector<Vector3d>& boundary, const Collider* shape, Conta
     points.radius = std::max(points.radius, radius_about(*shape, points.centre));
 }
 
-// The area of the boundary that is nearest to each of `count` points, by thirds of triangles, m^2.
-// A boundary without triangles counts as a ball.
+// The area of the boundary that is nearest to each of `count` points, m^2. A triangle's area goes
+// to its corners by their angles, so that it does not matter along which diagonal a face is cut. A
+// boundary without triangles counts as a ball.
 std::vector<double> areas_of(const Model& model, const std::vector<std::size_t>& nearest,
                              std::size_t count, double extent) {
   const std::vector<Vector3d>& rest = model.surface().rest;
   std::vector<double> areas(count, 0.0);
   for (const Triangle& triangle : model.triangles()) {
-    const Vector3d &a = rest[triangle[0]], &b = rest[triangle[1]], &c = rest[triangle[2]];
-    const double third = (b - a).cross(c - a).norm() / 6.0;
-    for (const auto corner : triangle) areas[nearest[corner]] += third;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector3d& at = rest[triangle[i]];
+      const Vector3d one = rest[triangle[(i + 1) % 3]] - at,
+                     other = rest[triangle[(i + 2) % 3]] - at;
+      const double twice = one.cross(other).norm();
+      const double angle = std::atan2(twice, one.dot(other));
+      areas[nearest[triangle[i]]] += 0.5 * twice * angle / std::numbers::pi;
+    }
   }
   const double whole = std::accumulate(areas.begin(), areas.end(), 0.0);
   if (!(whole > 0.0))

@@ -62,7 +62,7 @@ ContactStep::ContactStep(Model::Pointer model, const IntegratorOptions& options,
   law_.margin = law_.begins = contact.margin * points_->extent;
   law_.friction = contact.friction;
   law_.restitution = contact.restitution;
-  law_.rebound_speed = 0.01 * law_.margin / kContactTime;
+  law_.rebound_speed = 0.05 * law_.margin / kContactTime;
   if (contact.modulus) {
     law_.linear_from = 0.1 * law_.margin;
     law_.stiffness = *contact.modulus / (2.0 * law_.linear_from * points_->extent);
