@@ -182,6 +182,7 @@ class Body {
   void reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands);
   // Where the point is at the end of the next step, m, world. kUsage: no such hand, not finite.
   Status move_hand(std::size_t hand, const Eigen::Vector3d& place);
+  std::span<const Grip> grips() const { return grips_; }  // those that hold
   // The force on the body in the last step, N, world; the hand feels the opposite. Zero for none.
   Eigen::Vector3d hand_force(std::size_t hand) const;
   // The spring and damper in use; zeros for no such hand. A longer step (set_method()) may lower

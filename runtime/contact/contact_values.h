@@ -67,6 +67,8 @@ struct ContactAccount {
   double impulse = 0.0;
   double way = 0.0;
   int active = 0;  // points that push
+  // Sum of F h on the body, N s, world: of colliders and of other bodies.
+  Eigen::Vector3d impulse_vector = Eigen::Vector3d::Zero();
   int passed = 0;  // points that went through what they should bump into (contact/passage.h)
 };
 
@@ -84,7 +86,7 @@ inline void carry(StateStream& stream, ContactAccount& account) {
   stream(account.energy, account.work, account.lost, account.rubbed, account.given);
   stream(account.surplus, account.hand_work, account.hand_damped, account.penetration);
   stream(account.joint_work);
-  stream(account.impulse, account.active, account.way, account.passed);
+  stream(account.impulse, account.active, account.way, account.passed, account.impulse_vector);
 }
 
 // The spring and the damper by which a hand or a joint holds.

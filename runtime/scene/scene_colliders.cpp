@@ -91,4 +91,18 @@ DeepestPoint deepest_point(const Body& body, std::span<const PlacedCollider> col
   return deepest;
 }
 
+double begins_within_margin(const Body& body, std::span<const PlacedCollider> colliders) {
+  const ContactStep* contact = body.contact();
+  if (contact == nullptr) return 0.0;
+  const ContactPoints& points = contact->points();
+  const Pose pose = body.pose();
+  double deepest = 0.0;
+  for (const PlacedCollider& collider : colliders)
+    for (std::size_t i = 0; i < points.size(); ++i)
+      deepest =
+          std::max(deepest, contact->law().margin -
+                                distance_to(collider, pose * points.place(i, body.state().q)));
+  return deepest;
+}
+
 }  // namespace tremolo

@@ -45,4 +45,8 @@ struct DeepestPoint {
 };
 DeepestPoint deepest_point(const Body& body, std::span<const PlacedCollider> colliders);
 
+// How far a contact point of the body is within the margin of a collider at the start of the step,
+// m; 0: none is.
+double begins_within_margin(const Body& body, std::span<const PlacedCollider> colliders);
+
 }  // namespace tremolo

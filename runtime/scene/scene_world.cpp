@@ -222,6 +222,7 @@ Status SceneWorld::begin_contact(std::size_t i) {
         number_text(100.0 * deepest.depth / actor.size) + " % of its size) inside collider '" +
         scene_.colliders[deepest.collider].name + "', more than its contact-margin of " +
         number_text(margin) + " m: put one of them elsewhere");
+  actor.begins_within = begins_within_margin(actor.body, felt);
   const std::string& name = wanted.name;
   const auto hands = std::count_if(scene_.hands.begin(), scene_.hands.end(),
                                    [&name](const SceneHand& hand) { return hand.body == name; });
@@ -337,6 +338,7 @@ void SceneWorld::note_contact(std::size_t i) {
   const std::span<const double> impulses = actor.body.contact()->impulses();
   for (std::size_t c = 0; c < std::min(impulses.size(), felt_by(i).size()); ++c) {
     Touching& touching = touching_[i * colliders_.placed().size() + c];
+    touching.whole += actor.body.contact()->collider_impulses()[c];
     const bool before = std::exchange(touching.now, impulses[c] > 0.0);
     if (touching.now) touching.impulse = (before ? touching.impulse : 0.0) + impulses[c];
     if (touching.now == before) continue;

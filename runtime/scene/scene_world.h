@@ -113,6 +113,14 @@ class SceneWorld {
   // surface at most at the end of any step, as a share of the body's size (0: never).
   std::int64_t contacts(std::size_t i) const { return actors_[i].contacts; }
   double penetration_max(std::size_t i) const { return actors_[i].penetration; }
+  // How far a contact point of the body began within the margin of a collider, m; 0: none did. Its
+  // contact begins where it is (runtime/contact/contact_law.h).
+  double begins_within(std::size_t i) const { return actors_[i].begins_within; }
+  // The impulse of the body on a collider since the start, N s, world. Both by their numbers.
+  Eigen::Vector3d collider_impulse(std::size_t i, std::size_t collider) const {
+    const std::size_t at = i * colliders_.placed().size() + collider;
+    return at < touching_.size() ? touching_[at].whole : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  }
   // How fast a point of the body near something went relative to it at most, m/s, and how often one
   // went through it within a step, so that it was not pushed back (runtime/contact/passage.h).
   double contact_speed_max(std::size_t i) const { return actors_[i].speed; }
@@ -172,6 +180,7 @@ class SceneWorld {
     double speed = 0.0;             // m/s
     std::int64_t passed = 0;
     std::int64_t contacts = 0;
+    double begins_within = 0.0;     // m
     std::optional<BonePaths> bones = {};
   };
   struct Hand {
@@ -187,8 +196,9 @@ class SceneWorld {
   struct Touching {
     bool now = false;
     double impulse = 0.0;
+    Eigen::Vector3d whole = Eigen::Vector3d::Zero();  // on the collider since the start, N s, world
 
-    void carry(StateStream& stream) { stream(now, impulse); }
+    void carry(StateStream& stream) { stream(now, impulse, whole); }
   };
   // Two bodies, by their numbers. seen: in the last step.
   struct Pair {

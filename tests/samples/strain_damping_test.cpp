@@ -63,7 +63,6 @@ double linear_theory() {
   return std::exp(-2.0 * kCrossings * std::numbers::pi * kRatio / std::sqrt(1.0 - kRatio * kRatio));
 }
 
-// At 20 % of the size 0.034 were left where damping felt rotation.
 TEST(StrainDampingOfSamples, ABeamLosesWhatLinearTheorySaysHoweverFarItSwings) {
   const Model::Pointer beam = model_named("beam");
   for (const char* method : {"ep4", "ep2", "newmark", "midpoint"})

@@ -176,6 +176,7 @@ void ContactStep::settle_account() {
                           .normal = frame.rotation * candidate.held.normal.normalized(),
                           .impulse = options_.step * now.force});
     account_.impulse += impulse;
+    account_.impulse_vector += options_.step * now.force;
     ++account_.active;
   }
   settle_grips();

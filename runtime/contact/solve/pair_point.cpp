@@ -231,6 +231,8 @@ void settle_pair(const PairPoint& pair, const ContactStep& second, double h, Con
   b.work -= pair.now.force.dot(pair.touch_a.x1 - pair.touch_a.x0 - pair.way.path) +
             pair.now.bend_force.dot(pair.way.bend);
   const double impulse = h * pair.now.force.norm();
+  a.impulse_vector += h * pair.now.force;
+  b.impulse_vector -= h * pair.now.force;
   a.impulse += impulse;
   b.impulse += impulse;
   ++a.active;

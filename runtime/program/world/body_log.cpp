@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "runtime/contact/solve/contact_step.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/run/run_body.h"
 #include "runtime/program/run/run_files.h"
@@ -41,7 +42,26 @@ const std::vector<std::string> kFurther = {"load",
                                            "hand",
                                            "contact_energy",
                                            "contact_force",
-                                           "joint"};
+                                           "joint",
+                                           "contact_fx",
+                                           "contact_fy",
+                                           "contact_fz",
+                                           "hand_fx",
+                                           "hand_fy",
+                                           "hand_fz"};
+
+// The mean forces of contact and of hands on the body in the last step, N, world.
+struct TouchForces {
+  Eigen::Vector3d contact = Eigen::Vector3d::Zero(), hands = contact;
+};
+
+TouchForces touch_forces(const SceneWorld& world, std::size_t body) {
+  TouchForces forces;
+  const Body& known = world.body(body);
+  forces.contact = known.contact_account().impulse_vector / known.step_size();
+  for (const Grip& grip : known.grips()) forces.hands += grip.force;
+  return forces;
+}
 
 BodyPlace place_of(const SceneWorld& world, std::size_t body) {
   return {world.body(body).pose(), world.momenta(body)};
@@ -154,6 +174,7 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
   rebound_.observe(world, body_);
   if (!options_->out.empty() && moment_.steps % options_->every == 0) {
     const auto [pose, momenta] = place_of(world, body_);
+    const TouchForces touching = touch_forces(world, body_);
     const Eigen::Quaterniond& turn = pose.rotation;
     further_ = {account.load,
                 account.support,
@@ -178,7 +199,13 @@ Result<bool> BodyLog::observe(const SceneWorld& world) {
                 account.hand,
                 account.contact,
                 body.contact_account().impulse / body.step_size(),
-                account.joint};
+                account.joint,
+                touching.contact.x(),
+                touching.contact.y(),
+                touching.contact.z(),
+                touching.hands.x(),
+                touching.hands.y(),
+                touching.hands.z()};
     if (Status s = recorder_.record(moment_, body.energy(), further_); !s) return s.error();
   }
   if (frames_.due(moment_.steps))
@@ -246,6 +273,13 @@ Status BodyLog::finish(const SceneWorld& world) {
   report_.passed_through = world.passed_through(body_);
   report_.contacts = world.contacts(body_);
   report_.asleep = world.asleep(body_);
+  report_.begins_within = world.begins_within(body_);
+  if (body.contact() != nullptr) {
+    report_.friction_held_steps = body.contact()->held_steps();
+    const std::vector<SceneCollider>& colliders = world.scene().colliders;
+    for (std::size_t c = 0; c < colliders.size(); ++c)
+      report_.collider_impulses.emplace_back(colliders[c].name, world.collider_impulse(body_, c));
+  }
   judge_balance(world.scene().bodies[body_].integrator);
   if (options_->out.empty()) return Success{};
   if (Status s = frames_.finish(body.model()); !s) return s;

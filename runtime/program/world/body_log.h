@@ -43,6 +43,10 @@ struct BodyReport {
   std::int64_t halved_steps = 0;
   std::int64_t contacts = 0;             // how often it began to touch something
   bool asleep = false;                   // at the end
+  double begins_within = 0.0;            // of the margin of a collider, m
+  std::int64_t friction_held_steps = 0;  // ContactStep::held_steps()
+  // Of the body on each collider since the start, N s, world.
+  std::vector<std::pair<std::string, Eigen::Vector3d>> collider_impulses;
   double penetration_max = 0.0;          // of the size
   double penetration_surface_max = 0.0;  // m, of the drawn surface, at the moments looked at
   std::optional<double> rebound;         // surface_depth.h

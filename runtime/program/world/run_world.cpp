@@ -109,6 +109,13 @@ Json body_json(const SceneBody& body, const BodyReport& report, double step) {
   json["penetration_max"] = number_or_null(report.penetration_max);
   json["penetration_surface_max"] = number_or_null(report.penetration_surface_max);
   json["rebound"] = report.rebound ? number_or_null(*report.rebound) : Json(nullptr);
+  json["contact_begins_within"] = number_or_null(report.begins_within);
+  json["friction_held_steps"] = report.friction_held_steps;
+  Json impulses = Json::object();
+  for (const auto& [collider, impulse] : report.collider_impulses)
+    impulses[collider] = {number_or_null(impulse.x()), number_or_null(impulse.y()),
+                          number_or_null(impulse.z())};
+  json["collider_impulses"] = impulses;
   json["contact_speed_max"] = number_or_null(report.contact_speed_max);
   json["passed_through"] = report.passed_through;
   json["asleep"] = report.asleep;
@@ -293,8 +300,13 @@ void take_notes(const SceneFile& file, const SceneWorld& world, std::vector<Body
   std::vector<std::string> told;
   for (std::size_t i = 0; i < logs.size(); ++i) {
     const Body& body = world.body(i);
-    const std::vector<std::string> notes =
+    std::vector<std::string> notes =
         notes_before(body, Eigen::VectorXd::Zero(body.model().modes()));
+    if (world.begins_within(i) > 0.0)
+      notes.push_back(fmt::format(
+          "it begins {:.3g} m within its contact-margin of a collider: its contact begins where it "
+          "is, without energy",
+          world.begins_within(i)));
     for (const std::string& note : notes) {
       if (std::find(told.begin(), told.end(), note) != told.end()) continue;
       told.push_back(note);
