@@ -364,7 +364,7 @@ ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& h
     return solve_for_move() ? slope() : 0.0;
   };
   LineTrial reached;
-  const bool near = size <= 1e3;
+  const bool near = size <= near_rounding(hold_);
   if (!newton_move(find_move, go, size, near, heavier, reached))
     return near ? Outcome::kDone : Outcome::kFailed;
   // At rounding no move helps.

@@ -501,6 +501,10 @@ bool limits_follow(int iteration, double size, bool hold) {
   return iteration > 1 || size < kHeldBelow;
 }
 
+double near_rounding(bool hold) {
+  return hold ? 1e3 : 30.0;
+}
+
 double shortest_following(int iteration) {
   return iteration < kFullRenewals ? 1.0 : 0.01;
 }
@@ -566,7 +570,7 @@ bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
       return -work_along(move_.head(n));
     };
     LineTrial reached;
-    const bool small = size <= 1e3 * enough;
+    const bool small = size <= near_rounding(hold) * enough;
     if (!newton_move(find_move, go, size, small, heavier, reached)) return small;
     // A move that rounding of the points' places swallows.
     if (way_of_move() <= kRoundedWay * points_->extent) return true;

@@ -45,6 +45,8 @@ ContactRenewal renewal(int iteration, double size, bool hold);
 // Whether a move from there is one of Newton's method with limits that follow the force; else they
 // are held along the move, and a line search goes by the slope (line_search.h).
 bool limits_follow(int iteration, double size, bool hold);
+// Where no move helps, a residual below so many times the small one is that of rounding.
+double near_rounding(bool hold);
 // The shortest length along such a move that is tried, and the fraction of the residual that is
 // low enough there.
 double shortest_following(int iteration);
