@@ -540,11 +540,14 @@ bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
   const Index n = unknowns();
   evaluate({});
   double size = close(), enough = this->enough();
+  bool followed_last = false;  // all limits are those of the last move already
   for (int i = 0; i < kNewtonIterations; ++i) {
-    if (!touching().empty()) {
-      evaluate(renewal(i, size / enough, hold));
+    const ContactRenewal renewed = renewal(i, size / enough, hold);
+    if (!touching().empty() && (!followed_last || renewed.normals)) {
+      evaluate(renewed);
       size = close();
     }
+    followed_last = false;
     report.residual = 0.5 * h * size;
     enough = this->enough();
     if (size <= enough) return true;
@@ -555,6 +558,7 @@ bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
         try_following(i, size, followed)) {
       ++report.iterations;
       size = followed;
+      followed_last = true;
       continue;
     }
     const auto go = [&](double length) {
