@@ -1,0 +1,200 @@
+// ContactStep: which points may touch in a step, which were missed, and what is remembered of
+// contacts from step to step.
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/contact/solve/contact_step.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+// How far any point of a ball of `radius` about `place` moves in the world between the poses, m.
+double reach_of(const StepPoses& poses, const Vector3d& place, double radius) {
+  const double angle = turn_of(poses.start.rotation.conjugate() * poses.end.rotation).norm();
+  return (poses.end * place - poses.start * place).norm() + angle * radius;
+}
+
+bool is_before(const ContactMemory& x, const ContactMemory& y) {
+  return x.obstacle < y.obstacle || (x.obstacle == y.obstacle && x.point < y.point);
+}
+
+// memories: in that order. Null: there is none.
+const ContactMemory* find_memory(const std::vector<ContactMemory>& memories, std::size_t obstacle,
+                                 std::size_t point) {
+  const ContactMemory wanted{.obstacle = obstacle, .point = point};
+  const auto found = std::lower_bound(memories.begin(), memories.end(), wanted, is_before);
+  return found != memories.end() && !is_before(wanted, *found) ? &*found : nullptr;
+}
+
+}  // namespace
+
+// By how much forces may move any point in the step beyond what its velocity does, m: those that
+// push, and the coordinates' own, which turn around within a period.
+double ContactStep::acceleration_reach(const VectorXd& q, const StepPush& push) const {
+  const double half = 0.5 * options_.step * options_.step;
+  const VectorXd& lambda = model_->lambda();
+  double way = half * push.acceleration.norm();
+  for (Index k = 0; k < q.size(); ++k) {
+    const double own = std::abs(q[k]) * std::min(half * lambda[k], 2.0);
+    way += points_->reach[k] * (own + half * std::abs((*push.force)[k]));
+  }
+  return way;
+}
+
+bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPoses& poses,
+                         const VectorXd& q, const VectorXd& v, const StepPush& push) {
+  if (!kHasColliders || !feels_) colliders = {};
+  colliders_ = colliders;
+  poses_ = poses;
+  candidates_.clear();
+  candidates_.reserve(points_->size() * colliders.size());
+  memories_.reserve(points_->size() * colliders.size());
+  listed_.resize(points_->size());
+  impulses_.resize(colliders.size());
+  collider_impulses_.resize(colliders.size());
+  contacted_.reserve(points_->size() * (colliders.size() + 1));
+  q0_ = q;
+  if (shape_) points_->displacement(q, u0_);
+  // The displacement by which the coordinates deform it: so far, and in the step.
+  ball_.centre = poses.start * points_->centre;
+  ball_.radius = points_->radius;
+  ball_.deformed = q.cwiseAbs().dot(points_->reach);
+  ball_.travel = options_.step * v.cwiseAbs().dot(points_->reach) +
+                 reach_of(poses, points_->centre, ball_.radius + ball_.deformed) +
+                 acceleration_reach(q, push);
+  for (std::size_t c = 0; c < colliders.size(); ++c) {
+    const PlacedCollider& collider = colliders[c];
+    const Vector3d centre = ball_.centre;
+    const double radius = ball_.radius + ball_.deformed;
+    // The collider's own motion, of what is near the body.
+    const StepPoses its{collider.start, collider.end};
+    const Vector3d local = collider.start.rotation.conjugate() * (centre - collider.start.position);
+    // Twice: contact may speed a point up.
+    const double reach = law_.margin + 2.0 * (ball_.travel + reach_of(its, local, radius));
+    const double far = signed_distance(collider.shape, local).distance - radius;
+    if (far <= reach) add_candidates(collider, c, q, reach);
+  }
+  held_.resize(grips_.size());
+  return !touching().empty() || !grips_.empty();
+}
+
+const ContactMemory* ContactStep::pair_memory(std::size_t body, std::size_t point) const {
+  return find_memory(pair_memories_, body, point);
+}
+
+void ContactStep::sort_pair_memories() {
+  std::sort(pair_memories_.begin(), pair_memories_.end(), is_before);
+}
+
+// x: where the point is at the start, world, m.
+ContactStep::Candidate ContactStep::make_candidate(std::size_t point, std::size_t index,
+                                                   const Vector3d& x) const {
+  const PlacedCollider& collider = colliders_[index];
+  Candidate candidate{.point = point,
+                      .collider = index,
+                      .law = law_of(point, collider.friction, collider.restitution)};
+  candidate.start = contact_start(candidate.law, collider, x);
+  const ContactMemory* memory = find_memory(memories_, index, point);
+  if (memory != nullptr)
+    candidate.memory = *memory;
+  else
+    candidate.memory.begins = std::min(law_.margin, candidate.start.distance);
+  candidate.law.begins = candidate.memory.begins;
+  candidate.start.energy = candidate.law.energy(candidate.start.distance);
+  return candidate;
+}
+
+void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t index,
+                                 const VectorXd& q, double reach) {
+  const double deformed = q.cwiseAbs().dot(points_->reach);
+  const auto distance = [&collider](const Vector3d& x) {
+    return signed_distance(collider.shape,
+                           collider.start.rotation.conjugate() * (x - collider.start.position))
+        .distance;
+  };
+  for (const PointGroup& group : points_->groups) {
+    if (distance(poses_.start * group.centre) > group.radius + deformed + reach) continue;
+    for (std::size_t i = group.first; i < group.first + group.count; ++i) {
+      const Vector3d x = poses_.start * points_->place(i, q);
+      if (distance(x) <= reach) candidates_.push_back(make_candidate(i, index, x));
+    }
+  }
+}
+
+// What is farther than the reach of gather() is not missed by a body that travels no farther than
+// was foreseen there.
+bool ContactStep::went_far(const Pose& end, const VectorXd& q) const {
+  const double bent = (q - q0_).cwiseAbs().dot(points_->reach);
+  return bent + reach_of({poses_.start, end}, points_->centre, ball_.radius + ball_.deformed) >
+         2.0 * ball_.travel;
+}
+
+Pose ContactStep::end_pose() const {
+  if (free_ == nullptr) return poses_.end;
+  const Eigen::Quaterniond rotation(motion_.R1);
+  return {motion_.c1 - motion_.R1 * motion_.origin, rotation};
+}
+
+bool ContactStep::find_missed(const Pose& end, const VectorXd& q) {
+  if (!went_far(end, q)) return false;
+  const double deformed = q.cwiseAbs().dot(points_->reach);
+  const std::size_t known = candidates_.size();
+  for (std::size_t c = 0; c < colliders_.size(); ++c) {
+    const PlacedCollider& collider = colliders_[c];
+    const auto distance = [&collider](const Vector3d& x) {
+      return signed_distance(collider.shape,
+                             collider.end.rotation.conjugate() * (x - collider.end.position))
+          .distance;
+    };
+    std::fill(listed_.begin(), listed_.end(), 0);
+    for (std::size_t k = 0; k < known; ++k)
+      if (candidates_[k].collider == c) listed_[candidates_[k].point] = 1;
+    for (const PointGroup& group : points_->groups) {
+      if (distance(end * group.centre) > group.radius + deformed + law_.margin) continue;
+      for (std::size_t i = group.first; i < group.first + group.count; ++i)
+        if (listed_[i] == 0 && distance(end * points_->place(i, q)) < law_.margin)
+          candidates_.push_back(make_candidate(i, c, poses_.start * points_->place(i, q0_)));
+    }
+  }
+  return candidates_.size() != known;
+}
+
+bool ContactStep::add_missed() {
+  if (!kHasColliders) return false;
+  const std::size_t known = candidates_.size();
+  if (!find_missed(end_pose(), q1_)) return false;
+  for (std::size_t k = known; k < candidates_.size(); ++k) begin_candidate(candidates_[k]);
+  return true;
+}
+
+// What is held begins as the last step left it.
+void ContactStep::begin_candidate(Candidate& candidate) {
+  hold_normal(candidate.start.normal, candidate.memory, candidate.held);
+  candidate.held.limit = candidate.memory.limit;
+  candidate.y0 = place_in_body(candidate.point, q0_);
+}
+
+// After a step: the points that ended it within the margin, in order.
+void ContactStep::remember() {
+  memories_.clear();
+  pair_memories_.clear();
+  for (const Candidate& candidate : touching()) {
+    const ContactForce& now = candidate.now;
+    if (!(now.distance < law_.margin)) continue;
+    const double length = candidate.held.normal.norm();
+    memories_.push_back({.obstacle = candidate.collider,
+                         .point = candidate.point,
+                         .begins = std::max(candidate.law.begins, now.distance),
+                         .limit = now.limit,
+                         .slip = now.slip,
+                         .normal = length > 0.0 ? Vector3d(candidate.held.normal / length)
+                                                : Vector3d(Vector3d::UnitZ())});
+  }
+  std::sort(memories_.begin(), memories_.end(), is_before);
+}
+
+}  // namespace tremolo
