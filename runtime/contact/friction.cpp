@@ -62,6 +62,71 @@ Friction friction_force(const FrictionLaw& law, double limit, const Vector3d& sl
   return friction;
 }
 
+namespace {
+
+// The derivatives of the return map: by the path and by the limit, of xi1 and of te; the direction
+// and the length of te; a.
+struct ReturnSlopes {
+  Matrix3d end_by_path;  // and of te
+  Vector3d end_by_limit, elastic_by_limit;
+  Vector3d along;  // of te, length 1 or 0
+  Eigen::RowVector3d length_by_path, fraction_by_path = Eigen::RowVector3d::Zero();
+  double length_by_limit = 0.0, fraction_by_limit = 0.0;
+};
+
+ReturnSlopes slopes_of(const Return& step, double k, double l, const Vector3d& slip,
+                       const Vector3d& normal) {
+  ReturnSlopes slopes;
+  const Matrix3d plane = Matrix3d::Identity() - normal * normal.transpose();
+  const Vector3d start_by_limit =
+      step.clipped ? Vector3d(slip / (k * slip.norm())) : Vector3d(Vector3d::Zero());
+  const bool slides = step.plastic > 0.0;
+  const Vector3d way = slides ? Vector3d(step.trial / step.trial_length) : Vector3d(step.trial);
+  slopes.end_by_path = plane;
+  slopes.end_by_limit = start_by_limit;
+  if (slides) {
+    slopes.end_by_path = (l / step.trial_length) * (plane - way * way.transpose());
+    slopes.end_by_limit = way / k + slopes.end_by_path * start_by_limit;
+  }
+  slopes.elastic_by_limit = slopes.end_by_limit - start_by_limit;
+  slopes.along = step.length > 0.0 ? Vector3d(step.elastic / step.length) : step.elastic;
+  slopes.length_by_path = slopes.along.transpose() * slopes.end_by_path;
+  slopes.length_by_limit = slopes.along.dot(slopes.elastic_by_limit);
+  if (!slides) return slopes;
+  const double both2 = (step.length + step.plastic) * (step.length + step.plastic);
+  const double plastic_by_limit = way.dot(start_by_limit) - 1.0 / k;
+  slopes.fraction_by_path =
+      (step.plastic * slopes.length_by_path - step.length * way.transpose()) / both2;
+  slopes.fraction_by_limit =
+      (step.plastic * slopes.length_by_limit - step.length * plastic_by_limit) / both2;
+  return slopes;
+}
+
+// Adds those of the damper, with `room` N left for it by the spring's force.
+void add_damper_slopes(const FrictionLaw& law, double limit, const Return& step,
+                       const ReturnSlopes& parts, FrictionSlopes& slopes) {
+  const double damper = law.damping * step.length;
+  const Vector3d spring = spring_force(law.stiffness, step);
+  const double force = spring.norm(), room = limit - force;
+  // At rest the damper acts as soon as the point moves.
+  if (damper == 0.0 ? step.plastic == 0.0 : damper <= room) {
+    slopes.by_path -= law.damping * parts.end_by_path;
+    slopes.by_limit -= law.damping * parts.elastic_by_limit;
+    return;
+  }
+  if (damper == 0.0 || !(room > 0.0)) return;
+  const Vector3d unit = force > 0.0 ? Vector3d(spring / force) : spring;
+  const Eigen::RowVector3d room_by_path = -unit.transpose() * slopes.by_path;
+  const double room_by_limit = 1.0 - unit.dot(slopes.by_limit);
+  slopes.by_path -= parts.along * room_by_path +
+                    (room / step.length) * (parts.end_by_path - parts.along * parts.length_by_path);
+  slopes.by_limit -=
+      parts.along * room_by_limit +
+      (room / step.length) * (parts.elastic_by_limit - parts.along * parts.length_by_limit);
+}
+
+}  // namespace
+
 FrictionSlopes friction_slopes(const FrictionLaw& law, double limit, const Vector3d& slip,
                                const Vector3d& path, const Vector3d& normal) {
   FrictionSlopes slopes;
@@ -69,57 +134,12 @@ FrictionSlopes friction_slopes(const FrictionLaw& law, double limit, const Vecto
   if (!(limit > 0.0) || !(k > 0.0)) return slopes;
   const double l = limit / k;
   const Return step = return_map(l, slip, path);
-  const Matrix3d plane = Matrix3d::Identity() - normal * normal.transpose();
-  const Vector3d start_by_limit =
-      step.clipped ? Vector3d(slip / (k * slip.norm())) : Vector3d(Vector3d::Zero());
-  // Of xi1, and with the start's of te.
-  Matrix3d end_by_path = plane;
-  Vector3d end_by_limit = start_by_limit;
-  if (step.plastic > 0.0) {
-    const Vector3d along = step.trial / step.trial_length;
-    end_by_path = (l / step.trial_length) * (plane - along * along.transpose());
-    end_by_limit = along / k + end_by_path * start_by_limit;
-  }
-  const Vector3d elastic_by_limit = end_by_limit - start_by_limit;
-  const Vector3d way = step.length > 0.0 ? Vector3d(step.elastic / step.length) : step.elastic;
-  const Eigen::RowVector3d length_by_path = way.transpose() * end_by_path;
-  const double length_by_limit = way.dot(elastic_by_limit);
-  Eigen::RowVector3d fraction_by_path = Eigen::RowVector3d::Zero();
-  double fraction_by_limit = 0.0;
-  if (step.plastic > 0.0) {
-    const Vector3d along = step.trial / step.trial_length;
-    const double both = step.length + step.plastic,
-                 plastic_by_limit = along.dot(start_by_limit) - 1.0 / k;
-    fraction_by_path =
-        (step.plastic * length_by_path - step.length * along.transpose()) / (both * both);
-    fraction_by_limit =
-        (step.plastic * length_by_limit - step.length * plastic_by_limit) / (both * both);
-  }
-  slopes.by_path =
-      -k * ((1.0 - 0.5 * step.fraction) * end_by_path - 0.5 * step.elastic * fraction_by_path);
-  slopes.by_limit = -k * (end_by_limit - 0.5 * step.fraction * elastic_by_limit -
-                          (0.5 * fraction_by_limit) * step.elastic);
-  const double damper = law.damping * step.length;
-  if (!(damper > 0.0)) {
-    // At rest the damper acts as soon as the point moves.
-    if (step.plastic == 0.0) slopes.by_path -= law.damping * end_by_path;
-    return slopes;
-  }
-  const Vector3d spring = spring_force(k, step);
-  const double force = spring.norm(), room = limit - force;
-  if (damper <= room) {
-    slopes.by_path -= law.damping * end_by_path;
-    slopes.by_limit -= law.damping * elastic_by_limit;
-    return slopes;
-  }
-  if (!(room > 0.0)) return slopes;
-  const Vector3d unit = force > 0.0 ? Vector3d(spring / force) : spring;
-  const Eigen::RowVector3d room_by_path = -unit.transpose() * slopes.by_path;
-  const double room_by_limit = 1.0 - unit.dot(slopes.by_limit);
-  slopes.by_path -=
-      way * room_by_path + (room / step.length) * (end_by_path - way * length_by_path);
-  slopes.by_limit -=
-      way * room_by_limit + (room / step.length) * (elastic_by_limit - way * length_by_limit);
+  const ReturnSlopes parts = slopes_of(step, k, l, slip, normal);
+  slopes.by_path = -k * ((1.0 - 0.5 * step.fraction) * parts.end_by_path -
+                         0.5 * step.elastic * parts.fraction_by_path);
+  slopes.by_limit = -k * (parts.end_by_limit - 0.5 * step.fraction * parts.elastic_by_limit -
+                          (0.5 * parts.fraction_by_limit) * step.elastic);
+  add_damper_slopes(law, limit, step, parts, slopes);
   return slopes;
 }
 
