@@ -11,7 +11,7 @@
 #include "runtime/contact/solve/contact_step.h"
 #include "tests/support/meshes/made_cube.h"
 
-namespace tremolo {
+namespace tremolo::contact_physics {
 namespace {
 
 using Eigen::Vector3d;
@@ -288,4 +288,4 @@ TEST(ContactPhysics, AStackExactlyOneMarginApartComesToRest) {
 }
 
 }  // namespace
-}  // namespace tremolo
+}  // namespace tremolo::contact_physics

@@ -46,7 +46,7 @@ double worst_balance(std::string_view name, const IntegratorOptions& options, do
 }
 
 // Rounding of energies that are sums of terms many times larger.
-constexpr double kRounding = 3e-13;
+constexpr double kRoundedEnergy = 3e-13;
 
 TEST(EnergyPreserving, EveryStepBalancesEnergyWorkAndDissipation) {
   for (const char* name : kFamily)
@@ -55,7 +55,7 @@ TEST(EnergyPreserving, EveryStepBalancesEnergyWorkAndDissipation) {
            {std::pair{0.0, 0.0}, {0.9, 3e-3}, {0.0, 1e-4}, {200.0, 0.0}, {0.0, 1.0}, {2e4, 1.0}}) {
         IntegratorOptions options{.step = step, .alpha = alpha, .beta = beta};
         for (const bool loaded : {true, false})
-          EXPECT_LE(worst_balance(name, options, 1.0, loaded, 400), kRounding)
+          EXPECT_LE(worst_balance(name, options, 1.0, loaded, 400), kRoundedEnergy)
               << name << ", " << step << ", alpha " << alpha << ", beta " << beta;
       }
 }
@@ -65,7 +65,7 @@ TEST(EnergyPreserving, BalanceHoldsWhateverTheTolerance) {
     for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-12}) {
       IntegratorOptions options{.step = 1e-2, .alpha = 0.3};
       options.tolerance = tolerance;
-      EXPECT_LE(worst_balance(name, options, 1.0, true, 400), kRounding)
+      EXPECT_LE(worst_balance(name, options, 1.0, true, 400), kRoundedEnergy)
           << name << ", " << tolerance;
     }
 }
@@ -88,7 +88,7 @@ TEST(EnergyPreserving, BalanceHoldsWhereAStepEndsAlmostAtRest) {
       if (k > 20) slowest = std::min(slowest, state.p.squaredNorm() / before);
     }
     EXPECT_LE(slowest, 1e-6) << name << ": the motion should have come to rest";
-    EXPECT_LE(worst, kRounding) << name;
+    EXPECT_LE(worst, kRoundedEnergy) << name;
   }
 }
 
