@@ -119,6 +119,7 @@ TEST_F(StagesKept, CertificateBasisAndCoefficientsComeBack) {
   FinishedCoefficients coefficients;
   coefficients.cubic.assign(triple_count(4), 0.125);
   coefficients.quartic.assign(quad_count(4), -0.125);
+  coefficients.strain_gram.assign(pair_count(strain_terms(4)), 0.5);
   coefficients.polynomial_error = 4e-15;
   Checkpoint first = start();
   keep_certificate(first, certificate);
