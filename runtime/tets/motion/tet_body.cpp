@@ -224,6 +224,12 @@ Status TetBody::set_hand(const std::optional<TetHand>& hand) {
 Eigen::Matrix3d TetBody::give_at(const TetHand& place) {
   constexpr double kGiveTolerance = 1e-6;
   constexpr int kGiveIterations = 2000;
+  // Edges that choose their degree become quadratic under a pull.
+  const std::vector<std::uint8_t> degrees(system_.degrees().begin(), system_.degrees().end());
+  if (options_.degree.kind == DegreeKind::kAdaptive) {
+    system_.set_degrees(std::vector<std::uint8_t>(degrees.size(), 2));
+    solve_.choose(system_.active());
+  }
   system_.evaluate(now_.x);
   system_.assemble({0.0, {1.0, 0.0, TangentKind::kFrozen}}, matrix_);
   Eigen::Matrix3d give;
@@ -236,6 +242,10 @@ Eigen::Matrix3d TetBody::give_at(const TetHand& place) {
     solve_.solve(matrix_, residual_, kGiveTolerance, kGiveIterations, correction_);
     system_.follow_ends(correction_);
     give.col(axis) = place.of(correction_);
+  }
+  if (options_.degree.kind == DegreeKind::kAdaptive) {
+    system_.set_degrees(degrees);
+    solve_.choose(system_.active());
   }
   return give;
 }
