@@ -65,7 +65,7 @@ TEST_F(RunProgram, InspectTellsWhatScriptsRelyOn) {
   const ProgramResult result = run("inspect " + model() + " --json");
   ASSERT_EQ(result.code, 0) << result.err;
   const json report = json::parse(result.out);
-  EXPECT_EQ(report["format_version"], "1.0");
+  EXPECT_EQ(report["format_version"], "1.4");
   EXPECT_EQ(report["n"], 81);
   EXPECT_EQ(report["m"], 192);
   EXPECT_EQ(report["r"], 12);
