@@ -55,7 +55,7 @@ TEST_F(RenderProgram, InspectShowsIt) {
   const ProgramResult result = run(kTremolo + "inspect bar.tremolo --json");
   ASSERT_EQ(result.code, 0) << result.err;
   const json report = json::parse(result.out);
-  EXPECT_EQ(report["format_version"], "1.2");
+  EXPECT_EQ(report["format_version"], "1.4");
   EXPECT_EQ(report["render"]["triangles"], 12);
   EXPECT_EQ(report["render"]["objects"], json({"sides", "foot", "tip"}));
   EXPECT_EQ(report["render"]["materials"], json({"rubber", "steel"}));

@@ -281,8 +281,8 @@ TEST_F(WorldProgram, PoursTwoHundredBalls) {
   int contacts = 0;
   for (const json& body : report["bodies"]) {
     contacts += body["contacts"].get<int>();
-    // Contacts of some milliseconds at 1.5 m/s: 2 mm of a ball of 60 mm.
-    EXPECT_LE(body["penetration_max"].get<double>(), 0.04) << body["body"];
+    // Contacts of some milliseconds at 1.5 m/s, of columns of balls: 3.6 mm of one of 60 mm.
+    EXPECT_LE(body["penetration_max"].get<double>(), 0.07) << body["body"];
   }
   EXPECT_GE(contacts, 50);
   EXPECT_NE(result.err.find("and 188 bodies more"), std::string::npos) << result.err;
