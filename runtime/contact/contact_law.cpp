@@ -31,7 +31,7 @@ MeanForce mean_force(const ContactLaw& law, double a, double b) {
     const double x = std::min(a, w);
     return {law.stiffness * x * (2.0 * a - x), law.stiffness * x};
   }
-  // Of psi' = x^2 from 0 to w.
+  // The part from 0 to w, where psi' is x^2.
   const double from = std::clamp(a, 0.0, w), to = std::clamp(b, 0.0, w);
   const double s = from - a, t = to - a;
   double value = (to - from) / 3.0 * (from * from + from * to + to * to);
