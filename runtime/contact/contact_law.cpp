@@ -62,20 +62,35 @@ Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWa
   return {(gap.d1 - gap.d0 - normal.dot(way.path - way.bend)) * shorter2, shorter2};
 }
 
-// The factor of restitution on the mean force, and how it falls with d1.
+// What of restitution is by the point's own rate.
+constexpr double kPointShare = 0.02;
+
+// With e^2 the ratio of the factors far out and far in, 1 in between, where it falls as a damper:
+// small motions die away, and the force stays monotonous. way: v h, m.
+struct Taken {
+  double value = 0.0;   // what restitution takes of the factor 1
+  double growth = 0.0;  // of that with v h, 1/m
+};
+
+Taken taken_at(const ContactLaw& law, double way, double h) {
+  const double square = law.restitution * law.restitution;
+  const double taken = (1.0 - square) / (1.0 + square);
+  const double along = std::clamp(way / (h * law.rebound_speed), -1.0, 1.0);
+  const double size = std::abs(along);
+  return {taken * along * (2.0 - size), 2.0 * taken * (1.0 - size) / (law.rebound_speed * h)};
+}
+
+// The factor of restitution on the mean force, and how it falls with d1 at a held rate of the pair.
 struct Restitution {
   double factor = 1.0;
   double fall = 0.0;
 };
 
-// With e^2 the ratio of the factors far out and far in, 1 in between, where it falls as a damper:
-// small motions die away, and the force stays monotonous.
-Restitution restitution_of(const ContactLaw& law, const ContactGap& gap, double h) {
-  const double square = law.restitution * law.restitution;
-  const double taken = (1.0 - square) / (1.0 + square);
-  const double along = std::clamp((gap.d1 - gap.d0) / (h * law.rebound_speed), -1.0, 1.0);
-  const double size = std::abs(along);
-  return {1.0 - taken * along * (2.0 - size), 2.0 * taken * (1.0 - size) / (law.rebound_speed * h)};
+Restitution restitution_of(const ContactLaw& law, const ContactGap& gap, const ContactTime& time) {
+  const Taken pair = taken_at(law, time.rate.way(), time.h);
+  const Taken own = taken_at(law, gap.d1 - gap.d0, time.h);
+  return {1.0 - (1.0 - kPointShare) * pair.value - kPointShare * own.value,
+          kPointShare * own.growth};
 }
 
 // s, and how it falls with d1.
@@ -84,9 +99,9 @@ struct Pressure {
   double fall = 0.0;
 };
 
-Pressure pressure_of(const ContactLaw& law, const ContactGap& gap, double h) {
+Pressure pressure_of(const ContactLaw& law, const ContactGap& gap, const ContactTime& time) {
   const MeanForce mean = mean_of(law, gap);
-  const Restitution part = restitution_of(law, gap, h);
+  const Restitution part = restitution_of(law, gap, time);
   return {part.factor * mean.value, part.factor * mean.fall + mean.value * part.fall};
 }
 
@@ -136,8 +151,12 @@ ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider
   return start;
 }
 
+double contact_pressure(const ContactLaw& law, const ContactGap& gap) {
+  return mean_of(law, gap).value;
+}
+
 ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
-                           double h, double limits, ContactHeld& held) {
+                           const ContactTime& time, double limits, ContactHeld& held) {
   ContactForce contact;
   contact.distance = gap.d1;
   const double energy = law.energy(gap.d1);
@@ -150,15 +169,15 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   }
   contact.acts = true;
   const Correction correction = correct(law, gap, way, held.normal);
-  const double factor = restitution_of(law, gap, h).factor;
+  const double factor = restitution_of(law, gap, time).factor;
   contact.pressure = mean.value;
   contact.lost = (1.0 - factor) * (gap.e0 - energy);
   const double s = factor * mean.value;
   const Vector3d point_normal = held.normal + correction.c * way.path;
   contact.limit = law.friction * s * point_normal.norm();
   if (mean.value != 0.0) held.limit += limits * (contact.limit - held.limit);
-  const Friction friction =
-      friction_force(friction_law(law, h), held.limit, held.slip, tangential(way, held.normal));
+  const Friction friction = friction_force(friction_law(law, time.h), held.limit, held.slip,
+                                           tangential(way, held.normal));
   // A contact that ends forgets its slip, and what that stores is friction's.
   const bool ends = gap.d1 >= law.begins;
   contact.rubbed = friction.lost + (ends ? friction.energy : 0.0);
@@ -170,13 +189,13 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
 }
 
 ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
-                             double h, const ContactHeld& held, bool follows) {
+                             const ContactTime& time, const ContactHeld& held, bool follows) {
   const auto& [p, w] = way;
   const Vector3d& n = held.normal;
   const auto [c, shorter2] = correct(law, gap, way, n);
-  const Pressure pressure = pressure_of(law, gap, h);
+  const Pressure pressure = pressure_of(law, gap, time);
   const double s = pressure.value;
-  const FrictionSlopes friction = friction_slopes(friction_law(law, h), held.limit, held.slip,
+  const FrictionSlopes friction = friction_slopes(friction_law(law, time.h), held.limit, held.slip,
                                                   tangential(way, n), n / n.norm());
   const Matrix3d drag = -friction.by_path;
   const Vector3d by_path = shorter2 * (n + 2.0 * c * p), by_bend = shorter2 * (n - 2.0 * c * w);
@@ -206,55 +225,98 @@ ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const
   return slopes;
 }
 
+ContactLink contact_link(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
+                         const ContactTime& time, const ContactHeld& held, bool follows) {
+  const MeanForce mean = mean_of(law, gap);
+  const auto [c, shorter2] = correct(law, gap, way, held.normal);
+  const Vector3d pushes = held.normal + c * way.path;
+  ContactLink link;
+  link.point = mean.value * pushes;
+  link.bend = mean.value * (held.normal - c * way.bend);
+  if (follows) {
+    const Vector3d& n = held.normal;
+    const Vector3d friction = friction_slopes(friction_law(law, time.h), held.limit, held.slip,
+                                              tangential(way, n), n / n.norm())
+                                  .by_limit *
+                              (law.friction * mean.value * pushes.norm());
+    link.point += friction;
+    link.bend += friction;
+  }
+  if (!(time.rate.force > 0.0)) return link;
+  // The pair's way v h = given/force: both change with d1, psi(d0) - psi(d1) by psi'(d1).
+  const double along = time.rate.way(), x = std::max(0.0, law.begins - gap.d1);
+  const double least = std::min(x, law.linear_from);
+  const double slope = law.stiffness * least * (2.0 * x - least);
+  link.by_distance = (1.0 - kPointShare) * taken_at(law, along, time.h).growth *
+                     (slope + along * mean.fall) / time.rate.force;
+  return link;
+}
+
+ContactEnd contact_end(const ContactLaw& law, const PlacedCollider& collider,
+                       const ContactStart& start, const Vector3d& x1) {
+  ContactEnd end;
+  end.place = into_frame(collider.end, x1);
+  const CollisionDistance found = signed_distance(collider.shape, end.place);
+  end.distance = found.distance;
+  end.normal = found.normal;
+  end.pressure = contact_pressure(law, {start.distance, start.energy, end.distance});
+  return end;
+}
+
 ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
                            const ContactStart& start, const ContactMemory& memory,
-                           const Vector3d& x1, double h, const ContactRenewal& renewal,
-                           ContactHeld& held) {
-  const Vector3d end = into_frame(collider.end, x1);
-  const CollisionDistance found = signed_distance(collider.shape, end);
-  if (start.distance >= law.begins && found.distance >= law.begins) {
+                           const ContactEnd& end, const ContactTime& time,
+                           const ContactRenewal& renewal, ContactHeld& held) {
+  if (start.distance >= law.begins && end.distance >= law.begins) {
     if (renewal.limits == 1.0) held.limit = 0.0;
     if (held.limit == 0.0) {
       ContactForce apart;
-      apart.clear(found.distance, 0.5 * law.shear * memory.slip.squaredNorm());
+      apart.clear(end.distance, 0.5 * law.shear * memory.slip.squaredNorm());
       return apart;
     }
   }
   if (renewal.normals) {
     const bool flat = std::holds_alternative<PlaneShape>(collider.shape);
     hold_normal(
-        flat ? found.normal : signed_distance(collider.shape, 0.5 * (start.place + end)).normal,
+        flat ? end.normal : signed_distance(collider.shape, 0.5 * (start.place + end.place)).normal,
         memory, held);
   }
-  const ContactGap gap{start.distance, start.energy, found.distance};
-  ContactForce contact = contact_force(law, gap, {end - start.place}, h, renewal.limits, held);
+  const ContactGap gap{start.distance, start.energy, end.distance};
+  ContactForce contact =
+      contact_force(law, gap, {end.place - start.place}, time, renewal.limits, held);
   if (contact.acts) contact.force = mid_rotation(collider).toRotationMatrix() * contact.force;
   return contact;
 }
 
 double contact_passage(const PlacedCollider& collider, const ContactStart& start,
-                       const Vector3d& x1, bool& through) {
-  const Vector3d end = into_frame(collider.end, x1);
-  const double way = (end - start.place).norm();
+                       const ContactEnd& end, bool& through) {
+  const double way = (end.place - start.place).norm();
   through = false;
   if (std::holds_alternative<PlaneShape>(collider.shape) || way <= start.distance) return way;
-  const CollisionDistance found = signed_distance(collider.shape, end);
   through = goes_through(collider.shape, {start.place, start.distance, start.normal},
-                         {end, found.distance, found.normal});
+                         {end.place, end.distance, end.normal});
   return way;
 }
 
 Matrix3d contact_stiffness(const ContactLaw& law, const PlacedCollider& collider,
-                           const ContactStart& start, const Vector3d& x1, double h,
-                           const ContactHeld& held, bool follows) {
-  const Vector3d end = into_frame(collider.end, x1);
-  const CollisionDistance found = signed_distance(collider.shape, end);
-  const ContactWay way{end - start.place};
-  const ContactGap gap{start.distance, start.energy, found.distance};
-  const ContactSlope slope = contact_slopes(law, gap, way, h, held, follows).point;
-  const Matrix3d by_end = slope.by_path + slope.by_distance * found.normal.transpose();
+                           const ContactStart& start, const ContactEnd& end,
+                           const ContactTime& time, const ContactHeld& held, bool follows) {
+  const ContactWay way{end.place - start.place};
+  const ContactGap gap{start.distance, start.energy, end.distance};
+  const ContactSlope slope = contact_slopes(law, gap, way, time, held, follows).point;
+  const Matrix3d by_end = slope.by_path + slope.by_distance * end.normal.transpose();
   return mid_rotation(collider).toRotationMatrix() * by_end *
          collider.end.rotation.toRotationMatrix().transpose();
+}
+
+PlacedLink contact_link(const ContactLaw& law, const PlacedCollider& collider,
+                        const ContactStart& start, const ContactEnd& end, const ContactTime& time,
+                        const ContactHeld& held, bool follows) {
+  const ContactWay way{end.place - start.place};
+  const ContactGap gap{start.distance, start.energy, end.distance};
+  const ContactLink link = contact_link(law, gap, way, time, held, follows);
+  return {mid_rotation(collider) * link.point,
+          link.by_distance * (collider.end.rotation * end.normal)};
 }
 
 }  // namespace tremolo

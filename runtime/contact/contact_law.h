@@ -17,8 +17,10 @@
 // (n + c p).p - (n - c w).w = d1 - d0. Along p - w alone it would grow without bound where the
 // point sticks to what bends. Restitution e multiplies
 // s by 2/(1 + e^2) on the way in and by 2 e^2/(1 + e^2) on the way out, with a smooth passage at
-// small speeds: a point mass leaves with e times the speed of its arrival. Friction is that of
-// friction.h with the limit mu |s n|.
+// small speeds: a point mass leaves with e times the speed of its arrival. In and out are those of
+// the pair, by the rate at which its energy falls (PairRate), so that a ball, whose points come in
+// before it and go out behind it, rolls on; a fiftieth is by the point's own rate, which lets small
+// rocking die away. Friction is that of friction.h with the limit mu |s n|.
 //
 // B is the margin M, but for a point that was found nearer than M without a memory of contact: a
 // body that begins there, or was put there. Its contact begins where it is, B = d, without energy,
@@ -80,6 +82,20 @@ struct ContactStart {
   double energy = 0.0;                                // psi(d0), J
 };
 
+// How a body and an obstacle part in a step, of all their points: v = -dPsi/(h sum s). All points
+// of a pair have the same e and rebound_speed.
+struct PairRate {
+  double force = 0.0;  // the sum of s without restitution, N
+  double given = 0.0;  // the fall of the energy Psi, the sum of s (d1 - d0), J
+
+  // A point with this s, N, whose distance grows by `change`, m.
+  void add(double pressure, double change) {
+    force += pressure;
+    given += pressure * change;
+  }
+  double way() const { return force > 0.0 ? given / force : 0.0; }  // v h, m
+};
+
 // By how much a force falls with the distance d1, N/m, with p and with w, N/m.
 struct ContactSlope {
   Eigen::Vector3d by_distance;
@@ -87,9 +103,17 @@ struct ContactSlope {
   Eigen::Matrix3d by_bend;
 };
 
-// Slopes of the force on the point and of what bends that which is touched.
+// Slopes of the force on the point and of what bends that which is touched, but for what the pair's
+// rate does.
 struct ContactSlopes {
   ContactSlope point, bend;
+};
+
+// What the pair's rate does: the forces of a point fall by `point` and `bend`, N, times the growth
+// of what restitution takes from all; and that grows with the point's d1 by `by_distance`, 1/m.
+struct ContactLink {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero(), bend = point;
+  double by_distance = 0.0;
 };
 
 // The force of a contact over the step.
@@ -146,32 +170,63 @@ struct ContactGap {
 // Sets the held normal, of any length, and turns the memory's slip into its plane.
 void hold_normal(const Eigen::Vector3d& normal, const ContactMemory& memory, ContactHeld& held);
 
-// The force of a contact. h: the step, s. limits: as of ContactRenewal. Vectors in any one frame.
+// s without restitution, N.
+double contact_pressure(const ContactLaw& law, const ContactGap& gap);
+
+// A step of length h, s, and how the pair parts in it.
+struct ContactTime {
+  double h = 0.0;
+  PairRate rate;
+};
+
+// The force of a contact. limits: as of ContactRenewal. Vectors in any one frame.
 ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
-                           double h, double limits, ContactHeld& held);
+                           const ContactTime& time, double limits, ContactHeld& held);
 
 // How that force, which acts, falls. follows: friction's limit is not held but goes with the force.
 ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
-                             double h, const ContactHeld& held, bool follows);
+                             const ContactTime& time, const ContactHeld& held, bool follows);
+ContactLink contact_link(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
+                         const ContactTime& time, const ContactHeld& held, bool follows);
 
 // x: world, m.
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
                            const Eigen::Vector3d& x);
 
-// x1: where the point ends, world, m. h: the step, s.
+// Where a point ends a step. place: in the collider's frame then, m.
+struct ContactEnd {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // there
+  double distance = 0.0;                              // d1, m
+  double pressure = 0.0;                              // s without restitution, N
+};
+
+// x1: world, m.
+ContactEnd contact_end(const ContactLaw& law, const PlacedCollider& collider,
+                       const ContactStart& start, const Eigen::Vector3d& x1);
+
 ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
                            const ContactStart& start, const ContactMemory& memory,
-                           const Eigen::Vector3d& x1, double h, const ContactRenewal& renewal,
-                           ContactHeld& held);
+                           const ContactEnd& end, const ContactTime& time,
+                           const ContactRenewal& renewal, ContactHeld& held);
 
 // How far the point went relative to the collider, m; through: whether it went through it
 // (passage.h). A plane has no other side.
 double contact_passage(const PlacedCollider& collider, const ContactStart& start,
-                       const Eigen::Vector3d& x1, bool& through);
+                       const ContactEnd& end, bool& through);
 
 // By how much that force, which acts, falls with x1, N/m. follows: as of contact_slopes().
 Eigen::Matrix3d contact_stiffness(const ContactLaw& law, const PlacedCollider& collider,
-                                  const ContactStart& start, const Eigen::Vector3d& x1, double h,
-                                  const ContactHeld& held, bool follows);
+                                  const ContactStart& start, const ContactEnd& end,
+                                  const ContactTime& time, const ContactHeld& held, bool follows);
+
+// The same through the pair's rate. force: falls by that, N, times the growth of what restitution
+// takes; growth: of that with x1, 1/m. World.
+struct PlacedLink {
+  Eigen::Vector3d force, growth;
+};
+PlacedLink contact_link(const ContactLaw& law, const PlacedCollider& collider,
+                        const ContactStart& start, const ContactEnd& end, const ContactTime& time,
+                        const ContactHeld& held, bool follows);
 
 }  // namespace tremolo

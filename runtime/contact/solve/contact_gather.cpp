@@ -55,6 +55,9 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
   memories_.reserve(points_->size() * colliders.size());
   listed_.resize(points_->size());
   impulses_.resize(colliders.size());
+  rates_.resize(colliders.size());
+  taken_push_.resize(model_->modes() + 6, static_cast<Index>(colliders.size()));
+  taken_growth_.resize(taken_push_.rows(), taken_push_.cols());
   collider_impulses_.resize(colliders.size());
   contacted_.reserve(points_->size() * (colliders.size() + 1));
   q0_ = q;

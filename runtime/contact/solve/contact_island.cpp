@@ -34,8 +34,7 @@ ContactIsland::Coupling& ContactIsland::add_coupling(std::size_t low, std::size_
   coupling.b = high;
   coupling.first = coupling.count = coupling.first_joint = coupling.joints = 0;
   coupling.touches = coupling.looked = false;
-  coupling.ab.resize(members_[low].contact->unknowns(), members_[high].contact->unknowns());
-  coupling.ba.resize(coupling.ab.cols(), coupling.ab.rows());
+  coupling.blocks.clear(members_[low].contact->unknowns(), members_[high].contact->unknowns());
   return coupling;
 }
 
@@ -231,8 +230,12 @@ double ContactIsland::evaluate(const ContactRenewal& renewal) {
   for (const std::size_t k : seen_) {
     Coupling& coupling = couplings_[k];
     coupling.touches = coupling.joints != 0;
-    for (PairPoint& pair : points_.subspan(coupling.first, coupling.count)) {
-      evaluate_pair(pair, {body(pair.a), body(pair.b)}, bends_[pair.b], h_, renewal, scratch_);
+    coupling.rate = {};
+    const std::span points = points_.subspan(coupling.first, coupling.count);
+    for (PairPoint& pair : points)
+      approach_pair(pair, {body(pair.a), body(pair.b)}, bends_[pair.b], coupling.rate);
+    for (PairPoint& pair : points) {
+      press_pair(pair, {body(pair.a), body(pair.b)}, {h_, coupling.rate}, renewal, scratch_);
       push(pair);
       coupling.touches = coupling.touches || pair.now.acts;
     }
@@ -252,19 +255,26 @@ double ContactIsland::evaluate(const ContactRenewal& renewal) {
 
 // How the members' residuals change with their own unknowns and with the other's.
 void ContactIsland::make_links(Coupling& coupling, bool follows) {
-  coupling.ab.setZero();
-  coupling.ba.setZero();
-  const auto blocks = [&coupling](std::size_t first, std::size_t second) {
-    return first < second ? std::tie(coupling.ab, coupling.ba) : std::tie(coupling.ba, coupling.ab);
-  };
-  for (PairPoint& pair : points_.subspan(coupling.first, coupling.count)) {
-    if (!pair.now.acts) continue;
-    const auto [ab, ba] = blocks(pair.a, pair.b);
-    add_pair_slopes(pair, {body(pair.a), body(pair.b)}, h_, follows, scratch_, ab, ba);
+  ContactStep &low = body(coupling.a), &high = body(coupling.b);
+  PairBlocks& of = coupling.blocks;
+  of.clear(low.unknowns(), high.unknowns());
+  const PairSides up{of.by_other, of.other_by, of.push, of.growth, of.other_push, of.other_growth};
+  const PairSides down{of.other_by,     of.by_other, of.other_push,
+                       of.other_growth, of.push,     of.growth};
+  for (PairPoint& pair : points_.subspan(coupling.first, coupling.count))
+    if (pair.now.acts)
+      add_pair_slopes(pair, {body(pair.a), body(pair.b)}, {h_, coupling.rate}, follows, scratch_,
+                      pair.a < pair.b ? up : down);
+  if (coupling.rate.force > 0.0) {
+    low.own_block().noalias() += of.push.lazyProduct(of.growth.transpose());
+    high.own_block().noalias() += of.other_push.lazyProduct(of.other_growth.transpose());
+    of.by_other.noalias() += of.push.lazyProduct(of.other_growth.transpose());
+    of.other_by.noalias() += of.other_push.lazyProduct(of.growth.transpose());
   }
   for (const IslandJoint& link : joints_.subspan(coupling.first_joint, coupling.joints)) {
-    const auto [ab, ba] = blocks(link.a, link.b);
-    add_joint_slopes(link, body(link.a), body(link.b), ab, ba);
+    const PairSides& sides = link.a < link.b ? up : down;
+    add_joint_slopes(link, body(link.a), body(link.b), sides.first_by_second,
+                     sides.second_by_first);
   }
 }
 
@@ -276,7 +286,8 @@ void ContactIsland::make_jacobian(double heavier, bool follows) {
     if (!coupling.touches || !(moves(coupling.a) || moves(coupling.b))) continue;
     make_links(coupling, follows);
     if (moves(coupling.a) && moves(coupling.b))
-      links_.push_back({place_[coupling.a], place_[coupling.b], &coupling.ab, &coupling.ba});
+      links_.push_back({place_[coupling.a], place_[coupling.b], &coupling.blocks.by_other,
+                        &coupling.blocks.other_by});
   }
   for (std::size_t k = 0; k < moving_.size(); ++k)
     residual_.segment(first_[k], first_[k + 1] - first_[k]) =

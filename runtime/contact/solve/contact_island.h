@@ -46,14 +46,14 @@ class ContactIsland {
 
  private:
   // Two members, a < b, their points, from `first` on, and their joints. touches: a joint holds
-  // them, or a point acted when last looked at. looked: it is evaluated. ab, ba: how the residuals
-  // of the one change with the unknowns of the other.
+  // them, or a point acted when last looked at. looked: it is evaluated.
   struct Coupling {
     std::size_t a = 0, b = 0;
     std::size_t first = 0, count = 0;
     std::size_t first_joint = 0, joints = 0;
     bool touches = false, looked = false;
-    Eigen::MatrixXd ab, ba;
+    PairRate rate;
+    PairBlocks blocks;
   };
 
   enum class Outcome { kMoved, kDone, kFailed };

@@ -111,7 +111,8 @@ ContactLaw ContactStep::law_of(std::size_t point, double friction, double restit
 
 // Two bodies are two springs one behind the other: of the slopes of their pressure at the depth at
 // which both are taken for linear, or else of their kappa. Where each has points that meet the
-// other's shape, all of them push. Friction and restitution are geometric means.
+// other's shape, all of them push. Friction and restitution are geometric means, and the rebound is
+// whole from the lower speed on.
 ContactLaw ContactStep::law_of(std::size_t point, const ContactStep& other) const {
   const ContactLaw& theirs = other.law_;
   ContactLaw law = law_of(point, std::sqrt(law_.friction * theirs.friction),
@@ -121,6 +122,7 @@ ContactLaw ContactStep::law_of(std::size_t point, const ContactStep& other) cons
     return std::isfinite(both) ? one.stiffness * std::min(one.margin, one.linear_from) / both
                                : one.stiffness;
   };
+  law.rebound_speed = std::min(law_.rebound_speed, theirs.rebound_speed);
   const double own = slope(law_), other_slope = slope(theirs);
   const double before = law.shear;
   law.linear_from = both;
@@ -161,8 +163,8 @@ void ContactStep::settle_account() {
     account_.work += now.force.dot(candidate.touch.x1 - candidate.touch.x0);
     account_.penetration = std::max(account_.penetration, -now.distance);
     bool through = false;
-    const double way = contact_passage(colliders_[candidate.collider], candidate.start,
-                                       candidate.touch.x1, through);
+    const double way =
+        contact_passage(colliders_[candidate.collider], candidate.start, candidate.end, through);
     account_.way = std::max(account_.way, way);
     account_.passed += through ? 1 : 0;
     if (now.pressure == 0.0) continue;

@@ -172,11 +172,18 @@ void ContactStep::add_contact(const ContactRenewal& renewal) {
   contact_force_.setZero();
   contact_torque_.setZero();
   contact_push_.setZero();
+  std::fill(rates_.begin(), rates_.end(), PairRate{});
   for (Candidate& candidate : touching()) {
     candidate.touch = motion_.touch(candidate.y0, place_in_body(candidate.point, q1_));
-    candidate.now =
-        contact_force(candidate.law, colliders_[candidate.collider], candidate.start,
-                      candidate.memory, candidate.touch.x1, options_.step, renewal, candidate.held);
+    candidate.end = contact_end(candidate.law, colliders_[candidate.collider], candidate.start,
+                                candidate.touch.x1);
+    rates_[candidate.collider].add(candidate.end.pressure,
+                                   candidate.end.distance - candidate.start.distance);
+  }
+  for (Candidate& candidate : touching()) {
+    candidate.now = contact_force(candidate.law, colliders_[candidate.collider], candidate.start,
+                                  candidate.memory, candidate.end, time_with(candidate.collider),
+                                  renewal, candidate.held);
     if (candidate.now.acts) push_point(candidate.now.force, candidate.touch, candidate.point);
   }
   add_grips();
@@ -263,6 +270,34 @@ double ContactStep::close() {
   return size;
 }
 
+void ContactStep::add_contact_slopes(bool follows) {
+  const Index n = unknowns();
+  taken_push_.setZero();
+  taken_growth_.setZero();
+  for (const Candidate& candidate : touching()) {
+    if (!candidate.now.acts) continue;
+    lever_.make(motion_, candidate.touch, point_rows(candidate.point));
+    const PlacedCollider& collider = colliders_[candidate.collider];
+    const ContactTime time = time_with(candidate.collider);
+    lever_.add_tangent(contact_stiffness(candidate.law, collider, candidate.start, candidate.end,
+                                         time, candidate.held, follows),
+                       jacobian_);
+    add_geometry_at_point(candidate.now.force, candidate.touch, candidate.point);
+    const PlacedLink link = contact_link(candidate.law, collider, candidate.start, candidate.end,
+                                         time, candidate.held, follows);
+    const auto column = static_cast<Index>(candidate.collider);
+    taken_push_.col(column).head(n).noalias() += lever_.push().lazyProduct(link.force);
+    taken_growth_.col(column).head(n).noalias() +=
+        lever_.way().transpose().lazyProduct(link.growth);
+  }
+  for (std::size_t c = 0; c < rates_.size(); ++c) {
+    if (!(rates_[c].force > 0.0)) continue;
+    const auto column = static_cast<Index>(c);
+    jacobian_.topLeftCorner(n, n).noalias() +=
+        taken_push_.col(column).head(n).lazyProduct(taken_growth_.col(column).head(n).transpose());
+  }
+}
+
 // The Jacobian of the residual that evaluate() left, without the gyroscopic terms of a turning
 // frame, which are of a higher order in h.
 void ContactStep::make_jacobian(double heavier, bool follows) {
@@ -287,15 +322,7 @@ void ContactStep::make_jacobian(double heavier, bool follows) {
     jacobian_.bottomRightCorner<3, 3>().diagonal().setConstant((1.0 + heavier) * 2.0 * mass_ /
                                                                (h * h));
   }
-  for (const Candidate& candidate : touching()) {
-    if (!candidate.now.acts) continue;
-    lever_.make(motion_, candidate.touch, point_rows(candidate.point));
-    const PlacedCollider& collider = colliders_[candidate.collider];
-    lever_.add_tangent(contact_stiffness(candidate.law, collider, candidate.start,
-                                         candidate.touch.x1, h, candidate.held, follows),
-                       jacobian_);
-    add_geometry_at_point(candidate.now.force, candidate.touch, candidate.point);
-  }
+  add_contact_slopes(follows);
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     const double stiffness = 0.5 * grips_[i].stiffness + grips_[i].damping / h;
     const PlaceRows rows = place_rows(grips_[i].place);

@@ -205,6 +205,7 @@ class ContactStep {
     ContactMemory memory = {};
     Eigen::Vector3d y0 = Eigen::Vector3d::Zero();  // from c along the body's axes, at the start, m
     ContactStart start = {};
+    ContactEnd end = {};
     ContactHeld held = {};
     ContactForce now = {};
     ContactTouch touch = {};
@@ -225,6 +226,8 @@ class ContactStep {
   void add_grips();
   void evaluate_body();
   void add_contact(const ContactRenewal& renewal);
+  ContactTime time_with(std::size_t collider) const { return {options_.step, rates_[collider]}; }
+  void add_contact_slopes(bool follows);
   bool went_far(const Pose& end, const Eigen::VectorXd& q) const;
   Pose end_pose() const;
   double size_of_residual() const;
@@ -255,6 +258,10 @@ class ContactStep {
   Eigen::VectorXd S_;
   PotentialWorkspace workspace_;
   std::vector<Candidate> candidates_;
+  std::vector<PairRate> rates_;  // one a collider
+  // What the pairs' rates do to the residual, and how what restitution takes grows with the
+  // unknowns; a column a collider.
+  Eigen::MatrixXd taken_push_, taken_growth_;
   std::vector<ContactMemory> memories_;       // by collider and point
   std::vector<ContactMemory> pair_memories_;  // by body and point
   std::vector<char> listed_;                  // points that are candidates; scratch

@@ -30,8 +30,9 @@ bool passes(const PairPoint& pair, const ContactStep& second, double way) {
       {pair.place, bent_distance(end, pair.place), bent_gradient(end, pair.place)});
 }
 
-// How the pair's forces fall with the unknowns of its bodies, by d1, the path and the bending.
-void find_changes(PairPoint& pair, const PairBodies& bodies, double h, bool follows,
+// How the pair's forces fall with the unknowns of its bodies, by d1, the path and the bending, and
+// what they do to what restitution takes from all points of the two.
+void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& time, bool follows,
                   PairScratch& scratch) {
   const auto& [first, second] = bodies;
   const Index n = second.unknowns();
@@ -58,9 +59,19 @@ void find_changes(PairPoint& pair, const PairBodies& bodies, double h, bool foll
         slope.by_distance * (gradient.transpose() * bodies.second.lever().way().rightCols<6>());
   };
   const ContactSlopes slopes =
-      contact_slopes(pair.law, pair.gap(), pair.way, h, pair.held, follows);
+      contact_slopes(pair.law, pair.gap(), pair.way, time, pair.held, follows);
   find(slopes.point, scratch.change_a, scratch.change_b);
   find(slopes.bend, scratch.bend_change_a, scratch.bend_change_b);
+  const ContactLink link = contact_link(pair.law, pair.gap(), pair.way, time, pair.held, follows);
+  scratch.link = link.point;
+  scratch.bend_link = link.bend;
+  scratch.growth_a.noalias() =
+      link.by_distance * (bodies.first.lever().way().transpose() * gradient);
+  scratch.growth_b.resize(n);
+  scratch.growth_b.head(r) = link.by_distance * pair.by_q;
+  if (bodies.second.turns())
+    scratch.growth_b.tail<6>().noalias() =
+        -link.by_distance * (bodies.second.lever().way().rightCols<6>().transpose() * gradient);
 }
 
 // A point of the first near the second, at y in the second's mesh coordinates and at that distance
@@ -121,21 +132,29 @@ void begin_pair(PairPoint& pair) {
   pair.sloped = false;
 }
 
-void evaluate_pair(PairPoint& pair, const PairBodies& bodies, double bend, double h,
-                   const ContactRenewal& renewal, PairScratch& scratch) {
+void approach_pair(PairPoint& pair, const PairBodies& bodies, double bend, PairRate& rate) {
   const auto& [first, second] = bodies;
-  const Vector3d x1 = first.end_of_point(pair.point);
-  pair.place = second.motion().into_rest(x1, true);
-  const double begins = pair.law.begins;
-  const bool acts = pair.distance < begins || pair.held.limit != 0.0;
   const double stored = 0.5 * pair.law.shear * pair.memory.slip.squaredNorm();
+  pair.touch_a.x1 = first.end_of_point(pair.point);
+  pair.place = second.motion().into_rest(pair.touch_a.x1, true);
+  const bool acts = pair.distance < pair.law.begins || pair.held.limit != 0.0;
+  pair.near = false;
   // Too far for d1 to be within the margin, if its gradient is shorter than 2.
   const double nearer = 2.0 * ((pair.place - pair.place_at_start).norm() + bend);
   if (!acts && pair.distance - nearer > pair.law.margin)
     return pair.now.clear(pair.distance, stored);
-  const BentShape shape = second.shape_at_end();
-  const double distance = bent_distance(shape, pair.place);
-  if (!acts && distance >= begins) return pair.now.clear(distance, stored);
+  const double distance = bent_distance(second.shape_at_end(), pair.place);
+  pair.now.clear(distance, stored);
+  if (!acts && distance >= pair.law.begins) return;
+  pair.near = true;
+  rate.add(contact_pressure(pair.law, pair.gap()), distance - pair.distance);
+}
+
+void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
+                const ContactRenewal& renewal, PairScratch& scratch) {
+  if (!pair.near) return;
+  const auto& [first, second] = bodies;
+  const Vector3d x1 = pair.touch_a.x1;
   pair.touch_a = first.touch_at_point(pair.point);
   const bool fresh = pair.fresh;
   if (fresh) find_start(pair, second, scratch);
@@ -147,11 +166,10 @@ void evaluate_pair(PairPoint& pair, const PairBodies& bodies, double bend, doubl
     ContactMemory memory = pair.memory;
     memory.slip = pair.frame * memory.slip;
     memory.normal = pair.frame * memory.normal;
-    hold_normal(second.motion().turn_out(0.5 * (pair.gradient + bent_gradient(shape, pair.place))),
-                memory, pair.held);
+    const Vector3d end = bent_gradient(second.shape_at_end(), pair.place);
+    hold_normal(second.motion().turn_out(0.5 * (pair.gradient + end)), memory, pair.held);
   }
-  const ContactGap gap{pair.distance, pair.energy, distance};
-  pair.now = contact_force(pair.law, gap, pair.way, h, renewal.limits, pair.held);
+  pair.now = contact_force(pair.law, pair.gap(), pair.way, time, renewal.limits, pair.held);
 }
 
 std::size_t add_missed_points(const PairBodies& bodies, const PairNames& names,
@@ -196,23 +214,35 @@ bool memory_of(const PairPoint& pair, ContactMemory& memory) {
   return true;
 }
 
-void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, double h, bool follows,
-                     PairScratch& scratch, Eigen::MatrixXd& first_by_second,
-                     Eigen::MatrixXd& second_by_first) {
+void PairBlocks::clear(Index first, Index second) {
+  by_other.setZero(first, second);
+  other_by.setZero(second, first);
+  push.setZero(first);
+  growth.setZero(first);
+  other_push.setZero(second);
+  other_growth.setZero(second);
+}
+
+void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
+                     bool follows, PairScratch& scratch, const PairSides& sides) {
   const auto& [first, second] = bodies;
   first.lever().make(first.motion(), pair.touch_a, first.point_rows(pair.point));
   second.lever().make(second.motion(), pair.touch_b, pair.rows);
-  find_changes(pair, bodies, h, follows, scratch);
+  find_changes(pair, bodies, time, follows, scratch);
   first.lever().add_pushed(scratch.change_a, scratch.change_a, 1.0, first.own_block());
-  first.lever().add_pushed(scratch.change_b, scratch.change_b, 1.0, first_by_second);
+  first.lever().add_pushed(scratch.change_b, scratch.change_b, 1.0, sides.first_by_second);
   second.lever().add_pushed(scratch.change_b, scratch.bend_change_b, -1.0, second.own_block());
-  second.lever().add_pushed(scratch.change_a, scratch.bend_change_a, -1.0, second_by_first);
+  second.lever().add_pushed(scratch.change_a, scratch.bend_change_a, -1.0, sides.second_by_first);
+  first.lever().add_pushed(scratch.link, scratch.link, 1.0, sides.first_push);
+  second.lever().add_pushed(scratch.link, scratch.bend_link, -1.0, sides.second_push);
+  sides.first_growth += scratch.growth_a;
+  sides.second_growth += scratch.growth_b;
   first.add_geometry_at_point(pair.now.force, pair.touch_a, pair.point);
   second.add_geometry_of_other(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
   // The torque on the second acts where the first's point is.
   if (!second.turns()) return;
   const Index turn = second.unknowns() - 6;
-  second_by_first.middleRows<3>(turn).noalias() +=
+  sides.second_by_first.middleRows<3>(turn).noalias() +=
       second.motion().turn_of_arm(-pair.now.force) * second.motion().R0.transpose() *
       first.lever().path_of_middle(first.motion()).leftCols(first.unknowns());
 }

@@ -26,6 +26,7 @@ struct PairPoint {
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), place_at_start = gradient;  // y
   ContactHeld held;  // along the world's axes
   ContactGap gap() const { return {distance, energy, now.distance}; }
+  bool near = false;    // it may act
   bool fresh = true;    // it has not acted
   bool sloped = false;  // of the end's distance: its gradient by y, and by the second's q, r
   Eigen::Vector3d slope = gradient, slope_place = gradient;
@@ -43,10 +44,29 @@ struct PairBodies {
 };
 
 // Scratch. change_a, change_b: how a pair's force falls with the unknowns of its bodies, 3 x n
-// each; bend_change_*: likewise what bends the second.
+// each; bend_change_*: the same of what bends the second. link, bend_link, growth_*: of a
+// ContactLink, 3 x 1 and n.
 struct PairScratch {
   Eigen::Matrix3Xd change_a, change_b, bend_change_a, bend_change_b;
+  Eigen::Matrix3Xd link = Eigen::Matrix3Xd::Zero(3, 1), bend_link = link;
+  Eigen::VectorXd growth_a, growth_b;
   BentScratch bent;
+};
+
+// Two members, a < b, in the Jacobian. by_other, other_by: how the residual of a changes with the
+// unknowns of b, and the reverse. push, growth: what the pair's rate does to a's residual, and how
+// what restitution takes grows with its unknowns; other_*: the same of b.
+struct PairBlocks {
+  Eigen::MatrixXd by_other, other_by;
+  Eigen::VectorXd push, growth, other_push, other_growth;
+
+  void clear(Eigen::Index first, Eigen::Index second);
+};
+
+// The same by a point's own body, `first`, and the one it is near.
+struct PairSides {
+  Eigen::MatrixXd &first_by_second, &second_by_first;
+  Eigen::VectorXd &first_push, &first_growth, &second_push, &second_growth;
 };
 
 // The points of a (its body is `first`) that may touch b in the step are added to `points`, whose
@@ -57,10 +77,13 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
 // At the beginning of an attempt at the step: nothing is held.
 void begin_pair(PairPoint& pair);
 
-// The force of the pair where the two bodies are now. bend: how far the second's coordinates move
-// any of its points in the step, m. h: the step, s.
-void evaluate_pair(PairPoint& pair, const PairBodies& bodies, double bend, double h,
-                   const ContactRenewal& renewal, PairScratch& scratch);
+// Where the point is from the other body as both are now; adds it to the pair's rate. bend: how far
+// the second's coordinates move any of its points in the step, m.
+void approach_pair(PairPoint& pair, const PairBodies& bodies, double bend, PairRate& rate);
+
+// The force of the pair there.
+void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
+                const ContactRenewal& renewal, PairScratch& scratch);
 
 // A pair in an island.
 struct PairNames {
@@ -76,12 +99,10 @@ std::size_t add_missed_points(const PairBodies& bodies, const PairNames& names,
 // What is remembered of the pair after its step. False: it ended beyond the margin.
 bool memory_of(const PairPoint& pair, ContactMemory& memory);
 
-// Adds how the forces of a pair that acts change with the unknowns to the Jacobians of both, and to
-// first_by_second and second_by_first, by how much the residual of the one changes with the
-// unknowns of the other. After evaluate_pair() with the same h. follows: as of contact_slopes().
-void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, double h, bool follows,
-                     PairScratch& scratch, Eigen::MatrixXd& first_by_second,
-                     Eigen::MatrixXd& second_by_first);
+// Adds how the forces of a pair that acts change with the unknowns to the Jacobians of both and to
+// `sides`. After press_pair() with the same time. follows: as of contact_slopes().
+void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
+                     bool follows, PairScratch& scratch, const PairSides& sides);
 
 // Books the pair in the accounts of its bodies. second: of the shape.
 void settle_pair(const PairPoint& pair, const ContactStep& second, double h, ContactAccount& a,
