@@ -332,10 +332,14 @@ class Body {
   Pose step_end() const;
   // The parts of a step, for groups of bodies that touch each other.
   friend class BodyGroup;
+  friend class StepParts;
   std::optional<StepReport> begin_step();
   bool near_something(std::span<const PlacedCollider> colliders);
+  StepReport advance_in_parts(const StepReport& failure);
   void end_contact();
   StepReport end_step(StepReport report);
+  void book_step(const StepReport& report);
+  bool can_be_cut() const;
   void fall_asleep();
   void sleep_a_step();
   StepPoses step_poses() const;
@@ -386,6 +390,7 @@ class Body {
   std::int64_t steps_ = 0;
   std::int64_t iterations_ = 0;
   std::int64_t halved_steps_ = 0;
+  bool booked_ = false;  // the step at hand was made in parts that are booked
   Sums sums_;
   std::vector<Grip> grips_;         // those that hold
   std::vector<std::size_t> hands_;  // the number of each

@@ -19,18 +19,18 @@ std::optional<StepReport> Body::begin_step() {
   kick_ = kick();
   if (!std::isfinite(kick_)) return explain({.converged = false, .failure = StepFailure::kLoad});
   q_before_ = state_.q;
+  booked_ = false;
   return std::nullopt;
 }
 
 // Books a step that was made, or says why it was not.
 StepReport Body::end_step(StepReport report) {
   iterations_ += report.iterations;
-  const double frame_work = end_frame_step(report.converged);
-  if (!report.converged) return explain(report);
-  const double work = frame_work + step_load_.average.dot(state_.q - q_before_) + report.extra_work;
-  sums_.work += work;
-  sums_.dissipated += report.dissipated;
-  bound_.put_in(work, kick_);
+  if (!report.converged) {
+    end_frame_step(false);
+    return explain(report);
+  }
+  if (!booked_) book_step(report);
   if (++steps_since_look_ >= kStepsBetweenLooks && !look()) {
     put_back();
     report.converged = false;
@@ -42,6 +42,15 @@ StepReport Body::end_step(StepReport report) {
   if (report.parts > 1) ++halved_steps_;
   age_applied_forces();
   return report;
+}
+
+// What was done in a step, or in a part of it.
+void Body::book_step(const StepReport& report) {
+  const double frame_work = end_frame_step(true);
+  const double work = frame_work + step_load_.average.dot(state_.q - q_before_) + report.extra_work;
+  sums_.work += work;
+  sums_.dissipated += report.dissipated;
+  bound_.put_in(work, kick_);
 }
 
 // Takes the forces of the step from time() on, which was made.

@@ -82,6 +82,8 @@ class FreeFrame final : public StepCoupling {
 
   // Prepares the next step: forces, which must stay where they are until it ends; gravity, m/s^2.
   void prepare(std::span<const StepForce> forces, const Eigen::Vector3d& gravity);
+  // The same forces and gravity once more, for the next part of the step.
+  void prepare_again() { prepare(forces_, gravity_); }
   // Work in the last step that was made, J.
   double load_work() const { return load_work_; }
   double gravity_work() const { return gravity_work_; }

@@ -9,6 +9,7 @@
 #include "runtime/body.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/contact/solve/shape_reach.h"
+#include "runtime/contact/solve/step_parts.h"
 
 namespace tremolo {
 
@@ -76,8 +77,17 @@ StepReport Body::advance_near(bool near) {
     if (free_) free_->restore(rigid_before_);
     integrator_->reset();
   }
-  const StepReport report = contact_->step(state_, step_load_, free_.get());
-  if (report.converged) end_contact();
+  const StepReport report = contact_->step(state_, step_load_, free_.get(), !can_be_cut());
+  if (!report.converged) return advance_in_parts(report);
+  end_contact();
+  return report;
+}
+
+StepReport Body::advance_in_parts(const StepReport& failure) {
+  StepReport report = failure;
+  StepParts parts;
+  const PartBody self{this, 0};
+  booked_ = parts.step({&self, 1}, contact_->colliders(), {}, {}, {&report, 1});
   return report;
 }
 

@@ -118,8 +118,8 @@ void BodyGroup::look_at(std::size_t a, std::size_t b) {
                        2.0 * (left.travel + right.travel);
   if ((left.centre - right.centre).squaredNorm() > reach * reach) return;
   Pair pair{a, b, used_, 0};
-  used_ = add_pair_points(first, second, a, b, points_, used_);
-  used_ = add_pair_points(second, first, b, a, points_, used_);
+  used_ = add_pair_points(first, second, {a, b, b}, points_, used_);
+  used_ = add_pair_points(second, first, {b, a, a}, points_, used_);
   pair.count = used_ - pair.first;
   if (pair.count != 0) pairs_.push_back(pair);
 }

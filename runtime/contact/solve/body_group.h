@@ -21,6 +21,7 @@
 #include "runtime/body.h"
 #include "runtime/contact/joint.h"
 #include "runtime/contact/solve/contact_island.h"
+#include "runtime/contact/solve/step_parts.h"
 #include "runtime/threads/thread_pool.h"
 
 namespace tremolo {
@@ -106,6 +107,10 @@ class BodyGroup {
     std::vector<StepReport> reports;
     std::vector<Touch> touches;
     ContactIsland island;
+    // For an island that is taken in parts.
+    std::vector<PartBody> bodies;
+    std::vector<PartPair> pairs;
+    StepParts parts;
   };
 
   // A joint, a < b; turned: b has its first place.
@@ -130,6 +135,7 @@ class BodyGroup {
   void list_islands();
   void step_alone(std::size_t i);
   void step_island(const Island& island, Worker& worker);
+  bool step_in_parts(const Island& island, Worker& worker);
   void step_islands();
   void note_touches(std::span<const PairPoint> points, std::span<const std::size_t> who,
                     std::vector<Touch>& touches) const;

@@ -110,14 +110,38 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   gather_joints(parent_[who[0]], worker.joints);
   std::vector<StepReport>& reports = worker.reports;
   reports.resize(island.count);
+  const bool cuts = std::all_of(who.begin(), who.end(),
+                                [this](std::size_t i) { return bodies_[i]->can_be_cut(); });
   worker.island.step(worker.members, worker.points, used, worker.joints,
-                     bodies_[who[0]]->options_.step, reports);
-  if (reports[0].converged) note_touches(std::span(worker.points).first(used), who, worker.touches);
+                     bodies_[who[0]]->options_.step, !cuts, reports);
+  const bool whole = reports[0].converged;
+  if (whole)
+    note_touches(std::span(worker.points).first(used), who, worker.touches);
+  else if (step_in_parts(island, worker))
+    note_touches(worker.parts.points(), who, worker.touches);
   for (std::size_t m = 0; m < island.count; ++m) {
     Body& body = *bodies_[who[m]];
-    if (reports[m].converged) body.end_contact();
+    if (whole) body.end_contact();
     reports_[who[m]] = body.end_step(reports[m]);
   }
+}
+
+// The island, whose step failed as a whole.
+bool BodyGroup::step_in_parts(const Island& island, Worker& worker) {
+  worker.bodies.clear();
+  worker.pairs.clear();
+  for (std::size_t m = 0; m < island.count; ++m) {
+    const std::size_t i = islands_[island.first + m];
+    worker.bodies.push_back({bodies_[i], i});
+  }
+  for (std::size_t p = island.first_pair; p < island.first_pair + island.pairs; ++p) {
+    const Pair& pair = pairs_[by_island_[p]];
+    worker.pairs.push_back({member_of_[pair.a], member_of_[pair.b]});
+  }
+  const bool made =
+      worker.parts.step(worker.bodies, colliders_, worker.pairs, worker.joints, worker.reports);
+  for (const PartBody& one : worker.bodies) one.body->booked_ = made;
+  return made;
 }
 
 // Those of the island whose members member_of_ tells.

@@ -16,16 +16,15 @@ constexpr int kHeldFrom = 20;  // the iteration from which a last resort holds l
 // Share of what counts as small: less of it counts as converged, as the last move of Newton's
 // method makes it.
 constexpr double kConverged = 0.1;
-// In how many iterations members move by themselves first, and how often in each; one attempt at
-// the step after the other.
-struct Attempt {
-  int relaxed, alone;
-  bool hold;  // friction's limits, as a last resort: see renewal()
-};
-constexpr Attempt kAttempts[] = {
-    {3, 3, false}, {8, 8, false}, {30, 2, false}, {3, 3, true}, {0, 0, true}};
+// A step that may be cut is given up where that many iterations leave that much of what is small.
+constexpr int kHopeless = 25;
+constexpr double kFarOff = 1e6;
 
 }  // namespace
+
+// One attempt at the step after the other.
+const ContactIsland::Attempt ContactIsland::kAttempts[] = {
+    {3, 3, false}, {8, 8, false}, {30, 2, false}, {3, 3, true}, {0, 0, true}};
 
 ContactIsland::Coupling& ContactIsland::add_coupling(std::size_t low, std::size_t high) {
   if (coupled_ == couplings_.size()) couplings_.emplace_back();
@@ -398,7 +397,14 @@ void ContactIsland::relax(std::span<const std::size_t> group, int iteration, int
   }
 }
 
-bool ContactIsland::solve(int relaxed, int alone, int& iterations) {
+// The largest residual in units of what is small.
+double ContactIsland::farthest() const {
+  double most = 0.0;
+  for (std::size_t i = 0; i < members_.size(); ++i) most = std::max(most, sizes_[i] / enough_[i]);
+  return most;
+}
+
+bool ContactIsland::solve(const Attempt& attempt, bool whole, int& iterations) {
   choose_all();
   evaluate({});
   measure();
@@ -411,6 +417,7 @@ bool ContactIsland::solve(int relaxed, int alone, int& iterations) {
       evaluate({.normals = false, .limits = 1.0});
       if (!find_groups()) return true;
     }
+    if (!whole && iterations >= kHopeless && farthest() > kFarOff) return false;
     bool moved = false;
     for (std::size_t first = 0, last = 0; first < by_group_.size(); first = last) {
       const std::size_t root = group_[by_group_[first]];
@@ -421,8 +428,8 @@ bool ContactIsland::solve(int relaxed, int alone, int& iterations) {
         moved = true;
         continue;
       }
-      if (iterations < relaxed && group.size() > 1) {
-        relax(group, iterations, alone);
+      if (iterations < attempt.relaxed && group.size() > 1) {
+        relax(group, iterations, attempt.alone);
         choose(group);
         evaluate({});
       }
@@ -498,7 +505,7 @@ void ContactIsland::remember() {
 }
 
 void ContactIsland::step(std::span<const IslandMember> members, std::vector<PairPoint>& points,
-                         std::size_t& count, std::span<IslandJoint> joints, double h,
+                         std::size_t& count, std::span<IslandJoint> joints, double h, bool whole,
                          std::span<StepReport> reports) {
   members_ = members;
   points_ = std::span(points).first(count);
@@ -520,12 +527,13 @@ void ContactIsland::step(std::span<const IslandMember> members, std::vector<Pair
   couple();
   int iterations = 0;
   bool converged = false;
-  for (const Attempt& attempt : kAttempts) {
+  for (const Attempt& attempt :
+       std::span(kAttempts).first(whole ? std::size(kAttempts) : kFirstAttempts)) {
     if (iterations != 0) begin();
     do {
       int more = 0;
       hold_ = attempt.hold;
-      converged = solve(attempt.relaxed, attempt.alone, more);
+      converged = solve(attempt, whole, more);
       iterations += more;
     } while (converged && add_missed(points, count));
     if (converged) break;

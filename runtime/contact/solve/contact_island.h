@@ -38,10 +38,11 @@ class ContactIsland {
  public:
   // One step of all members; points: of pairs of them, the first `count`, pair by pair, of each
   // those of the lower member first; points that were missed are added. joints: pair by pair as
-  // well. reports: one a member; where the island does not converge, none does, and all states are
-  // as before. What it needs grows with the largest island so far; see block_solver.h.
+  // well. whole: all means are tried, since the step is not cut. reports: one a member; where the
+  // island does not converge, none does, and all states are as before. What it needs grows with the
+  // largest island so far; see block_solver.h.
   void step(std::span<const IslandMember> members, std::vector<PairPoint>& points,
-            std::size_t& count, std::span<IslandJoint> joints, double h,
+            std::size_t& count, std::span<IslandJoint> joints, double h, bool whole,
             std::span<StepReport> reports);
 
  private:
@@ -55,6 +56,14 @@ class ContactIsland {
     PairRate rate;
     PairBlocks blocks;
   };
+
+  // In how many iterations members move by themselves first, and how often in each.
+  struct Attempt {
+    int relaxed = 0, alone = 0;
+    bool hold = false;  // friction's limits, as a last resort: see renewal()
+  };
+  static const Attempt kAttempts[];
+  static constexpr int kFirstAttempts = 2;  // before the step is cut
 
   enum class Outcome { kMoved, kDone, kFailed };
 
@@ -76,6 +85,7 @@ class ContactIsland {
   bool is_converged(std::size_t i) const;
   bool find_groups();
   double measure();
+  double farthest() const;
   Outcome move(int iteration, bool follow, double& heavier);
   void relax(std::span<const std::size_t> group, int iteration, int times);
   bool moves(std::size_t member) const { return place_[member] != kStill; }
@@ -91,7 +101,7 @@ class ContactIsland {
   bool add_missed(std::vector<PairPoint>& points, std::size_t& count);
   void remember();
   bool solve_for_move();
-  bool solve(int relaxed, int alone, int& iterations);
+  bool solve(const Attempt& attempt, bool whole, int& iterations);
   void begin();
   void settle();
 

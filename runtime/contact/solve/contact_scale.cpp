@@ -189,6 +189,51 @@ void ContactStep::settle_account() {
   account_.given = account_.work + account_.energy - start + account_.lost + account_.rubbed;
 }
 
+void ContactStep::keep_part() {
+  ContactAccount& sum = parts_.account;
+  const ContactAccount before = sum;
+  sum = account_;
+  for (double ContactAccount::*each :
+       {&ContactAccount::work, &ContactAccount::lost, &ContactAccount::rubbed,
+        &ContactAccount::given, &ContactAccount::surplus, &ContactAccount::hand_work,
+        &ContactAccount::hand_damped, &ContactAccount::joint_work, &ContactAccount::impulse})
+    sum.*each += before.*each;
+  sum.penetration = std::max(sum.penetration, before.penetration);
+  sum.way = std::max(sum.way, before.way);
+  sum.active = std::max(sum.active, before.active);
+  sum.passed += before.passed;
+  sum.impulse_vector += before.impulse_vector;
+  parts_.impulses.resize(impulses_.size(), 0.0);
+  parts_.collider_impulses.resize(impulses_.size(), Vector3d::Zero());
+  for (std::size_t c = 0; c < impulses_.size(); ++c) {
+    parts_.impulses[c] += impulses_[c];
+    parts_.collider_impulses[c] += collider_impulses_[c];
+  }
+  for (const ContactedPoint& point : contacted_) {
+    const auto same = [&point](const ContactedPoint& other) {
+      return other.vertex == point.vertex && other.on_body == point.on_body &&
+             other.obstacle == point.obstacle;
+    };
+    const auto found = std::find_if(parts_.contacted.begin(), parts_.contacted.end(), same);
+    if (found == parts_.contacted.end()) {
+      parts_.contacted.push_back(point);
+      continue;
+    }
+    const Vector3d before_it = found->impulse;
+    *found = point;
+    found->impulse += before_it;
+  }
+}
+
+void ContactStep::end_parts(bool made) {
+  colliders_ = {};
+  if (!made) return;
+  account_ = parts_.account;
+  impulses_.assign(parts_.impulses.begin(), parts_.impulses.end());
+  collider_impulses_.assign(parts_.collider_impulses.begin(), parts_.collider_impulses.end());
+  contacted_.assign(parts_.contacted.begin(), parts_.contacted.end());
+}
+
 void ContactStep::set_damping(double alpha, double beta) {
   options_.alpha = alpha;
   options_.beta = beta;

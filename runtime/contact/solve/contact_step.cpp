@@ -433,7 +433,7 @@ bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
   return false;
 }
 
-StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free) {
+StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free, bool whole) {
   StepReport report;
   // From the beginning once more with short moves, where long ones led astray.
   struct Attempt {
@@ -442,6 +442,7 @@ StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free
   };
   for (const auto [heavier, hold] :
        {Attempt{0.0, false}, Attempt{10.0, false}, Attempt{1000.0, false}, Attempt{10.0, true}}) {
+    if (hold && !whole) break;
     begin(state, load, free);
     in_island_ = false;
     do {

@@ -87,7 +87,8 @@ class ContactStep {
 
   // The step. free: of a free body, else null; then the poses hold. load: as for an integrator.
   // Where it does not converge, the state is as before.
-  StepReport step(State& state, const StepLoad& load, FreeFrame* free);
+  // whole: all means are tried, since the step is not cut.
+  StepReport step(State& state, const StepLoad& load, FreeFrame* free, bool whole);
 
   // Account of the last step; when nothing was near, reset() instead.
   const ContactAccount& account() const { return account_; }
@@ -95,6 +96,12 @@ class ContactStep {
   std::int64_t held_steps() const { return held_steps_; }
   void note_held_step() { ++held_steps_; }
   void reset();
+  // A step in parts: account(), impulses() and contacted() are of the whole after end_parts(), if
+  // it was made.
+  void begin_parts() { parts_ = {}; }
+  void keep_part();
+  void end_parts(bool made);
+  std::span<const PlacedCollider> colliders() const { return colliders_; }
   // For each collider the sum of the lengths of the impulses on it in the last step, N s; 0 where
   // there was no contact. And the impulse itself, N s, world.
   std::span<const double> impulses() const { return impulses_; }
@@ -275,6 +282,13 @@ class ContactStep {
   StepPoses poses_;
   ContactAccount account_;
   ContactAccount pairs_;
+  // Of the parts of a step so far.
+  struct {
+    ContactAccount account;
+    std::vector<double> impulses;
+    std::vector<Eigen::Vector3d> collider_impulses;
+    std::vector<ContactedPoint> contacted;
+  } parts_;
   double pairs_start_ = 0.0;
   std::int64_t held_steps_ = 0;
   double joints_rounding_ = 0.0;  // kg^1/2 m/s

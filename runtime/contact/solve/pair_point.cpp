@@ -95,8 +95,9 @@ void begin_point(PairPoint& pair, const ContactStep& first, const ContactStep& s
 
 }  // namespace
 
-std::size_t add_pair_points(const ContactStep& first, const ContactStep& second, std::size_t a,
-                            std::size_t b, std::vector<PairPoint>& points, std::size_t count) {
+std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
+                            const PairNames& names, std::vector<PairPoint>& points,
+                            std::size_t count) {
   const Collider* shape = second.shape();
   if (shape == nullptr) return count;
   const ContactPoints& on = first.points();
@@ -117,7 +118,7 @@ std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
       PairPoint& pair = points[count];
       const double distance = bent_distance(second.shape_at_start(), y);
       if (distance > reach) continue;
-      begin_point(pair, first, second, {a, b, b}, i, y, distance);
+      begin_point(pair, first, second, names, i, y, distance);
       ++count;
     }
   }

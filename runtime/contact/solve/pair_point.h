@@ -69,11 +69,6 @@ struct PairSides {
   Eigen::VectorXd &first_push, &first_growth, &second_push, &second_growth;
 };
 
-// The points of a (its body is `first`) that may touch b in the step are added to `points`, whose
-// first `count` entries are used; the number of them then. Both must have gathered.
-std::size_t add_pair_points(const ContactStep& first, const ContactStep& second, std::size_t a,
-                            std::size_t b, std::vector<PairPoint>& points, std::size_t count);
-
 // At the beginning of an attempt at the step: nothing is held.
 void begin_pair(PairPoint& pair);
 
@@ -90,6 +85,12 @@ struct PairNames {
   std::size_t a = 0, b = 0;  // the members: of the points, and of the shape
   std::size_t obstacle = 0;  // the number of b's body in the group
 };
+
+// The points of a (its body is `first`) that may touch b in the step are added to `points`, whose
+// first `count` entries are used; the number of them then. Both must have gathered.
+std::size_t add_pair_points(const ContactStep& first, const ContactStep& second,
+                            const PairNames& names, std::vector<PairPoint>& points,
+                            std::size_t count);
 
 // Where the step of both is solved: adds the points of a that came within the margin of b and are
 // not among the first `count` points yet; returns the number of points then.

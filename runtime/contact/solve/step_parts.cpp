@@ -1,0 +1,178 @@
+#include "runtime/contact/solve/step_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/restore_state.h"
+#include "runtime/contact/solve/contact_step.h"
+
+namespace tremolo {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kMostHalvings = 5;
+
+Pose pose_at(const Pose& start, const Pose& end, double fraction) {
+  return {start.position + fraction * (end.position - start.position),
+          start.rotation.slerp(fraction, end.rotation)};
+}
+
+}  // namespace
+
+bool Body::can_be_cut() const {
+  if (!driven_) return true;
+  for (std::size_t b = 0; b < driven_->bones(); ++b) {
+    const Pose &now = driven_->pose(b), &next = driven_->next_pose(b);
+    if (now.position != next.position || now.rotation.coeffs() != next.rotation.coeffs())
+      return false;
+  }
+  return !driven_->turning();
+}
+
+bool StepParts::step(std::span<const PartBody> bodies, std::span<const PlacedCollider> colliders,
+                     std::span<const PartPair> pairs, std::span<const IslandJoint> joints,
+                     std::span<StepReport> reports) {
+  for (const PartBody& one : bodies)
+    if (!one.body->can_be_cut()) return false;
+  bodies_ = bodies;
+  all_colliders_ = colliders;
+  pairs_ = pairs;
+  joints_ = joints;
+  reports_ = reports;
+  touched_.clear();
+  wholes_.resize(bodies.size());
+  part_reports_.resize(bodies.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Body& body = *bodies[i].body;
+    Whole& whole = wholes_[i];
+    whole.bytes = state_bytes(body);
+    whole.load = body.step_load_;
+    whole.q_before = body.q_before_;
+    whole.step = body.options_.step;
+    whole.from.clear();
+    whole.to.clear();
+    whole.sums.assign(body.grips_.size(), Grip{});
+    for (const Grip& grip : body.grips_) {
+      whole.from.push_back(grip.start);
+      whole.to.push_back(grip.end);
+    }
+    body.contact_->begin_parts();
+    reports_[i].parts = 0;
+    reports_[i].dissipated = 0.0;
+  }
+  joints_before_.clear();
+  for (const IslandJoint& joint : joints) joints_before_.push_back(*joint.joint);
+  const bool made = halves(0.0, 1.0, 1);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    Body& body = *bodies[i].body;
+    const Whole& whole = wholes_[i];
+    body.options_.step = whole.step;
+    body.contact_->set_step(whole.step);
+    body.step_load_ = whole.load;
+    body.q_before_ = whole.q_before;
+    body.contact_->end_parts(made);
+    reports_[i].converged = made;
+    if (!made) continue;
+    for (std::size_t k = 0; k < whole.sums.size(); ++k) {
+      body.grips_[k].force = whole.sums[k].force;
+      body.grips_[k].work = whole.sums[k].work;
+      body.grips_[k].damped = whole.sums[k].damped;
+    }
+  }
+  if (!made) put_back();
+  return made;
+}
+
+void StepParts::put_back() {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    Body& body = *bodies_[i].body;
+    (void)restore_state(body, wholes_[i].bytes);
+    for (std::size_t k = 0; k < body.grips_.size(); ++k) body.grips_[k].end = wholes_[i].to[k];
+  }
+  for (std::size_t k = 0; k < joints_.size(); ++k) *joints_[k].joint = joints_before_[k];
+}
+
+// [from, to] in two parts.
+bool StepParts::halves(double from, double to, int depth) {
+  const double middle = 0.5 * (from + to);
+  for (const auto& [a, b] : {std::pair{from, middle}, std::pair{middle, to}})
+    if (!part(a, b, depth == kMostHalvings) && (depth == kMostHalvings || !halves(a, b, depth + 1)))
+      return false;
+  return true;
+}
+
+// The part [from, to] of the step, as a step of its own. last: it is not cut again.
+bool StepParts::part(double from, double to, bool last) {
+  colliders_.assign(all_colliders_.begin(), all_colliders_.end());
+  for (PlacedCollider& collider : colliders_) {
+    const Pose start = collider.start, end = collider.end;
+    collider.start = pose_at(start, end, from);
+    collider.end = pose_at(start, end, to);
+  }
+  members_.clear();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    begin(i, from, to);
+    Body& body = *bodies_[i].body;
+    members_.push_back(
+        {body.contact_.get(), &body.state_, &body.step_load_, body.free_.get(), bodies_[i].number});
+  }
+  find_points();
+  part_joints_.assign(joints_.begin(), joints_.end());
+  const double h = wholes_.front().step * (to - from);
+  island_.step(members_, points_, used_, part_joints_, h, last, part_reports_);
+  const bool made = part_reports_.front().converged;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    reports_[i].iterations += part_reports_[i].iterations;
+    reports_[i].residual = part_reports_[i].residual;
+    if (made) book(i, part_reports_[i], to - from);
+  }
+  if (!made) return false;
+  for (std::size_t k = 0; k < used_; ++k) {
+    touched_.push_back(points_[k]);
+    touched_.back().now.force *= to - from;
+  }
+  return true;
+}
+
+void StepParts::begin(std::size_t i, double from, double to) {
+  Body& body = *bodies_[i].body;
+  const Whole& whole = wholes_[i];
+  body.options_.step = whole.step * (to - from);
+  body.contact_->set_step(body.options_.step);
+  restrict_load(whole.load, from, to, body.step_load_);
+  if (body.free_) body.free_->prepare_again();
+  body.q_before_ = body.state_.q;
+  for (std::size_t k = 0; k < body.grips_.size(); ++k)
+    body.grips_[k].end = whole.from[k] + to * (whole.to[k] - whole.from[k]);
+  (void)body.near_something(colliders_);
+}
+
+void StepParts::find_points() {
+  used_ = 0;
+  for (const PartPair& pair : pairs_) {
+    const ContactStep& first = *members_[pair.a].contact;
+    const ContactStep& second = *members_[pair.b].contact;
+    const PairNames forth{pair.a, pair.b, bodies_[pair.b].number};
+    const PairNames back{pair.b, pair.a, bodies_[pair.a].number};
+    used_ = add_pair_points(first, second, forth, points_, used_);
+    used_ = add_pair_points(second, first, back, points_, used_);
+  }
+}
+
+// A part that was made. share: of the step.
+void StepParts::book(std::size_t i, const StepReport& report, double share) {
+  Body& body = *bodies_[i].body;
+  body.contact_->keep_part();
+  for (std::size_t k = 0; k < body.grips_.size(); ++k) {
+    Grip& sum = wholes_[i].sums[k];
+    sum.force += share * body.grips_[k].force;
+    sum.work += body.grips_[k].work;
+    sum.damped += body.grips_[k].damped;
+  }
+  body.end_contact();
+  body.book_step(report);
+  ++reports_[i].parts;
+}
+
+}  // namespace tremolo
