@@ -62,22 +62,25 @@ Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWa
   return {(gap.d1 - gap.d0 - normal.dot(way.path - way.bend)) * shorter2, shorter2};
 }
 
-// What of restitution is by the point's own rate.
+// What of restitution is by the point's own rate, and from which share of rebound_speed on that is
+// whole: it is for small motions alone.
 constexpr double kPointShare = 0.02;
+constexpr double kPointSpeed = 0.1;
 
 // With e^2 the ratio of the factors far out and far in, 1 in between, where it falls as a damper:
-// small motions die away, and the force stays monotonous. way: v h, m.
+// small motions die away, and the force stays monotonous. way: v h, m. share: of rebound_speed.
 struct Taken {
   double value = 0.0;   // what restitution takes of the factor 1
   double growth = 0.0;  // of that with v h, 1/m
 };
 
-Taken taken_at(const ContactLaw& law, double way, double h) {
+Taken taken_at(const ContactLaw& law, double way, double h, double share = 1.0) {
   const double square = law.restitution * law.restitution;
   const double taken = (1.0 - square) / (1.0 + square);
-  const double along = std::clamp(way / (h * law.rebound_speed), -1.0, 1.0);
+  const double whole = share * law.rebound_speed * h;
+  const double along = std::clamp(way / whole, -1.0, 1.0);
   const double size = std::abs(along);
-  return {taken * along * (2.0 - size), 2.0 * taken * (1.0 - size) / (law.rebound_speed * h)};
+  return {taken * along * (2.0 - size), 2.0 * taken * (1.0 - size) / whole};
 }
 
 // The factor of restitution on the mean force, and how it falls with d1 at a held rate of the pair.
@@ -88,7 +91,7 @@ struct Restitution {
 
 Restitution restitution_of(const ContactLaw& law, const ContactGap& gap, const ContactTime& time) {
   const Taken pair = taken_at(law, time.rate.way(), time.h);
-  const Taken own = taken_at(law, gap.d1 - gap.d0, time.h);
+  const Taken own = taken_at(law, gap.d1 - gap.d0, time.h, kPointSpeed);
   return {1.0 - (1.0 - kPointShare) * pair.value - kPointShare * own.value,
           kPointShare * own.growth};
 }

@@ -19,6 +19,7 @@ constexpr double kConverged = 0.1;
 // A step that may be cut is given up where that many iterations leave that much of what is small.
 constexpr int kHopeless = 25;
 constexpr double kFarOff = 1e6;
+constexpr double kBeyond = 1e8;  // and is not tried otherwise, but cut, where so much is left
 
 }  // namespace
 
@@ -536,7 +537,7 @@ void ContactIsland::step(std::span<const IslandMember> members, std::vector<Pair
       converged = solve(attempt, whole, more);
       iterations += more;
     } while (converged && add_missed(points, count));
-    if (converged) break;
+    if (converged || (!whole && !(farthest() < kBeyond))) break;
   }
   if (converged) settle();
   for (std::size_t i = 0; i < members.size(); ++i) {
