@@ -40,20 +40,32 @@
 
 namespace tremolo {
 
+// Where a body touched something in the last step in which it did, and its impulse since that
+// began.
+struct ContactPlace {
+  double impulse = 0.0;                            // sum of |F| h, N s
+  Eigen::Vector3d push = Eigen::Vector3d::Zero();  // sum of F h on the body, N s, world
+  Eigen::Vector3d position = push, normal = push;  // means of the points that pushed, each
+                                                   // weighted by its impulse: m, world; out of
+                                                   // what is touched, of length 1 (zero if the
+                                                   // normals cancel)
+
+  void carry(StateStream& stream) { stream(impulse, push, position, normal); }
+};
+
 // A body that began to touch a collider or another body in the last step, or that did not touch it
-// any more. collider: its number; of two bodies kNone, and `other` is the second. impulse: sum of
-// |F| h since it began, N s. Points that leave for a single step end a contact: who wants long ones
-// joins what is close in time.
+// any more. Points that leave for a single step end a contact: who wants long ones joins what is
+// close in time.
 struct ContactEvent {
   enum class Kind { kBegin, kEnd };
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::size_t body = 0;
-  std::size_t collider = kNone;
-  std::size_t other = kNone;
+  std::size_t collider = kNone;  // its number; kNone of two bodies,
+  std::size_t other = kNone;     // of which this is the second
   Kind kind = Kind::kBegin;
-  double impulse = 0.0;
+  ContactPlace place;
 
-  void carry(StateStream& stream) { stream(body, collider, other, kind, impulse); }
+  void carry(StateStream& stream) { stream(body, collider, other, kind, place); }
 };
 
 // The model of a body of a scene.
@@ -109,6 +121,9 @@ class SceneWorld {
 
   // Events of the last step, those of colliders first; valid until the next one.
   std::span<const ContactEvent> events() const { return events_; }
+  // The points of an event's body and of what it touches that pushed in the last step, with their
+  // impulses on the body: empty for a contact that ended.
+  std::vector<ContactedPoint> points_of(const ContactEvent& event) const;
   // How often the body began to touch something, and how deep its contact points were behind a
   // surface at most at the end of any step, as a share of the body's size (0: never).
   std::int64_t contacts(std::size_t i) const { return actors_[i].contacts; }
@@ -175,12 +190,12 @@ class SceneWorld {
     std::size_t piece = 0;
     double energy_at_start = 0.0;
     bool failed = false;
-    double size = 0.0;              // m, of the contact points
-    double penetration = 0.0;       // share of the size
-    double speed = 0.0;             // m/s
+    double size = 0.0;         // m, of the contact points
+    double penetration = 0.0;  // share of the size
+    double speed = 0.0;        // m/s
     std::int64_t passed = 0;
     std::int64_t contacts = 0;
-    double begins_within = 0.0;     // m
+    double begins_within = 0.0;  // m
     std::optional<BonePaths> bones = {};
   };
   struct Hand {
@@ -192,21 +207,21 @@ class SceneWorld {
     HeldJoint joint;
     std::size_t a, b;
   };
-  // A body and a collider. impulse: since they touch, N s.
+  // A body and a collider.
   struct Touching {
     bool now = false;
-    double impulse = 0.0;
+    ContactPlace place;
     Eigen::Vector3d whole = Eigen::Vector3d::Zero();  // on the collider since the start, N s, world
 
-    void carry(StateStream& stream) { stream(now, impulse, whole); }
+    void carry(StateStream& stream) { stream(now, place, whole); }
   };
   // Two bodies, by their numbers. seen: in the last step.
   struct Pair {
     std::size_t a = 0, b = 0;
-    double impulse = 0.0;
+    ContactPlace place;
     bool seen = false;
 
-    void carry(StateStream& stream) { stream(a, b, impulse, seen); }
+    void carry(StateStream& stream) { stream(a, b, place, seen); }
   };
 
   explicit SceneWorld(const Scene& scene) : scene_(scene) {}
@@ -225,6 +240,8 @@ class SceneWorld {
   Status check_apart() const;
   void note_contact(std::size_t i);
   void note_pairs();
+  template <class Visit>
+  void for_points_of(std::size_t a, std::size_t b, Visit&& visit) const;
   SavedState saved_parts() const;
   SavedState saved_state() const;
   Status restore_from(const Result<SavedState>& saved, const std::string& name);

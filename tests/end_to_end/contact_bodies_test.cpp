@@ -272,7 +272,16 @@ TEST(BodiesInContact, DoNotDependOnTheirOrderInAScene) {
       for (const ContactEvent& event : world->events()) {
         EXPECT_EQ(event.collider, ContactEvent::kNone);
         EXPECT_LT(event.body, event.other);
-        EXPECT_GT(event.impulse, 0.0);
+        EXPECT_GT(event.place.impulse, 0.0);
+        Vector3d push = Vector3d::Zero();
+        for (const ContactedPoint& point : world->points_of(event)) push += point.impulse;
+        if (event.kind == ContactEvent::Kind::kBegin) {
+          EXPECT_LT((push - event.place.push).norm(), 1e-12 * push.norm());
+          // The normal points from the other one to the body.
+          EXPECT_GT(event.place.normal.dot(world->body(event.body).rigid_state().centre -
+                                           world->body(event.other).rigid_state().centre),
+                    0.0);
+        }
         (event.kind == ContactEvent::Kind::kBegin ? begun : ended) += 1;
       }
     }

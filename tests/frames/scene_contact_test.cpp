@@ -199,10 +199,26 @@ TEST(SceneContact, EventsBeginAndEndAndTheirImpulsesAreTheChangeOfMomentum) {
       EXPECT_EQ(event.body, 0U);
       EXPECT_EQ(event.collider, 0U);
       EXPECT_EQ(event.kind == ContactEvent::Kind::kBegin, !touching);
-      EXPECT_GT(event.impulse, 0.0);
+      EXPECT_GT(event.place.impulse, 0.0);
       touching = event.kind == ContactEvent::Kind::kBegin;
       begun += touching ? 1 : 0;
-      if (!touching) impulse += event.impulse;
+      if (!touching) impulse += event.place.impulse;
+      EXPECT_LT((event.place.normal - Vector3d::UnitZ()).norm(), 1e-9);
+      EXPECT_NEAR(event.place.push.z(), event.place.impulse, 1e-6 * event.place.impulse);
+      const std::vector<ContactedPoint> points = world.points_of(event);
+      EXPECT_EQ(points.empty(), !touching);
+      Vector3d push = Vector3d::Zero(), low = event.place.position, high = low;
+      for (const ContactedPoint& point : points) {
+        push += point.impulse;
+        low = low.cwiseMin(point.position);
+        high = high.cwiseMax(point.position);
+      }
+      if (touching) {
+        EXPECT_LT((push - event.place.push).norm(), 1e-12 * push.norm());
+      }
+      // A mean of the points lies among them.
+      EXPECT_TRUE((event.place.position - low).minCoeff() >= 0.0);
+      EXPECT_TRUE((high - event.place.position).minCoeff() >= 0.0);
     }
   }
   EXPECT_GT(begun, 1);
