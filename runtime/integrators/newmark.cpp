@@ -13,7 +13,8 @@
 //
 // Second order for gamma = 1/2, first otherwise. beta = 1/4, gamma = 1/2, the default, is linearly
 // stable for every h and time-reversible; beta = 0, gamma = 1/2 is Stoermer-Verlet without damping.
-// `dissipated` is d.D d/h with d = q1 - q0: second order.
+// `dissipated` is d.D d/h with d = q1 - q0, and d times the mean of the rest of D at the ends, which
+// is its work in the step: second order.
 //
 // The solve begins at a prediction where the step before left one: with the Jacobian J of that step
 // and its factor, K d = (J d - d - gamma h D d)/(beta h^2) gives R(q1) = R(q0) + K d + e, e what
@@ -57,7 +58,7 @@ class Newmark final : public ImplicitStep {
         newton_, max_iterations_, [&](bool jacobian) { return evaluate(state, load, jacobian); });
     if (!report.converged) return report;
     report.dissipated = dissipation(q1_ - state.q) / h_;
-    if (strain_.present()) report.dissipated += rest_work(state.q);
+    if (strain_.present()) report.dissipated += 0.5 * (q1_ - state.q).dot(rest0_ + rest_);
     state.q = q1_;
     state.p = v1_;
     z1_ = state;
@@ -81,14 +82,6 @@ class Newmark final : public ImplicitStep {
     else
       strain_.force(z0.q, z0.p, rest0_);
     a0_ -= rest0_;
-  }
-
-  // d.rest d/h in the middle of the step from q0 to q1_, J.
-  double rest_work(const VectorXd& q0) {
-    VectorXd &d = Kd_, &middle = R_predicted_;
-    d = q1_ - q0;
-    middle = 0.5 * (q0 + q1_);
-    return strain_.force(middle, d, a0_) / h_;
   }
 
   // Sets w to the solution with the predicted R(q1).
