@@ -55,7 +55,7 @@ void move_ball(const Vector3d& gravity, double t, double h, MovingBall& ball) {
   now.rotation = after.rotation;
 }
 
-bool collide(const Vector3d& n, const ContactTouch& touch, ContactSide& a, ContactSide& b) {
+bool collide(const Vector3d& n, const BallContact& touch, ContactSide& a, ContactSide& b) {
   const double inverse = a.inverse_mass + b.inverse_mass;
   if (inverse == 0.0) return false;
   const Vector3d relative = velocity_of(a) - velocity_of(b);

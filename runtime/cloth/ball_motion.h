@@ -38,14 +38,14 @@ struct ContactSide {
 };
 
 // Those of the pair. rest_speed: approach below this does not rebound, m/s.
-struct ContactTouch {
+struct BallContact {
   double friction = 0.0, restitution = 0.0, rest_speed = 0.0;
 };
 
 // Equal and opposite impulses at the point where both touch, n from b to a, of length 1, along the
 // arms of what turns: along n as Newton's restitution has it, across n by Coulomb's friction. Where
 // they part nothing is done. True if there was an impulse.
-bool collide(const Eigen::Vector3d& n, const ContactTouch& touch, ContactSide& a, ContactSide& b);
+bool collide(const Eigen::Vector3d& n, const BallContact& touch, ContactSide& a, ContactSide& b);
 
 // The same for what a reaction of `pressed`, N s, has already kept apart: the speed along n becomes
 // `speed`, m/s, whichever it was, and Coulomb's friction is of all that presses.

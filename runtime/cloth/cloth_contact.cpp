@@ -15,7 +15,7 @@ constexpr int kLastBallSweep = 16;
 // m; nearer by less than this is where it should be.
 constexpr double kNearEnough = 1e-12;
 
-ContactTouch pair_of(double friction, double other_friction, double restitution,
+BallContact pair_of(double friction, double other_friction, double restitution,
                      double other_restitution, double rest_speed) {
   return {std::sqrt(friction * other_friction), std::sqrt(restitution * other_restitution),
           rest_speed};

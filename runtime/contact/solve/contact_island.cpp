@@ -205,7 +205,6 @@ bool ContactIsland::find_groups() {
   return any;
 }
 
-// What is needed of the start of the step where the pair acts.
 // What a pair or a joint does to those of its members that are looked at.
 void ContactIsland::push(const PairPoint& pair) {
   if (!pair.now.acts) return;

@@ -12,6 +12,7 @@ namespace {
 constexpr double kBoxMargin = 0.02;
 // Bodies of a heap press on some hundred points each.
 constexpr std::size_t kTouchesOfBody = 256;
+constexpr std::size_t kMostNeighbours = 32;
 
 }  // namespace
 
@@ -36,7 +37,10 @@ TetGroup::TetGroup(std::vector<TetBody> bodies, std::vector<TetContact> contacts
       island_(pool_.get()) {
   const std::size_t count = bodies_.size();
   boxes_.resize(count);
-  pairs_.reserve(count * count / 2);
+  // Each body's box meets a few others; a heap in which more do lets the list grow.
+  pairs_.reserve(std::min(count * count / 2, kMostNeighbours * count));
+  by_place_.resize(count);
+  std::iota(by_place_.begin(), by_place_.end(), std::uint32_t{0});
   for (std::vector<std::uint32_t>* list : {&roots_, &naps_, &local_}) list->assign(count, 0);
   order_.reserve(count);
   starts_.reserve(count + 1);
@@ -84,12 +88,23 @@ void TetGroup::find_boxes() {
   });
 }
 
+// All pairs of boxes that meet and of which one is awake, in order: a sweep along x.
 void TetGroup::find_pairs() {
   pairs_.clear();
-  for (std::uint32_t a = 0; a < bodies_.size(); ++a)
-    for (std::uint32_t b = a + 1; b < bodies_.size(); ++b)
-      if ((asleep_[a] == 0 || asleep_[b] == 0) && boxes_[a].intersects(boxes_[b]))
-        pairs_.emplace_back(a, b);
+  const auto low = [this](std::uint32_t i) { return boxes_[i].min().x(); };
+  std::sort(by_place_.begin(), by_place_.end(), [&low](std::uint32_t a, std::uint32_t b) {
+    return low(a) < low(b) || (low(a) == low(b) && a < b);
+  });
+  for (std::size_t m = 0; m < by_place_.size(); ++m) {
+    const std::uint32_t one = by_place_[m];
+    for (std::size_t n = m + 1; n < by_place_.size(); ++n) {
+      const std::uint32_t other = by_place_[n];
+      if (low(other) > boxes_[one].max().x()) break;
+      if ((asleep_[one] == 0 || asleep_[other] == 0) && boxes_[one].intersects(boxes_[other]))
+        pairs_.emplace_back(std::min(one, other), std::max(one, other));
+    }
+  }
+  std::sort(pairs_.begin(), pairs_.end());
 }
 
 // Whether a point of one is in the other as they are now.

@@ -77,8 +77,9 @@ class TetGroup {
   TetGroupOptions options_;
   std::unique_ptr<ThreadPool> pool_;
   TetIsland island_;
-  std::vector<TetTree::Box> boxes_;  // with the way of a step
-  std::vector<Pair> pairs_;          // near each other, ascending
+  std::vector<TetTree::Box> boxes_;      // with the way of a step
+  std::vector<Pair> pairs_;              // near each other, ascending
+  std::vector<std::uint32_t> by_place_;  // all bodies, by the low x of their boxes
   std::vector<std::uint32_t> roots_, order_, starts_, naps_, local_;
   std::vector<std::uint8_t> asleep_, wide_awake_;
   std::vector<double> still_, speeds_;  // s, m/s
