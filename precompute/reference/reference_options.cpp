@@ -20,7 +20,7 @@ void add_time_options(CLI::App& app, ReferenceOptions& options, std::string& sch
                  "of the default load in time: impulse (3 ms), square (0.3 s), sine (1 Hz), "
                  "constant, none (default: impulse)");
   app.add_option("--alpha", options.time.alpha, "damping by the mass, 1/s")->capture_default_str();
-  app.add_option("--beta", options.time.beta, "damping by the stiffness at rest, s")
+  app.add_option("--beta", options.time.beta, "damping of the strain rates, s")
       ->capture_default_str();
 }
 

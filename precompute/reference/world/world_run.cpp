@@ -39,9 +39,8 @@ void check_flags(const ReferenceOptions& options) {
   require(options.compare.empty(), usage,
           "--compare is of a body that stands still in the world; move a body of libtremolo the "
           "same way and look at both tables");
-  require(!flies(options) || (options.time.alpha == 0 && options.time.beta == 0), usage,
-          "--alpha and --beta damp the motion relative to a support, and a body that flies has "
-          "none");
+  require(!flies(options) || options.time.alpha == 0, usage,
+          "--alpha damps the motion relative to a support, and a body that flies has none");
   for (const auto& vector : {options.spin, options.velocity})
     require(!vector || vector->allFinite(), ErrorKind::kContent,
             "--spin and --velocity must be finite");

@@ -4,9 +4,9 @@
 //     M_ff (2/h) (d_f/h - v0) + M_fh (v1_h - v0_h)/h + F_f(w0, w1) + D = load,   v1 = 2 d_f/h - v0
 //
 // with F the mean of the elements' forces over the step and v_h the support's own velocity.
-// Damping acts on the motion relative to the support: D = beta Rm K Rm^T (d_f/h - V), Rm the
-// support's turn and V the velocity of what rides along, at the middle of the step (there, at w0 +
-// h/2 v0); alpha multiplies v - V by exp(-alpha h/2) before and after. No quantity of a moving
+// D is that of the strain rates, as in time_integration.h: it feels no rotation. Damping by the mass
+// acts on the motion relative to the support: alpha multiplies v - V by exp(-alpha h/2) before and
+// after, V the velocity of what rides along. No quantity of a moving
 // frame enters: no fictitious force, no integral of the mass over a mode.
 #pragma once
 
