@@ -44,10 +44,6 @@ MeanForce mean_force(const ContactLaw& law, double a, double b) {
   return {law.stiffness * value / length, law.stiffness * fall / (length * length)};
 }
 
-MeanForce mean_of(const ContactLaw& law, const ContactGap& gap) {
-  return mean_force(law, law.begins - gap.d0, law.begins - gap.d1);
-}
-
 // c, and 1/(|p|^2 + |w|^2), 0 where the change of distance is rounding.
 struct Correction {
   double c = 0.0;
@@ -96,18 +92,6 @@ Restitution restitution_of(const ContactLaw& law, const ContactGap& gap, const C
           kPointShare * own.growth};
 }
 
-// s, and how it falls with d1.
-struct Pressure {
-  double value = 0.0;
-  double fall = 0.0;
-};
-
-Pressure pressure_of(const ContactLaw& law, const ContactGap& gap, const ContactTime& time) {
-  const MeanForce mean = mean_of(law, gap);
-  const Restitution part = restitution_of(law, gap, time);
-  return {part.factor * mean.value, part.factor * mean.fall + mean.value * part.fall};
-}
-
 // The part of the way across the normal, m.
 Vector3d tangential(const ContactWay& way, const Vector3d& n) {
   const Vector3d over = way.path - way.bend;
@@ -116,13 +100,6 @@ Vector3d tangential(const ContactWay& way, const Vector3d& n) {
 
 FrictionLaw friction_law(const ContactLaw& law, double h) {
   return {law.shear, law.shear_damping / h};
-}
-
-// The mean rotation of the collider's frame in the step.
-Eigen::Quaterniond mid_rotation(const PlacedCollider& collider) {
-  Eigen::Quaterniond end = collider.end.rotation;
-  if (collider.start.rotation.dot(end) < 0.0) end.coeffs() = -end.coeffs();
-  return Eigen::Quaterniond(collider.start.rotation.coeffs() + end.coeffs()).normalized();
 }
 
 }  // namespace
@@ -154,8 +131,17 @@ ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider
   return start;
 }
 
-double contact_pressure(const ContactLaw& law, const ContactGap& gap) {
-  return mean_of(law, gap).value;
+ContactGap make_gap(const ContactLaw& law, double d0, double e0, double d1) {
+  const MeanForce mean = mean_force(law, law.begins - d0, law.begins - d1);
+  return {d0, e0, d1, mean.value, mean.fall};
+}
+
+ColliderTurns turns_of(const PlacedCollider& collider) {
+  Eigen::Quaterniond end = collider.end.rotation;
+  if (collider.start.rotation.dot(end) < 0.0) end.coeffs() = -end.coeffs();
+  const Eigen::Quaterniond mean(collider.start.rotation.coeffs() + end.coeffs());
+  return {collider.start.rotation.toRotationMatrix(), collider.end.rotation.toRotationMatrix(),
+          mean.normalized().toRotationMatrix()};
 }
 
 ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
@@ -163,22 +149,21 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   ContactForce contact;
   contact.distance = gap.d1;
   const double energy = law.energy(gap.d1);
-  const MeanForce mean = mean_of(law, gap);
   const double stored = 0.5 * law.shear * held.slip.squaredNorm();
-  if (mean.value == 0.0) held.limit -= limits * held.limit;
-  if (mean.value == 0.0 && held.limit == 0.0) {
+  if (gap.pressure == 0.0) held.limit -= limits * held.limit;
+  if (gap.pressure == 0.0 && held.limit == 0.0) {
     contact.rubbed = stored;
     return contact;
   }
   contact.acts = true;
   const Correction correction = correct(law, gap, way, held.normal);
   const double factor = restitution_of(law, gap, time).factor;
-  contact.pressure = mean.value;
+  contact.pressure = gap.pressure;
   contact.lost = (1.0 - factor) * (gap.e0 - energy);
-  const double s = factor * mean.value;
+  const double s = factor * gap.pressure;
   const Vector3d point_normal = held.normal + correction.c * way.path;
   contact.limit = law.friction * s * point_normal.norm();
-  if (mean.value != 0.0) held.limit += limits * (contact.limit - held.limit);
+  if (gap.pressure != 0.0) held.limit += limits * (contact.limit - held.limit);
   const Friction friction = friction_force(friction_law(law, time.h), held.limit, held.slip,
                                            tangential(way, held.normal));
   // A contact that ends forgets its slip, and what that stores is friction's.
@@ -191,31 +176,50 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   return contact;
 }
 
+namespace {
+
+// How the fraction that restitution takes by the pair's rate grows with d1, 1/m. The pair's way v h
+// is given/force, of which both change with d1, psi(d0) - psi(d1) by psi'(d1).
+double taken_by_distance(const ContactLaw& law, const ContactGap& gap, const ContactTime& time) {
+  if (!(time.rate.force > 0.0)) return 0.0;
+  const double along = time.rate.way(), x = std::max(0.0, law.begins - gap.d1);
+  const double least = std::min(x, law.linear_from);
+  const double slope = law.stiffness * least * (2.0 * x - least);
+  return (1.0 - kPointShare) * taken_at(law, along, time.h).growth * (slope + along * gap.fall) /
+         time.rate.force;
+}
+
+}  // namespace
+
 ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
                              const ContactTime& time, const ContactHeld& held, bool follows) {
   const auto& [p, w] = way;
   const Vector3d& n = held.normal;
   const auto [c, shorter2] = correct(law, gap, way, n);
-  const Pressure pressure = pressure_of(law, gap, time);
-  const double s = pressure.value;
+  const Restitution part = restitution_of(law, gap, time);
+  const double s = part.factor * gap.pressure;
+  const double s_fall = part.factor * gap.fall + gap.pressure * part.fall;
   const FrictionSlopes friction = friction_slopes(friction_law(law, time.h), held.limit, held.slip,
                                                   tangential(way, n), n / n.norm());
   const Matrix3d drag = -friction.by_path;
   const Vector3d by_path = shorter2 * (n + 2.0 * c * p), by_bend = shorter2 * (n - 2.0 * c * w);
   ContactSlopes slopes;
-  slopes.point.by_distance = pressure.fall * (n + c * p) - (s * shorter2) * p;
+  slopes.point.by_distance = s_fall * (n + c * p) - (s * shorter2) * p;
   slopes.point.by_path = drag + s * p * by_path.transpose();
   slopes.point.by_path.diagonal().array() -= s * c;
   slopes.point.by_bend = -drag - s * p * by_bend.transpose();
-  slopes.bend.by_distance = pressure.fall * (n - c * w) + (s * shorter2) * w;
+  slopes.bend.by_distance = s_fall * (n - c * w) + (s * shorter2) * w;
   slopes.bend.by_path = drag - s * w * by_path.transpose();
   slopes.bend.by_bend = -drag + s * w * by_bend.transpose();
   slopes.bend.by_bend.diagonal().array() += s * c;
+  const Vector3d m = n + c * p;
+  slopes.point.by_taken = gap.pressure * m;
+  slopes.bend.by_taken = gap.pressure * (n - c * w);
+  slopes.taken_by_distance = taken_by_distance(law, gap, time);
   if (follows) {
     // By how much L = mu s |m|, m = n + c p, falls with each.
-    const Vector3d m = n + c * p;
     const double length = m.norm(), sizes = law.friction * s / length;
-    const double fall = law.friction * pressure.fall * length - sizes * shorter2 * m.dot(p);
+    const double fall = law.friction * s_fall * length - sizes * shorter2 * m.dot(p);
     const Eigen::RowVector3d fall_by_path =
         sizes * (m.dot(p) * by_path.transpose() - c * m.transpose());
     const Eigen::RowVector3d fall_by_bend = -sizes * m.dot(p) * by_bend.transpose();
@@ -223,58 +227,32 @@ ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const
       slope->by_distance += fall * friction.by_limit;
       slope->by_path += friction.by_limit * fall_by_path;
       slope->by_bend += friction.by_limit * fall_by_bend;
+      slope->by_taken += (law.friction * gap.pressure * length) * friction.by_limit;
     }
   }
   return slopes;
 }
 
-ContactLink contact_link(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
-                         const ContactTime& time, const ContactHeld& held, bool follows) {
-  const MeanForce mean = mean_of(law, gap);
-  const auto [c, shorter2] = correct(law, gap, way, held.normal);
-  const Vector3d pushes = held.normal + c * way.path;
-  ContactLink link;
-  link.point = mean.value * pushes;
-  link.bend = mean.value * (held.normal - c * way.bend);
-  if (follows) {
-    const Vector3d& n = held.normal;
-    const Vector3d friction = friction_slopes(friction_law(law, time.h), held.limit, held.slip,
-                                              tangential(way, n), n / n.norm())
-                                  .by_limit *
-                              (law.friction * mean.value * pushes.norm());
-    link.point += friction;
-    link.bend += friction;
-  }
-  if (!(time.rate.force > 0.0)) return link;
-  // The pair's way v h = given/force: both change with d1, psi(d0) - psi(d1) by psi'(d1).
-  const double along = time.rate.way(), x = std::max(0.0, law.begins - gap.d1);
-  const double least = std::min(x, law.linear_from);
-  const double slope = law.stiffness * least * (2.0 * x - least);
-  link.by_distance = (1.0 - kPointShare) * taken_at(law, along, time.h).growth *
-                     (slope + along * mean.fall) / time.rate.force;
-  return link;
-}
-
 ContactEnd contact_end(const ContactLaw& law, const PlacedCollider& collider,
-                       const ContactStart& start, const Vector3d& x1) {
+                       const ColliderTurns& turns, const ContactStart& start, const Vector3d& x1) {
   ContactEnd end;
-  end.place = into_frame(collider.end, x1);
+  end.place = turns.end.transpose() * (x1 - collider.end.position);
   const CollisionDistance found = signed_distance(collider.shape, end.place);
-  end.distance = found.distance;
   end.normal = found.normal;
-  end.pressure = contact_pressure(law, {start.distance, start.energy, end.distance});
+  end.gap = make_gap(law, start.distance, start.energy, found.distance);
   return end;
 }
 
 ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
-                           const ContactStart& start, const ContactMemory& memory,
-                           const ContactEnd& end, const ContactTime& time,
-                           const ContactRenewal& renewal, ContactHeld& held) {
-  if (start.distance >= law.begins && end.distance >= law.begins) {
+                           const ColliderTurns& turns, const ContactStart& start,
+                           const ContactMemory& memory, const ContactEnd& end,
+                           const ContactTime& time, const ContactRenewal& renewal,
+                           ContactHeld& held) {
+  if (start.distance >= law.begins && end.gap.d1 >= law.begins) {
     if (renewal.limits == 1.0) held.limit = 0.0;
     if (held.limit == 0.0) {
       ContactForce apart;
-      apart.clear(end.distance, 0.5 * law.shear * memory.slip.squaredNorm());
+      apart.clear(end.gap.d1, 0.5 * law.shear * memory.slip.squaredNorm());
       return apart;
     }
   }
@@ -284,10 +262,9 @@ ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider
         flat ? end.normal : signed_distance(collider.shape, 0.5 * (start.place + end.place)).normal,
         memory, held);
   }
-  const ContactGap gap{start.distance, start.energy, end.distance};
   ContactForce contact =
-      contact_force(law, gap, {end.place - start.place}, time, renewal.limits, held);
-  if (contact.acts) contact.force = mid_rotation(collider).toRotationMatrix() * contact.force;
+      contact_force(law, end.gap, {end.place - start.place}, time, renewal.limits, held);
+  if (contact.acts) contact.force = turns.mean * contact.force;
   return contact;
 }
 
@@ -297,29 +274,19 @@ double contact_passage(const PlacedCollider& collider, const ContactStart& start
   through = false;
   if (std::holds_alternative<PlaneShape>(collider.shape) || way <= start.distance) return way;
   through = goes_through(collider.shape, {start.place, start.distance, start.normal},
-                         {end.place, end.distance, end.normal});
+                         {end.place, end.gap.d1, end.normal});
   return way;
 }
 
-Matrix3d contact_stiffness(const ContactLaw& law, const PlacedCollider& collider,
-                           const ContactStart& start, const ContactEnd& end,
-                           const ContactTime& time, const ContactHeld& held, bool follows) {
+PlacedSlope contact_slope(const ContactLaw& law, const ColliderTurns& turns,
+                          const ContactStart& start, const ContactEnd& end, const ContactTime& time,
+                          const ContactHeld& held, bool follows) {
   const ContactWay way{end.place - start.place};
-  const ContactGap gap{start.distance, start.energy, end.distance};
-  const ContactSlope slope = contact_slopes(law, gap, way, time, held, follows).point;
-  const Matrix3d by_end = slope.by_path + slope.by_distance * end.normal.transpose();
-  return mid_rotation(collider).toRotationMatrix() * by_end *
-         collider.end.rotation.toRotationMatrix().transpose();
-}
-
-PlacedLink contact_link(const ContactLaw& law, const PlacedCollider& collider,
-                        const ContactStart& start, const ContactEnd& end, const ContactTime& time,
-                        const ContactHeld& held, bool follows) {
-  const ContactWay way{end.place - start.place};
-  const ContactGap gap{start.distance, start.energy, end.distance};
-  const ContactLink link = contact_link(law, gap, way, time, held, follows);
-  return {mid_rotation(collider) * link.point,
-          link.by_distance * (collider.end.rotation * end.normal)};
+  const ContactSlopes slopes = contact_slopes(law, end.gap, way, time, held, follows);
+  const ContactSlope& point = slopes.point;
+  const Matrix3d by_end = point.by_path + point.by_distance * end.normal.transpose();
+  return {turns.mean * by_end * turns.end.transpose(), turns.mean * point.by_taken,
+          slopes.taken_by_distance * (turns.end * end.normal)};
 }
 
 }  // namespace tremolo

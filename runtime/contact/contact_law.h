@@ -96,24 +96,17 @@ struct PairRate {
   double way() const { return force > 0.0 ? given / force : 0.0; }  // v h, m
 };
 
-// By how much a force falls with the distance d1, N/m, with p and with w, N/m.
+// By how much a force falls.
 struct ContactSlope {
-  Eigen::Vector3d by_distance;
-  Eigen::Matrix3d by_path;
-  Eigen::Matrix3d by_bend;
+  Eigen::Vector3d by_distance;  // with the distance d1, N/m, at a held rate of the pair
+  Eigen::Matrix3d by_path;      // with p, N/m
+  Eigen::Matrix3d by_bend;      // with w, N/m
+  Eigen::Vector3d by_taken;     // with the fraction that restitution takes from the whole pair, N
 };
 
-// Slopes of the force on the point and of what bends that which is touched, but for what the pair's
-// rate does.
 struct ContactSlopes {
-  ContactSlope point, bend;
-};
-
-// What the pair's rate does: the forces of a point fall by `point` and `bend`, N, times the growth
-// of what restitution takes from all; and that grows with the point's d1 by `by_distance`, 1/m.
-struct ContactLink {
-  Eigen::Vector3d point = Eigen::Vector3d::Zero(), bend = point;
-  double by_distance = 0.0;
+  ContactSlope point, bend;  // of the force on the point, and of the one that bends the obstacle
+  double taken_by_distance = 0.0;  // how that fraction grows with d1, 1/m
 };
 
 // The force of a contact over the step.
@@ -162,16 +155,19 @@ struct ContactWay {
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
 };
 
-// A distance that goes from d0, with the energy e0, to d1 in a step, m and J.
+// The distance of a point in a step.
 struct ContactGap {
-  double d0 = 0.0, e0 = 0.0, d1 = 0.0;
+  double d0 = 0.0;        // at the start, m
+  double e0 = 0.0;        // psi(d0), J
+  double d1 = 0.0;        // at the end, m
+  double pressure = 0.0;  // s without restitution, N
+  double fall = 0.0;      // how that falls with d1, N/m
 };
+
+ContactGap make_gap(const ContactLaw& law, double d0, double e0, double d1);
 
 // Sets the held normal, of any length, and turns the memory's slip into its plane.
 void hold_normal(const Eigen::Vector3d& normal, const ContactMemory& memory, ContactHeld& held);
-
-// s without restitution, N.
-double contact_pressure(const ContactLaw& law, const ContactGap& gap);
 
 // A step of length h, s, and how the pair parts in it.
 struct ContactTime {
@@ -186,47 +182,49 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
 // How that force, which acts, falls. follows: friction's limit is not held but goes with the force.
 ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
                              const ContactTime& time, const ContactHeld& held, bool follows);
-ContactLink contact_link(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
-                         const ContactTime& time, const ContactHeld& held, bool follows);
+
+// The rotations of a collider's frame in a step: at its ends, and their mean.
+struct ColliderTurns {
+  Eigen::Matrix3d start, end, mean;
+};
+ColliderTurns turns_of(const PlacedCollider& collider);
 
 // x: world, m.
 ContactStart contact_start(const ContactLaw& law, const PlacedCollider& collider,
                            const Eigen::Vector3d& x);
 
-// Where a point ends a step. place: in the collider's frame then, m.
+// Where a point ends a step.
 struct ContactEnd {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // there
-  double distance = 0.0;                              // d1, m
-  double pressure = 0.0;                              // s without restitution, N
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();    // in the collider's frame then, m
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // there, along its axes
+  ContactGap gap;
 };
 
 // x1: world, m.
 ContactEnd contact_end(const ContactLaw& law, const PlacedCollider& collider,
-                       const ContactStart& start, const Eigen::Vector3d& x1);
+                       const ColliderTurns& turns, const ContactStart& start,
+                       const Eigen::Vector3d& x1);
 
 ContactForce contact_force(const ContactLaw& law, const PlacedCollider& collider,
-                           const ContactStart& start, const ContactMemory& memory,
-                           const ContactEnd& end, const ContactTime& time,
-                           const ContactRenewal& renewal, ContactHeld& held);
+                           const ColliderTurns& turns, const ContactStart& start,
+                           const ContactMemory& memory, const ContactEnd& end,
+                           const ContactTime& time, const ContactRenewal& renewal,
+                           ContactHeld& held);
 
 // How far the point went relative to the collider, m; through: whether it went through it
 // (passage.h). A plane has no other side.
 double contact_passage(const PlacedCollider& collider, const ContactStart& start,
                        const ContactEnd& end, bool& through);
 
-// By how much that force, which acts, falls with x1, N/m. follows: as of contact_slopes().
-Eigen::Matrix3d contact_stiffness(const ContactLaw& law, const PlacedCollider& collider,
-                                  const ContactStart& start, const ContactEnd& end,
-                                  const ContactTime& time, const ContactHeld& held, bool follows);
-
-// The same through the pair's rate. force: falls by that, N, times the growth of what restitution
-// takes; growth: of that with x1, 1/m. World.
-struct PlacedLink {
-  Eigen::Vector3d force, growth;
+// How the force on a point, which acts, falls. World.
+struct PlacedSlope {
+  Eigen::Matrix3d by_end;    // with x1, N/m, at a held rate of the pair
+  Eigen::Vector3d by_taken;  // with the fraction that restitution takes from the pair, N
+  Eigen::Vector3d taken;     // how that fraction grows with x1, 1/m
 };
-PlacedLink contact_link(const ContactLaw& law, const PlacedCollider& collider,
-                        const ContactStart& start, const ContactEnd& end, const ContactTime& time,
-                        const ContactHeld& held, bool follows);
+// follows: as of contact_slopes().
+PlacedSlope contact_slope(const ContactLaw& law, const ColliderTurns& turns,
+                          const ContactStart& start, const ContactEnd& end, const ContactTime& time,
+                          const ContactHeld& held, bool follows);
 
 }  // namespace tremolo

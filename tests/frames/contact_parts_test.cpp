@@ -57,7 +57,7 @@ ContactLaw linear_law() {
 // A step of a pair whose only point goes from d0 to d1.
 ContactTime alone(const ContactLaw& law, double d0, double d1) {
   ContactTime time{kStep, {}};
-  time.rate.add(contact_pressure(law, {d0, law.energy(d0), d1}), d1 - d0);
+  time.rate.add(make_gap(law, d0, law.energy(d0), d1).pressure, d1 - d0);
   return time;
 }
 
@@ -82,7 +82,7 @@ TEST(ContactParts, ThePairGivesWhatItStored) {
     const Vector3d bend = numbers.vector(2e-4);
     const ContactWay way{i % 3 == 0 ? bend : numbers.vector(2e-4), bend};
     const double slip = 0.5 * law.shear * held.slip.squaredNorm();
-    const ContactForce contact = contact_force(law, {d0, law.energy(d0), d1}, way,
+    const ContactForce contact = contact_force(law, make_gap(law, d0, law.energy(d0), d1), way,
                                                alone(law, d0, d1), i % 4 == 0 ? 1.0 : 0.0, held);
     const double work = contact.force.dot(way.path) - contact.bend_force.dot(way.bend);
     const double before = law.energy(d0) + slip;
@@ -113,7 +113,7 @@ TEST(ContactParts, TheSlopesAreDerivatives) {
     const double d_distance = numbers.one(1.0);
     const Vector3d d_path = numbers.vector(1.0), d_bend = numbers.vector(1.0);
     const auto at = [&](double t) {
-      return contact_force(law, {d0, law.energy(d0), d1 + t * d_distance},
+      return contact_force(law, make_gap(law, d0, law.energy(d0), d1 + t * d_distance),
                            {way.path + t * d_path, way.bend + t * d_bend},
                            alone(law, d0, d1 + t * d_distance), follows ? 1.0 : 0.0, held);
     };
@@ -121,17 +121,16 @@ TEST(ContactParts, TheSlopesAreDerivatives) {
     const ContactForce before = at(-t), after = at(t), middle = at(0.0);
     if (!before.acts || !after.acts || !middle.acts) continue;
     const ContactTime time = alone(law, d0, d1);
-    const auto [point, bend] =
-        contact_slopes(law, {d0, law.energy(d0), d1}, way, time, held, follows);
-    const ContactLink link = contact_link(law, {d0, law.energy(d0), d1}, way, time, held, follows);
-    const auto fall = [&](const ContactSlope& slope, const Vector3d& linked) {
-      return Vector3d((slope.by_distance + linked * link.by_distance) * d_distance +
+    const auto [point, bend, taken] =
+        contact_slopes(law, make_gap(law, d0, law.energy(d0), d1), way, time, held, follows);
+    const auto fall = [&](const ContactSlope& slope) {
+      return Vector3d((slope.by_distance + slope.by_taken * taken) * d_distance +
                       slope.by_path * d_path + slope.by_bend * d_bend);
     };
     const double size = point.by_distance.norm() + point.by_path.norm();
     const double off =
-        std::max(((before.force - after.force) / (2 * t) - fall(point, link.point)).norm(),
-                 ((before.bend_force - after.bend_force) / (2 * t) - fall(bend, link.bend)).norm());
+        std::max(((before.force - after.force) / (2 * t) - fall(point)).norm(),
+                 ((before.bend_force - after.bend_force) / (2 * t) - fall(bend)).norm());
     beyond += off < 2e-5 * size ? 0 : 1;
   }
   EXPECT_LE(beyond, 10);
@@ -145,12 +144,12 @@ TEST(ContactParts, RestitutionIsOfThePair) {
   const double up = -2e-4, down = 2e-4;
   ContactTime time{kStep, {}};
   for (const auto& [d0, d1] : {std::pair{down, up}, std::pair{up, down}})
-    time.rate.add(contact_pressure(law, {d0, law.energy(d0), d1}), d1 - d0);
+    time.rate.add(make_gap(law, d0, law.energy(d0), d1).pressure, d1 - d0);
   EXPECT_NEAR(time.rate.given, 0.0, 1e-20);
   const auto push = [&](double d0, double d1) {
     ContactHeld held;
-    return contact_force(law, {d0, law.energy(d0), d1}, {Vector3d(0.0, 0.0, d1 - d0)}, time, 0.0,
-                         held);
+    return contact_force(law, make_gap(law, d0, law.energy(d0), d1), {Vector3d(0.0, 0.0, d1 - d0)},
+                         time, 0.0, held);
   };
   const ContactForce in = push(down, up), out = push(up, down);
   const double taken = (1.0 - 0.16) / (1.0 + 0.16);  // of a pair that comes in or goes out whole
@@ -171,26 +170,30 @@ TEST(ContactParts, ThePairsRateLinksItsPoints) {
       ContactTime time{kStep, {}};
       for (int k = 0; k < 2; ++k) {
         const double end = d1[k] + (k == 1 ? change : 0.0);
-        time.rate.add(contact_pressure(law, {d0[k], law.energy(d0[k]), end}), end - d0[k]);
+        time.rate.add(make_gap(law, d0[k], law.energy(d0[k]), end).pressure, end - d0[k]);
       }
       return time;
     };
     const auto force = [&](double change) {
       ContactHeld now = held;
-      return contact_force(law, {d0[0], law.energy(d0[0]), d1[0]}, way, at_end(change), 1.0, now);
+      return contact_force(law, make_gap(law, d0[0], law.energy(d0[0]), d1[0]), way, at_end(change),
+                           1.0, now);
     };
     const auto link = [&](int k) {
-      return contact_link(law, {d0[k], law.energy(d0[k]), d1[k]}, way, at_end(0.0), held, false);
+      return contact_slopes(law, make_gap(law, d0[k], law.energy(d0[k]), d1[k]), way, at_end(0.0),
+                            held, false);
     };
     const double t = 1e-10;
     ContactHeld limited = held;
-    const ContactForce middle =
-        contact_force(law, {d0[0], law.energy(d0[0]), d1[0]}, way, at_end(0.0), 1.0, limited);
+    const ContactForce middle = contact_force(law, make_gap(law, d0[0], law.energy(d0[0]), d1[0]),
+                                              way, at_end(0.0), 1.0, limited);
     if (!middle.acts) continue;
-    const ContactLink own =
-        contact_link(law, {d0[0], law.energy(d0[0]), d1[0]}, way, at_end(0.0), limited, true);
+    const ContactSlopes own = contact_slopes(law, make_gap(law, d0[0], law.energy(d0[0]), d1[0]),
+                                             way, at_end(0.0), limited, true);
     const Vector3d fall = (force(-t).force - force(t).force) / (2 * t);
-    EXPECT_LT((fall - own.point * link(1).by_distance).norm(), 1e-4 * fall.norm() + 1e-6) << i;
+    EXPECT_LT((fall - own.point.by_taken * link(1).taken_by_distance).norm(),
+              1e-4 * fall.norm() + 1e-6)
+        << i;
   }
 }
 

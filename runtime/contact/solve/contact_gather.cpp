@@ -56,6 +56,8 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
   listed_.resize(points_->size());
   impulses_.resize(colliders.size());
   rates_.resize(colliders.size());
+  turns_.resize(colliders.size());
+  std::transform(colliders.begin(), colliders.end(), turns_.begin(), turns_of);
   taken_push_.resize(model_->modes() + 6, static_cast<Index>(colliders.size()));
   taken_growth_.resize(taken_push_.rows(), taken_push_.cols());
   collider_impulses_.resize(colliders.size());

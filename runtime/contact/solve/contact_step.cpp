@@ -175,15 +175,15 @@ void ContactStep::add_contact(const ContactRenewal& renewal) {
   std::fill(rates_.begin(), rates_.end(), PairRate{});
   for (Candidate& candidate : touching()) {
     candidate.touch = motion_.touch(candidate.y0, place_in_body(candidate.point, q1_));
-    candidate.end = contact_end(candidate.law, colliders_[candidate.collider], candidate.start,
-                                candidate.touch.x1);
-    rates_[candidate.collider].add(candidate.end.pressure,
-                                   candidate.end.distance - candidate.start.distance);
+    candidate.end = contact_end(candidate.law, colliders_[candidate.collider],
+                                turns_[candidate.collider], candidate.start, candidate.touch.x1);
+    const ContactGap& gap = candidate.end.gap;
+    rates_[candidate.collider].add(gap.pressure, gap.d1 - gap.d0);
   }
   for (Candidate& candidate : touching()) {
-    candidate.now = contact_force(candidate.law, colliders_[candidate.collider], candidate.start,
-                                  candidate.memory, candidate.end, time_with(candidate.collider),
-                                  renewal, candidate.held);
+    candidate.now = contact_force(
+        candidate.law, colliders_[candidate.collider], turns_[candidate.collider], candidate.start,
+        candidate.memory, candidate.end, time_with(candidate.collider), renewal, candidate.held);
     if (candidate.now.acts) push_point(candidate.now.force, candidate.touch, candidate.point);
   }
   add_grips();
@@ -277,18 +277,15 @@ void ContactStep::add_contact_slopes(bool follows) {
   for (const Candidate& candidate : touching()) {
     if (!candidate.now.acts) continue;
     lever_.make(motion_, candidate.touch, point_rows(candidate.point));
-    const PlacedCollider& collider = colliders_[candidate.collider];
-    const ContactTime time = time_with(candidate.collider);
-    lever_.add_tangent(contact_stiffness(candidate.law, collider, candidate.start, candidate.end,
-                                         time, candidate.held, follows),
-                       jacobian_);
+    const PlacedSlope slope =
+        contact_slope(candidate.law, turns_[candidate.collider], candidate.start, candidate.end,
+                      time_with(candidate.collider), candidate.held, follows);
+    lever_.add_tangent(slope.by_end, jacobian_);
     add_geometry_at_point(candidate.now.force, candidate.touch, candidate.point);
-    const PlacedLink link = contact_link(candidate.law, collider, candidate.start, candidate.end,
-                                         time, candidate.held, follows);
     const auto column = static_cast<Index>(candidate.collider);
-    taken_push_.col(column).head(n).noalias() += lever_.push().lazyProduct(link.force);
+    taken_push_.col(column).head(n).noalias() += lever_.push().lazyProduct(slope.by_taken);
     taken_growth_.col(column).head(n).noalias() +=
-        lever_.way().transpose().lazyProduct(link.growth);
+        lever_.way().transpose().lazyProduct(slope.taken);
   }
   for (std::size_t c = 0; c < rates_.size(); ++c) {
     if (!(rates_[c].force > 0.0)) continue;

@@ -265,7 +265,8 @@ class ContactStep {
   Eigen::VectorXd S_;
   PotentialWorkspace workspace_;
   std::vector<Candidate> candidates_;
-  std::vector<PairRate> rates_;  // one a collider
+  std::vector<PairRate> rates_;       // one a collider
+  std::vector<ColliderTurns> turns_;  // likewise
   // What the pairs' rates do to the residual, and how what restitution takes grows with the
   // unknowns; a column a collider.
   Eigen::MatrixXd taken_push_, taken_growth_;

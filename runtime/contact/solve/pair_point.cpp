@@ -59,19 +59,18 @@ void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& 
         slope.by_distance * (gradient.transpose() * bodies.second.lever().way().rightCols<6>());
   };
   const ContactSlopes slopes =
-      contact_slopes(pair.law, pair.gap(), pair.way, time, pair.held, follows);
+      contact_slopes(pair.law, pair.gap, pair.way, time, pair.held, follows);
   find(slopes.point, scratch.change_a, scratch.change_b);
   find(slopes.bend, scratch.bend_change_a, scratch.bend_change_b);
-  const ContactLink link = contact_link(pair.law, pair.gap(), pair.way, time, pair.held, follows);
-  scratch.link = link.point;
-  scratch.bend_link = link.bend;
-  scratch.growth_a.noalias() =
-      link.by_distance * (bodies.first.lever().way().transpose() * gradient);
+  scratch.link = slopes.point.by_taken;
+  scratch.bend_link = slopes.bend.by_taken;
+  const double growth = slopes.taken_by_distance;
+  scratch.growth_a.noalias() = growth * (bodies.first.lever().way().transpose() * gradient);
   scratch.growth_b.resize(n);
-  scratch.growth_b.head(r) = link.by_distance * pair.by_q;
+  scratch.growth_b.head(r) = growth * pair.by_q;
   if (bodies.second.turns())
     scratch.growth_b.tail<6>().noalias() =
-        -link.by_distance * (bodies.second.lever().way().rightCols<6>().transpose() * gradient);
+        -growth * (bodies.second.lever().way().rightCols<6>().transpose() * gradient);
 }
 
 // A point of the first near the second, at y in the second's mesh coordinates and at that distance
@@ -148,7 +147,8 @@ void approach_pair(PairPoint& pair, const PairBodies& bodies, double bend, PairR
   pair.now.clear(distance, stored);
   if (!acts && distance >= pair.law.begins) return;
   pair.near = true;
-  rate.add(contact_pressure(pair.law, pair.gap()), distance - pair.distance);
+  pair.gap = make_gap(pair.law, pair.distance, pair.energy, distance);
+  rate.add(pair.gap.pressure, distance - pair.distance);
 }
 
 void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& time,
@@ -170,7 +170,7 @@ void press_pair(PairPoint& pair, const PairBodies& bodies, const ContactTime& ti
     const Vector3d end = bent_gradient(second.shape_at_end(), pair.place);
     hold_normal(second.motion().turn_out(0.5 * (pair.gradient + end)), memory, pair.held);
   }
-  pair.now = contact_force(pair.law, pair.gap(), pair.way, time, renewal.limits, pair.held);
+  pair.now = contact_force(pair.law, pair.gap, pair.way, time, renewal.limits, pair.held);
 }
 
 std::size_t add_missed_points(const PairBodies& bodies, const PairNames& names,

@@ -25,7 +25,7 @@ struct PairPoint {
   double distance = 0.0, energy = 0.0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), place_at_start = gradient;  // y
   ContactHeld held;  // along the world's axes
-  ContactGap gap() const { return {distance, energy, now.distance}; }
+  ContactGap gap;
   bool near = false;    // it may act
   bool fresh = true;    // it has not acted
   bool sloped = false;  // of the end's distance: its gradient by y, and by the second's q, r
