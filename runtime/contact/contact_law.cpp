@@ -15,14 +15,14 @@ Vector3d into_frame(const Pose& pose, const Vector3d& x) {
   return pose.rotation.conjugate() * (x - pose.position);
 }
 
-// (psi(d0) - psi(d1)) / (d1 - d0) and how it falls with d1.
+// (psi(d0) - psi(d1)) / (d1 - d0), and its fall with d1.
 struct MeanForce {
   double value = 0.0;
   double fall = 0.0;
 };
 
-// The means of psi' from the depth a to b, which may be negative: (1/l) int psi' dx and
-// (1/l^2) int (x - a) psi'' dx with l = b - a, piece by piece without differences of energies.
+// Means of psi' from the depth a to b, which may be negative: (1/l) int psi' dx and (1/l^2) int (x
+// - a) psi'' dx with l = b - a. They are summed piece by piece without differences of energies.
 MeanForce mean_force(const ContactLaw& law, double a, double b) {
   const double w = law.linear_from;
   if (a <= 0.0 && b <= 0.0) return {};
@@ -48,7 +48,7 @@ MeanForce mean_of(const ContactLaw& law, const ContactGap& gap) {
   return mean_force(law, law.begins - gap.d0, law.begins - gap.d1);
 }
 
-// c, and 1/(|p|^2 + |w|^2), 0 where the change of distance is rounding.
+// c, and 1/(|p|^2 + |w|^2), which is 0 where the change of distance is rounding.
 struct Correction {
   double c = 0.0;
   double shorter2 = 0.0;
@@ -62,16 +62,17 @@ Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWa
   return {(gap.d1 - gap.d0 - normal.dot(way.path - way.bend)) * shorter2, shorter2};
 }
 
-// What of restitution is by the point's own rate, and from which share of rebound_speed on that is
-// whole: it is for small motions alone.
+// The fraction of restitution by the point's own rate, and the fraction of rebound_speed from which
+// that is whole. It damps small motions only.
 constexpr double kPointShare = 0.02;
 constexpr double kPointSpeed = 0.1;
 
-// With e^2 the ratio of the factors far out and far in, 1 in between, where it falls as a damper:
-// small motions die away, and the force stays monotonous. way: v h, m. share: of rebound_speed.
+// The factor falls smoothly with the rate and is 1 at rest; the ratio of its values at fast
+// separation and fast approach is e^2. Small motions are damped, and the force stays monotonous.
+// way: v h, m. share: of rebound_speed.
 struct Taken {
-  double value = 0.0;   // what restitution takes of the factor 1
-  double growth = 0.0;  // of that with v h, 1/m
+  double value = 0.0;   // subtracted from the factor 1
+  double growth = 0.0;  // its derivative with v h, 1/m
 };
 
 Taken taken_at(const ContactLaw& law, double way, double h, double share = 1.0) {
@@ -83,7 +84,7 @@ Taken taken_at(const ContactLaw& law, double way, double h, double share = 1.0) 
   return {taken * along * (2.0 - size), 2.0 * taken * (1.0 - size) / whole};
 }
 
-// The factor of restitution on the mean force, and how it falls with d1 at a held rate of the pair.
+// The factor of restitution on the mean force, and its fall with d1 at a constant rate of the pair.
 struct Restitution {
   double factor = 1.0;
   double fall = 0.0;
@@ -96,7 +97,7 @@ Restitution restitution_of(const ContactLaw& law, const ContactGap& gap, const C
           kPointShare * own.growth};
 }
 
-// s, and how it falls with d1.
+// s, and its fall with d1.
 struct Pressure {
   double value = 0.0;
   double fall = 0.0;
@@ -108,7 +109,7 @@ Pressure pressure_of(const ContactLaw& law, const ContactGap& gap, const Contact
   return {part.factor * mean.value, part.factor * mean.fall + mean.value * part.fall};
 }
 
-// The part of the way across the normal, m.
+// The part of the displacement across the normal, m.
 Vector3d tangential(const ContactWay& way, const Vector3d& n) {
   const Vector3d over = way.path - way.bend;
   return over - (n.dot(over) / n.squaredNorm()) * n;
@@ -181,7 +182,7 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   if (mean.value != 0.0) held.limit += limits * (contact.limit - held.limit);
   const Friction friction = friction_force(friction_law(law, time.h), held.limit, held.slip,
                                            tangential(way, held.normal));
-  // A contact that ends forgets its slip, and what that stores is friction's.
+  // A contact that ends forgets its slip; the stored energy becomes friction loss.
   const bool ends = gap.d1 >= law.begins;
   contact.rubbed = friction.lost + (ends ? friction.energy : 0.0);
   contact.slip = ends ? Vector3d(Vector3d::Zero()) : friction.slip;
@@ -212,7 +213,7 @@ ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const
   slopes.bend.by_bend = -drag + s * w * by_bend.transpose();
   slopes.bend.by_bend.diagonal().array() += s * c;
   if (follows) {
-    // By how much L = mu s |m|, m = n + c p, falls with each.
+    // Fall of L = mu s |m|, m = n + c p, with each.
     const Vector3d m = n + c * p;
     const double length = m.norm(), sizes = law.friction * s / length;
     const double fall = law.friction * pressure.fall * length - sizes * shorter2 * m.dot(p);
@@ -246,7 +247,7 @@ ContactLink contact_link(const ContactLaw& law, const ContactGap& gap, const Con
     link.bend += friction;
   }
   if (!(time.rate.force > 0.0)) return link;
-  // The pair's way v h = given/force: both change with d1, psi(d0) - psi(d1) by psi'(d1).
+  // The pair's displacement v h = given/force: both change with d1, psi(d0) - psi(d1) by psi'(d1).
   const double along = time.rate.way(), x = std::max(0.0, law.begins - gap.d1);
   const double least = std::min(x, law.linear_from);
   const double slope = law.stiffness * least * (2.0 * x - least);
