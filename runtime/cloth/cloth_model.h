@@ -43,10 +43,11 @@ class ClothModel : public NodalSystem {
   void expect_hold() { hands_.reserve(hands_.capacity() + 1); }
   // A grab of one particle; it has priority over pins. particle: below size().
   void hold(std::size_t particle, const Eigen::Vector3d& at);
-  // The step from `time`, s, with the length `h`, begins at x: what hands hold goes straight and
-  // evenly from there to where they hold it. A hold that no step has begun is there at once.
+  // Starts the step from `time`, s, with the length `h` at positions x: grabbed particles move from
+  // there to their targets on straight paths at constant speed. A grab that no step has started is
+  // at its target at once.
   void begin_holds(double time, double h, const Eigen::VectorXd& x);
-  // True if it was held by a hand; a pin may hold it still.
+  // Releases a grab. True if there was one; a pin may still fix the particle.
   bool let_go(std::size_t particle);
 
   // Sets the contact of its particles in implicit steps; null: none. It must outlive its use.
