@@ -214,7 +214,7 @@ void Body::gather_loads() {
 void Body::age_applied_forces() {
   for (AppliedForce& applied : applied_) --applied.steps;
   std::erase_if(applied_, [](const AppliedForce& applied) { return applied.steps == 0; });
-  // A force that acts for some steps ends with steps == -1, since 0 is one that its signal ends.
+  // A force that acts for some steps ends with steps == -1, because 0 is one that its signal ends.
   for (PointForce& point : points_)
     if (point.steps > 0 && --point.steps == 0) point.steps = -1;
   std::erase_if(points_, [](const PointForce& point) { return point.steps < 0; });

@@ -1,4 +1,4 @@
-// A body: a model, where it is, how it moves, and what pushes it.
+// A body: a model with its frame, motion and loads.
 #pragma once
 
 #include <cstddef>
@@ -31,35 +31,36 @@
 
 namespace tremolo {
 
-// kUsage unless q and p have `modes` finite entries each.
+// Error kUsage unless q and p have `modes` finite entries each.
 Status check_state(Eigen::Index modes, const Eigen::VectorXd& q, const Eigen::VectorXd& p);
 
 class BodyGroup;
 class ContactStep;
 
-// Energies are looked at every so many steps: a look costs at most a force.
+// Number of steps between checks of the energy: a check costs at most one evaluation of the force.
 inline constexpr int kStepsBetweenLooks = 8;
 
-// What holds a body. kFixed: its support stands still in the world, the mesh's frame is the
-// world's. kDriven: its support follows poses that are given step by step. kFree: nothing does; it
-// falls, turns and deforms, each acting on the other.
+// Support of a body. kFixed: it is at rest, and the mesh's frame is the world's. kDriven: it
+// follows poses that are given step by step. kFree: there is none; the body falls, rotates and
+// deforms, and these motions are coupled.
 enum class FrameKind { kFixed, kDriven, kFree };
 
-// Starts at rest in the rest shape at time 0. Not thread-safe; different bodies of one model may
-// step on different threads.
+// A body starts at rest in the rest shape at time 0. Not thread-safe; different bodies of one model
+// may step on different threads.
 class Body {
  public:
-  // Errors as make_integrator; kUsage for a method that the frame does not go with (kDriven: avf,
-  // ep2, ep4, newmark, imexv; kFree: avf, ep2, ep4) and for a model that has no inertia integrals,
-  // or holds on somewhere where it should be free or the other way round.
+  // Errors as make_integrator; kUsage for a method that does not support the frame (kDriven needs
+  // avf, ep2, ep4, newmark or imexv; kFree needs avf, ep2 or ep4), for a model without inertia
+  // integrals, for a free body whose model has a support, and for another body whose model has
+  // none.
   static Result<Body> create(Model::Pointer model, std::string_view integrator = kDefaultIntegrator,
                              const IntegratorOptions& options = {},
                              FrameKind frame = FrameKind::kFixed);
 
-  // A driven body that hangs on bones with its skin, which must have been made for this model; its
-  // bones are at rest at first, their poses the identity. Errors as for kDriven; kUsage for a skin
-  // of another model. Colliders and hands see the first bone's frame alone: use set_contact() with
-  // one bone only.
+  // A driven body on bones with its skin, which must have been made for this model. Its bones are
+  // at rest at first; their poses are the identity. Errors as for kDriven; kUsage for a skin of
+  // another model. Colliders and grabs use the first bone's frame alone: use set_contact() with one
+  // bone only.
   static Result<Body> create(Model::Pointer model, std::string_view integrator,
                              const IntegratorOptions& options, std::shared_ptr<const Skin> skin);
 
@@ -67,134 +68,138 @@ class Body {
   const Model::Pointer& model_pointer() const { return model_; }
   const Integrator& integrator() const { return *integrator_; }
   const State& state() const { return state_; }
-  double step_size() const { return options_.step; }                           // s
-  std::int64_t steps() const { return steps_; }                                // done so far
+  double step_size() const { return options_.step; }  // s
+  std::int64_t steps() const { return steps_; }       // number of successful steps
   double time() const { return static_cast<double>(steps_) * options_.step; }  // s
 
-  // Sets q and p (each r long, finite); what the integrator carried is forgotten, time goes on.
-  // kUsage otherwise, and nothing is changed.
+  // Sets q and p (each r long, finite); the integrator's state is discarded, time continues. Error
+  // kUsage, with nothing changed: a wrong length or a value that is not finite.
   Status set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& p);
 
-  // All that the body carries from step to step as the bytes of a file
-  // (formats/saved/saved_file.h): state, frame, gravity, damping, forces of apply_force(), hands,
-  // sums, contact, and what its method carries. With them put back, the steps that follow have the
-  // same bits as those of the body that was saved, under the same loads in time, which are not
-  // among it.
+  // Saves the complete state between steps as the bytes of a file (formats/saved/saved_file.h):
+  // state, frame, gravity, damping, forces of apply_force(), grabs, sums, contact, and the state of
+  // the method. After restore() the following steps have the same bits as those of the saved body,
+  // under the same loads in time, which are not saved.
   std::vector<std::byte> save() const;
-  // kContent, and the body is as it was, for bytes that are damaged, of another version, or of a
+  // Error kContent, with the body unchanged: bytes that are damaged, of another version, or of a
   // body with another model, method, frame, contact or other loads in time.
   Status restore(std::span<const std::byte> bytes);
-  // What save() holds without saying whose it is, for those who save several bodies; a hash of what
-  // it must be put back into.
+  // Saves or restores the same data without an identification, for callers that save several
+  // bodies.
   void carry(StateStream& stream);
+  // A hash of the body that the data must be restored into.
   std::uint64_t content_hash() const;
 
-  // Rayleigh's alpha (1/s) and beta (s) from the next step on; a body that sleeps wakes. The
-  // accounts go on and stay closed. kUsage if one is negative or not finite. What a method carries
-  // from earlier steps to go faster is forgotten; allocates.
+  // Sets Rayleigh damping alpha (1/s) and beta (s) from the next step on and wakes the body. Energy
+  // totals are kept. Discards the method's cached state; allocates. Error kUsage: a value is
+  // negative or not finite.
   Status set_damping(double alpha, double beta);
-  // Another method and step (s) from the next step on: state, frame, loads, hands and sums stay,
-  // and what the method carried is forgotten. Time is steps() steps, so it goes to the multiple of
-  // the new step that is nearest. Errors as of make_integrator; kUsage, with everything as it was,
-  // for a method that the frame or contact does not go with. Allocates.
+  // Sets another method and step (s) from the next step on. State, frame, loads, grabs and sums are
+  // kept; the method's state is discarded. Time is steps() steps and becomes the nearest multiple
+  // of the new step. Errors: same as for make_integrator; kUsage, with nothing changed, for a
+  // method that does not support the frame or contact. Allocates.
   Status set_method(std::string_view integrator, double step);
   double alpha() const { return options_.alpha; }
   double beta() const { return options_.beta; }
 
-  // Where the frame is; that of a kFixed body is the world's. Vertices are at pose() (X + U q).
+  // Pose of the frame; for a kFixed body the world's. Vertices are at pose() (X + U q).
   FrameKind frame() const { return kHasFrames ? frame_ : FrameKind::kFixed; }
   Pose pose() const;
-  // Puts the body elsewhere without a kick: a driven frame is then at rest, a free body keeps its
-  // velocities, as its own axes see them its spin. kUsage for a fixed body, or a pose that is not
-  // finite or whose rotation is not of length one to 1e-6.
+  // Moves the body without an impulse: a driven frame is then at rest; a free body keeps its
+  // velocity, and its spin along its own axes. Error kUsage: a fixed body, or a pose that is not
+  // finite or whose rotation does not have length one to 1e-6.
   Status set_pose(const Pose& pose);
 
-  // Where the frame of a driven body is at the end of the next step; without a call it stands
-  // still. With `motion` the accelerations of that step are known; without, they are extrapolated
-  // from the poses so far (runtime/frames/driven_frame.h). Errors as set_pose, kUsage if the body
-  // is not driven.
+  // Sets the pose of a driven body's frame at the end of the next step; without a call the frame is
+  // at rest. With `motion` the accelerations of that step are known; without it they are
+  // extrapolated from the past poses (runtime/frames/driven_frame.h). Errors as set_pose; kUsage if
+  // the body is not driven.
   Status move_to(const Pose& next);
   Status move_to(const Pose& next, const FrameMotion& motion);
 
-  // Number of bones of a body on bones; else 0. pose() is then the first bone's; set_pose() and
-  // move_to() do the same with all bones.
+  // Number of bones of a body on bones; else 0. pose() is then the first bone's pose; set_pose()
+  // and move_to() apply to all bones.
   std::size_t bones() const { return skin_ ? skin_->bones() : 0; }
   const Skin* skin() const { return skin_.get(); }
-  // Where the bone is relative to where it is at rest, in the mesh's coordinates. bone < bones().
+  // Pose of the bone relative to its pose at rest, in the mesh's coordinates. bone < bones().
   const Pose& bone_pose(std::size_t bone) const { return driven_->pose(bone); }
-  // As set_pose, move_to and move_to with one bone. kUsage also if there is no such bone.
+  // As set_pose, move_to and move_to with one bone. Error kUsage also if there is no such bone.
   Status set_bone(std::size_t bone, const Pose& pose);
   Status move_bone_to(std::size_t bone, const Pose& next);
   Status move_bone_to(std::size_t bone, const Pose& next, const FrameMotion& motion);
 
-  // Sets a free body moving. velocity: of the centre of mass, m/s, world. spin: rad/s, along the
-  // body's axes. kUsage if the body is not free or a value is not finite.
+  // Sets the motion of a free body. velocity: of the centre of mass, m/s, world. spin: rad/s, along
+  // the body's axes. Error kUsage: the body is not free or a value is not finite.
   Status set_motion(const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin);
   // Zeros unless the body is free.
   RigidState rigid_state() const { return free_ ? free_->rigid() : RigidState{}; }
   Eigen::Vector3d linear_momentum() const;   // kg m/s
   Eigen::Vector3d angular_momentum() const;  // about the world's origin, N m s
 
-  // m/s^2, world; from the next step on. kUsage if it is not finite, or not zero and the model has
-  // no inertia integrals.
+  // Sets gravity, m/s^2, world, from the next step on. Error kUsage: it is not finite, or not zero
+  // and the model has no inertia integrals.
   Status set_gravity(const Eigen::Vector3d& gravity);
   const Eigen::Vector3d& gravity() const { return gravity_; }
-  // Gravity's force on the coordinates with the frame or the bones where they are now, r; zeros
-  // for a free body.
+  // Gravity's force on the coordinates at the present pose of the frame or the bones, r; zeros for
+  // a free body.
   Eigen::VectorXd gravity_force() const;
-  // How a vertex's surroundings are turned from the mesh's axes to the world's: the frame's
-  // rotation, or the blend of the bones', which is not orthogonal between them. Errors as
+  // Rotation of a vertex's surroundings from the mesh's axes to the world's: the frame's rotation,
+  // or the blend of the bones' rotations, which is not orthogonal between bones. Errors as
   // Model::vertex.
   Result<Eigen::Matrix3d> turn_at(VertexId vertex) const;
 
-  // Makes the body feel colliders. kUsage for options out of range, a method that contact does not
-  // go with (a fixed body takes any; those near a collider take the step of
+  // Enables contact with colliders. Error kUsage: options out of range, a method that does not
+  // support contact (a fixed body supports any; near a collider it takes the step of
   // runtime/contact/solve/contact_step.h), a model without inertia integrals.
   Status set_contact(const ContactOptions& options = {});
-  // Account of the last step; zeros without contact.
+  // Energy balance of contact in the last step; zeros without contact.
   ContactAccount contact_account() const;
   const ContactStep* contact() const { return contact_.get(); }
 
-  // A hand takes hold of a vertex where it is, by a spring (N/m) and a damper (N s/m) to a point
-  // that goes where move_hand() says. Returns its number. Needs set_contact(). A spring stiffer
-  // than that of stiffest_hand() is replaced by it and its damper, that is by pin(): beyond, its
-  // rounding errors are larger than the step's tolerance. A damper is limited to h/2 times that
-  // stiffness. hand_spring() returns the values in use. Errors as Model::vertex; kUsage for values
-  // that are not finite or negative.
+  // Grabs a vertex at its position by a spring (N/m) and a damper (N s/m) to a point that
+  // move_hand() moves. Returns the grab's number. Needs set_contact(). A spring stiffer than that
+  // of stiffest_hand() is replaced by that spring and its damper, as for pin(): beyond it rounding
+  // errors exceed the step's tolerance. A damper is limited to h/2 times that stiffness.
+  // hand_spring() returns the values in use. Errors as Model::vertex; kUsage for values that are
+  // not finite or negative.
   Result<std::size_t> grab(VertexId vertex, double stiffness, double damping = 0.0);
-  // The same of a vertex that was looked up before (Model::vertex): nothing is allocated where
-  // reserve_contact() has made room.
+  // The same for a vertex from Model::vertex: allocates nothing where reserve_contact() has
+  // reserved memory.
   Result<std::size_t> grab(VertexId vertex, VertexRows place, double stiffness, double damping);
-  // The same at any place of a surface, as pick() finds it. Errors as Model::place.
+  // The same at any point of a surface, as returned by pick(). Errors as Model::place.
   Result<std::size_t> grab(const SurfacePlace& place, double stiffness, double damping = 0.0);
-  // Holds a vertex, or a place of a surface, where it is, or where move_hand() says: a hand whose
-  // stiffness follows from mass and step, k = (30/h)^2 m and a damper of 60 m/h, m the mass with
-  // which the place resists in a step. It lets go by release(). Under a force F the place is F/k
-  // off, of a body of mass M that hangs on it M g h^2/(900 m); a motion that it had dies by an
-  // eighth a step. Errors as grab(), and kUsage for a place that does not move.
+  // Holds a vertex, or a point of a surface, at its position, or where move_hand() moves it, until
+  // release(). The stiffness follows from mass and step, k = (30/h)^2 m, and the damper is 60 m/h,
+  // with m the effective mass of the point in a step. Under a force F the point is displaced by
+  // F/k; with a hanging body of mass M by M g h^2/(900 m). An initial motion decays by an eighth in
+  // each step. Errors as grab(), and kUsage for a point that cannot move.
   Result<std::size_t> pin(VertexId vertex);
   Result<std::size_t> pin(const SurfacePlace& place);
   Result<std::size_t> pin(VertexId vertex, VertexRows place);  // as grab() of such a vertex
-  // The spring and damper of a pin at the place with the present step; infinite for a place that
-  // does not move.
+  // The spring and damper of a pin at the point with the present step; infinite for a point that
+  // cannot move.
   HandSpring stiffest_hand(const VertexRows& place) const;
-  // Makes room for steps among these colliders with so many hands at once; set_contact() first.
+  // Reserves memory for steps among these colliders with this number of grabs; call set_contact()
+  // first.
   void reserve_contact(std::span<const PlacedCollider> colliders, std::size_t hands);
-  // Where the point is at the end of the next step, m, world. kUsage: no such hand, not finite.
+  // Sets the grab's point at the end of the next step, m, world. Error kUsage: no such grab, not
+  // finite.
   Status move_hand(std::size_t hand, const Eigen::Vector3d& place);
-  std::span<const Grip> grips() const { return grips_; }  // those that hold
-  // The force on the body in the last step, N, world; the hand feels the opposite. Zero for none.
+  std::span<const Grip> grips() const { return grips_; }  // those that are not released
+  // The force on the body in the last step, N, world; the hand feels the opposite. Zero if there is
+  // no such grab.
   Eigen::Vector3d hand_force(std::size_t hand) const;
-  // The spring and damper in use; zeros for no such hand. A longer step (set_method()) may lower
-  // them again.
+  // The spring and damper in use; zeros if there is no such grab. A longer step (set_method()) may
+  // lower them again.
   HandSpring hand_spring(std::size_t hand) const;
-  // Numbers of other hands stay.
+  // Ends a grab; numbers of other grabs are unchanged.
   Status release(std::size_t hand);
   double hand_work() const { return sums_.hand; }  // J, since the start; part of work()
-  // What joints did to the body (runtime/contact/joint.h), likewise.
+  // Work of joints on the body (runtime/contact/joint.h), J, since the start.
   double joint_work() const { return sums_.joint; }
-  // With which a place resists a force in a step, the mean over all directions, kg; infinite for a
-  // place that does not move. A coordinate of the frequency omega resists as 1 + (h omega)^2/4.
+  // The effective mass of a point for a force in a step, the mean over all directions, kg; infinite
+  // for a point that cannot move. A coordinate of the frequency omega has the resistance 1 + (h
+  // omega)^2/4.
   double mass_at(const VertexRows& place) const;
 
   // Adds a load in time; its signal's clock is time(). Forces on vertices are along the world's
@@ -212,60 +217,63 @@ class Body {
   Status apply_force(VertexId vertex, const Eigen::Vector3d& force, int steps = 1);
   void clear_forces();  // those of apply_force() that still act
 
-  // One step. If the report says not converged, the time and the pending loads are as before, and
-  // so is the state if its energy is sound. If it is not, because the method has exploded, or if
-  // this step's is far out (StepFailure::kEnergy), the state, work() and dissipated() are those of
-  // the last sound look, and what the integrator carried is forgotten. Looks are at the start, when
-  // a state is set and every kStepsBetweenLooks steps; what is sound says runtime/energy_bound.h.
-  // Nothing is allocated.
+  // Takes one step and allocates nothing. If the report is not converged, the time and the pending
+  // loads are as before, and so is the state if its energy is valid. If it is not, because the
+  // method has exploded, or if this step's energy is far too high (StepFailure::kEnergy), the
+  // state, work() and dissipated() return to those of the last valid check, and the integrator's
+  // state is discarded.
+  //
+  // The energy is checked at the start, when a state is set and every kStepsBetweenLooks steps;
+  // runtime/energy_bound.h defines a valid energy.
   StepReport step() { return step({}); }
-  // The same among colliders, which must stay where they are until it returns; set_contact() first.
+  // The same among colliders, which must stay in memory until it returns; call set_contact() first.
   StepReport step(std::span<const PlacedCollider> colliders);
   const EnergyBound& energy_bound() const { return bound_; }
 
-  // True if a load can still act on a step to come.
+  // True if a load can still act in a later step.
   bool load_to_come() const;
 
-  // Since the start, J: work of all that pushes, of which support_work() and gravity_work() are
-  // parts: of the loads, average . (q1 - q0) a step plus what the method adds to
-  // it (exact for midpoint-type and energy-preserving methods, second order for the others), and
-  // what damping took.
+  // Sums since the start, J.
+  // Work of all external forces, of which support_work() and gravity_work() are parts. For loads it
+  // is average . (q1 - q0) per step plus the method's extra work (exact for midpoint-type and
+  // energy-preserving methods, second order for the others).
   double work() const { return sums_.work; }
+  // Energy taken by damping.
   double dissipated() const { return sums_.dissipated; }
-  // What the frame did to the motion relative to it, by its accelerations, and gravity (to
-  // a driven body's relative motion, or to all of a free body).
+  // Work of the frame's accelerations on the motion relative to it.
   double support_work() const { return sums_.support; }
+  // Work of gravity on a driven body's relative motion, or on all motion of a free body.
   double gravity_work() const { return sums_.gravity; }
-  // Likewise of contact: what it did to the body (part of work()), and of that what restitution and
-  // friction took, what moving colliders gave, and the contact energy that was found where the step
-  // before had none (contact_error: it should be zero). contact_work = given - lost - rubbed -
-  // growth of contact_account().energy + error.
+  // Contact energies since the start, J: work on the body (part of work()), energy taken by
+  // restitution and friction, energy given by moving colliders, and contact energy found at the
+  // start of a step but not at the end of the step before (contact_error: it should be zero).
+  // contact_work = given - lost - rubbed - growth of contact_account().energy + error.
   double contact_work() const { return sums_.contact; }
   double contact_lost() const { return sums_.lost; }
   double contact_rubbed() const { return sums_.rubbed; }
   double contact_given() const { return sums_.given; }
   double contact_error() const { return sums_.contact_error; }
-  std::int64_t iterations() const { return iterations_; }      // of all steps
-  std::int64_t halved_steps() const { return halved_steps_; }  // steps that were taken in parts
+  std::int64_t iterations() const { return iterations_; }  // of all steps
+  // Number of steps that were subdivided.
+  std::int64_t halved_steps() const { return halved_steps_; }
 
-  // Evaluates V. The high band is that of the integrator's split, or, for a method that does not
-  // split, of the one that options.split would give.
+  // Energy of the present state; evaluates V. The high band is that of the integrator's split or,
+  // for a method without a split, of the one that options.split would give.
   Energy energy() const { return energy(low_); }
   // The same with the high band from coordinate `low` on, 0 <= low <= r.
   Energy energy(Eigen::Index low) const;
 
-  // What a ray meets first on the surface as it is bent now, from either side; nullopt: nothing.
-  // origin: m, world; direction: world, of any length. kUsage if either is not finite, or the
-  // direction zero, and of a body on several bones. Nothing is allocated after a model's first
-  // call.
+  // The first hit of a ray on the deformed surface, from either side; nullopt: none. origin: m,
+  // world; direction: world, of any length. Error kUsage: a value is not finite, the direction is
+  // zero, or the body is on several bones. Nothing is allocated after a model's first call.
   Result<std::optional<SurfaceHit>> pick(const Eigen::Vector3d& origin,
                                          const Eigen::Vector3d& direction,
                                          SurfaceKind surface = SurfaceKind::kDrawn) const;
 
-  // What surfaces are shown by: q, and behind it the forces at the end of the last step at the
-  // places where the model keeps its response: those of loads, of apply_force() and of hands that
-  // hold these vertices, along the body's axes, N; r + 3p. Energy, contact and rays know nothing of
-  // the shape W f. Valid until the next call.
+  // The coordinates for drawing: q, followed by the forces at the end of the last step at the
+  // vertices for which the model has a response: those of loads, of apply_force() and of grabs of
+  // these vertices, along the body's axes, N; r + 3p. Energy, contact and rays ignore the shape W
+  // f. Valid until the next call.
   const Eigen::VectorXd& shown() const;
 
   // U_vertex q + W_vertex f, m. Errors as Model::vertex.
@@ -274,22 +282,23 @@ class Body {
   // pose() (X + displacement), or on bones their blend, m. Errors as Model::vertex.
   Result<Eigen::Vector3d> position(VertexId vertex) const;
 
-  // pose() (X + U q + W f), or on bones their blend, of the drawn surface's vertices, x y z x y z
-  // ..., m. out: 3 * model().drawn().rest.size() long, else kUsage. The double variant allocates
-  // nothing. The float variant reads rows that the model makes for it when they are first asked for
-  // (runtime/display/surface.h, where its error is told), and allocates nothing after that.
+  // Positions of the drawn surface's vertices, pose() (X + U q + W f), or on bones their blend, x y
+  // z x y z ..., m. out: 3 * model().drawn().rest.size() long, else kUsage. The double variant
+  // allocates nothing. The float variant reads rows that the model makes at the first call
+  // (runtime/display/surface.h gives its error) and allocates nothing after that.
   Status surface_positions(std::span<double> out) const;
   Status surface_positions(std::span<float> out) const;
-  // Those of the solid's boundary, whatever is drawn: 3 * model().surface().rest.size() long.
+  // Those of the solid's boundary, also where a render surface is drawn: 3 *
+  // model().surface().rest.size() long.
   Status boundary_positions(std::span<double> out) const;
 
-  // The same with the unit normals of its vertices, each triangle counting with its area: zero
-  // where a vertex's triangles have none. Both 3 * model().drawn().rest.size() long, else kUsage.
+  // The same with the unit normals of its vertices, weighted by triangle area: zero where a
+  // vertex's triangles have no normal. Both 3 * model().drawn().rest.size() long, else kUsage.
   // Nothing is allocated after a body's first call.
   Status surface(std::span<float> positions, std::span<float> normals) const;
 
  private:
-  // Since the start, J; what of it is what is told at the functions that return them.
+  // Sums since the start, J; the functions that return them define them.
   struct Sums {
     double work = 0.0, dissipated = 0.0;
     double support = 0.0, gravity = 0.0;
@@ -352,7 +361,7 @@ class Body {
   double end_frame_step(bool made);
   double end_frame_motion(bool made);
   double frame_kinetic(const Eigen::VectorXd& p) const;
-  // weights: of the skin, for these vectors.
+  // weights: the weights of the skin to use for these vectors.
   template <class Number>
   void to_world(std::span<Number> vectors, bool places, BoneWeights Skin::*weights) const;
   void age_applied_forces();
@@ -372,32 +381,32 @@ class Body {
   FrameKind frame_ = FrameKind::kFixed;
   FrameOwner<DrivenFrame> driven_;  // also of a fixed body on which gravity acts
   FrameOwner<FreeFrame> free_;
-  FrameSharer<const Skin> skin_;            // of a driven body; null: one frame carries it
-  mutable std::vector<BoneMap> bone_maps_;  // one a bone, at their poses
-  std::shared_ptr<ContactStep> contact_;    // its type is not known here; no one shares it
+  FrameSharer<const Skin> skin_;            // of a driven body; null: it has one frame
+  mutable std::vector<BoneMap> bone_maps_;  // one per bone, at their poses
+  std::shared_ptr<ContactStep> contact_;    // its type is incomplete here; it is not shared
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
-  std::vector<PointForce> points_;  // of a body whose frame moves
+  std::vector<PointForce> points_;  // for a body whose frame moves
   std::vector<StepForce> step_forces_;
   RigidState rigid_before_, sound_rigid_;
   bool energy_method_ = false;  // the integrator reads StepLoad::coupling
   std::vector<Load> loads_;
   std::vector<AppliedForce> applied_;
   PlaceForces place_forces_;
-  std::vector<Eigen::VectorXd> place_weights_;  // of a body on bones: of the places
+  std::vector<Eigen::VectorXd> place_weights_;  // for a body on bones: of the places
   StepLoad step_load_;
   Eigen::VectorXd q_before_, p_before_;
   double kick_ = 0.0;  // of the step's loads, J
   std::int64_t steps_ = 0;
   std::int64_t iterations_ = 0;
   std::int64_t halved_steps_ = 0;
-  bool booked_ = false;  // the step at hand was made in parts that are booked
+  bool booked_ = false;  // the present step was taken in parts whose energies are in the sums
   Sums sums_;
-  std::vector<Grip> grips_;         // those that hold
+  std::vector<Grip> grips_;         // those that are not released
   std::vector<std::size_t> hands_;  // the number of each
   std::size_t next_hand_ = 0;
   EnergyBound bound_;
   int steps_since_look_ = 0;
-  State sound_;  // at the last sound look
+  State sound_;  // at the last valid check
   Sums sound_sums_;
   mutable PotentialWorkspace workspace_;
   mutable Evaluation evaluation_;
@@ -409,7 +418,7 @@ class Body {
 // kBound for kEnergy, else kSolver.
 ErrorKind error_kind(StepFailure failure);
 
-// Why the step from `time` (s) was not made, a sentence without a full stop.
+// The reason why the step from `time` (s) failed, a sentence without a full stop.
 std::string why_not_made(const StepReport& report, double time);
 
 }  // namespace tremolo

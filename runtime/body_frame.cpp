@@ -1,4 +1,4 @@
-// Body: the frame that moves, and what acts through it.
+// Body: its moving frame, and the loads that act through the frame.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -142,7 +142,7 @@ Eigen::Vector3d Body::angular_momentum() const {
 // steps: as in PointForce.
 Status Body::add_point_force(const Signal& signal, VertexId vertex, const Eigen::Vector3d& force,
                              int steps) {
-  // For its checks.
+  // Only for its checks.
   if (const Result<Eigen::VectorXd> reduced = reduce_force(*model_, vertex, force); !reduced)
     return reduced.error();
   Result<VertexRows> place = model_->vertex(vertex);
@@ -155,8 +155,8 @@ Status Body::add_point_force(const Signal& signal, VertexId vertex, const Eigen:
   return Success{};
 }
 
-// Turns, pushes and forces of the frame in the step to come, into the step's load or, of a free
-// body, into its frame.
+// Adds rotations, pushes and forces of the frame in the next step to the step's load or, for a free
+// body, to its frame.
 void Body::gather_frame() {
   step_load_.coupling = nullptr;
   if (free_) return gather_on_free();
@@ -213,8 +213,8 @@ StepReport Body::advance() {
   return report;
 }
 
-// Books what the frame did in a step, or undoes it if the step was not made. Returns the work of
-// what is not in the step's load, J.
+// Adds the frame's work in a step to the sums, or cancels it if the step failed. Returns the work
+// of forces that are not in the step's load, J.
 double Body::end_frame_step(bool made) {
   double contact = 0.0;
   if (contact_ && made) {
@@ -242,7 +242,7 @@ double Body::end_frame_motion(bool made) {
     const double work = driven_->support_work() + driven_->gravity_work() - before;
     sums_.support = driven_->support_work();
     sums_.gravity = driven_->gravity_work();
-    // The load's average holds push, whose work is among what was booked.
+    // The load's average contains push, whose work is already in the sums.
     return work - driven_->push().dot(state_.q - q_before_);
   }
   if (!free_) return 0.0;
@@ -259,7 +259,7 @@ double Body::frame_kinetic(const Eigen::VectorXd& p) const {
   return free_ ? free_->kinetic(state_.q, p) : kinetic_energy(p);
 }
 
-// Weights of a vertex on bones.
+// Weights of a vertex for the bones.
 Result<Eigen::VectorXd> Body::weights_of(VertexId vertex) const {
   if (const auto at = find_vertex(model_->surface().vertex_ids, vertex))
     return Eigen::VectorXd(skin_->surface.row(static_cast<Eigen::Index>(*at)).transpose());
@@ -288,7 +288,7 @@ Result<Eigen::Matrix3d> Body::turn_at(VertexId vertex) const {
   return Eigen::Matrix3d(blended(*weights, bone_maps()).leftCols<3>());
 }
 
-// vectors: x y z x y z ..., along the frame's axes, or places in it.
+// vectors: x y z x y z ..., along the frame's axes, or positions in it.
 template <class Number>
 void Body::to_world(std::span<Number> vectors, bool places, BoneWeights Skin::*weights) const {
   if (frame() == FrameKind::kFixed) return;

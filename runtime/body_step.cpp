@@ -1,4 +1,4 @@
-// Body: the step, and what is done about one that fails.
+// Body: the step, and the handling of a failed step.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -13,7 +13,7 @@ StepReport Body::step(std::span<const PlacedCollider> colliders) {
   return end_step(advance_among(colliders));
 }
 
-// The loads of the step; what is wrong with them.
+// The loads of the step, and a message for loads that are not valid.
 std::optional<StepReport> Body::begin_step() {
   gather_loads();
   kick_ = kick();
@@ -23,7 +23,7 @@ std::optional<StepReport> Body::begin_step() {
   return std::nullopt;
 }
 
-// Books a step that was made, or says why it was not.
+// Adds a step that succeeded to the sums, or sets the reason of its failure.
 StepReport Body::end_step(StepReport report) {
   iterations_ += report.iterations;
   if (!report.converged) {
@@ -44,7 +44,7 @@ StepReport Body::end_step(StepReport report) {
   return report;
 }
 
-// What was done in a step, or in a part of it.
+// Adds the energies of a step, or of a part of it, to the sums.
 void Body::book_step(const StepReport& report) {
   const double frame_work = end_frame_step(true);
   const double work = frame_work + step_load_.average.dot(state_.q - q_before_) + report.extra_work;
@@ -53,7 +53,7 @@ void Body::book_step(const StepReport& report) {
   bound_.put_in(work, kick_);
 }
 
-// Takes the forces of the step from time() on, which was made.
+// Counts the forces of the step from time() on, which succeeded.
 void Body::take_place_forces() {
   if (place_forces_.none()) return;
   const auto turn = [this](Eigen::Index place) -> Eigen::Matrix3d {
@@ -63,7 +63,7 @@ void Body::take_place_forces() {
   place_forces_.end_step(time(), options_.step, turn);
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     const auto place = model_->response_place(grips_[i].vertex);
-    // A hand may hold on somewhere in a triangle at the vertex.
+    // A grab may be at a point of a triangle at the vertex.
     if (!place || !grips_[i].at_vertex) continue;
     place_forces_.push(*place, turn(*place).transpose() * hand_force(hands_[i]));
   }
@@ -74,14 +74,14 @@ double Body::kick() const {
   if (!step_load_.active) return 0.0;
   const double largest = std::max({step_load_.start.squaredNorm(), step_load_.average.squaredNorm(),
                                    step_load_.end.squaredNorm()});
-  // std::max passes over what is not a number.
+  // std::max skips a value that is not a number.
   const bool known =
       step_load_.start.allFinite() && step_load_.average.allFinite() && step_load_.end.allFinite();
   return known ? 0.5 * options_.step * options_.step * largest
                : std::numeric_limits<double>::infinity();
 }
 
-// T + V, from what the method knows if it does.
+// T + V, from the method's known potential if it has one.
 double Body::total_energy() const {
   integrator_->synchronized_momentum(state_, momentum_);
   const double kinetic = frame_kinetic(momentum_);
@@ -91,13 +91,13 @@ double Body::total_energy() const {
   return kinetic + evaluation_.energy;
 }
 
-// The energy named at kEnergyRounding, with the momentum that total_energy() left.
+// The harmonic energy of kEnergyRounding, with the momentum that total_energy() left.
 double Body::harmonic_energy() const {
   return frame_kinetic(momentum_) +
          0.5 * (model_->lambda().array() * state_.q.array().square()).sum();
 }
 
-// False: the energy is out of all proportion to what was put in.
+// False: the energy is far above the energy put in.
 bool Body::look() {
   steps_since_look_ = 0;
   const double energy = total_energy();
@@ -121,7 +121,8 @@ void Body::put_back() {
   integrator_->reset();
 }
 
-// Says why a step was not made. The state is as before it, which may be one of an explosion.
+// Sets the reason of a failed step. The state is as before the step, which may be that of an
+// explosion.
 StepReport Body::explain(StepReport report) {
   const double energy = total_energy();
   if (!bound_.sound(energy, harmonic_energy())) {

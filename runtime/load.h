@@ -1,10 +1,10 @@
-// Forces in time, as an integrator sees them.
+// Forces in time, in the form that an integrator uses.
 //
-// A load is a signal s(t) times a reduced vector. A step sees three values of it: the one-sided
+// A load is a signal s(t) times a reduced vector. A step uses three values of it: the one-sided
 // limits at its two ends and the exact average over it (closed form). Methods that kick at the ends
-// and methods that kick in the middle then pass on the same impulse. A signal that jumps strictly
-// inside a step shows its average three times, so that even a pulse shorter than a step is handed
-// on exactly.
+// and methods that kick in the middle then transfer the same impulse. A signal that jumps strictly
+// inside a step has its average at all three, so that even a pulse shorter than a step is
+// transferred exactly.
 #pragma once
 
 #include <vector>
@@ -17,22 +17,21 @@
 
 namespace tremolo {
 
-// force: reduced, f = sum over vertices of U_vertex^T F, r.
+// A load in time.
 struct Load {
   Signal signal;
-  Eigen::VectorXd force;
+  Eigen::VectorXd force;  // reduced, f = sum over vertices of U_vertex^T F, r
 };
 
 class StepCoupling;
 
-// The sum of all loads over one step; each r long. active: some signal is not zero in the step.
-// coupling: what a moving frame adds, for the methods that take it; else null.
+// The sum of all loads over one step.
 struct StepLoad {
-  Eigen::VectorXd start;
-  Eigen::VectorXd average;
-  Eigen::VectorXd end;
-  bool active = false;
-  StepCoupling* coupling = nullptr;
+  Eigen::VectorXd start;             // r
+  Eigen::VectorXd average;           // r
+  Eigen::VectorXd end;               // r
+  bool active = false;               // some signal is not zero in the step
+  StepCoupling* coupling = nullptr;  // effect of a moving frame, for methods that use it; else null
 };
 
 StepLoad make_step_load(Eigen::Index modes);  // zero
@@ -41,8 +40,8 @@ StepLoad make_step_load(Eigen::Index modes);  // zero
 void sample_loads(const std::vector<Load>& loads, double time, double step, StepLoad& out);
 
 // Inside a step a load is the quadratic in time that has its two end values and its average; for a
-// load that jumps inside the step that is a constant. Methods with stages inside the step and steps
-// that are taken in parts read it here; the parts' averages add up to the whole step's exactly.
+// load that jumps inside the step that is a constant. Methods with stages inside the step and
+// subdivided steps evaluate it here; the parts' averages add up to the whole step's exactly.
 
 // The load at the fraction s of the step, 0 <= s <= 1.
 void load_at(const StepLoad& load, double s, Eigen::VectorXd& out);

@@ -112,7 +112,7 @@ InertiaIntegrals leading_inertia(const InertiaIntegrals& inertia, Eigen::Index m
   return leading;
 }
 
-// Checks the rows of the vertices on the surface and of what is drawn.
+// Checks the rows of the vertices on the surface and of the drawn surface.
 Status check_response(const BasisData& data) {
   const LocalResponse& response = data.response;
   const Eigen::Index columns = 3 * std::ssize(response.at);
@@ -143,7 +143,7 @@ Status check_strain_gram(const BasisData& data) {
   return Success{};
 }
 
-// All but the interior and the provenance.
+// All except the interior and the provenance.
 Result<BasisData> read_visible(BasisReader& reader, const ModelOptions& options) {
   BasisData data;
   if (Status s = read_total_counts(reader, data); !s) return s.error();
@@ -333,7 +333,7 @@ VertexId Model::vertex_near(const SurfacePlace& place) const {
 }
 
 const SurfaceTree& Model::surface_tree(SurfaceKind surface) const {
-  // Without a render surface both are one.
+  // Without a render surface both kinds are the same surface.
   const bool drawn = surface == SurfaceKind::kDrawn || !render_;
   std::unique_ptr<SurfaceTree>& tree = drawn ? drawn_tree_ : boundary_tree_;
   std::call_once(drawn ? drawn_tree_once_ : boundary_tree_once_, [&] {

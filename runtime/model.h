@@ -1,4 +1,4 @@
-// What the runtime loads: one precomputed solid, immutable, shared by any number of bodies.
+// The model: one precomputed solid, immutable, shared by any number of bodies.
 #pragma once
 
 #include <cstddef>
@@ -26,24 +26,24 @@ struct OpenBasis;
 struct SurfaceBasis;
 struct FrameInertia;
 
-// modes: the level of detail, the number of leading coordinates that are kept; 0 keeps all.
-// linear: V = 1/2 q^T Lambda q, the cubic and quartic terms are neither read nor kept.
-// hull: a render surface is neither read nor kept; the solid's boundary is drawn.
+// Options for loading a model.
 struct ModelOptions {
-  int modes = 0;
+  int modes = 0;  // level of detail: number of leading coordinates that are kept; 0 keeps all
+  // V = 1/2 q^T Lambda q; the cubic and quartic terms are neither read nor kept.
   bool linear = false;
-  bool hull = false;
+  bool hull = false;  // a render surface is neither read nor kept; the solid's boundary is drawn
 };
 
-// What is drawn: the render surface if the model has one, else the solid's boundary. All refer to
-// the model. rest: s, m. rows: 3s x r. triangles: into rest. mesh_vertices: s, the mesh's vertex at
-// the place (boundary) or the one that weighs most in it: where to push what is pointed at.
-// response: 3s x 3p, what forces at the p places with a response do to it; may have no columns.
+// The drawn surface: the render surface if the model has one, else the solid's boundary. All
+// members refer to the model. It has s vertices.
 struct DrawnSurface {
-  const std::vector<Eigen::Vector3d>& rest;
-  const BasisRows& rows;
+  const std::vector<Eigen::Vector3d>& rest;  // s, m
+  const BasisRows& rows;                     // 3s x r
+  // 3s x 3p: displacement by forces at the p places with a response; may have no columns.
   const BasisRows& response;
-  const std::vector<Triangle>& triangles;
+  const std::vector<Triangle>& triangles;  // into rest
+  // s: the mesh's vertex at the point (boundary) or the one with the largest weight in it: the
+  // vertex that a force at this point acts on.
   const std::vector<VertexId>& mesh_vertices;
 };
 
@@ -55,11 +55,12 @@ class Model {
   // ascend or a value is not finite; kUsage if options.modes is negative or above r.
   static Result<Pointer> from_data(const BasisData& data, ModelOptions options = {});
 
-  // A basis file. Interior rows stay in the file until a vertex inside is asked for; the file is
-  // kept mapped for that. Errors as in formats/basis/basis_reader.h and from_data.
+  // Loads a basis file. Interior rows stay in the file, which is kept mapped, until a vertex inside
+  // is requested. Errors as in formats/basis/basis_reader.h and from_data.
   static Result<Pointer> load(const std::string& path, ModelOptions options = {});
 
-  // A basis file in memory. The bytes are not needed after the call: the interior is copied too.
+  // Loads a basis file in memory. The bytes are not needed after the call: the interior is copied
+  // too.
   static Result<Pointer> load_from_memory(std::span<const std::byte> bytes,
                                           ModelOptions options = {});
 
@@ -76,12 +77,12 @@ class Model {
   // Stiffness damping by strain rates needs the Gram matrix of the strains. False: the file has
   // none (an imported model, or one made before 1.4), or the model is linear.
   bool has_strain_gram() const;
-  // Reads it when somebody asks first; null if there is none. Errors of reading the file.
+  // Reads the matrix at the first call; null if there is none. Errors of reading the file.
   // Thread-safe; may throw bad_alloc.
   Result<std::shared_ptr<const StrainMatrix>> strain_matrix() const;
-  // Null as long as nobody has read it.
+  // The matrix if it has been read, else null.
   std::shared_ptr<const StrainMatrix> known_strain_matrix() const;
-  // The solid's boundary, whatever is drawn. rows has r columns.
+  // The solid's boundary, also where a render surface is drawn. rows has r columns.
   const VertexBlock& surface() const { return surface_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }  // into surface()
   // rows has r columns. nullptr: the file has none, or options.hull.
@@ -92,25 +93,25 @@ class Model {
     return {render_->surface.vertices, render_->rows, response_.render, render_->surface.triangles,
             render_->anchors};
   }
-  // Integrals of the r coordinates. nullptr: the file has none (an imported model, or one made
-  // before these).
+  // Integrals of the r coordinates. nullptr: the file has none (an imported model, or one of an
+  // older version).
   const InertiaIntegrals* inertia() const { return inertia_ ? &*inertia_ : nullptr; }
-  // The same about the mesh's origin, or about the centre of mass, made when it is first asked for;
-  // the model must have inertia(). Thread-safe; may throw bad_alloc.
+  // The same about the mesh's origin, or about the centre of mass, made at the first call; the
+  // model must have inertia(). Thread-safe; may throw bad_alloc.
   std::shared_ptr<const FrameInertia> inertia_about_origin() const;
   std::shared_ptr<const FrameInertia> inertia_about_centre() const;
-  // Where the mass is, and the edges whose middles are vertices; empty unless the file kept the
-  // tetrahedra.
+  // Tetrahedra with the mass, and the edges whose midpoints are vertices; empty unless the file has
+  // the tetrahedra.
   const MassElements& elements() const { return elements_; }
   const std::vector<MeshEdge>& edges() const { return edges_; }
-  // Free parts times six: 6 for a body that is held nowhere.
+  // Free parts times six: 6 for a body without support.
   std::size_t rigid_mode_count() const { return rigid_mode_count_; }
   const DefaultLoad& default_load() const { return default_load_; }  // may be empty
   std::size_t vertex_count() const { return vertex_count_; }         // of the source mesh
   std::size_t tetrahedron_count() const { return tetrahedron_count_; }
 
-  // The hash covers all that moves: energy, boundary, inertia, default load; made when it is first
-  // asked for. Thread-safe.
+  // The hash covers all values that affect motion: energy, boundary, inertia, default load. It is
+  // made at the first call. Thread-safe.
   std::uint64_t content_hash() const;
 
   Eigen::VectorXd frequencies_hz() const;  // sqrt(lambda) / 2 pi, r
@@ -118,35 +119,35 @@ class Model {
   double explicit_step_limit() const;
 
   // A vertex by its id in the source mesh, on the surface or inside. Errors: kUsage if there is no
-  // such vertex; what reading the file gives if the interior is read here. Thread-safe.
+  // such vertex; errors of reading the file if the interior is read here. Thread-safe.
   Result<VertexRows> vertex(VertexId id) const;
 
-  // The places at which the file keeps what the basis lacks of the body's answer to forces:
-  // vertices, kAtDefaultLoad first if it is one of them; p of them.
+  // The vertices for which the file has the part of the response to forces that the basis lacks; p
+  // of them, kAtDefaultLoad first if it is one of them.
   std::span<const VertexId> response_places() const { return response_.at; }
   const BasisRows& boundary_response() const { return response_.surface; }  // 3s x 3p
-  // Its number among them.
+  // The index of the vertex among them.
   std::optional<Eigen::Index> response_place(VertexId id) const;
-  // What forces (N) there do to a vertex beyond U q: 3 x 3p, m/N. Errors as vertex().
+  // Displacement of a vertex by forces (N) there, in addition to U q: 3 x 3p, m/N. Errors as
+  // vertex().
   Result<VertexRows> response(VertexId id) const;
 
-  // A place on a surface: where it is at rest and its rows of U, those of the corners by weights.
-  // kUsage if there is no such triangle, or the weights are not finite, below -1e-9 or do not sum
-  // to one to 1e-6.
+  // A point of a surface: its position at rest and its rows of U, those of the corners by weights.
+  // Errors: kUsage if there is no such triangle, or the weights are not finite, below -1e-9 or do
+  // not sum to one to 1e-6.
   Result<VertexRows> place(const SurfacePlace& place) const;
-  // The mesh's vertex at, or of a render surface near, the corner that weighs most; the place must
-  // be one.
+  // The mesh's vertex at (on a render surface: near) the corner with the largest weight. The point
+  // must be valid for place().
   VertexId vertex_near(const SurfacePlace& place) const;
-  // For rays (runtime/display/surface_tree.h), made when it is first asked for. Thread-safe; may
+  // The tree for rays (runtime/display/surface_tree.h), made at the first call. Thread-safe; may
   // throw bad_alloc.
   const SurfaceTree& surface_tree(SurfaceKind surface) const;
-  // The vertices inside, read from the file when somebody asks first. Errors of reading it.
-  // Thread-safe; rows has r columns.
+  // The vertices inside, read from the file at the first call. Errors of reading it. Thread-safe;
+  // rows has r columns.
   Result<const VertexBlock*> interior() const;
 
-  // The drawn surface's rows as they are multiplied for display (runtime/display/surface.h), made
-  // when they are first asked for: a model that is never shown pays nothing. Thread-safe; may throw
-  // bad_alloc.
+  // The drawn surface's rows in the form for display (runtime/display/surface.h), made at the first
+  // call: a model that is never shown does not need them. Thread-safe; may throw bad_alloc.
   const SurfaceBasis& surface_basis() const;
 
  private:
@@ -173,7 +174,7 @@ class Model {
   std::unique_ptr<InteriorRows> interior_;
   mutable std::mutex strains_mutex_;
   mutable std::vector<double> strain_gram_;         // of data in memory, until the matrix is made
-  mutable std::shared_ptr<OpenBasis> strain_file_;  // likewise, of a file
+  mutable std::shared_ptr<OpenBasis> strain_file_;  // of a file, until the matrix is read
   mutable std::shared_ptr<const StrainMatrix> strains_;
   mutable std::once_flag surface_basis_once_;
   mutable std::unique_ptr<SurfaceBasis> surface_basis_;

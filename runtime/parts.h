@@ -1,7 +1,7 @@
-// Which parts a build has. Libraries and programs have all; a build with TREMOLO_CORE, the smallest
-// module of a page (runtime/web/engine), has bodies whose support stands still, with hands. Values
-// known to the compiler, so that it leaves out what an absent part alone would need; builds of both
-// kinds are never linked together.
+// The parts that a build has. Libraries and programs have all parts. A build with TREMOLO_CORE, the
+// smallest module of a page (runtime/web/engine), has only bodies with a fixed support, and grabs.
+// The values are known to the compiler, which then omits code that only an absent part needs.
+// Builds of both kinds are never linked together.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ inline constexpr bool kHasFrames = true;
 inline constexpr bool kHasColliders = true;
 #endif
 
-// AbsentPart stands where a pointer to an absent part would and is always null.
+// AbsentPart replaces a pointer to an absent part and is always null.
 template <class Part>
 struct AbsentPart {
   AbsentPart() = default;
@@ -29,12 +29,12 @@ struct AbsentPart {
   bool operator==(std::nullptr_t) const { return true; }
   Part* get() const { return nullptr; }
   void reset() {}
-  // These two are only reached behind a condition on the pointer, which is never true.
+  // These two are only reached after a condition on the pointer, which is never true.
   Part* operator->() const { __builtin_unreachable(); }
   Part& operator*() const { __builtin_unreachable(); }
 };
 
-// A pointer to what moves with a frame, and those that own it.
+// A pointer to a part that moves with a frame, and the types that own it.
 template <class Part>
 using FramePointer = std::conditional_t<kHasFrames, Part*, AbsentPart<Part>>;
 template <class Part>

@@ -6,7 +6,7 @@
 namespace tremolo {
 namespace {
 
-// The number with which the model's default load is `load`.
+// The number by which the model's default load is multiplied in `load`.
 std::optional<double> share_of_default(const DefaultLoad& own, const DefaultLoad& load) {
   if (own.vertices.empty() || load.vertices != own.vertices) return std::nullopt;
   double product = 0.0, square = 0.0;
@@ -16,7 +16,7 @@ std::optional<double> share_of_default(const DefaultLoad& own, const DefaultLoad
   }
   if (!(square > 0.0)) return std::nullopt;
   const double share = product / square;
-  // Rounding of a force that was multiplied.
+  // Rounding error of a multiplied force.
   constexpr double kSame = 1e-12;
   for (std::size_t i = 0; i < own.forces.size(); ++i)
     if ((load.forces[i] - share * own.forces[i]).norm() >

@@ -1,5 +1,5 @@
-// Forces at the places where a model keeps its response (Model::response()): what they were at the
-// end of the last step gives the shape W f that is shown on top of U q.
+// Forces at the vertices for which a model has a response (Model::response()). Their values at the
+// end of the last step give the shape W f that is shown on top of U q.
 #pragma once
 
 #include <vector>
@@ -17,27 +17,28 @@ class PlaceForces {
   explicit PlaceForces(std::size_t places);
 
   bool none() const { return now_.size() == 0; }  // there are no places
-  // f, N, 3 a place, along the body's axes.
+  // f, N, 3 per place, along the body's axes.
   const Eigen::VectorXd& now() const { return now_; }
 
-  // force: N, along the world's axes, times the signal. steps: so many steps more if positive; else
-  // as long as the signal lasts. place: its number.
+  // force: N, along the world's axes, times the signal. steps: number of further steps if positive;
+  // else the force acts as long as the signal lasts. place: index of the vertex in
+  // Model::response_places().
   void add(const Signal& signal, Eigen::Index place, const Eigen::Vector3d& force, int steps);
-  // The same for forces on vertices: as one at the default load's place if they are that load times
-  // a number, else at each vertex that is a place.
+  // The same for forces on vertices: as one force at the default load's place if they are a
+  // multiple of that load, else one at each vertex that is a place.
   void add(const Signal& signal, const Model& model, const DefaultLoad& load, int steps);
   void clear();
   void clear_applied();  // those with steps
 
   // Sets now() to the forces at the end of the step from `time` to `time` + `step`. turn(place)
-  // turns the body's axes there to the world's, 3 x 3.
+  // returns the rotation from the body's axes there to the world's, 3 x 3.
   template <class Turn>
   void end_step(double time, double step, const Turn& turn) {
     now_.setZero();
     for (Force& force : forces_) {
       const double share = force.steps > 0 ? 1.0 : sample_signal(force.signal, time, step).end;
       if (share != 0.0) push(force.place, turn(force.place).transpose() * (share * force.force));
-      // One whose steps are over has -1; 0 is one that its signal ends.
+      // A force whose steps are over has -1; 0 is one that its signal ends.
       if (force.steps > 0 && --force.steps == 0) force.steps = -1;
     }
     std::erase_if(forces_, [](const Force& force) { return force.steps < 0; });
@@ -47,7 +48,7 @@ class PlaceForces {
     now_.segment<3>(3 * place) += force;
   }
 
-  // Forces that a signal ends stay where they are.
+  // Saves or restores the forces with steps; forces that a signal ends are unchanged.
   void carry(StateStream& stream);
 
  private:

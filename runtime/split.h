@@ -1,8 +1,8 @@
-// Which coordinates a splitting method steps explicitly (thesis 4.2).
+// Chooses the coordinates that a splitting method steps explicitly (thesis 4.2).
 //
 // lambda ascends, so a split is a count: the leading `low` coordinates are explicit. The explicit
-// half is linearly stable iff h omega < 2, that is f < 1/(pi h). The thesis's f < 1/h (4.2.1) is no
-// stability limit: with modes between the two the orbit blows up.
+// half is linearly stable iff h omega < 2, that is f < 1/(pi h). The thesis's f < 1/h (4.2.1) is
+// not a stability limit: with modes between the two limits the orbit explodes.
 #pragma once
 
 #include <string_view>
@@ -19,11 +19,12 @@ enum class SplitRule {
   kCount,    // the first `count`
 };
 
-// safety: in (0, 1]; deformation stiffens a solid, so the usual 0.9 leaves some room. At 1 the
-// slightest stiffening of the highest explicit coordinate makes it unstable.
+// Options of a split.
 struct SplitOptions {
   SplitRule rule = SplitRule::kDefault;
   int count = 0;
+  // In (0, 1]. Deformation stiffens a solid, so the usual 0.9 leaves some margin. At 1 the
+  // slightest stiffening of the highest explicit coordinate makes it unstable.
   double safety = 0.9;
 };
 

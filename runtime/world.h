@@ -1,28 +1,29 @@
-// Thousands of bodies that share a few models: stepped in lanes and on several threads, asleep when
-// nothing happens to them, drawn only where they moved.
+// Thousands of bodies that share a few models: they step in lanes and on several threads, sleep
+// while nothing acts on them, and are drawn only where they moved.
 //
-// A group is a model, a method, a step and a level of detail; bodies belong to one. The default
-// method, `ep4`, cannot explode: its bodies step each by itself (runtime/body.h), as those of all
-// methods but two. Bodies of `verlet` and `imexv-linear` step in lanes
-// (runtime/crowd/lane_group.h), in a fortieth of the time and less, but are stable only while the
-// step resolves what deformation stiffens: the limit is told in their files (runtime/integrators/),
-// take them for motion that you know. What a body does depends on nothing but its own state and
-// forces: not on the other bodies, the number of threads, or when others were added, slept or woke,
-// bit for bit.
+// A group is a model, a method, a step and a level of detail; each body belongs to one. The default
+// method, `ep4`, cannot explode; its bodies step one by one (runtime/body.h), as those of all
+// methods except two. Bodies of `verlet` and `imexv-linear` step in lanes
+// (runtime/crowd/lane_group.h), at least forty times faster. They are stable only while the step
+// resolves the stiffening by deformation: their files (runtime/integrators/) give the limit; use
+// them for motion that you know.
 //
-// Sleep. A new body is at rest in the rest shape and sleeps. It wakes by a force, set_state() or
-// wake(), and falls asleep when its energy T + V has stayed at or below a threshold for a while and
-// no force acts on it. Its q and p are then frozen: what energy is left stays in it, neither shown
-// as motion nor lost, and when the body wakes it moves on from there. A sleeping body is in no list
-// that a step goes through; it costs memory and no time. Time does not pass for it: there is no
-// signal in a World that it could miss, forces are given for so many steps.
+// The motion of a body depends on its own state and forces only: not on the other bodies, the
+// number of threads, or the steps in which others were added, slept or woke, bit for bit.
 //
-// Failure. A body whose step gave a number that is not finite, whose solve gave up, or whose energy
-// a look found out of all proportion to what was put in (runtime/energy_bound.h: its method has
-// exploded) is put back to a sound state, its forces are dropped, it is put to sleep and named in
-// the report. Sound is the state that was set or, since then, the last that a look found so; a body
-// that steps by itself goes back no further than before the step that failed where that is sound.
-// When it is woken it tries again from there.
+// Sleep. A new body is at rest in the rest shape and sleeps. A force, set_state() or wake() wakes
+// it. It falls asleep when its energy T + V has been at or below a threshold for some time and no
+// force acts on it. Its q and p are then frozen: the remaining energy is neither shown as motion
+// nor lost, and when the body wakes it continues from there. No step visits a sleeping body: it
+// costs memory and no time. Its time does not advance. It misses no signal, because forces in a
+// World are given for a number of steps.
+//
+// Failure. A step fails if it gives a number that is not finite, its solve gives up, or a check
+// finds an energy far above the energy put in (runtime/energy_bound.h: its method has exploded).
+// The body is then returned to a valid state, its forces are dropped, it sleeps, and the report
+// names it. The valid state is the one that was set or, since then, the last one found by a check;
+// a body that steps by itself returns at most to the state before the failed step if that is valid.
+// When it is woken it continues from there.
 //
 // Not thread-safe: one call at a time. step() and update_surfaces() use the world's own threads and
 // allocate nothing.
@@ -46,51 +47,53 @@ namespace tremolo {
 using GroupId = std::uint32_t;
 using BodyId = std::uint32_t;
 
-// energy: the threshold, J; 0 means the energy with which the model's first mode moves the surface
-// vertex that it moves most by `displacement` of the solid's largest extent: what is left moves no
-// vertex visibly. displacement: dimensionless; ten times it shows as a jolt when a body stops.
-// time: s, how long the energy must stay there; infinity: never asleep. Energies are looked at
-// every kStepsBetweenLooks steps.
+// Conditions for sleep. Energies are checked every kStepsBetweenLooks steps.
 struct SleepOptions {
+  // Sets the threshold where energy is 0, dimensionless: the energy with which the model's first
+  // mode moves the surface vertex that it moves most by this fraction of the solid's largest
+  // extent. The remaining motion is then invisible; ten times the value shows as a jolt when a body
+  // stops.
   double displacement = 1e-4;
-  double energy = 0.0;
-  double time = 0.5;
+  double energy = 0.0;  // the threshold, J; 0: it follows from displacement
+  double time = 0.5;    // time below the threshold, s; infinity: the body never sleeps
 };
 
 // Precision of grad (C + Q) in lanes.
 enum class LanePrecision { kDouble, kFloat };
 
-// integrator, options: as make_integrator. modes: level of detail, leading coordinates that move, 0
-// for all of the model's; less than all only for methods in lanes (for others load the model with
-// fewer). precision: of grad (C + Q) in lanes; other methods are in double.
+// Options of a group.
 struct GroupOptions {
-  std::string_view integrator = kDefaultIntegrator;
+  std::string_view integrator = kDefaultIntegrator;  // as for make_integrator
   IntegratorOptions options = {};
+  // Level of detail: number of leading coordinates that move, 0 for all of the model's. Fewer than
+  // all are only for methods in lanes (for others load the model with fewer).
   int modes = 0;
+  // Of grad (C + Q) in lanes; other methods use double.
   LanePrecision precision = LanePrecision::kDouble;
   SleepOptions sleep = {};
 };
 
-// Report of the last step. failed: bodies that were put back and to sleep, in no order to rely on
-// across versions. why: of each of these. Both are valid until the next step.
+// Report of the last step. The spans are valid until the next step.
 struct WorldReport {
   std::size_t stepped = 0;
   std::size_t fell_asleep = 0;  // by themselves
+  // Returned to a valid state and asleep; the order may change between versions.
   std::span<const BodyId> failed;
-  std::span<const StepFailure> why;
+  std::span<const StepFailure> why;  // reason for each of these
 };
 
-// positions: x y z x y z ..., m, as Body::surface_positions; valid until the world's next call that
-// is not const. version: grows with every rebuild, 0 before the first.
+// The surface of a shown body.
 struct SurfaceView {
+  // x y z x y z ..., m, same as Body::surface_positions; valid until the world's next non-const
+  // call.
   std::span<const float> positions;
-  std::uint64_t version = 0;
+  std::uint64_t version = 0;  // grows with every rebuild; 0 before the first
 };
 
 class World {
  public:
-  // threads: how many work in step(), the caller's included; 0: one a core. kSystem if the threads
-  // cannot be had.
+  // threads: number of threads in step(), the caller's included; 0: one for each core. Error
+  // kSystem: the threads cannot be started.
   static Result<World> create(unsigned threads = 1);
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
@@ -102,12 +105,12 @@ class World {
   // A body at rest, asleep. kUsage: no such group.
   Result<BodyId> add_body(GroupId group);
 
-  // Takes the body to another group of the same model: a level of detail, a method. Coordinates
-  // that the new group has not are dropped with their energy, those that it has more start at zero.
-  // Forces that still act end. kUsage if the models differ.
+  // Moves the body to another group of the same model: a level of detail, a method. Coordinates
+  // that the new group lacks are dropped with their energy; additional ones start at zero. Forces
+  // that still act end. Error kUsage: the models differ.
   Status move_body(BodyId body, GroupId group);
 
-  // Hidden, asleep and gone: its number is not used again, calls with it are kUsage.
+  // Hides the body and removes it: its number is not used again, calls with it are kUsage.
   Status remove_body(BodyId body);
 
   // A force (N) at a vertex, constant over the next `steps` steps of the body. Several add up.
@@ -119,11 +122,11 @@ class World {
   Status set_state(BodyId body, const Eigen::VectorXd& q, const Eigen::VectorXd& p);
 
   Status wake(BodyId body);
-  Status sleep(BodyId body);  // at once, whatever its energy; forces that still act end
+  Status sleep(BodyId body);  // at once, at any energy; forces that still act end
 
   // One step of every body that is awake, each by its group's step.
   const WorldReport& step();
-  // The same for one group; others stand still. kUsage: no such group.
+  // The same for one group; the other groups do not move. Error kUsage: no such group.
   Result<WorldReport> step(GroupId group);
 
   std::size_t awake() const;  // bodies
@@ -134,8 +137,8 @@ class World {
 
   // A shown body has a buffer for its surface. Hiding frees it.
   Status set_shown(BodyId body, bool shown);
-  // Rebuilds the surfaces of the bodies that are shown and have moved since theirs was. Returns how
-  // many.
+  // Rebuilds the surfaces of the shown bodies that have moved since the last rebuild. Returns their
+  // number.
   std::size_t update_surfaces();
   Result<SurfaceView> surface(BodyId body) const;  // kUsage if it is not shown
 

@@ -1,4 +1,4 @@
-// Rigid balls that fall and turn, and impulses between what touches.
+// Rigid balls that fall and rotate, and impulses at contacts.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,44 +11,46 @@
 
 namespace tremolo {
 
-// A ball on its way. inverse_mass, inverse_inertia (2/5 m r^2): 0 of one that is fixed.
+// A ball in motion.
 struct MovingBall {
   ClothWorld::Ball now;
-  double radius = 0.0;
+  double radius = 0.0;  // m
+  // 1/m and 1/(2/5 m r^2), SI units; 0 for a fixed ball.
   double inverse_mass = 0.0, inverse_inertia = 0.0;
   double friction = 0.0, restitution = 0.0;
-  MotionPath path;
+  MotionPath path;  // of a fixed ball
   Pose start;
 };
 
 // Errors: those of MotionPath::create.
 Result<MovingBall> make_ball(const SceneBall& ball);
 
-// From t to t + h: free ones fall exactly, fixed ones go as their motion does.
+// Moves a ball from t to t + h: a free ball falls exactly, a fixed one follows its motion.
 void move_ball(const Eigen::Vector3d& gravity, double t, double h, MovingBall& ball);
 
-// One side of a contact. velocity, spin: none where it does not move by impulses. arm: from its
-// centre to the point that touches, m. surface: that point's velocity, m/s, where it has no own.
+// One side of a contact.
 struct ContactSide {
   double inverse_mass = 0.0, inverse_inertia = 0.0;
-  Eigen::Vector3d arm = Eigen::Vector3d::Zero();
-  Eigen::Vector3d* velocity = nullptr;
-  Eigen::Vector3d* spin = nullptr;
+  Eigen::Vector3d arm = Eigen::Vector3d::Zero();  // from its centre to the contact point, m
+  Eigen::Vector3d* velocity = nullptr;            // m/s; null if impulses do not change it
+  Eigen::Vector3d* spin = nullptr;                // rad/s; null if impulses do not change it
+  // Velocity of the contact point, m/s, for a side without a velocity of its own.
   Eigen::Vector3d surface = Eigen::Vector3d::Zero();
 };
 
-// Those of the pair. rest_speed: approach below this does not rebound, m/s.
+// Values of the pair.
 struct BallContact {
+  // Rest_speed: a slower approach does not rebound, m/s.
   double friction = 0.0, restitution = 0.0, rest_speed = 0.0;
 };
 
-// Equal and opposite impulses at the point where both touch, n from b to a, of length 1, along the
-// arms of what turns: along n as Newton's restitution has it, across n by Coulomb's friction. Where
-// they part nothing is done. True if there was an impulse.
+// Applies equal and opposite impulses at the contact point; n points from b to a and has length 1.
+// They act on the arms of rotating sides: along n by Newton's restitution, across n by Coulomb's
+// friction. No impulse if the sides separate. True if there was an impulse.
 bool collide(const Eigen::Vector3d& n, const BallContact& touch, ContactSide& a, ContactSide& b);
 
-// The same for what a reaction of `pressed`, N s, has already kept apart: the speed along n becomes
-// `speed`, m/s, whichever it was, and Coulomb's friction is of all that presses.
+// The same after a reaction with the impulse `pressed`, N s, has kept the sides apart: the speed
+// along n becomes `speed`, m/s, whatever it was, and `pressed` limits Coulomb's friction.
 void settle_sides(const Eigen::Vector3d& n, double speed, double pressed, double friction,
                   ContactSide& a, ContactSide& b);
 

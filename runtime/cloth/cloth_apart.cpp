@@ -1,4 +1,4 @@
-// A scene's cloths must not begin inside of its balls and colliders.
+// Checks that a scene's cloths do not start inside its balls and colliders.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -38,7 +38,7 @@ struct Sphere {
   double radius = 0.0;
 };
 
-// Contact is of particles: a sphere between them would not be met.
+// Only particles have contact: a sphere between them would not be detected.
 Status check_triangles(const WorldCloth& cloth, const Sphere& sphere) {
   const auto held = cloth.model.held();
   for (const Triangle& t : cloth.model.parts().triangles) {

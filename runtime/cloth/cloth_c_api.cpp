@@ -33,7 +33,7 @@ Status need_cloth(const ClothWorld& world, size_t cloth) {
                      std::to_string(cloth));
 }
 
-// Copies what `values` gives of the cloth, 3 a particle.
+// Copies the cloth's `values`, 3 per particle.
 template <class Values>
 tremolo_status copy_vectors(const tremolo_cloth_world* world, size_t cloth, double* out,
                             size_t length, const Values& values) noexcept {

@@ -9,19 +9,21 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kSweeps = 24;
-// From this sweep on what lies on the ground gives way no more; from that one on, balls do not.
+// From kGroundSweep on, particles on the ground are no longer displaced; from kLastBallSweep on,
+// balls.
 constexpr int kGroundSweep = 2;
 constexpr int kLastBallSweep = 16;
-// m; nearer by less than this is where it should be.
+// Distance below which a particle counts as being at its position, m.
 constexpr double kNearEnough = 1e-12;
 
 BallContact pair_of(double friction, double other_friction, double restitution,
-                     double other_restitution, double rest_speed) {
+                    double other_restitution, double rest_speed) {
   return {std::sqrt(friction * other_friction), std::sqrt(restitution * other_restitution),
           rest_speed};
 }
 
-// The way out of a collider by `depth`, along its normal; that of a grid may be shorter than 1.
+// Displacement by `depth` out of a collider, along its normal; a grid's normal may be shorter than
+// 1.
 Vector3d way_out(const CollisionDistance& found, double depth) {
   const double square = found.normal.squaredNorm();
   return square > 1e-4 ? Vector3d(depth / square * found.normal) : Vector3d::Zero();
@@ -98,7 +100,7 @@ void ClothContact::cloth_ball(ContactCloth& cloth, MovingBall& ball, Pass& pass)
     const Vector3d n =
         distance > 0.0 ? Vector3d((x - ball.now.position) / distance) : Vector3d::UnitZ();
     const double inverse = free ? 1.0 / cloth.model->mass()[i] : 0.0;
-    // Who gives way, and by which part.
+    // The parts that are displaced, and their fractions.
     const bool grounded =
         !free || (pass.sweep >= kGroundSweep && cloth.grounded[i] != 0 && ball.inverse_mass > 0.0);
     const bool stays = ball.inverse_mass == 0.0 || pass.sweep >= kLastBallSweep;
@@ -162,7 +164,7 @@ ContactReport ClothContact::project(std::span<ContactCloth> cloths, std::span<Mo
                                     const Vector3d& gravity, double h) {
   ContactReport report;
   if (balls.empty() && colliders.empty()) return report;
-  // What gravity gives in a step is no fall.
+  // The speed that gravity adds in a step does not count as a fall.
   Pass pass{.colliders = colliders, .h = h, .rest_speed = 2.0 * h * gravity.norm()};
   for (ContactCloth& cloth : cloths) {
     cloth.touched = false;

@@ -1,9 +1,9 @@
-// Contact by projection at the end of a step: particles and balls are put where nothing is inside
-// anything, and get the impulses of runtime/cloth/ball_motion.h.
+// Contact by projection at the end of a step: particles and balls are moved out of each other and
+// of colliders, and get the impulses of runtime/cloth/ball_motion.h.
 //
-// Sweeps go over all pairs until none is too near. Of two that move, each gives way by the inverse
-// of its mass; from the third sweep on, particles that lie on something that does not move give way
-// no more, so that a heavy ball comes to lie on cloth that lies on the ground.
+// Sweeps check all pairs until none is too near. Of two moving partners each is displaced by the
+// inverse of its mass. From the third sweep on, particles on a fixed obstacle are no longer
+// displaced, so that a heavy ball comes to rest on cloth that lies on the ground.
 #pragma once
 
 #include <cstdint>
@@ -19,37 +19,37 @@
 
 namespace tremolo {
 
-// touched: it was moved or pushed in this step. grounded: a flag a particle.
+// A cloth in contact.
 struct ContactCloth {
   const ClothModel* model = nullptr;
   NodalState* state = nullptr;
+  // thickness: m.
   double thickness = 0.0, friction = 0.0, restitution = 0.0;
-  bool touched = false;
-  std::vector<std::uint8_t> grounded;
+  bool touched = false;                // it was moved or pushed in this step
+  std::vector<std::uint8_t> grounded;  // one flag per particle: it lies on a fixed obstacle
 };
 
-// touched: anything was. penetration: of the deepest particle at the end, m, 0 where none is
-// inside.
-struct ContactReport {
-  bool touched = false;
+// Result of the projection.
+struct ContactReport {   // any cloth or ball was moved
+  bool touched = false;  // of the deepest particle at the end, m; 0 if none is inside
   double penetration = 0.0;
 };
 
 class ClothContact {
  public:
-  // What lies in the step's end: colliders where they end, h the step, s. Nothing is allocated.
+  // Projects at the end of a step of h, s; colliders are at their end poses. Allocates nothing.
   ContactReport project(std::span<ContactCloth> cloths, std::span<MovingBall> balls,
                         std::span<const PlacedCollider> colliders, const Eigen::Vector3d& gravity,
                         double h);
 
  private:
-  // What the pairs of a step share.
+  // Data for all pairs of a step.
   struct Pass {
     std::span<const PlacedCollider> colliders;
     double h = 0.0, rest_speed = 0.0;
     int sweep = 0;
     bool moved = false;
-    double nearest = 0.0;  // m, the most negative distance
+    double nearest = 0.0;  // the most negative distance, m
   };
 
   void cloth_colliders(ContactCloth& cloth, Pass& pass) const;
@@ -65,7 +65,8 @@ ContactSide ball_side(MovingBall& ball, const Eigen::Vector3d& point);
 Eigen::Vector3d surface_velocity(const PlacedCollider& collider, const Eigen::Vector3d& x,
                                  double h);
 
-// Distance of a point of the world to a collider where it ends its step; its normal in the world.
+// Distance of a point of the world to a collider at the end of its step; the normal is in the
+// world.
 CollisionDistance distance_at_end(const PlacedCollider& collider, const Eigen::Vector3d& x);
 
 }  // namespace tremolo

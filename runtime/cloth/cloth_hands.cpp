@@ -1,4 +1,4 @@
-// Hands that hold particles of a world's cloths: those of the scene and the user's.
+// Grabs of particles of a world's cloths: those of the scene and the user's.
 #include <string>
 #include <utility>
 
@@ -8,8 +8,8 @@ namespace tremolo {
 
 using Eigen::Vector3d;
 
-// A particle that is held counts with its motion no more, and one that is let go does again. What
-// methods carry from step to step is forgotten only where a particle becomes held or free.
+// The motion of a grabbed particle no longer counts, and that of a released one does again. The
+// state of methods between steps is discarded only where a particle becomes fixed or free.
 void ClothWorld::Inside::hold(WorldCloth& cloth, std::size_t particle, const Vector3d& at) {
   const bool was_free = cloth.model.held()[particle] == 0;
   const double before = was_free ? free_cloth_kinetic(cloth) : 0.0;
@@ -25,7 +25,7 @@ void ClothWorld::Inside::let_go(WorldCloth& cloth, std::size_t particle) {
   told.pins += free_cloth_kinetic(cloth) - before;
 }
 
-// wanted: as check_scene() has passed it, so that its cloth is there.
+// wanted: has passed check_scene(), so that its cloth exists.
 Status ClothWorld::Inside::add_hand(const ClothHand& wanted) {
   WorldHand hand;
   hand.particle = wanted.particle;
@@ -42,8 +42,8 @@ Status ClothWorld::Inside::add_hand(const ClothHand& wanted) {
   return Success{};
 }
 
-// Before a step: to where each is at its end. Those whose time is over let go first, so that
-// another one may hold the same particle.
+// Before a step: moves each to its position at the end. Grabs whose time is over are released
+// first, so that another one may hold the same particle.
 void ClothWorld::Inside::move_hands() {
   const double h = scene.options.step, t = static_cast<double>(steps) * h;
   const double now = t + kSameTime * h, end = static_cast<double>(steps + 1) * h;

@@ -122,7 +122,7 @@ void ClothModel::begin_holds(double time, double h, const Eigen::VectorXd& x) {
 
 Vector3d ClothModel::Hand::place(double time) const {
   const double gone = time - begun;
-  // Rounded sums of a step's parts may end a little before it.
+  // Because of rounding the sum of a step's parts may end slightly before it.
   if (gone >= (1.0 - kSameTime) * length) return at;
   return from + std::max(0.0, gone / length) * (at - from);
 }
@@ -147,7 +147,7 @@ void ClothModel::count_holds() {
 
 double ClothModel::load_size() const {
   double size = parts_.mass.norm() * gravity_.norm();
-  // Without weight: what stretches the springs by a thousandth.
+  // Without weight: the force that stretches the springs by a thousandth.
   for (const ClothSprings* springs : {&parts_.structural, &parts_.shear, &parts_.bend})
     if (size == 0.0 && !springs->rest.empty())
       size = 1e-3 * springs->law.stiffness * springs->rest.front() *

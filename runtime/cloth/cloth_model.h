@@ -1,4 +1,4 @@
-// A cloth as masses in space: what its springs, the wind and gravity do to its particles.
+// A cloth as point masses: the forces of its springs, of the wind and of gravity on its particles.
 //
 // M x'' = f(x, v) = f_structural + f_shear + f_bend + f_wind + M g. Structural springs are the
 // stiff part (ForcePart::kStiff), all else is the soft one.
@@ -21,11 +21,11 @@ namespace tremolo {
 
 class ClothModel : public NodalSystem {
  public:
-  // Errors (kContent): no particle, a mass that is not positive and finite, what is not finite,
-  // springs and triangles of particles that are none, a law that is negative.
+  // Errors (kContent): no particle, a mass that is not positive and finite, a value that is not
+  // finite, springs and triangles of particles that do not exist, a negative spring law.
   static Result<ClothModel> create(ClothParts parts);
 
-  // m/s^2; m/s. They stay through a step.
+  // Gravity, m/s^2, and wind, m/s. They are constant through a step.
   void set_gravity(const Eigen::Vector3d& gravity) {
     if (gravity != gravity_) ++potential_version_;
     gravity_ = gravity;
@@ -34,22 +34,23 @@ class ClothModel : public NodalSystem {
   const Eigen::Vector3d& gravity() const { return gravity_; }
   const Eigen::Vector3d& wind() const { return wind_; }
 
-  // Holds particles, which move from where they are at rest as the path maps the world, until a
-  // moment, s. Errors (kContent): one that is none.
+  // Fixes particles, which move from their rest positions as the path maps the world, until a time,
+  // s. Error (kContent): a particle that does not exist.
   Status pin(std::span<const std::size_t> particles, MotionPath path, double until);
-  // Lets go what is held until `time` or before; true if that was any.
+  // Releases particles that are fixed until `time` or before; true if there were any.
   bool release_pins(double time);
-  // Makes room for one more hold, which then allocates nothing; there is room for sixteen.
+  // Reserves memory for one more hold, which then allocates nothing; there is room for sixteen.
   void expect_hold() { hands_.reserve(hands_.capacity() + 1); }
-  // A hand's hold on one particle, which goes before pins. particle: below size().
+  // A grab of one particle; it has priority over pins. particle: below size().
   void hold(std::size_t particle, const Eigen::Vector3d& at);
-  // The step from `time`, s, with the length `h`, begins at x: what hands hold goes straight and
-  // evenly from there to where they hold it. A hold that no step has begun is there at once.
+  // Starts the step from `time`, s, with the length `h` at positions x: grabbed particles move from
+  // there to their targets on straight paths at constant speed. A grab that no step has started is
+  // at its target at once.
   void begin_holds(double time, double h, const Eigen::VectorXd& x);
-  // True if it was held by a hand; a pin may hold it still.
+  // Releases a grab. True if there was one; a pin may still fix the particle.
   bool let_go(std::size_t particle);
 
-  // What presses on its particles in implicit steps; none: nothing does. Must outlive its use.
+  // Sets the contact of its particles in implicit steps; null: none. It must outlive its use.
   void set_contact(NodalContact* contact) { contact_ = contact; }
 
   const ClothParts& parts() const { return parts_; }
@@ -93,7 +94,7 @@ class ClothModel : public NodalSystem {
   struct Hand {
     std::size_t particle = 0;
     Eigen::Vector3d at = Eigen::Vector3d::Zero(), from = Eigen::Vector3d::Zero();
-    double begun = 0.0, length = 0.0;  // of the step, s
+    double begun = 0.0, length = 0.0;  // time and length of the step, s
 
     Eigen::Vector3d place(double time) const;
   };

@@ -1,4 +1,4 @@
-// What a cloth is made of: particles, springs of three kinds, triangles.
+// The parts of a cloth: particles, springs of three kinds, triangles.
 #pragma once
 
 #include <cstdint>
@@ -13,43 +13,44 @@
 
 namespace tremolo {
 
-// pairs: the two particles of each spring. rest: their rest lengths, m.
+// Springs of one kind.
 struct ClothSprings {
   SpringLaw law;
-  std::vector<NodePair> pairs;
-  std::vector<double> rest;
+  std::vector<NodePair> pairs;  // the two particles of each spring
+  std::vector<double> rest;     // their rest lengths, m
 };
 
-// x: 3n, m, at rest. mass: n, kg. triangles: what the wind blows on and what is drawn. drag:
-// kg/m^3.
+// The parts of a cloth of n particles.
 struct ClothParts {
-  Eigen::VectorXd x;
-  Eigen::VectorXd mass;
-  std::vector<Triangle> triangles;
+  Eigen::VectorXd x;                // 3n, m, at rest
+  Eigen::VectorXd mass;             // n, kg
+  std::vector<Triangle> triangles;  // the wind acts on them, and they are drawn
   ClothSprings structural, shear, bend;
-  double drag = 0.0;
+  double drag = 0.0;  // kg/m^3
 };
 
-// Rest lengths of the pairs as they lie at x. Errors (kContent): of two particles in one place,
-// naming them and `kind`.
+// Sets the rest lengths of the pairs to those at x. Error (kContent): two particles at one
+// position; the message names them and `kind`.
 Status measure_springs(const Eigen::VectorXd& x, const char* kind, ClothSprings& springs);
 
-// Particle row * columns + column. Structural springs join neighbours, shear springs the diagonals
-// of each cell, bend springs second neighbours; a cell's mass is shared by its four corners. The
-// diagonal by which cells become triangles changes from each to the next.
+// The index of a particle is row * columns + column. Structural springs join neighbours, shear
+// springs the diagonals of each cell, bend springs second neighbours. A cell's mass is divided
+// equally among its four corners. The diagonal that divides cells into triangles alternates from
+// cell to cell.
 Result<ClothParts> make_grid_cloth(const SceneCloth& cloth);
 
-// Any triangles. Structural springs are the edges; over each edge that two triangles share a shear
-// and a bend spring join the vertices opposite of it, which resist shear of the two to first order
-// and their bending to second. A triangle's mass is shared by its corners. Errors (kContent):
+// Accepts any triangles. Structural springs are the edges. Over each edge of two triangles a shear
+// and a bend spring join the opposite vertices; they resist shear of the two triangles to first
+// order and bending to second. A triangle's mass is divided among its corners. Errors (kContent):
 // vertices without a triangle, edges with more than two, triangles without an area.
 Result<ClothParts> make_mesh_cloth(const SceneCloth& cloth, const SurfaceMesh& mesh);
 
-// The grid's or the file's. Errors also as of read_surface_triangles().
+// Makes the grid's or the file's cloth. Errors also as for read_surface_triangles().
 Result<ClothParts> make_cloth_parts(const SceneCloth& cloth);
 
-// x, each particle moved by up to `share` of the mean length of its structural springs along each
-// axis, by random numbers of a fixed seed; those whose flag is not 0 stay.
+// Returns x with each particle displaced along each axis by up to `share` of the mean length of its
+// structural springs, by random numbers of a fixed seed. Particles whose flag is not 0 are not
+// displaced.
 Eigen::VectorXd crumpled(const ClothParts& parts, double share,
                          const std::vector<std::uint8_t>& stays);
 

@@ -8,12 +8,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-// m: a particle that is nearer to its place than this is there.
+// m: a particle nearer to its position than this is there.
 constexpr double kThere = 1e-6;
-// The spring of a reaction over what the particle resists with in a step.
+// The stiffness of a reaction divided by the particle's effective stiffness in a step.
 constexpr double kReactionShare = 30.0;
 constexpr double kLeastRelaxed = 0.02;
-// Shorter gradients of a collider's distance have no direction.
+// A shorter gradient of a collider's distance has no direction.
 constexpr double kNoDirection = 1e-4;
 constexpr std::size_t kMostKnown = 64;
 
@@ -55,7 +55,7 @@ double ClothReactions::stiffness_of(std::size_t particle) const {
   return kReactionShare * (4.0 * mass / (h * h) + 8.0 * model_.structural().law().stiffness);
 }
 
-// Where the step ends.
+// Pose at the end of the step.
 CollisionDistance ClothReactions::nearest(const ParticleTouch& touch, const Vector3d& x) const {
   if (touch.collider != ParticleTouch::kNone)
     return distance_at_end(around_.colliders[touch.collider], x);
@@ -65,7 +65,7 @@ CollisionDistance ClothReactions::nearest(const ParticleTouch& touch, const Vect
           length > 0.0 ? Vector3d(apart / length) : Vector3d::UnitZ()};
 }
 
-// By how much what is touched goes in the step, where x0 is, m.
+// Displacement of the obstacle in the step at x0, m.
 Vector3d ClothReactions::way_of(const ParticleTouch& touch, const Vector3d& x0) const {
   if (touch.collider != ParticleTouch::kNone) {
     const PlacedCollider& collider = around_.colliders[touch.collider];
@@ -75,7 +75,7 @@ Vector3d ClothReactions::way_of(const ParticleTouch& touch, const Vector3d& x0) 
   return around_.ways[touch.ball].end - around_.ways[touch.ball].start;
 }
 
-// Finds p and m; returns how deep x1 is inside, m.
+// Finds p and m; returns the depth of x1 inside, m.
 double ClothReactions::aim(ClothReaction& reaction, const Vector3d& x0, const Vector3d& x1) const {
   const CollisionDistance found = nearest(reaction.touch, x1);
   if (found.normal.squaredNorm() < kNoDirection) return 0.0;
@@ -146,7 +146,7 @@ bool ClothReactions::let_go() {
   return any;
 }
 
-// Where balls end depends on what presses, and that on where they end: Aitken's relaxation.
+// The ends of balls depend on the forces on them, and these on the ends: Aitken's relaxation.
 bool ClothReactions::move_balls(double share) {
   bool any = false;
   for (std::size_t b = 0; b < pushes_.size(); ++b) {
@@ -177,7 +177,7 @@ bool ClothReactions::move_balls(double share) {
 bool ClothReactions::revise(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double share) {
   for (ClothReaction& r : reactions_)
     if (r.presses) r.force = r.force_at(x1);
-  // The forces are then those of the places at hand.
+  // The forces are then those of the present positions.
   const auto settle = [&] {
     for (ClothReaction& r : reactions_)
       if (r.presses) r.place = particle_at(x1, r.particle);
@@ -197,7 +197,7 @@ bool ClothReactions::revise(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1
           changed;
   if (round_ <= kAddingRounds) changed = add_what_is_inside(x0, x1) || changed;
   if (!changed) {
-    // What was solved for had the normals of before.
+    // The solve used the normals of the round before.
     for (ClothReaction& r : reactions_) r.normal = r.solved_normal;
     settle();
   }

@@ -130,7 +130,7 @@ Status check_hand(const ClothScene& scene, const ClothHand& hand) {
   return check_cloth_motion(hand.motion);
 }
 
-// Each with a name of its own.
+// Each has a name of its own.
 template <class Thing, class Check>
 Status check_named(const std::vector<Thing>& things, const std::string& kind, const Check& good) {
   std::set<std::string> names;

@@ -1,5 +1,5 @@
-// Cloths, rigid spheres and what they touch, as plain values; SI units, vectors along the world's
-// axes. ClothWorld (runtime/cloth/cloth_world.h) makes them go.
+// Cloths, rigid spheres and the obstacles of both, as plain values; SI units, vectors along the
+// world's axes. ClothWorld (runtime/cloth/cloth_world.h) simulates them.
 #pragma once
 
 #include <array>
@@ -38,56 +38,56 @@ inline std::size_t grid_particle(const ClothGrid& grid, std::size_t row, std::si
   return row * grid.columns + column;
 }
 
-// Particles that are held, chosen at rest: ids; on a grid `corner` words are turned into ids by the
-// reader. motion: moves them from where they are; until: s, they are let go then.
+// Particles that are fixed, chosen at rest.
 struct ClothPin {
+  // Their indices; for a grid the reader converts `corner` words to indices.
   std::vector<std::size_t> particles;
-  Motion motion;
+  Motion motion;  // moves them from their positions
+  // They are released at this time, s.
   double until = std::numeric_limits<double>::infinity();
 };
 
-// grid, or file (.obj, .ply): one of both. position: added to the file's vertices, m. density:
-// kg/m^2. thickness: how far particles stay off colliders, m. friction, restitution: towards what
-// it touches. drag: kg/m^3 s/m..., see docs/cloth.md: force of the wind on a triangle, 1/2 drag A
-// |n.w| (n.w) n, drag kg/m^3, w the wind's velocity relative to it.
+// A cloth. It has either a grid or a file.
 struct SceneCloth {
   std::string name = "cloth";
   ClothGrid grid;
-  std::string file;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  double density = 0.2;
+  std::string file;                                    // .obj or .ply
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // added to the file's vertices, m
+  double density = 0.2;                                // kg/m^2
   SpringLaw structural{1000.0, 0.01}, shear{300.0, 0.01}, bend{20.0, 0.001};
+  // Drag rho of the wind, kg/m^3. The force on a triangle is 1/2 rho A |n.w| (n.w) n, where w is
+  // the wind's velocity relative to it (docs/cloth.md).
   double drag = 1.2;
-  double thickness = 0.005;
-  double friction = 0.3;
-  double restitution = 0.0;
+  double thickness = 0.005;  // least distance of particles from colliders, m
+  double friction = 0.3;     // with its obstacles
+  double restitution = 0.0;  // with its obstacles
   std::vector<ClothPin> pins;
-  double crumple = 0.0;  // a share of the spacing by which particles are off at the start, seeded
+  // Random displacement at the start, as a fraction of the spacing; the seed is fixed.
+  double crumple = 0.0;
 };
 
-// A rigid ball: rolls, falls and collides; fixed: it stays, or goes as its motion does.
+// A rigid ball that rolls, falls and collides.
 struct SceneBall {
   std::string name;
-  double radius = 0.1;
-  double mass = 1.0;  // kg
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-  Eigen::Vector3d spin = Eigen::Vector3d::Zero();
-  bool fixed = false;
+  double radius = 0.1;                                 // m
+  double mass = 1.0;                                   // kg
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();      // rad/s
+  bool fixed = false;                                  // it is at rest or follows its motion
   Motion motion;
   double friction = 0.3;
   double restitution = 0.3;
 };
 
-// A hand that holds a particle of a cloth, named, from the step that begins at `from`, s, to
-// `until`: where it is then, and from there on as the motion maps the world. It is on its way's end
-// at the end of each step.
+// A grab of a named cloth's particle. The particle moves from its position at the start as the
+// motion maps the world, and is at the end of its path at the end of each step.
 struct ClothHand {
   std::string cloth;
   std::size_t particle = 0;
   Motion motion;
-  double from = 0.0;
-  double until = kForEver;
+  double from = 0.0;        // start of the first step, s
+  double until = kForEver;  // s
 };
 
 struct ClothScene {
@@ -96,7 +96,7 @@ struct ClothScene {
   double duration = 10.0;  // s
   SceneGravity gravity;
   Eigen::Vector3d wind = Eigen::Vector3d::Zero();  // m/s
-  double gust = 0.0;  // a share of the wind that comes and goes, with gust_hz
+  double gust = 0.0;                               // fraction of the wind that varies with gust_hz
   double gust_hz = 0.7;
   std::vector<SceneCloth> cloths;
   std::vector<SceneBall> balls;
@@ -104,10 +104,9 @@ struct ClothScene {
   std::vector<ClothHand> hands;
 };
 
-// Errors, kContent, naming cloth, ball, collider or key: none of both grid and file, or both,
-// sizes and stiffnesses out of range (negative, not finite), a mass or density that is not
-// positive, pins and hands that name no particle, names that stand twice, an integrator that is
-// none.
+// Errors, kContent, naming cloth, ball, collider or key: neither grid nor file, or both; sizes and
+// stiffnesses out of range (negative, not finite); a mass or density that is not positive; pins and
+// hands without a particle that exists; duplicate names; an unknown integrator.
 Status check_scene(const ClothScene& scene);
 
 }  // namespace tremolo

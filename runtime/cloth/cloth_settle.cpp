@@ -1,5 +1,5 @@
-// Before and after the solves of an implicit step: what particles press on (ClothReactions), what
-// balls feel of it, friction and restitution, and that contact gives no energy.
+// Before and after the solves of an implicit step: reactions on particles (ClothReactions), their
+// impulses on balls, friction and restitution; contact must add no energy.
 #include <algorithm>
 #include <cmath>
 
@@ -45,7 +45,7 @@ void ClothWorld::Inside::begin_contact(double t, double h) {
   for (const auto& cloth : cloths) cloth->reactions->begin(cloth->state);
 }
 
-// The reactions' impulses on balls. Their places are those of the mean of their velocities.
+// The reactions' impulses on balls. Their positions are those of the mean of their velocities.
 void ClothWorld::Inside::push_balls(double h) {
   for (const auto& cloth : cloths)
     for (const ClothReaction& r : cloth->reactions->all()) {
@@ -53,8 +53,9 @@ void ClothWorld::Inside::push_balls(double h) {
       MovingBall& ball = balls[r.touch.ball];
       if (ball.inverse_mass == 0.0) continue;
       const Vector3d change = -ball.inverse_mass * r.impulse;
-      // The impulse changes angular momentum as if it acted at (x0 + x1)/2 on all that goes from x0
-      // to x1 at the mean of its velocities: the particle under the midpoint's rules, and the ball.
+      // The impulse changes angular momentum as if it acted at (x0 + x1)/2 on a body that moves
+      // from x0 to x1 at the mean of its velocities: the particle under the midpoint rule, and the
+      // ball.
       const auto at = 3 * static_cast<Eigen::Index>(r.particle);
       const auto& way = around.ways[r.touch.ball];
       const Vector3d arm = 0.5 * (cloth->before.x.segment<3>(at) + cloth->state.x.segment<3>(at) -
@@ -65,7 +66,8 @@ void ClothWorld::Inside::push_balls(double h) {
     }
 }
 
-// Along the normal what pressed stays, or leaves as restitution has it; across it friction.
+// Along the normal a particle stays on the obstacle or leaves by restitution; friction acts across
+// it.
 void ClothWorld::Inside::settle(WorldCloth& cloth, const ClothReaction& r, double h) {
   const Eigen::Index at = r.particle;
   const Vector3d x = cloth.state.x.segment<3>(3 * at);
@@ -97,7 +99,7 @@ void ClothWorld::Inside::settle(WorldCloth& cloth, const ClothReaction& r, doubl
   cloth.touched = true;
 }
 
-// True if anything pressed.
+// True if any reaction acted.
 bool ClothWorld::Inside::settle_all(double h) {
   bool any = false;
   for (std::size_t c = 0; c < cloths.size(); ++c) {
@@ -108,7 +110,7 @@ bool ClothWorld::Inside::settle_all(double h) {
   return any;
 }
 
-// Whether nothing moves but cloths and balls that are free: what is moved may do work.
+// True if only cloths and free balls move: prescribed motion may do work.
 bool ClothWorld::Inside::stands_still() const {
   for (std::size_t b = 0; b < balls.size(); ++b)
     if (balls[b].inverse_mass == 0.0 && around.ways[b].start != around.ways[b].end) return false;
@@ -117,15 +119,15 @@ bool ClothWorld::Inside::stands_still() const {
 
 namespace {
 
-// The motion of a rigid body that has the momenta of a cloth's free particles: at x with velocity +
-// turning x (x - centre). Particles in a line do not turn about it.
+// The rigid motion that has the momenta of a cloth's free particles: at x the velocity is velocity
+// + turning x (x - centre). Particles in a line do not rotate about it.
 struct RigidMotion {
   Vector3d centre = Vector3d::Zero(), velocity = Vector3d::Zero(), turning = Vector3d::Zero();
 
   Vector3d at(const Vector3d& x) const { return velocity + turning.cross(x - centre); }
 };
 
-// Acts on the mass, the place and the velocity of each free particle.
+// Calls a function with the mass, the position and the velocity of each free particle.
 template <class Act>
 void each_free_particle(WorldCloth& cloth, Act&& act) {
   for (std::size_t i = 0; i < cloth.model.size(); ++i)
@@ -151,7 +153,7 @@ RigidMotion rigid_motion(WorldCloth& cloth) {
     inertia += mass * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
     spin += mass * arm.cross(v - motion.velocity);
   });
-  constexpr double kLeastInertia = 1e-12;  // over the largest: no more than rounding
+  constexpr double kLeastInertia = 1e-12;  // relative to the largest: below this it is rounding
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(inertia);
   for (int k = 0; k < 3; ++k)
     if (axes.eigenvalues()[k] > kLeastInertia * axes.eigenvalues()[2])
@@ -162,10 +164,10 @@ RigidMotion rigid_motion(WorldCloth& cloth) {
 
 }  // namespace
 
-// Where a step in which something touched ends with more than it began with and was given, the rest
-// is taken from what the cloths that touched move beyond rigid_motion(): as the particles' motion
-// relative to it has neither momentum nor angular momentum, shrinking it keeps both, and its energy
-// and that of the rigid motion add up. Returns what was taken, J.
+// If a step with contact ends with more energy than it started with and was given, the excess is
+// taken from the motion of the cloths in contact relative to rigid_motion(). That relative motion
+// has neither momentum nor angular momentum, so that shrinking it conserves both, and its energy
+// and that of the rigid motion add up. Returns the energy that was taken, J.
 double ClothWorld::Inside::take_excess(double excess) {
   double motion = 0.0;
   for (const auto& cloth : cloths) {

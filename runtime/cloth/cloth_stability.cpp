@@ -14,7 +14,7 @@ using Eigen::Matrix2d;
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-// What a step of y = h omega makes of (omega x, v).
+// Matrices of a step with y = h omega on (omega x, v).
 Matrix2d step_matrix(std::string_view name, double y, double zeta) {
   Matrix2d slope, position, kick;  // of all, of x alone, of v alone
   slope << 0.0, y, -y, -2.0 * zeta * y;
@@ -35,7 +35,7 @@ Matrix2d step_matrix(std::string_view name, double y, double zeta) {
     last << 1.0, 0.0, -0.5 * y * (1.0 - zeta * y), 1.0 - zeta * y + zeta * zeta * y * y;
     return last * position * half;
   }
-  // The sweep: velocities of an explicit step's end, which then move the masses.
+  // The sweep takes the velocities of an explicit step's end, which then move the masses.
   const Matrix2d end = one + slope;
   Matrix2d velocity;
   velocity.row(0) = one.row(0);
@@ -55,7 +55,7 @@ bool grows(std::string_view name, double y, double zeta) {
 
 double damped_stability_number(std::string_view name, double zeta) {
   if (std::isinf(stability_number(name))) return kNoLimit;
-  // Growth below this is not seen.
+  // Growth below this is not detected.
   constexpr double kSmallest = 1e-3;
   double stable = kSmallest;
   if (grows(name, stable, zeta)) return 0.0;

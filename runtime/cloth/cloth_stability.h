@@ -1,4 +1,4 @@
-// Up to which step a method is stable on a cloth.
+// The largest step for which a method is stable on a cloth.
 #pragma once
 
 #include <string_view>
@@ -9,14 +9,13 @@
 
 namespace tremolo {
 
-// h omega up to which the method `name` keeps x'' = -omega^2 x - 2 zeta omega x' from growing;
-// infinity for one that has no limit.
+// The largest h omega for which the method `name` keeps x'' = -omega^2 x - 2 zeta omega x' from
+// growing; infinity for a method without a limit.
 double damped_stability_number(std::string_view name, double zeta);
 
-// The step, s, of the sheet's own largest frequency at x, with the dampers of its springs: the
-// smaller one of what the most and the least damped kind of spring allow. Infinity for methods
-// without a limit. Frequencies of a sheet under load, and of one that is folded, are a little
-// higher.
+// The largest stable step, s, for the sheet's largest frequency at x with the dampers of its
+// springs: the smaller of the steps for the most and the least damped kind of spring. Infinity for
+// methods without a limit. The frequencies of a loaded or folded sheet are slightly higher.
 double stable_step(std::string_view name, const ClothModel& model, const Eigen::VectorXd& x);
 
 }  // namespace tremolo

@@ -62,7 +62,7 @@ void ClothWorld::Inside::add_present(ClothEnergy& energy) const {
   }
 }
 
-// Gravity that changes lifts or lowers what everything weighs: told with the wind.
+// A change of gravity changes the potential energy of everything; it is added to the wind's work.
 void ClothWorld::Inside::set_weather(double t) {
   const Vector3d now = scene.gravity.at(t), change = now - gravity;
   if (!change.isZero(0.0)) {
@@ -77,7 +77,7 @@ void ClothWorld::Inside::set_weather(double t) {
   }
 }
 
-// Those that are let go begin to count with their motion, those taken hold of end to.
+// The motion of released particles counts again, that of newly fixed ones no longer.
 void ClothWorld::Inside::release_pins(double t) {
   for (const auto& cloth : cloths) {
     const double before = free_cloth_kinetic(*cloth);
@@ -115,7 +115,7 @@ Status ClothWorld::Inside::advance_cloths(double t) {
   return Success{};
 }
 
-// True if anything was moved.
+// True if any particle was moved.
 bool ClothWorld::Inside::project(double h) {
   if (balls.empty() && scene.colliders.empty()) return false;
   const ContactReport report = contact.project(touching, balls, colliders.placed(), gravity, h);
@@ -132,13 +132,12 @@ double ClothWorld::Inside::present() const {
   return energy.total();
 }
 
-// What came from outside since the start, J.
+// Energy from outside since the start, J.
 double ClothWorld::Inside::given() const {
   return told.wind + told.pins - told.damped;
 }
 
-// After the cloths' own steps: balls move, and all that touches is told in one. True if anything
-// did.
+// After the cloths' own steps: moves balls and applies all contact at once. True if there was any.
 bool ClothWorld::Inside::touch(double t, double h) {
   if (balls.empty() && scene.colliders.empty()) return false;
   for (const auto& cloth : cloths) cloth->touched = false;

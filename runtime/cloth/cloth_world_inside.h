@@ -1,4 +1,4 @@
-// What a ClothWorld is made of; for its own files alone.
+// The members of a ClothWorld; only its own files include this.
 #pragma once
 
 #include <memory>
@@ -13,33 +13,33 @@
 
 namespace tremolo {
 
-// Does not move in memory: the integrator has the model's address. before: the state in which the
-// step began. reactions: none where the method solves nothing. touched: something, in this step.
+// A cloth of the world. It does not move in memory, because the integrator has the model's address.
 struct WorldCloth {
   SceneCloth scene;
   ClothModel model;
-  NodalState state, before;
+  NodalState state, before;  // before: at the start of the step
   std::unique_ptr<NodalIntegrator> integrator;
-  std::unique_ptr<ClothReactions> reactions;
-  bool touched = false;
+  std::unique_ptr<ClothReactions> reactions;  // null: the method solves no equations
+  bool touched = false;                       // contact acted in this step
 };
 
 // Kinetic energy of the particles that are not held, J.
 double free_cloth_kinetic(const WorldCloth& cloth);
 
-// A hand of the scene. base: where its particle was when it was taken, without the motion, m.
+// A grab of the scene.
 struct WorldHand {
   std::size_t cloth = 0, particle = 0;
   MotionPath path;
   double from = 0.0, until = kForEver;
   bool holds = false, over = false;
+  // Position of its particle when it was grabbed, without the motion, m.
   Eigen::Vector3d base = Eigen::Vector3d::Zero();
 };
 
 struct ClothWorld::Inside {
   ClothScene scene;
   std::vector<std::unique_ptr<WorldCloth>> cloths;
-  std::vector<ContactCloth> touching;  // the same
+  std::vector<ContactCloth> touching;  // the same cloths
   std::vector<MovingBall> balls;
   std::vector<Ball> shown;
   SceneColliders colliders;
@@ -58,8 +58,8 @@ struct ClothWorld::Inside {
   void hold(WorldCloth& cloth, std::size_t particle, const Eigen::Vector3d& at);
   void let_go(WorldCloth& cloth, std::size_t particle);
   void move_hands();
-  // Free particles that begin inside of a ball or a collider are refused, and triangles that a
-  // sphere between their particles cuts.
+  // Refuses free particles that start inside a ball or a collider, and triangles cut by a sphere
+  // between their particles.
   Status check_apart() const;
   Status check_particles(const WorldCloth& cloth) const;
   void set_weather(double t);

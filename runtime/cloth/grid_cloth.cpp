@@ -14,7 +14,7 @@ std::uint32_t grid_id(const ClothGrid& grid, std::size_t row, std::size_t column
   return static_cast<std::uint32_t>(grid_particle(grid, row, column));
 }
 
-// Pairs that lie `rows` and `columns` apart: first all of one direction, so that those of a row
+// Pairs that are `rows` and `columns` apart: all of one direction first, so that those of a row
 // follow each other. columns may be negative.
 void join_grid(const ClothGrid& grid, std::size_t rows, int columns, ClothSprings& springs) {
   const std::size_t back = columns < 0 ? static_cast<std::size_t>(-columns) : 0;
@@ -96,7 +96,7 @@ Eigen::VectorXd crumpled(const ClothParts& parts, double share,
   std::mt19937_64 random(20);
   for (std::size_t i = 0; i < stays.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
-      // The library's distributions differ from one to the next.
+      // The distributions of standard libraries differ from each other.
       const double part = std::ldexp(static_cast<double>(random() >> 11U), -52) - 1.0;
       if (stays[i] == 0) x[3 * i + k] += length * part;
     }

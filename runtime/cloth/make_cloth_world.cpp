@@ -1,4 +1,4 @@
-// ClothWorld::create: a scene's cloths, balls and colliders, and what is refused.
+// ClothWorld::create: makes a scene's cloths, balls and colliders, and checks the scene.
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -19,7 +19,7 @@ Error of_cloth(const SceneCloth& cloth, const Error& error) {
   return {error.kind, "cloth '" + cloth.name + "': " + error.message};
 }
 
-// Milliseconds with three digits, rounded down: a step of this is allowed.
+// Milliseconds with three digits, rounded down: a step of this length is allowed.
 std::string milliseconds_text(double seconds) {
   const double ms = 1e3 * seconds;
   if (!(ms > 0.0)) return "0 ms";
@@ -76,7 +76,7 @@ Status ClothWorld::Inside::add_cloth(const SceneCloth& wanted) {
   return Success{};
 }
 
-// Where there is something to press on.
+// Only if there is an obstacle.
 void ClothWorld::Inside::make_reactions() {
   around.balls = balls;
   around.ways.resize(balls.size());

@@ -37,7 +37,7 @@ NodePair cloth_pair(VertexId a, VertexId b) {
   return {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)};
 }
 
-// bent: the pairs over edges.
+// bent: the pairs across edges.
 Status join_mesh(const std::vector<Triangle>& triangles, ClothSprings& edges_out,
                  std::vector<NodePair>& bent) {
   const std::vector<ClothEdge> edges = cloth_edges(triangles);

@@ -14,9 +14,9 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr std::uint32_t kChunk = 64;
-// Shorter runs are not worth a chunk of their own.
+// Shorter runs do not get a chunk of their own.
 constexpr std::uint32_t kShortestRun = 8;
-// Stands for squared lengths and lengths of nothing: what is divided by it is then zero itself.
+// Replaces zero lengths and squared lengths: the numerator is then zero itself.
 constexpr double kNoSquare = 1e-300;
 constexpr double kNoLength = 1e-150;
 
@@ -31,7 +31,7 @@ struct SpringView {
   double k, d;
 };
 
-// These are the places of each spring, as of BlockPattern::find().
+// The positions of each spring's blocks, same as BlockPattern::find().
 struct SpringPlaces {
   const std::uint32_t* a;
   const std::uint32_t* b;
@@ -60,7 +60,7 @@ struct SpringPlaces {
   for (std::uint32_t i = 0; i < chunk.count; ++i)
     for (std::uint32_t k = 0; k < 3; ++k) r[3 * i + k] *= c[i];
   if (chunk.run) {
-    // Both ends may be the same particles, of different springs: first one end, then the other.
+    // Two springs may have the same particles: first one end, then the other.
     double* fa = f + 3 * std::size_t{s.a[chunk.first]};
     double* fb = f + 3 * std::size_t{s.b[chunk.first]};
     for (std::uint32_t j = 0; j < 3 * chunk.count; ++j) fa[j] -= r[j];
@@ -83,8 +83,8 @@ struct SpringPlaces {
     squares[i] = r[3 * i] * w[3 * i] + r[3 * i + 1] * w[3 * i + 1] + r[3 * i + 2] * w[3 * i + 2];
 }
 
-// Finds of each spring of the chunk: r = xa - xb (m), c so that the force on a is -c r (N/m), and
-// 1/|r|^2.
+// Computes for each spring of the chunk: r = xa - xb (m), c so that the force on a is -c r (N/m),
+// and 1/|r|^2.
 [[gnu::always_inline]] inline void spring_factors(const SpringView& s, const SpringChunk& chunk,
                                                   const double* x, const double* v, ChunkVectors& r,
                                                   ChunkNumbers& c, ChunkNumbers& squares) {
@@ -93,7 +93,7 @@ struct SpringPlaces {
   spring_squares(r.data(), r.data(), chunk.count, squares.data());
   for (std::uint32_t i = 0; i < chunk.count; ++i) {
     const double square = squares[i] > kNoSquare ? squares[i] : kNoSquare;
-    // One division serves both: 1/l is l/l^2.
+    // One division gives both: 1/l is l/l^2.
     squares[i] = 1.0 / square;
     c[i] = s.k * (1.0 - rest[i] * std::sqrt(square) * squares[i]);
   }
@@ -152,7 +152,7 @@ double spring_step_forces(const SpringView& s, const double* x0, const double* x
   return damped;
 }
 
-// A sum of numbers that come chunk by chunk.
+// A sum of numbers that arrive chunk by chunk.
 double sum_of(const ChunkNumbers& sums) {
   double total = 0.0;
   for (const double sum : sums) total += sum;
@@ -192,7 +192,7 @@ double spring_damping(const SpringView& s, const double* x, const double* v) {
   return s.d * sum_of(sums);
 }
 
-// Cuts the springs into chunks, at the ends of runs where these are long.
+// Divides the springs into chunks, at the ends of runs where these are long.
 std::vector<SpringChunk> spring_chunks(std::span<const std::uint32_t> a,
                                        std::span<const std::uint32_t> b) {
   std::vector<SpringChunk> chunks;
@@ -212,7 +212,7 @@ std::vector<SpringChunk> spring_chunks(std::span<const std::uint32_t> a,
     }
     first = end;
   }
-  // Chunks near each other in memory are then taken soon after each other.
+  // Chunks near each other in memory are then used soon after each other.
   std::stable_sort(
       chunks.begin(), chunks.end(),
       [a](const SpringChunk& one, const SpringChunk& two) { return a[one.first] < a[two.first]; });
@@ -222,7 +222,7 @@ std::vector<SpringChunk> spring_chunks(std::span<const std::uint32_t> a,
 }  // namespace
 
 SpringSet::SpringSet(const ClothSprings& springs) : law_(springs.law) {
-  // A kind without a law is none.
+  // A kind without a law has no springs.
   if (law_.stiffness == 0.0 && law_.damping == 0.0) return;
   for (const NodePair& pair : springs.pairs) {
     a_.push_back(pair.first);
@@ -255,7 +255,7 @@ double SpringSet::add_step_force(const Eigen::VectorXd& x0, const Eigen::VectorX
 
 namespace {
 
-// Numbers of a block but its last, at any address.
+// The numbers of a block except its last, at any address.
 typedef double BlockNumbers __attribute__((vector_size(64), aligned(8), may_alias));
 
 // across I + along r r^T.
@@ -264,7 +264,7 @@ struct SpringBlock {
   double last;
 };
 
-// r: four numbers, the last of any value.
+// r: four numbers; the last may have any value.
 [[gnu::always_inline]] inline SpringBlock spring_block(const double* r, double across,
                                                        double along) {
   typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));
@@ -272,11 +272,11 @@ struct SpringBlock {
   const BlockNumbers column = __builtin_shufflevector(e, e, 0, 0, 0, 1, 1, 1, 2, 2);
   const BlockNumbers row = __builtin_shufflevector(e, e, 0, 1, 2, 0, 1, 2, 0, 1);
   const BlockNumbers one = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0};
-  // Written like this it is symmetric to the last bit.
+  // In this form it is symmetric to the last bit.
   return {along * (column * row) + across * one, along * (r[2] * r[2]) + across};
 }
 
-// The block of spring i: added at its particles' places, subtracted between them.
+// The block of spring i: added at its particles' diagonal blocks, subtracted between them.
 [[gnu::always_inline]] inline void add_spring_block(const SpringPlaces& places, std::size_t i,
                                                     const SpringBlock& block, double* blocks) {
   double* a = blocks + 9 * std::size_t{places.a[i]};
@@ -356,7 +356,7 @@ void SpringSet::add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorX
     const Vector3d q = u + e1;
     const double slack = 0.5 * k * (1.0 - 2.0 * rest_[i] / both);
     const double across = full ? slack : std::max(slack, 0.0);
-    // (1 + u.e1)/2 = |q|^2/4, so that q itself need not be made of length one.
+    // (1 + u.e1)/2 = |q|^2/4, so that q need not be normalized.
     const double along = 0.25 * k * rest_[i] * length / (both * both);
     Matrix3d block = (along * q) * q.transpose();
     if (full) block -= (along * (u - e1)) * (u - e1).transpose();

@@ -5,8 +5,8 @@
 //
 //   V = k/2 (l - L)^2,   force on a: -[k (l - L) + d w.e] e,   on b: its opposite
 //
-// and over a step from r0 to r1, m = r0 + r1, u = m/|m|, a force that keeps what V, momentum and
-// angular momentum make up (V1 - V0 = k/2 (l0 + l1 - 2 L)(l1 - l0), and m.(r1 - r0) = l1^2 - l0^2):
+// Over a step from r0 to r1 let m = r0 + r1 and u = m/|m|. The force below conserves V, momentum
+// and angular momentum (V1 - V0 = k/2 (l0 + l1 - 2 L)(l1 - l0), and m.(r1 - r0) = l1^2 - l0^2):
 //
 //   force on a: -k/2 (l0 + l1 - 2 L)/(l0 + l1) m - d u.(r1 - r0)/h u
 #pragma once
@@ -23,25 +23,25 @@
 
 namespace tremolo {
 
-// A part of the springs that is taken at a time. run: each has both ends one particle further than
-// the spring before it, so that what belongs to them lies behind each other.
+// A part of the springs that is computed at a time.
 struct SpringChunk {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
+  // True: both ends of each spring are one particle after those of the spring before it, so that
+  // their data is contiguous.
   bool run = false;
 };
 
-// Tangents are multiplied with these: a += position (-df/dx) + velocity (-df/dv). With P = I - e
-// e^T,
+// Weights of a tangent: a += position (-df/dx) + velocity (-df/dv). With P = I - e e^T,
 //   -df_a/dx_a = k [(1 - L/l) P + e e^T] + (d/l) [e (P w)^T + (w.e) P],   -df_a/dv_a = d e e^T
-// of which e (P w)^T, not symmetric, is left out, and P where its factor is negative.
-// full: P is not.
+// The part e (P w)^T, which is not symmetric, is left out. P is left out where its factor is
+// negative, except with `full`.
 struct SpringWeights {
   double position, velocity;
   bool full;
 };
 
-// Chunks from `chunk` on, up to the first that begins at `particle` or behind it.
+// Chunks from `chunk` on, up to the first that starts at `particle` or after it.
 struct SpringPart {
   std::size_t chunk = 0;
   std::uint32_t particle = 0;
@@ -58,20 +58,21 @@ class SpringSet {
   // Finds the blocks of a pattern that has all pairs.
   void find_places(const BlockPattern& pattern);
 
-  // f += the springs' forces. Nothing is allocated in what follows.
+  // f += the springs' forces. This and the following functions allocate nothing.
   void add_force(const Eigen::VectorXd& x, const Eigen::VectorXd& v, Eigen::VectorXd& f) const;
-  // Adds the tangents of a part to a; returns the chunk behind it. Springs of several kinds are
-  // added part by part, as they share blocks and the matrix does not fit into the second cache.
+  // Adds the tangents of a part to a; returns the next chunk. Springs of several kinds are added
+  // part by part, because they share blocks and the matrix does not fit into the second cache.
   std::size_t add_tangent(const SpringPart& part, const Eigen::VectorXd& x,
                           const Eigen::VectorXd& v, const SpringWeights& weights,
                           BlockMatrix& a) const;
   double energy(const Eigen::VectorXd& x) const;                                   // J
   double damping_power(const Eigen::VectorXd& x, const Eigen::VectorXd& v) const;  // W
 
-  // f += the force over a step; returns what the dampers took, J.
+  // f += the force over a step; returns the energy that the dampers took, J.
   double add_step_force(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h,
                         Eigen::VectorXd& f) const;
-  // a += nearly -df/dx1 of it: its symmetric part, less what is not positive unless it is full.
+  // a += approximately -df/dx1 of that force: its symmetric part, without negative terms unless
+  // `full`.
   void add_step_tangent(const Eigen::VectorXd& x0, const Eigen::VectorXd& x1, double h, bool full,
                         BlockMatrix& a) const;
 

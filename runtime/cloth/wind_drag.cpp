@@ -12,7 +12,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Corners = std::array<std::uint32_t, 3>;
 
-// Stands for the square of the area of nothing.
+// Replaces the squared area of a triangle without area.
 constexpr double kNoAreaSquare = 1e-300;
 
 // normal: N. flow: N.w. square: |N|^2.
@@ -34,7 +34,7 @@ WindOnTriangle wind_on(const Corners& c, const Vector3d& wind, const Eigen::Vect
   return t;
 }
 
-// The same halfway, at the mean speed of a step.
+// The same halfway, at the mean velocity of a step.
 WindOnTriangle wind_over_step(const Corners& c, const Vector3d& wind, const Eigen::VectorXd& x0,
                               const Eigen::VectorXd& x1, double h) {
   const auto middle = [&](int k) -> Vector3d {

@@ -1,8 +1,8 @@
-// What the wind does to triangles.
+// Wind forces on triangles.
 //
-// Triangle a, b, c with N = (x_b - x_a) x (x_c - x_a), twice its area long, and w = W - (v_a + v_b
-// + v_c)/3, the wind relative to it: 1/2 rho A |n.w| (n.w) n = rho/4 |N.w| (N.w) N/|N|^2, a third
-// of it on each corner.
+// For the triangle a, b, c let N = (x_b - x_a) x (x_c - x_a), whose length is twice the area, and w
+// = W - (v_a + v_b + v_c)/3, the wind relative to it. The force is 1/2 rho A |n.w| (n.w) n = rho/4
+// |N.w| (N.w) N/|N|^2, a third of it on each corner.
 #pragma once
 
 #include <array>
@@ -20,24 +20,26 @@ namespace tremolo {
 class WindDrag {
  public:
   WindDrag() = default;
-  // drag: rho, kg/m^3. Where it is 0 there is nothing.
+  // drag: rho, kg/m^3. With 0 there is no force.
   WindDrag(const std::vector<Triangle>& triangles, double drag);
 
-  // Finds the blocks of a pattern that has all edges.
+  // Finds the blocks in a pattern that has all edges.
   void find_places(const BlockPattern& pattern);
 
   bool blows() const { return !corners_.empty(); }
 
-  // wind: W, m/s. f += the forces. Nothing is allocated in what follows.
+  // wind: W, m/s. f += the forces. This and the following functions allocate nothing.
   void add_force(const Eigen::Vector3d& wind, const Eigen::VectorXd& x, const Eigen::VectorXd& v,
                  Eigen::VectorXd& f) const;
-  // a += velocity (-df/dv) of it.
+  // a += velocity (-df/dv) of these forces.
   void add_tangent(const Eigen::Vector3d& wind, const Eigen::VectorXd& x, const Eigen::VectorXd& v,
                    double velocity, BlockMatrix& a) const;
-  // W: damped by the motion relative to the wind, driven by the wind's own.
+  // W: power damped by the motion relative to the wind, and power supplied by the wind's own
+  // motion.
   StepWork power(const Eigen::Vector3d& wind, const Eigen::VectorXd& x,
                  const Eigen::VectorXd& v) const;
-  // f += the force on the triangles halfway between, at the speed of (x1 - x0)/h; returns its work.
+  // f += the force on the triangles halfway between x0 and x1, at the velocity (x1 - x0)/h; returns
+  // its work.
   StepWork add_step_force(const Eigen::Vector3d& wind, const Eigen::VectorXd& x0,
                           const Eigen::VectorXd& x1, double h, Eigen::VectorXd& f) const;
   void add_step_tangent(const Eigen::Vector3d& wind, const Eigen::VectorXd& x0,

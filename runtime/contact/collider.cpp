@@ -22,7 +22,7 @@ double sign_of(double x) {
   return x < 0.0 ? -1.0 : 1.0;
 }
 
-// Length and direction of v; of what has no direction, `otherwise`.
+// Length and direction of v; `otherwise` is the direction of a zero vector.
 double length_and_direction(const Vector3d& v, const Vector3d& otherwise, Vector3d& direction) {
   const double squared = v.squaredNorm();
   if (squared > 1e-200 && squared < 1e200) {
@@ -155,7 +155,7 @@ Status check_shape(const GridShape& shape) {
 }
 
 // Newton's method on a convex function: the tangent lies below it, so the tangent's root is never
-// behind the first root of the function. Where the distance does not fall, it never will.
+// behind the first root of the function. If the distance does not fall, it never will.
 template <class Shape>
 std::optional<double> hit_of(const Shape& shape, const Vector3d& from, const Vector3d& to,
                              double level) {
@@ -163,7 +163,7 @@ std::optional<double> hit_of(const Shape& shape, const Vector3d& from, const Vec
   const double reach = std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff());
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * (reach + std::abs(level));
   double at = 0.0;
-  // Towards a line that just touches, each step goes half the way that is left.
+  // Towards a line that is tangent to the shape, each step covers half of the remaining path.
   for (int step = 0; step < 100; ++step) {
     const CollisionDistance here = distance_of(shape, from + at * way);
     const double left = here.distance - level;
@@ -172,7 +172,7 @@ std::optional<double> hit_of(const Shape& shape, const Vector3d& from, const Vec
     if (!(slope < 0.0)) return std::nullopt;
     const double next = at - left / slope;
     if (!(next <= 1.0)) {
-      // The end itself may be at the level but for rounding.
+      // The end itself may be at the level up to rounding.
       if (distance_of(shape, to).distance <= level) return 1.0;
       return std::nullopt;
     }
@@ -182,7 +182,8 @@ std::optional<double> hit_of(const Shape& shape, const Vector3d& from, const Vec
   return at;
 }
 
-// The fraction between `free`, where the distance is above the level, and `hit`, where it is not.
+// Returns the fraction between `free`, where the distance is above the level, and `hit`, where it
+// is not.
 double bisect(const DistanceGrid& grid, const Vector3d& from, const Vector3d& way, double level,
               double free, double hit) {
   const double fine = 1e-7 * grid.nodes().spacing / way.norm();
@@ -201,7 +202,7 @@ std::optional<double> hit_of(const GridShape& shape, const Vector3d& from, const
   const double length = way.stableNorm();
   if (grid.at(from).distance <= level) return 0.0;
   if (!(length > 0.0)) return std::nullopt;
-  // The interpolant is steeper than a distance near kinks, but not half as steep again.
+  // Near kinks the interpolant is steeper than a distance, but by less than half.
   constexpr double kShare = 2.0 / 3.0;
   const double least = 0.125 * grid.nodes().spacing;
   double at = 0.0;

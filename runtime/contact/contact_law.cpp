@@ -15,14 +15,14 @@ Vector3d into_frame(const Pose& pose, const Vector3d& x) {
   return pose.rotation.conjugate() * (x - pose.position);
 }
 
-// (psi(d0) - psi(d1)) / (d1 - d0) and how it falls with d1.
+// (psi(d0) - psi(d1)) / (d1 - d0), and its fall with d1.
 struct MeanForce {
   double value = 0.0;
   double fall = 0.0;
 };
 
-// The means of psi' from the depth a to b, which may be negative: (1/l) int psi' dx and
-// (1/l^2) int (x - a) psi'' dx with l = b - a, piece by piece without differences of energies.
+// Means of psi' from the depth a to b, which may be negative: (1/l) int psi' dx and (1/l^2) int (x
+// - a) psi'' dx with l = b - a. They are summed piece by piece without differences of energies.
 MeanForce mean_force(const ContactLaw& law, double a, double b) {
   const double w = law.linear_from;
   if (a <= 0.0 && b <= 0.0) return {};
@@ -58,16 +58,17 @@ Correction correct(const ContactLaw& law, const ContactGap& gap, const ContactWa
   return {(gap.d1 - gap.d0 - normal.dot(way.path - way.bend)) * shorter2, shorter2};
 }
 
-// What of restitution is by the point's own rate, and from which share of rebound_speed on that is
-// whole: it is for small motions alone.
+// The fraction of restitution by the point's own rate, and the fraction of rebound_speed from which
+// that is whole. It damps small motions only.
 constexpr double kPointShare = 0.02;
 constexpr double kPointSpeed = 0.1;
 
-// With e^2 the ratio of the factors far out and far in, 1 in between, where it falls as a damper:
-// small motions die away, and the force stays monotonous. way: v h, m. share: of rebound_speed.
+// The factor falls smoothly with the rate and is 1 at rest; the ratio of its values at fast
+// separation and fast approach is e^2. Small motions are damped, and the force stays monotonous.
+// way: v h, m. share: of rebound_speed.
 struct Taken {
-  double value = 0.0;   // what restitution takes of the factor 1
-  double growth = 0.0;  // of that with v h, 1/m
+  double value = 0.0;   // subtracted from the factor 1
+  double growth = 0.0;  // its derivative with v h, 1/m
 };
 
 Taken taken_at(const ContactLaw& law, double way, double h, double share = 1.0) {
@@ -79,7 +80,7 @@ Taken taken_at(const ContactLaw& law, double way, double h, double share = 1.0) 
   return {taken * along * (2.0 - size), 2.0 * taken * (1.0 - size) / whole};
 }
 
-// The factor of restitution on the mean force, and how it falls with d1 at a held rate of the pair.
+// The factor of restitution on the mean force, and its fall with d1 at a constant rate of the pair.
 struct Restitution {
   double factor = 1.0;
   double fall = 0.0;
@@ -166,7 +167,7 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
   if (gap.pressure != 0.0) held.limit += limits * (contact.limit - held.limit);
   const Friction friction = friction_force(friction_law(law, time.h), held.limit, held.slip,
                                            tangential(way, held.normal));
-  // A contact that ends forgets its slip, and what that stores is friction's.
+  // A contact that ends forgets its slip; the stored energy becomes friction loss.
   const bool ends = gap.d1 >= law.begins;
   contact.rubbed = friction.lost + (ends ? friction.energy : 0.0);
   contact.slip = ends ? Vector3d(Vector3d::Zero()) : friction.slip;
@@ -178,7 +179,7 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
 
 namespace {
 
-// How the fraction that restitution takes by the pair's rate grows with d1, 1/m. The pair's way v h
+// Growth of the fraction that restitution takes by the pair's rate with d1, 1/m. The pair's way v h
 // is given/force, of which both change with d1, psi(d0) - psi(d1) by psi'(d1).
 double taken_by_distance(const ContactLaw& law, const ContactGap& gap, const ContactTime& time) {
   if (!(time.rate.force > 0.0)) return 0.0;
@@ -217,7 +218,7 @@ ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const
   slopes.bend.by_taken = gap.pressure * (n - c * w);
   slopes.taken_by_distance = taken_by_distance(law, gap, time);
   if (follows) {
-    // By how much L = mu s |m|, m = n + c p, falls with each.
+    // The fall of L = mu s |m|, m = n + c p, with each.
     const double length = m.norm(), sizes = law.friction * s / length;
     const double fall = law.friction * s_fall * length - sizes * shorter2 * m.dot(p);
     const Eigen::RowVector3d fall_by_path =

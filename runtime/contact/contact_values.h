@@ -1,4 +1,4 @@
-// What a body, its hands and those who look at them say and hear of contact.
+// Values of contact for a body, its grabs and its callers: options, energy balance, contact points.
 #pragma once
 
 #include <algorithm>
@@ -14,69 +14,68 @@
 
 namespace tremolo {
 
-// The time scale of contact: stiffness, restitution at small speeds and sleep follow from it and
-// not from the step, s.
+// The time scale of contact, s. Stiffness, restitution at small speeds and sleep follow from it and
+// not from the step.
 inline constexpr double kContactTime = 3e-3;
 
-// How a body feels contact.
+// Contact properties of a body.
 struct ContactOptions {
-  int points = 200;       // at most so many of its boundary's vertices
-  double margin = 0.005;  // where contact begins, as a fraction of the body's extent
-  // (kContactTime omega)^2 of the whole body on the whole of its boundary at the depth of the
-  // margin. Larger: less penetration and shorter contacts.
+  int points = 200;       // at most this many vertices of its boundary
+  double margin = 0.005;  // distance at which contact begins, as a fraction of the body's extent
+  // (kContactTime omega)^2, where omega is the frequency of the whole body on its whole boundary at
+  // the depth of the margin. A larger value gives less penetration and shorter contacts.
   double stiffness = 16.0;
-  // Instead of the stiffness, Pa: the pressure is modulus x/extent at the depth x, from a tenth of
+  // Replaces the stiffness, Pa: the pressure is modulus x/extent at the depth x, from a tenth of
   // the margin on; see elastic_layer_modulus().
   std::optional<double> modulus = {};
-  // The solid that other bodies' points meet, in the mesh's coordinates at rest; without one they
-  // pass through.
+  // The solid with which other bodies' points collide, in the mesh's coordinates at rest. Without
+  // it they pass through.
   std::optional<Collider> shape = {};
-  double friction = 0.3;     // towards other bodies; of a pair the geometric mean
+  double friction = 0.3;     // with other bodies; a pair uses the geometric mean
   double restitution = 0.5;  // the same
-  bool colliders = true;     // false: it feels hands alone
+  bool colliders = true;     // false: only grabs act on it
 };
 
-// The modulus of an elastic layer of thickness t on a body of that extent, Pa: (1 - nu) E/((1 + nu)
-// (1 - 2 nu)) extent/t. young: E, Pa; poisson: nu, below 1/2; thickness and extent: m.
+// Returns the modulus of an elastic layer of thickness t on a body of that extent, Pa: (1 - nu)
+// E/((1 + nu) (1 - 2 nu)) extent/t. young: E, Pa; poisson: nu, below 1/2; thickness, extent: m.
 inline double elastic_layer_modulus(double young, double poisson, double thickness, double extent) {
   return (1.0 - poisson) * young / ((1.0 + poisson) * (1.0 - 2.0 * poisson)) * extent / thickness;
 }
 
-// Where the body's mesh frame is in the step. Of a free body `end` is a prediction.
+// Poses of the body's mesh frame in the step. For a free body `end` is a prediction.
 struct StepPoses {
   Pose start, end;
 };
 
-// All that acts on a body in the step to come, as far as that is known before it.
+// All known forces on a body in the next step.
 struct StepPush {
   const Eigen::VectorXd* force = nullptr;                  // on the coordinates, r
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // of a free body's centre, m/s^2
 };
 
-// Account of one step, J but for the last two. energy: of contact at the end. work: what contact
-// forces did to the body, or to the motion of a driven one relative to its frame. lost, rubbed:
-// taken by restitution and friction. given: by colliders and supports that move. surplus: contact
-// energy that was there at the start and not at the end of the step before. penetration: deepest of
-// a point behind a surface, m. impulse: sum of |F| h, N s. way: farthest that a point near
-// something went relative to it, m.
+// Energy balance and statistics of contact in one step.
 struct ContactAccount {
+  // J. energy: stored in contact at the end. work: of contact forces on the body, or on the motion
+  // of a driven body relative to its frame. lost, rubbed: taken by restitution and friction. given:
+  // by moving colliders and supports. surplus: contact energy at the start of the step minus that
+  // at the end of the step before.
   double energy = 0.0, work = 0.0, lost = 0.0, rubbed = 0.0, given = 0.0, surplus = 0.0;
-  double hand_work = 0.0, hand_damped = 0.0;
-  double joint_work = 0.0;
-  double penetration = 0.0;
-  double impulse = 0.0;
-  double way = 0.0;
-  int active = 0;  // points that push
-  // Sum of F h on the body, N s, world: of colliders and of other bodies.
+  double hand_work = 0.0, hand_damped = 0.0;  // J
+  double joint_work = 0.0;                    // J
+  double penetration = 0.0;                   // greatest depth of a point behind a surface, m
+  double impulse = 0.0;                       // sum of |F| h, N s
+  double way = 0.0;  // longest path of a point relative to a nearby obstacle, m
+  int active = 0;    // number of points with a contact force
+  // Sum of F h on the body by colliders and other bodies, N s, world.
   Eigen::Vector3d impulse_vector = Eigen::Vector3d::Zero();
-  int passed = 0;  // points that went through what they should bump into (contact/passage.h)
+  int passed = 0;  // number of points that passed through an obstacle (contact/passage.h)
 };
 
-// A contact point of a body that pushed in the last step.
+// A contact point of a body with a force in the last step.
 struct ContactedPoint {
   VertexId vertex = 0;       // of the body's mesh
-  bool on_body = false;      // the obstacle is a body, else a collider,
-  std::size_t obstacle = 0;  // of this number in its group or among the colliders
+  bool on_body = false;      // true: the obstacle is a body; false: a collider
+  std::size_t obstacle = 0;  // its number in the group or among the colliders
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // at the end of the step, m, world
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // out of the obstacle, length 1, world
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();   // on the body in the step, N s, world
@@ -89,13 +88,13 @@ inline void carry(StateStream& stream, ContactAccount& account) {
   stream(account.impulse, account.active, account.way, account.passed, account.impulse_vector);
 }
 
-// The spring and the damper by which a hand or a joint holds.
+// The spring and the damper of a grab or a joint.
 struct HandSpring {
   double stiffness = 0.0;  // N/m
   double damping = 0.0;    // N s/m
 };
 
-// A spring stiffer than `most` is replaced by `most` with its damper, or a larger one. In the
+// Replaces a spring stiffer than `most` by `most`, with its damper or a larger given one. In the
 // equations of a step of h seconds a damper c has the stiffness 2 c/h, which has the same limit.
 inline void limit_spring(const HandSpring& most, double h, double& stiffness, double& damping) {
   if (stiffness > most.stiffness) {
@@ -105,23 +104,24 @@ inline void limit_spring(const HandSpring& most, double h, double& stiffness, do
   damping = std::min(damping, 0.5 * h * most.stiffness);
 }
 
-// A hand on a vertex, or in a triangle near it (not at_vertex): a spring of `stiffness` (N/m) and a
-// damper (N s/m) from it to a point that moves from `start` to `end` in the step, m, world. place:
-// of the vertex. Both are implicit; Body::stiffest_hand() limits them. force: on the body in the
-// last step, N, world; the hand feels its opposite. work: on the body in that step, J; of that the
-// damper took `damped`, J, where the spring stores energy(), J.
+// A grab: an implicit spring and damper from a vertex, or a position in a triangle, to a moving
+// point. Body::stiffest_hand() limits both.
 struct Grip {
-  VertexId vertex = 0;
-  VertexRows place;
-  double stiffness = 0.0;
-  double damping = 0.0;
+  VertexId vertex = 0;     // or, without at_vertex, one near the position
+  VertexRows place;        // rows of U at the grabbed position
+  double stiffness = 0.0;  // N/m
+  double damping = 0.0;    // N s/m
+  // The moving point at both ends of the step, m, world.
   Eigen::Vector3d start = Eigen::Vector3d::Zero(), end = Eigen::Vector3d::Zero();
+  // on the body in the last step, N, world; the hand feels its opposite
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  // work: on the body in that step, J. damped: the part taken by the damper, J. The spring's
+  // energy is stiffness times the square of its length over 2, J.
   double work = 0.0, damped = 0.0;
-  bool at_vertex = true;
+  bool at_vertex = true;  // false: a position in a triangle
 };
 
-// modes: r, which what is read must have.
+// modes: the number r of columns that restored rows must have.
 inline void carry(StateStream& stream, Grip& grip, Eigen::Index modes) {
   stream(grip.vertex, grip.stiffness, grip.damping, grip.start, grip.end, grip.force);
   stream(grip.work, grip.damped);

@@ -64,10 +64,10 @@ Friction friction_force(const FrictionLaw& law, double limit, const Vector3d& sl
 
 namespace {
 
-// The derivatives of the return map: by the path and by the limit, of xi1 and of te; the direction
+// The derivatives of the return map: of xi1 and of te by the path and by the limit; the direction
 // and the length of te; a.
 struct ReturnSlopes {
-  Matrix3d end_by_path;  // and of te
+  Matrix3d end_by_path;  // derivatives of xi1 and of te
   Vector3d end_by_limit, elastic_by_limit;
   Vector3d along;  // of te, length 1 or 0
   Eigen::RowVector3d length_by_path, fraction_by_path = Eigen::RowVector3d::Zero();
@@ -102,7 +102,7 @@ ReturnSlopes slopes_of(const Return& step, double k, double l, const Vector3d& s
   return slopes;
 }
 
-// Adds those of the damper, with `room` N left for it by the spring's force.
+// Adds the derivatives of the damper's force; the spring's force leaves it `room`, N.
 void add_damper_slopes(const FrictionLaw& law, double limit, const Return& step,
                        const ReturnSlopes& parts, FrictionSlopes& slopes) {
   const double damper = law.damping * step.length;

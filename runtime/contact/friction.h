@@ -2,7 +2,7 @@
 // (docs/theory.md, section "Contact").
 //
 // xi is the elastic tangential displacement, E = k/2 |xi|^2 its energy. A step moves the point by t
-// in the tangent plane, and friction is at most L. With l = L/k and clip(x) = x min(1, l/|x|)
+// in the tangent plane, and friction is at most L. With l = L/k and clip(x) = x min(1, l/|x|):
 //
 //     xi0 <- clip(xi0)                            the loss of E is friction's
 //     x = xi0 + t,  xi1 = clip(x)                 t = te + tp,  te = xi1 - xi0,  tp = x - xi1
@@ -10,10 +10,10 @@
 //     F = -k (xi1 - a te/2) - g c te/h            g: the largest in [0, 1] that leaves |F| <= L,
 //                                                 by the triangle inequality
 //
-// The first term is the exact mean of the force along a straight path, where that is parallel to
-// xi0. It takes E0 - E1 + F.t <= 0: with F = -k (xi1 - a te/2) the loss is
-// k a (xi0 + xi1).tp/2 + k (1 - a) (xi1.tp + |te|^2/2), and no term of that is negative, since tp
-// is parallel to xi1 wherever it is not zero and |xi0| <= l. The damper c takes g c te.t/h >= 0.
+// The first term is the exact mean of the force along a straight path that is parallel to xi0. Its
+// energy balance is E0 - E1 + F.t <= 0: with F = -k (xi1 - a te/2) the loss is k a (xi0 + xi1).tp/2
+// + k (1 - a) (xi1.tp + |te|^2/2). No term of that is negative, because tp is parallel to xi1
+// wherever it is not zero and |xi0| <= l. The damper c takes g c te.t/h >= 0.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,7 +30,7 @@ struct Friction {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // F, N
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();   // xi1, m
   double energy = 0.0;                              // E1, J
-  double lost = 0.0;                                // taken, J
+  double lost = 0.0;                                // friction loss, J
 };
 
 // The derivatives of F by the path t, N/m, and by the limit L.
@@ -47,8 +47,8 @@ Friction friction_force(const FrictionLaw& law, double limit, const Eigen::Vecto
 FrictionSlopes friction_slopes(const FrictionLaw& law, double limit, const Eigen::Vector3d& slip,
                                const Eigen::Vector3d& path, const Eigen::Vector3d& normal);
 
-// A vector of the plane of the unit normal `from`, rotated into that of the unit normal `to` by the
-// smallest rotation; its length stays. Zero for opposite normals.
+// Rotates a vector of the plane of the unit normal `from` into the plane of the unit normal `to` by
+// the smallest rotation; its length is unchanged. Zero for opposite normals.
 Eigen::Vector3d turn_to_plane(const Eigen::Vector3d& vector, const Eigen::Vector3d& from,
                               const Eigen::Vector3d& to);
 

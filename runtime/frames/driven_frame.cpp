@@ -103,7 +103,7 @@ Eigen::VectorXd DrivenFrame::gravity_force(const Vector3d& gravity) const {
   return force;
 }
 
-// The constant parts go to push_, what is linear in q and v to stiffness_ and gyro_.
+// Adds the constant parts to push_, and the parts linear in q and v to stiffness_ and gyro_.
 void DrivenFrame::add_turn(const Bone& bone) {
   const FrameInertia& inertia = *bone.inertia;
   const Vector3d& w = bone.motion.spin;
@@ -118,7 +118,7 @@ void DrivenFrame::add_turn(const Bone& bone) {
     weights[3 + e] = ww;
     constant[e] = 0.5 * ((k == l ? w.squaredNorm() : 0.0) - ww);
   }
-  // The traces of the B_ij are those of the identity where one bone carries all.
+  // With one bone the traces of the B_ij are those of the identity.
   if (bones_.size() == 1) {
     stiffness_.diagonal().setConstant(-w.squaredNorm());
   } else {

@@ -5,14 +5,14 @@
 //     a = Ro^T (c'' - g), E_i = omega'.(a_i + sum_j c_ji q_j), Phi = -1/2 omega^T J(q) omega,
 //     G_ij = omega.c_ji
 //
-// Everything of the frame is taken at the middle of the step: omega from the two poses,
-// accelerations by the difference of the velocities of neighbouring steps, which is of second
+// All values of the frame are those at the middle of the step: omega from the two poses,
+// accelerations from the difference of the velocities of neighbouring steps, which is of second
 // order.
 //
-// A body may hang on several bones, each a frame of its own that carries a share w_b(X) of the mass
-// at X (docs/theory.md, "A body on bones"). Its shares ride on their bones, so that s, a, P and c
-// are sums over bones, each with the integrals of its share; since the shares add up to one, so do
-// the integrals, and the kinetic energy relative to the bones is 1/2 |q'|^2 as with one frame.
+// A body may hang on several bones. Each is a frame of its own and has the weight w_b(X) of the
+// mass at X (docs/theory.md, "A body on bones"). s, a, P and c are sums over bones, each with the
+// integrals of its weighted mass. The weights add up to one and so do the integrals, and the
+// kinetic energy relative to the bones is 1/2 |q'|^2 as with one frame.
 #pragma once
 
 #include <cstddef>
@@ -28,12 +28,11 @@
 
 namespace tremolo {
 
-// How the frame moves in one step. acceleration: c'', world, m/s^2. spin: omega, spin_rate: omega',
-// both along the body's axes, rad/s and rad/s^2. All at mid-step.
+// Motion of the frame in one step, at mid-step.
 struct FrameMotion {
-  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
-  Eigen::Vector3d spin = Eigen::Vector3d::Zero();
-  Eigen::Vector3d spin_rate = Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // c'', m/s^2, world
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();          // omega, rad/s, along the body's axes
+  Eigen::Vector3d spin_rate = Eigen::Vector3d::Zero();     // omega', rad/s^2, along the body's axes
 };
 
 // The motion in the step between `middle[0]` and `middle[1]`, from these and the poses a step
@@ -45,52 +44,52 @@ class DrivenFrame final : public StepCoupling {
  public:
   // inertia: about the mesh's origin.
   DrivenFrame(std::shared_ptr<const FrameInertia> inertia, double step);
-  // One a bone, at least one: of the share of the mass that it carries.
+  // One inertia per bone, at least one: that of the bone's weighted mass.
   DrivenFrame(const std::vector<std::shared_ptr<const FrameInertia>>& shares, double step);
 
-  // s, from the next step on.
+  // Sets the step, s, from the next step on.
   void set_step(double step) { step_ = step; }
 
   std::size_t bones() const { return bones_.size(); }
   const Pose& pose(std::size_t bone = 0) const { return bones_[bone].pose; }
-  // At the end of the step to come.
+  // At the end of the next step.
   const Pose& next_pose(std::size_t bone = 0) const { return bones_[bone].next; }
 
-  // Puts a bone elsewhere, at rest, without a kick.
+  // Moves a bone to a pose, at rest, without an impulse.
   void teleport(const Pose& pose, std::size_t bone = 0);
 
-  // Where a bone is at the end of the next step; without a call it stands still. Without the motion
-  // what was is known, not what comes: its accelerations are those of the last two nodes, carried
-  // on linearly to the middle of the step.
+  // Sets the pose of a bone at the end of the next step; without a call the bone is at rest.
+  // Without the motion only the past is known: the accelerations are those of the last two nodes,
+  // extrapolated linearly to the middle of the step.
   void move_to(const Pose& next, std::size_t bone = 0);
   void move_to(const Pose& next, const FrameMotion& motion, std::size_t bone = 0);
 
-  // Prepares turns and forces of the next step. gravity: m/s^2, world.
+  // Prepares rotations and forces of the next step. gravity: m/s^2, world.
   void prepare(const Eigen::Vector3d& gravity);
   const Eigen::Matrix3d& mid_rotation(std::size_t bone = 0) const {
     return bones_[bone].mid_rotation;
   }
-  // Force of gravity at the poses as they are, r.
+  // Force of gravity at the present poses, r.
   Eigen::VectorXd gravity_force(const Eigen::Vector3d& gravity) const;
   // -S^T a and the constant parts of E and grad Phi, r; to be added to the step's load.
   const Eigen::VectorXd& push() const { return push_; }
   bool turning() const { return turning_; }
 
-  // Half of what the turning frame does in a step, for methods that are not of the
-  // energy-preserving family: a kick and a turn of the velocity (`first` half: the other way
-  // round). Of second order with the step between two of these.
+  // Half of the rotating frame's effect in a step, for methods outside the energy-preserving
+  // family: a kick and a rotation of the velocity (`first` half: in the opposite order). Second
+  // order with the step between two of these.
   void half_turn(bool first, State& state);
 
-  // After the step from q0 to q1: the frame is where it was to go. Books the work.
+  // Ends the step from q0 to q1: the frame reaches its next pose. Adds to the work.
   void end_step(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1);
-  // The step was not made: what it booked is taken back.
+  // Cancels a failed step and the work that was added for it.
   void cancel_step();
 
-  // J, of all bones on the motion relative to them.
+  // Work of all bones on the motion relative to them, J.
   double support_work() const { return support_work_; }
-  double gravity_work() const { return gravity_work_; }  // J, likewise
+  double gravity_work() const { return gravity_work_; }  // J, of gravity on the same motion
 
-  // What is carried between steps.
+  // Saves or restores the state between steps.
   void carry(StateStream& stream) {
     for (Bone& bone : bones_) {
       stream(bone.pose, bone.next, bone.motion.acceleration, bone.motion.spin);
@@ -113,9 +112,9 @@ class DrivenFrame final : public StepCoupling {
     Pose pose, next;
     FrameMotion motion;
     bool known = false;  // motion was given
-    // Velocity, m/s, and spin are those of the last step; at the node before it: their changes over
-    // the step.
+    // velocity, m/s, and spin, rad/s, are those of the last step.
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), spin = Eigen::Vector3d::Zero();
+    // At the node before that step: changes of velocity and spin over the step.
     Eigen::Vector3d acceleration = Eigen::Vector3d::Zero(), spin_rate = Eigen::Vector3d::Zero();
     Eigen::Matrix3d mid_rotation = Eigen::Matrix3d::Identity();
     bool turning() const { return !motion.spin.isZero(0.0) || !motion.spin_rate.isZero(0.0); }
@@ -129,8 +128,8 @@ class DrivenFrame final : public StepCoupling {
   bool turning_ = false;
   Eigen::VectorXd push_, gravity_push_;
   double push_norm_ = 0.0;
-  // Matrices of E and grad Phi, not symmetric, 1/s^2, and 2 G, skew, 1/s: r x r, below which are
-  // rows of no meaning.
+  // Matrices of E and grad Phi, not symmetric, 1/s^2, and 2 G, skew, 1/s: r x r, followed by unused
+  // rows.
   Eigen::MatrixXd stiffness_, gyro_;
   Eigen::MatrixXd turn_;  // I + (h/4) 2 G, and its factor
   Eigen::PartialPivLU<Eigen::MatrixXd> turn_factor_;

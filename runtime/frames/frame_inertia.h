@@ -19,7 +19,7 @@ namespace tremolo {
 inline constexpr std::array<std::array<int, 2>, 6> kSymmetricEntries = {
     {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}}};
 
-// Everything about one point of the frame. A model makes it once; bodies share it.
+// All inertia about one point of the frame. A model makes it once; bodies share it.
 struct FrameInertia {
   // about: the point, in the mesh's coordinates, m.
   FrameInertia(const InertiaIntegrals& integrals, const Eigen::Vector3d& about);
@@ -33,13 +33,14 @@ struct FrameInertia {
   Eigen::Matrix3Xd s;            // 3 x r: int rho phi_i, kg^1/2
   Eigen::Matrix3Xd a;            // 3 x r, kg^1/2 m
   Eigen::MatrixXd P_linear;      // r x 6: entries of A_i + A_i^T
-  // Rows m r + i: (c_m)_ij, skew for each of the three components; behind them rows 3 r + e r + i:
+  // Rows m r + i: (c_m)_ij, skew for each of the three components. Rows 3 r + e r + i after them:
   // the entry e of sym(B_ij), symmetric for each of the six; zeros below. One product with q gives
   // all (runtime/kernels/tall_product.h).
   Eigen::MatrixXd pairs;  // tall_rows(9r) x r
 };
 
-// P and C at one q and what their derivatives need. Nothing is allocated after construction.
+// P and C at one q, with the values that their derivatives need. Nothing is allocated after
+// construction.
 struct InertiaAt {
   explicit InertiaAt(Eigen::Index modes);
 

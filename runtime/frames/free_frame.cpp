@@ -15,9 +15,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kSpinIterations = 12;  // Newton's; two are usual
-// A move that is shorter, relative to omega1, leaves less than rounding: the next would be about
-// its square.
+constexpr int kSpinIterations = 12;  // of Newton's method; two are usual
+// A shorter move, relative to omega1, is below rounding: the next would be about its square.
 constexpr double kLastMove = 1e-9;
 
 }  // namespace
@@ -93,7 +92,7 @@ void FreeFrame::begin(double h, const VectorXd& q0, const VectorXd& v0) {
   }
 }
 
-// Torque of the forces, along the body's axes at the start. mean_turn: Ro0^T Ro~.
+// Torque of the forces, along the body's axes at the start, N m. mean_turn: Ro0^T Ro~.
 Vector3d FreeFrame::torque(const Matrix3d& mean_turn) const {
   Vector3d sum = Vector3d::Zero();
   for (std::size_t i = 0; i < forces_.size(); ++i) sum += (mean_turn * arms_[i]).cross(pulls_[i]);
@@ -101,7 +100,7 @@ Vector3d FreeFrame::torque(const Matrix3d& mean_turn) const {
 }
 
 // J1 w + C1 v1 - Ro1^T l1 with v1 = v0 + dp - (1 - S/2) (C1^T w - C0^T omega0): `inertia` is J1
-// less what v1 takes of it, `coupled` the rest of C1 v1.
+// less the part that v1 takes of it, `coupled` the rest of C1 v1.
 FreeFrame::SpinTrial FreeFrame::spin_equation(const Matrix3d& inertia, const Vector3d& coupled,
                                               const Vector3d& w) {
   const Vector3d phi = (0.5 * h_) * (rigid_.spin + w);
@@ -118,12 +117,12 @@ FreeFrame::SpinTrial FreeFrame::spin_equation(const Matrix3d& inertia, const Vec
   return trial;
 }
 
-// Returns the inertia of spin_equation(), and leaves v1 without the part that omega1 gives it.
+// Returns the inertia of spin_equation(), and sets v1 without omega1's contribution.
 Matrix3d FreeFrame::begin_spin(const VectorXd& S, const VectorXd& dp) {
   kappa_ = 1.0 - 0.5 * S.array();  // theta h D S
   Matrix3d inertia = at1_.J;
   v1_ = v0_ + dp;
-  // Without damping omega1 gives v1 nothing.
+  // Without damping omega1 contributes nothing to v1.
   if (kappa_.isZero(0.0)) return inertia;
   for (Index j = 0; j < S.size(); ++j)
     inertia -= kappa_[j] * at1_.C.col(j) * at1_.C.col(j).transpose();
@@ -131,14 +130,14 @@ Matrix3d FreeFrame::begin_spin(const VectorXd& S, const VectorXd& dp) {
   return inertia;
 }
 
-// v1 and kappa from omega1.
+// Sets v1 and kappa from omega1.
 void FreeFrame::end_spin(const VectorXd& S, const VectorXd& dp) {
   kappa_.noalias() = at1_.C.transpose() * spin1_;
   kappa_ -= kick0_;
   v1_ = v0_ + dp - (1.0 - 0.5 * S.array()).matrix().cwiseProduct(kappa_);
 }
 
-// omega1 by Newton's method to rounding.
+// Finds omega1 by Newton's method to rounding.
 void FreeFrame::find_spin(const VectorXd& S, const VectorXd& dp) {
   const Matrix3d inertia = begin_spin(S, dp);
   const Vector3d coupled = at1_.C * v1_;
@@ -148,7 +147,7 @@ void FreeFrame::find_spin(const VectorXd& S, const VectorXd& dp) {
     const Vector3d move = -(trial.jacobian.inverse() * trial.residual);
     spin1_ += move;
     const double size = move.norm();
-    // At rounding the moves stop falling.
+    // At rounding level the moves no longer shrink.
     if (size <= kLastMove * spin1_.norm() || size >= last) break;
     last = size;
   }
@@ -223,8 +222,8 @@ void FreeFrame::add_forces(VectorXd& dp, VectorXd& force) {
 }
 
 bool FreeFrame::finish(const VectorXd& d, double defect, VectorXd& v) {
-  // Along v with l and Ro1 held, T changes as the square of v's length in the metric
-  // 1 - C^T J^-1 C.
+  // Along v with constant l and Ro1, T changes as the square of v's length in the metric 1 - C^T
+  // J^-1 C.
   const Matrix3d inverse = at1_.J.inverse();
   const Vector3d coupled = at1_.C * v1_;
   give_back(defect, 0.5 * (v1_.squaredNorm() - coupled.dot(inverse * coupled)), v1_);
@@ -248,7 +247,7 @@ void FreeFrame::move_centre() {
   const Vector3d before = rigid_.velocity;
   rigid_.velocity += h_ * ((total_force_ + contact_force_) / inertia_->mass + gravity_);
   const Vector3d path = (0.5 * h_) * (before + rigid_.velocity);
-  // By Kahan's sum: the roundings of a long flight would show in the angular momentum.
+  // Kahan's sum: the rounding errors of a long flight would otherwise show in the angular momentum.
   const Vector3d rest = rigid_.centre_rest + path;
   const Vector3d next = rigid_.centre + rest;
   rigid_.centre_rest = rest - (next - rigid_.centre);

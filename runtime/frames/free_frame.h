@@ -1,4 +1,4 @@
-// A body that nothing holds: six rigid degrees of freedom, coupled to the vibration both ways
+// A body without support: six rigid degrees of freedom, coupled to the vibration in both directions
 // (docs/theory.md, section "A body in a world").
 //
 //     T = 1/2 m |V|^2 + 1/2 omega^T J(q) omega + omega.C(q) v + 1/2 |v|^2,   v = q'
@@ -14,11 +14,11 @@
 //     Ro1 = Ro0 cay(h omega~),   l1 = l0 + h sum (Ro~ y~) x F,   f = U^T Ro~^T F
 //     J(q1) omega1 + C(q1) v1 = Ro1^T l1
 //
-// where l is the spatial angular momentum about the centre of mass, keeps l and the linear momentum
-// to rounding, and the energy but for what loads, gravity and damping give and take: with y = (v,
-// omega), T = 1/2 y^T M(q) y gives T1 - T0 = v~.(p1 - p0) + omega~.(L1 - L0) - g.d, and since
-// omega~ is the axis of the Cayley turn, omega~.(L1 - L0) is h omega~ times the torque.
-// Time-reversible, of second order.
+// where l is the spatial angular momentum about the centre of mass. The step conserves l and the
+// linear momentum to rounding, and the energy except for loads, gravity and damping. With y = (v,
+// omega), T = 1/2 y^T M(q) y gives T1 - T0 = v~.(p1 - p0) + omega~.(L1 - L0) - g.d, and because
+// omega~ is the axis of the Cayley rotation, omega~.(L1 - L0) is h omega~ times the torque. The
+// step is time-reversible and of second order.
 #pragma once
 
 #include <memory>
@@ -32,16 +32,16 @@
 
 namespace tremolo {
 
-// The rigid part of a free body's state. centre: of mass, m; its place is centre + centre_rest,
-// what the sum over all steps would lose to rounding. velocity: m/s, world. rotation: of length
-// one. spin: omega, rad/s, along the body's axes. momentum: spatial angular momentum about the
-// centre of mass, N m s, world.
+// The rigid part of a free body's state.
 struct RigidState {
+  // Of mass, m, world; the position is centre + centre_rest.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  // The part of the centre that the sum over all steps would lose to rounding, m.
   Eigen::Vector3d centre_rest = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d spin = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();            // m/s, world
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // of length one
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();  // omega, rad/s, along the body's axes
+  // Spatial angular momentum about the centre of mass, N m s, world.
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
 };
 
@@ -50,10 +50,10 @@ inline void carry(StateStream& stream, RigidState& rigid) {
   stream(rigid.momentum);
 }
 
-// A force (N, world) on a vertex, constant over one step. place: about the mesh's origin.
+// A force on a vertex, constant over one step.
 struct StepForce {
-  const VertexRows* place = nullptr;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  const VertexRows* place = nullptr;                // the vertex, about the mesh's origin
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, world
 };
 
 class FreeFrame final : public StepCoupling {
@@ -64,7 +64,7 @@ class FreeFrame final : public StepCoupling {
   const RigidState& rigid() const { return rigid_; }
   Pose pose() const;  // of the mesh's frame
 
-  // Puts the mesh's frame there; momenta are turned along.
+  // Moves the mesh's frame to the pose; momenta rotate with it.
   void set_pose(const Pose& pose, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   // velocity: of the centre of mass, world, m/s. spin: along the body's axes, rad/s.
   void set_motion(const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin,
@@ -80,32 +80,33 @@ class FreeFrame final : public StepCoupling {
     return rigid_.momentum + rigid_.centre.cross(linear) + rigid_.centre_rest.cross(linear);
   }
 
-  // Prepares the next step: forces, which must stay where they are until it ends; gravity, m/s^2.
+  // Prepares the next step: forces, which must stay in memory until it ends; gravity, m/s^2.
   void prepare(std::span<const StepForce> forces, const Eigen::Vector3d& gravity);
-  // The same forces and gravity once more, for the next part of the step.
+  // Prepares the same forces and gravity again, for the next part of the step.
   void prepare_again() { prepare(forces_, gravity_); }
-  // Work in the last step that was made, J.
+  // Work in the last step that succeeded, J.
   double load_work() const { return load_work_; }
   double gravity_work() const { return gravity_work_; }
 
-  // For solvers that know more forces, which depend on where the step ends: evaluate() at a given
-  // omega1 = w. residual: J1 w + C1 v1 - Ro1^T l1, N m s, with the forces of prepare() only;
-  // jacobian: its derivative by w. turn: cay(h omega~). C1: 3 x r.
+  // For solvers with more forces, which depend on the end of the step: evaluate() at a given omega1
+  // = w.
   struct SpinTrial {
-    Eigen::Vector3d residual;
-    Eigen::Matrix3d jacobian;
-    Eigen::Matrix3d turn;
+    Eigen::Vector3d residual;  // J1 w + C1 v1 - Ro1^T l1, N m s, with the forces of prepare() only
+    Eigen::Matrix3d jacobian;  // derivative of the residual by w
+    Eigen::Matrix3d turn;      // cay(h omega~)
   };
   SpinTrial try_spin(const Eigen::VectorXd& d, const Eigen::VectorXd& S, const Eigen::Vector3d& w,
                      Eigen::VectorXd& dp, Eigen::VectorXd& force);
+  // C1, 3 x r.
   const Eigen::Matrix3Xd& end_coupling() const { return at1_.C; }
   // m (e/h - V0) 2/h - sum of F - m g for the path e of the centre, N, with the forces of
   // prepare().
   Eigen::Vector3d centre_residual(const Eigen::Vector3d& e) const;
   double mass() const { return inertia_->mass; }
   const Eigen::Vector3d& mesh_centre() const { return inertia_->centre; }
-  // What such a solver found, for evaluate() and finish(): a force (N, world) and the mean torque
-  // about the centre (N m, along the body's axes at the start). Until the next prepare().
+  // Sets the result of such a solver for evaluate() and finish(): a force (N, world) and the mean
+  // torque about the centre (N m, along the body's axes at the start). Valid until the next
+  // prepare().
   void set_contact(const Eigen::Vector3d& force, const Eigen::Vector3d& torque);
 
   void begin(double h, const Eigen::VectorXd& q0, const Eigen::VectorXd& v0) override;
@@ -141,7 +142,7 @@ class FreeFrame final : public StepCoupling {
   Eigen::VectorXd kick0_;                                    // C0^T omega0
   Eigen::VectorXd bend0_, bend1_;                            // 3r: rows m r + j: sum_k (c_m)_jk v_k
   Eigen::VectorXd kappa_;                                    // C1^T omega1 - C0^T omega0
-  Eigen::VectorXd added_;                                    // what evaluate() adds to the force
+  Eigen::VectorXd added_;                                    // added by evaluate() to the force
   Eigen::Vector3d momentum0_;                                // Ro0^T l0
   Eigen::Vector3d spin1_;                                    // omega1
   Eigen::Vector3d momentum1_;                                // Ro1^T l1

@@ -8,15 +8,13 @@
 
 namespace tremolo {
 
-// place: the vertex. weights: with which it hangs on the body's bones; empty with one frame. force:
-// N, along the world's axes, times the signal. steps: so many steps more if positive; else as long
-// as the signal lasts.
+// A force along the world's axes on a vertex.
 struct PointForce {
-  Signal signal;
-  VertexRows place;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  int steps = 0;
-  Eigen::VectorXd weights = {};
+  Signal signal;                                    // multiplies the force
+  VertexRows place;                                 // the vertex
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N
+  int steps = 0;  // remaining steps if positive; else it acts as long as the signal lasts
+  Eigen::VectorXd weights = {};  // of the vertex on the body's bones; empty with one frame
 };
 
 }  // namespace tremolo

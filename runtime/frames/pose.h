@@ -1,4 +1,4 @@
-// Where a body's frame is: x = position + rotation (X + u), X and u as in the mesh.
+// Pose of a body's frame: x = position + rotation (X + u), X and u as in the mesh.
 #pragma once
 
 #include <cmath>
@@ -10,10 +10,10 @@
 
 namespace tremolo {
 
-// position: of the mesh's origin, m, in the world. rotation: of length one.
+// A position and a rotation in the world.
 struct Pose {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();            // of the mesh's origin, m
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // of length one
 
   Eigen::Vector3d operator*(const Eigen::Vector3d& x) const { return position + rotation * x; }
 };
@@ -29,7 +29,7 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
   return matrix;
 }
 
-// cay(phi) = (I - [phi]/2)^-1 (I + [phi]/2), a turn about phi by 2 atan(|phi|/2).
+// cay(phi) = (I - [phi]/2)^-1 (I + [phi]/2), a rotation about phi by 2 atan(|phi|/2).
 inline Eigen::Quaterniond cayley(const Eigen::Vector3d& phi) {
   return Eigen::Quaterniond(1.0, 0.5 * phi.x(), 0.5 * phi.y(), 0.5 * phi.z()).normalized();
 }
@@ -38,7 +38,7 @@ inline Eigen::Matrix3d cayley_matrix(const Eigen::Vector3d& phi) {
   return Eigen::Matrix3d::Identity() + (hat + 0.5 * hat * hat) / (1.0 + 0.25 * phi.squaredNorm());
 }
 
-// The turn about phi by |phi|, and the phi of a turn, |phi| <= pi.
+// The rotation about phi by |phi|, and the phi of a rotation, |phi| <= pi.
 inline Eigen::Quaterniond turn_by(const Eigen::Vector3d& phi) {
   const double half = 0.5 * phi.norm();
   // sin(half)/|phi|, by its series where |phi| is small.

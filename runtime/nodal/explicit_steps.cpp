@@ -22,7 +22,7 @@ class ExplicitStep : public HalvedIntegrator {
     reset();
   }
   std::string_view name() const override { return name_; }
-  // Nodes may have been taken hold of, or let go.
+  // Nodes may have been fixed or released.
   void reset() final {
     for (Eigen::Index i = 0; i < system().mass().size(); ++i) {
       const bool held = system().held()[i] != 0;
@@ -82,7 +82,7 @@ class ExplicitStep : public HalvedIntegrator {
     a_.array() *= inverse_mass_.array();
   }
 
-  // Adds a slope, and goes from the state along it.
+  // Adds a slope, and moves from the state along it.
   void stage(const NodalState& state, double weight, double way, double h) {
     dx_ += weight * v_;
     dv_ += weight * a_;

@@ -23,7 +23,7 @@ NodalReport HalvedIntegrator::step(NodalState& state) {
     if (part <= left && advance(state, h, report)) {
       left -= part;
       ++parts;
-      // Reactions act in their part alone: no method carries them into the next.
+      // Reactions act in their part alone: no method saves them for the next.
       if (const NodalContact* contact = system_.contact(); contact && contact->pressed()) reset();
       continue;
     }

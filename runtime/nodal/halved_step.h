@@ -1,12 +1,12 @@
-// A step that fails is taken in parts.
+// A step that fails is divided into parts.
 #pragma once
 
 #include "runtime/nodal/nodal_work.h"
 
 namespace tremolo {
 
-// The methods' common part. A method says how it goes from a state by h; where that fails the state
-// must be as before, and smaller parts are tried.
+// The methods' common part. A method implements one advance by h; where that fails it must leave
+// the state unchanged, and smaller parts are tried.
 class HalvedIntegrator : public NodalIntegrator {
  public:
   HalvedIntegrator(const NodalSystem& system, const NodalOptions& options);
@@ -14,11 +14,11 @@ class HalvedIntegrator : public NodalIntegrator {
   void reset() override {}
 
  protected:
-  // Adds to the report's iterations, residual and energies; false where it cannot be made.
+  // Adds to the report's iterations, residual and energies. False: the step failed.
   virtual bool advance(NodalState& state, double h, NodalReport& report) = 0;
 
-  // Makes the step to x1, v1, which get the state before it; held nodes are put. share: as of
-  // NodalContact::keep(). Adds its energies to the report.
+  // Moves the state to x1, v1, which receive the state before the step; fixed nodes are set. share:
+  // same as for NodalContact::keep(). Adds its energies to the report.
   void take_step(NodalState& state, double h, double share, Eigen::VectorXd& x1,
                  Eigen::VectorXd& v1, NodalReport& report);
 
@@ -33,7 +33,7 @@ class HalvedIntegrator : public NodalIntegrator {
   NodalState before_;
 };
 
-// Sets v of the nodes that are held to (x1 - x0)/h, and their x to where they are put at the time.
+// Sets v of the fixed nodes to (x1 - x0)/h, and their x to their positions at the time.
 void put_held_nodes(const NodalSystem& system, double time, double h, const Eigen::VectorXd& x0,
                     Eigen::VectorXd& x, Eigen::VectorXd& v);
 

@@ -7,22 +7,22 @@
 namespace tremolo {
 namespace {
 
-// Above so many nodes a factor is not thought of: it takes more than some hundred megabytes.
+// With more nodes than this no factor is used: it takes more than some hundred megabytes.
 constexpr std::size_t kMostFactored = 60'000;
-// What an iteration of conjugate gradients costs for a block, in multiplications of a factorisation
-// (5 ns over 0.11 ns, measured on sheets of 2 500 and 10 000 nodes).
+// Time of an iteration of conjugate gradients per block, in multiplications of a factorisation (5
+// ns over 0.11 ns, measured on sheets of 2 500 and 10 000 nodes).
 constexpr double kIterationCost = 45.0;
-// So many systems are solved by the factor after one that conjugate gradients took too long for.
+// Number of systems solved by the factor after one for which conjugate gradients took too long.
 constexpr int kFactored = 50;
 constexpr int kLineHalvings = 10;
-// So few are not worth the try.
+// Fewer iterations than this are not worth a trial.
 constexpr int kLeastWorth = 20;
-// Share of an inexact Newton step, linear residual over residual. More digits where the last step
-// shrank it well (Eisenstat and Walker 1996) saved no step on hanging sheets and took a sixth more
-// iterations of conjugate gradients: it is the springs' turning that steps wait for.
+// Linear residual of an inexact Newton step over the residual. More digits after a step that shrank
+// it well (Eisenstat and Walker 1996) saved no step on hanging sheets and took a sixth more
+// iterations of conjugate gradients: the rotation of the springs limits the steps.
 constexpr double kForcing = 0.1;
 
-// A full tangent that was indefinite is tried again when the residual is this share of what it was.
+// A full tangent that was indefinite is tried again at this fraction of that residual.
 constexpr double kFullAgain = 0.3;
 
 }  // namespace
@@ -62,7 +62,7 @@ Result<std::unique_ptr<ImplicitSolve>> ImplicitSolve::create(const NodalSystem& 
   return made;
 }
 
-// Leaves f_ and r_ = f - mu M (x1 - x^), zero at held nodes; returns |r_|.
+// Sets f_ and r_ = f - mu M (x1 - x^), zero at fixed nodes; returns |r_|.
 double ImplicitSolve::residual(const ImplicitEquation& equation, const Eigen::VectorXd& x1) {
   const Eigen::VectorXd& x0 = *equation.x0;
   if (equation.h > 0.0) {
@@ -110,7 +110,7 @@ void ImplicitSolve::assemble(const ImplicitEquation& equation, const Eigen::Vect
   matrix_.hold(system_.held());
 }
 
-// d_ = A^-1 r_; false where there is none.
+// d_ = A^-1 r_; false if that does not exist.
 bool ImplicitSolve::solve_system(double target, bool once) {
   const bool try_gradients = gradients_ && (!factor_ || --factored_ <= 0);
   if (try_gradients) {
@@ -130,7 +130,7 @@ bool ImplicitSolve::solve_system(double target, bool once) {
   return d_.allFinite();
 }
 
-// d_ = A^-1 r_ at x1; false where there is none.
+// d_ = A^-1 r_ at x1; false if that does not exist.
 bool ImplicitSolve::direction(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
                               double target, bool once) {
   const double size = r_.norm();
@@ -145,7 +145,7 @@ bool ImplicitSolve::direction(const ImplicitEquation& equation, const Eigen::Vec
   return solve_system(target, once);
 }
 
-// What rounding of the positions leaves of the residual, N.
+// Rounding error of the residual from the positions, N.
 double ImplicitSolve::rounding(const Eigen::VectorXd& x1) const {
   double stiffest = 0.0;
   for (std::size_t i = 0; i < system_.size(); ++i)
@@ -156,7 +156,8 @@ double ImplicitSolve::rounding(const Eigen::VectorXd& x1) const {
 
 std::optional<double> ImplicitSolve::search(const ImplicitEquation& equation,
                                             const Eigen::VectorXd& x1, double size, double limit) {
-  // What Newton's matrix leaves out makes its steps shrink slowly; the last ones tell by how much.
+  // The terms missing in Newton's matrix make its steps shrink slowly; the last steps show by how
+  // much.
   const double slope = d_.dot(r_);
   if (full_) {
     steps_.clear();
@@ -170,8 +171,8 @@ std::optional<double> ImplicitSolve::search(const ImplicitEquation& equation,
     trial_ = x1 + share * d_;
     const double next = residual(equation, trial_);
     if (next <= limit || next <= (1.0 - 1e-4 * share) * size) return next;
-    // As it may rise on the way to a minimum where Newton's matrix leaves terms out, what is left
-    // of it along the direction may fall instead (Matthies and Strang 1979).
+    // The residual may rise before a minimum where Newton's matrix lacks terms. Then its component
+    // along the direction may fall instead (Matthies and Strang 1979).
     if (std::isfinite(next) && std::abs(d_.dot(r_)) <= 0.8 * std::abs(slope)) return next;
   }
   return std::nullopt;
@@ -192,7 +193,7 @@ bool ImplicitSolve::solve(const ImplicitEquation& equation, Eigen::VectorXd& x1,
   return true;
 }
 
-// The same linearisation, at the guess, for all that presses.
+// Uses the same linearisation, at the guess, for all reactions.
 bool ImplicitSolve::solve_once(const ImplicitEquation& equation, Eigen::VectorXd& x1,
                                NodalReport& report) {
   const double load = system_.load_size();
@@ -221,7 +222,7 @@ bool ImplicitSolve::converge(const ImplicitEquation& equation, Eigen::VectorXd& 
     if (size <= target) return true;
     if (!direction(equation, x1, target, false)) return false;
     ++report.iterations;
-    // The size of the numbers that are rounded hardly changes.
+    // The magnitude of the rounded numbers hardly changes.
     if (k == 0) limit = std::max(target, rounding(x1));
     const std::optional<double> next = search(equation, x1, size, limit);
     if (!next) return size <= limit;

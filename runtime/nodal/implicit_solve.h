@@ -2,11 +2,13 @@
 //
 //     mu M (x1 - x^) = f(x*, v*),    x* = x0 + theta (x1 - x0),    v* = kappa (x1 - x0) + v^
 //
-// or with NodalSystem::step_force(x0, x1) on its right, and the reactions of NodalSystem::contact()
-// at x1 added to it: after each solve these are revised, and it goes on where they change. Newton's
-// matrix is mu M + theta K + kappa D, as it is where that is positive definite, so that the last
-// steps converge quadratically; else with what makes it indefinite left out. A line search takes
-// care of what that leaves.
+// or with NodalSystem::step_force(x0, x1) on its right-hand side. The reactions of
+// NodalSystem::contact() at x1 are added; after each solve they are revised, and the solve
+// continues where they change.
+//
+// Newton's matrix is mu M + theta K + kappa D where that is positive definite, so that the last
+// steps converge quadratically; otherwise indefinite terms are left out. A line search corrects for
+// that.
 #pragma once
 
 #include <memory>
@@ -19,27 +21,29 @@
 
 namespace tremolo {
 
-// h: of step_force, which is used if it is positive. x_hat, v_hat: 3n; must outlive the solve.
+// The coefficients of the equation.
 struct ImplicitEquation {
   double mu = 0.0, theta = 1.0, kappa = 0.0;
+  // The vectors are 3n long and must outlive the solve.
   const Eigen::VectorXd* x0 = nullptr;
   const Eigen::VectorXd* x_hat = nullptr;
   const Eigen::VectorXd* v_hat = nullptr;
   ForcePart part = ForcePart::kAll;
-  double h = 0.0;
-  double share = 1.0;  // of the impulse h f that the step takes of a reaction f (NodalContact)
+  double h = 0.0;  // of step_force, which is used if h is positive, s
+  // Fraction of the impulse h f of a reaction f that the step uses (NodalContact).
+  double share = 1.0;
 };
 
 class ImplicitSolve {
  public:
-  // kSystem: no memory for a factor that was asked for.
+  // Error kSystem: no memory for a requested factor.
   static Result<std::unique_ptr<ImplicitSolve>> create(const NodalSystem& system,
                                                        const NodalOptions& options);
 
-  // x1: comes in as a first guess in which held nodes are where they go, and leaves as the
-  // solution. iterations: at most so many. False where it does not converge or is not finite; x1 is
-  // then anything. once: one Newton step from the guess is the answer. Adds to the report's
-  // iterations; sets its residual.
+  // Solves the equation. x1: in, a first guess with fixed nodes at their ends; out, the solution.
+  // once: one Newton step from the guess is the answer. Adds to the report's iterations, of which
+  // there are at most NodalOptions::max_iterations in each convergence; sets its residual. False:
+  // it does not converge or is not finite; x1 is then undefined.
   bool solve(const ImplicitEquation& equation, Eigen::VectorXd& x1, bool once, NodalReport& report);
 
   // The force of the last residual, at the solution.
@@ -60,8 +64,8 @@ class ImplicitSolve {
   void assemble(const ImplicitEquation& equation, const Eigen::VectorXd& x1, bool full);
   bool solve_system(double target, bool once);
   double rounding(const Eigen::VectorXd& x1) const;
-  // From x1 with the residual `size` to trial_, with the residual that is returned; nothing where
-  // no part of the step is of use.
+  // Searches from x1 with the residual `size`; sets trial_ and returns its residual. Empty: no part
+  // of the step lowers the residual.
   std::optional<double> search(const ImplicitEquation& equation, const Eigen::VectorXd& x1,
                                double size, double limit);
 
@@ -70,12 +74,13 @@ class ImplicitSolve {
   BlockMatrix matrix_;
   std::optional<BlockCholesky> factor_;
   std::optional<ConjugateGradients> gradients_;
-  // Conjugate gradients are given up after so many iterations: a factor takes less then.
+  // Iterations after which conjugate gradients are given up, because a factor takes less time.
   int worth_ = kMostCgIterations;
-  int factored_ = 0;  // systems that the factor still solves before they are tried again
-  // Residual from which on the full tangent is tried: below that at which it was indefinite.
+  // Systems that the factor still solves before conjugate gradients are tried again.
+  int factored_ = 0;
+  // Residual below which the full tangent is tried; it was indefinite at a larger one.
   double full_limit_ = 0.0;
-  bool full_ = false;  // the direction is of the full tangent
+  bool full_ = false;  // the direction is that of the full tangent
   MixedSteps steps_;
   Eigen::VectorXd x_, v_, f_, r_, d_, trial_, base_;
   StepWork work_;

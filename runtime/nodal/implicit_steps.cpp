@@ -25,13 +25,13 @@ class ImplicitMethod : public HalvedIntegrator {
   }
 
  protected:
-  // The first guess, inertia's way, with held nodes where they go.
+  // The first guess, motion by inertia, with fixed nodes at their ends.
   void guess(const NodalState& state, double h) {
     x1_ = state.x + h * state.v;
     put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
   }
-  // The midpoint rule from the guess on, or where `energy` is set that of the method of this name:
-  // x1_ and v1_. False where its equation was not solved.
+  // Solves the midpoint rule from the guess, or with `energy` the method of this name; sets x1_ and
+  // v1_. False: the equation was not solved.
   bool solve_middle(const NodalState& state, double h, bool energy, NodalReport& report) {
     x_hat_ = state.x + h * state.v;
     v_hat_.setZero();
@@ -46,20 +46,21 @@ class ImplicitMethod : public HalvedIntegrator {
     v1_ = (2.0 / h) * (x1_ - state.x) - state.v;
     return true;
   }
-  // At held nodes v_hat is such that the velocity at the end is that of their way, whose share of
-  // it is `part` (1/s).
+  // At fixed nodes sets v_hat so that the velocity at the end is that of their displacement, times
+  // `part` (1/s).
   void hold_velocities(const NodalState& state, double part) {
     for (Eigen::Index i = 0; i < system().mass().size(); ++i)
       if (system().held()[i] != 0)
         v_hat_.segment<3>(3 * i) = part * (x1_.segment<3>(3 * i) - state.x.segment<3>(3 * i));
   }
-  // v1 as set by the method, held nodes put; the step is made. share: as of NodalContact::keep().
+  // Ends the step with v1 set by the method and fixed nodes set. share: same as for
+  // NodalContact::keep().
   void finish(NodalState& state, double h, double share, NodalReport& report) {
     put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
     take_step(state, h, share, x1_, v1_, report);
   }
-  // The same of a method that may add energy. False where it would have to be taken by the rule of
-  // `energy` and cannot.
+  // The same for a method that may add energy. False: the step needs the rule of `energy`, and that
+  // fails.
   bool finish_guarded(NodalState& state, double h, double share, NodalReport& report) {
     if (!options().guard || !options().account) {
       finish(state, h, share, report);
@@ -86,7 +87,7 @@ class ImplicitMethod : public HalvedIntegrator {
     reset();
     return again(state, h, report);
   }
-  // Instead of a step that would have added energy.
+  // Replaces a step that would have added energy.
   virtual bool again(NodalState& state, double h, NodalReport& report) {
     return balanced(state, h, report);
   }
@@ -108,7 +109,8 @@ class ImplicitMethod : public HalvedIntegrator {
   Eigen::VectorXd x1_, v1_, x_hat_, v_hat_;
 
  private:
-  // What a method may add, since it last had taken as much, over the largest energy there was.
+  // Limit of the energy that a method may add, since it last took as much, relative to the largest
+  // energy.
   static constexpr double kMostGain = 0.01;
 
   double gained_ = 0.0, largest_ = 0.0;  // J
@@ -128,7 +130,7 @@ class ImplicitEuler : public ImplicitMethod {
     x_hat_ = state.x + h * state.v;
     v_hat_.setZero();
     guess(state, h);
-    // Baraff and Witkin linearise where the step begins.
+    // Baraff and Witkin linearise at the start of the step.
     if (once_) {
       x1_ = state.x;
       put_held_nodes(system(), state.time + h, h, state.x, x1_, v1_);
@@ -161,7 +163,7 @@ class ImplicitEuler : public ImplicitMethod {
   bool once_;
 };
 
-// midpoint and energy.
+// The methods midpoint and energy.
 class Middle : public ImplicitMethod {
  public:
   Middle(const NodalSystem& system, const NodalOptions& options,
@@ -260,7 +262,7 @@ class Bdf2 : public ImplicitMethod {
   }
 
  private:
-  double last_step_ = 0.0;  // s; 0: there is none
+  double last_step_ = 0.0;  // s; 0: there is no last step
   Eigen::VectorXd x_last_, v_last_, keep_x_, keep_v_, far_;
 };
 

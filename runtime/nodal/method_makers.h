@@ -1,4 +1,4 @@
-// The methods' makers; nodal_factory.cpp knows which name is whose.
+// The methods' makers; nodal_factory.cpp maps names to them.
 #pragma once
 
 #include <memory>

@@ -14,7 +14,7 @@ MixedSteps::MixedSteps(Eigen::Index size)
       products_(decltype(products_)::Zero()) {}
 
 bool MixedSteps::mix(const Eigen::VectorXd& x, const Eigen::VectorXd& p, Eigen::VectorXd& mixed) {
-  // Rounding would choose among differences that are nearer to being dependent.
+  // Rounding would choose among differences that are closer to linear dependence.
   constexpr double kLeastShare = 1e-10;
   if (total_++ > 0) {
     const Eigen::Index column = (total_ - 2) % kKept;

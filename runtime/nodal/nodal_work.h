@@ -1,4 +1,4 @@
-// Where the energy of a step went.
+// Energy balance of a step.
 #pragma once
 
 #include <cstdint>
@@ -8,29 +8,29 @@
 
 namespace tremolo {
 
-// 1/2 m v^2 of the nodes that are not held, J.
+// 1/2 m v^2 of the nodes that are not fixed, J.
 double free_kinetic(const NodalSystem& system, const Eigen::VectorXd& v);
 
-// -f . (x1 - x0) over the nodes that are held: what those that move gave, J. f: the force on the
+// -f . (x1 - x0) over the fixed nodes: the work of those that are moved, J. f: the force on the
 // nodes in the step.
 double held_work(const NodalSystem& system, const Eigen::VectorXd& f, const Eigen::VectorXd& x0,
                  const Eigen::VectorXd& x1);
 
-// Keeps what a step begins with, and tells at its end what its energy did (NodalReport). The
-// potential at the end of a step is that at the beginning of the next one, unless the system says
-// otherwise. Nothing is allocated after the first.
+// Stores the values at the start of a step, and reports its energies at the end (NodalReport). The
+// potential at the end of a step is that at the start of the next one, unless the system has
+// another version. Nothing is allocated after the first step.
 class StepLedger {
  public:
-  // asked: otherwise nothing is evaluated and nothing told.
+  // asked: false evaluates and reports nothing.
   StepLedger(const NodalSystem& system, bool asked);
   void begin(const NodalState& state);
-  // Ends the step of a method that does not tell it by step_force(): damping and wind by their
-  // power in the middle of the step, what held nodes give by the force there. share: as of
+  // Ends the step of a method without step_force(). Damping and wind are computed from their power
+  // in the middle of the step, the work of fixed nodes from the force there. share: same as for
   // NodalContact.
   void end(const NodalState& state, double h, double share, NodalReport& report);
-  // Ends the step of a method that tells it.
+  // Ends the step of a method that reports its work.
   void end(const NodalState& state, const StepWork& work, double held, NodalReport& report);
-  // The kinetic energy at the last end, and how much the potential changed in that step, J.
+  // The kinetic energy at the last end plus the change of the potential in that step, J.
   double turnover() const { return turnover_; }
 
  private:

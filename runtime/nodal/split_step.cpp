@@ -4,8 +4,8 @@
 //   2 M (x1 - x0 - h v+)/h^2 = f_stiff((x0 + x1)/2, (x1 - x0)/h),   v- = 2 (x1 - x0)/h - v+
 //   v1 = v- + h/2 a_soft(x1, v1)
 //
-// of second order, also where soft dampers act: the last line by two sweeps, whose error is of
-// third order in h. What is soft must obey h omega < 2.
+// The method is of second order, also with soft dampers: the last line uses two sweeps, whose error
+// is of third order in h. Soft forces must obey h omega < 2.
 #include "runtime/nodal/halved_step.h"
 #include "runtime/nodal/implicit_solve.h"
 #include "runtime/nodal/method_makers.h"
@@ -51,7 +51,7 @@ class SplitStep : public HalvedIntegrator {
   }
 
  private:
-  // v += h a_soft(x, at); held nodes are put afterwards.
+  // v += h a_soft(x, at); fixed nodes are set afterwards.
   void kick(const Eigen::VectorXd& x, const Eigen::VectorXd& at, double h, Eigen::VectorXd& v) {
     system().force(x, at, ForcePart::kSoft, f_);
     const Eigen::VectorXd& mass = system().mass();

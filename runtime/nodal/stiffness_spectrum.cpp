@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMostLanczos = 300;
 
-// Numbers between -1 and 1 that look like chance and are always the same.
+// Pseudo-random numbers between -1 and 1 that are the same in every run.
 Eigen::VectorXd scattered_vector(Eigen::Index size) {
   Eigen::VectorXd x(size);
   std::uint64_t state = 0x9e3779b97f4a7c15u;
@@ -31,7 +31,7 @@ double largest_eigenvalue(const NodalSystem& system, const Eigen::VectorXd& x, F
   BlockMatrix stiffness(system.pattern());
   stiffness.set_zero();
   system.add_tangent(x, Eigen::VectorXd::Zero(n), part, 1.0, 0.0, stiffness);
-  Eigen::VectorXd scale = Eigen::VectorXd::Zero(n);  // 0: held
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(n);  // 0: fixed
   for (Eigen::Index i = 0; i < system.mass().size(); ++i)
     if (system.held()[i] == 0)
       scale.segment<3>(3 * i).setConstant(1.0 / std::sqrt(system.mass()[i]));
@@ -55,8 +55,8 @@ double largest_eigenvalue(const NodalSystem& system, const Eigen::VectorXd& x, F
                                  Eigen::Map<Eigen::VectorXd>(off.data(), size - 1));
     largest = small.eigenvalues().maxCoeff();
     const double next = w.norm();
-    // The residual of the largest pair; the error of its value is at most that, and far less once
-    // it is small.
+    // The residual of the largest pair. It bounds the error of the value, which is far smaller once
+    // the residual is small.
     const double residual = next * std::abs(small.eigenvectors()(size - 1, size - 1));
     if (residual <= relative * largest || next <= 1e-14 * largest) break;
     off.push_back(next);

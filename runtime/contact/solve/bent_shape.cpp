@@ -7,7 +7,7 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The transposed rows of U at a place, by the field's weights.
+// The transposed rows of U at a position, by the field's weights.
 void rows_at(const ContactPoints& points, const Vector3d& place, Eigen::VectorXd& weights,
              Eigen::MatrixX3d& rows) {
   field_weights(points.field, place, weights);

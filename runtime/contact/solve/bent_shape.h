@@ -1,6 +1,6 @@
-// How far a place is from a body that has bent (docs/theory.md, section "Contact"): by the body's
-// shape at rest and a smooth field u through the displacements of its points. A place y of the
-// body's frame is where the place X at rest is now, nearly: X1 = y - u(y), X = y - u(X1).
+// The distance of a position from a deformed body (docs/theory.md, section "Contact"). It uses the
+// body's shape at rest and a smooth field u through the displacements of its points. The position y
+// of the body's frame is approximately the deformed X at rest: X1 = y - u(y), X = y - u(X1).
 #pragma once
 
 #include <Eigen/Core>
@@ -10,14 +10,15 @@
 
 namespace tremolo {
 
-// u: U q of the points as ContactPoints::displacement() gives it. All must outlive this.
+// A deformed shape. All pointers must outlive it.
 struct BentShape {
   const Collider* shape = nullptr;
   const ContactPoints* points = nullptr;
+  // U q of the points, same as ContactPoints::displacement(), m.
   const Eigen::VectorXd* u = nullptr;
 };
 
-// For the making of rows, of r rows each.
+// Buffers for rows, of r rows each.
 struct BentScratch {
   Eigen::VectorXd weights;
   Eigen::MatrixX3d first, second;
@@ -27,13 +28,13 @@ struct BentScratch {
 double bent_distance(const BentShape& bent, const Eigen::Vector3d& y);
 Eigen::Vector3d bent_gradient(const BentShape& bent, const Eigen::Vector3d& y);
 
-// How that distance changes with the coordinates, r: -n.(N(X1) - (grad u)(X1) N(y)), N the rows of
-// U; returns its gradient by y.
+// Derivative of that distance with respect to the coordinates, r: -n.(N(X1) - (grad u)(X1) N(y)), N
+// the rows of U. Returns its gradient by y.
 Eigen::Vector3d bent_change(const BentShape& bent, const Eigen::Vector3d& y, BentScratch& scratch,
                             Eigen::VectorXd& change);
 
-// The transposed rows R, r x 3, by which the place moves with the coordinates, so that the distance
-// changes by gradient.(dy - R^T dq): N(X1) but for what bends.
+// The transposed rows R, r x 3, by which the position moves with the coordinates, so that the
+// distance changes by gradient.(dy - R^T dq): N(X1) with a correction for the deformation.
 void bent_rows(const BentShape& bent, const Eigen::Vector3d& y, BentScratch& scratch,
                Eigen::MatrixX3d& rows);
 

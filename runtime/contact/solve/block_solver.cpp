@@ -24,8 +24,8 @@ void BlockSolver::find_neighbours() {
   }
 }
 
-// Bodies are taken away one after the other, next the one that has the fewest neighbours left; of
-// equals the first.
+// Eliminates bodies one after the other: always the one with the fewest remaining neighbours, and
+// among equals the first.
 void BlockSolver::find_order() {
   const std::size_t count = system_->bodies();
   order_.clear();
@@ -125,7 +125,7 @@ bool BlockSolver::iterate(const VectorXd& b, VectorXd& x) {
     const double left = v(j + 1).norm();
     if (!std::isfinite(left)) return false;
     if (left > 0.0) v(j + 1) /= left;
-    // Givens rotations keep the triangle, and the residual's size in turned_.
+    // Givens rotations keep the matrix triangular, and the residual's size in turned_.
     for (Index i = 0; i < j; ++i) {
       const double above = hessenberg_(i, j), below = hessenberg_(i + 1, j);
       hessenberg_(i, j) = cosine_[i] * above + sine_[i] * below;

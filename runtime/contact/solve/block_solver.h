@@ -1,11 +1,11 @@
-// A linear system of several bodies: a dense block for each body, and one each way for each pair
-// that touches.
+// A linear system of several bodies: a dense block for each body, and two blocks for each pair in
+// contact.
 //
-// GMRES with right preconditioning (Saad and Schultz, 1986), whose preconditioner is the block LU
-// decomposition without fill, D_k = A_kk - sum_j A_kj D_j^-1 A_jk over the neighbours j before k,
-// M = (D + L) D^-1 (D + U). Bodies with few neighbours come first: where contacts make no circles,
-// a stack or a chain, M is A and one iteration ends it. Where GMRES does not reach its tolerance,
-// as in tall jammed piles, a sparse LU decomposition does it.
+// GMRES with right preconditioning (Saad and Schultz, 1986). The preconditioner is the block LU
+// decomposition without fill, D_k = A_kk - sum_j A_kj D_j^-1 A_jk over the neighbours j before k, M
+// = (D + L) D^-1 (D + U). Bodies with few neighbours are first: if contacts form no cycles, as in a
+// stack or a chain, M is A and one iteration is enough. If GMRES does not reach its tolerance, as
+// in tall jammed piles, a sparse LU decomposition solves the system.
 #pragma once
 
 #include <span>
@@ -16,20 +16,21 @@
 
 namespace tremolo {
 
-// How the rows of body a change with the unknowns of body b, and the other way round.
+// Two bodies in contact.
 struct BlockLink {
   std::size_t a = 0, b = 0;
-  const Eigen::MatrixXd* ab = nullptr;
-  const Eigen::MatrixXd* ba = nullptr;
+  const Eigen::MatrixXd* ab = nullptr;  // block of the rows of a and the unknowns of b
+  const Eigen::MatrixXd* ba = nullptr;  // block of the rows of b and the unknowns of a
 };
 
-// first: of each body's unknowns, and the number of all. diagonal: of each body, whose top left
-// block is it. links: one a pair at most. scale: of each row, above zero, so that all rows are of
-// one unit.
+// The system.
 struct BlockSystem {
+  // Index of each body's first unknown; the last entry is the number of all.
   std::span<const Eigen::Index> first;
+  // For each body a matrix whose top left block is the diagonal block.
   std::span<const Eigen::MatrixXd* const> diagonal;
-  std::span<const BlockLink> links;
+  std::span<const BlockLink> links;  // at most one per pair
+  // Factor of each row, above zero, which gives all rows one unit.
   const Eigen::VectorXd* scale = nullptr;
 
   std::size_t bodies() const { return diagonal.size(); }
@@ -41,15 +42,15 @@ class BlockSolver {
   static constexpr int kMostIterations = 60;
   static constexpr double kTolerance = 1e-8;  // of the scaled residual, relative
 
-  // x: the solution of A x = b; both unknowns() long or longer. False: there is none that is
-  // finite. Memory grows with the largest system so far; the sparse decomposition allocates.
+  // Solves A x = b; both vectors are at least unknowns() long. False: no finite solution. Memory
+  // grows with the largest system so far; the sparse decomposition allocates.
   bool solve(const BlockSystem& system, const Eigen::VectorXd& b, Eigen::VectorXd& x);
 
-  // Iterations of the last solve; kMostIterations + 1: the decomposition solved it.
+  // Iterations of the last solve; kMostIterations + 1: the sparse decomposition solved it.
   int iterations() const { return iterations_; }
 
  private:
-  // Another body of a row, and the block there.
+  // Another body in a row, and the block there.
   struct Neighbour {
     std::size_t body = 0;
     const Eigen::MatrixXd* block = nullptr;

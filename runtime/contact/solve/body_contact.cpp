@@ -1,4 +1,4 @@
-// Body: colliders.
+// Body: contact with colliders.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -47,7 +47,7 @@ ContactAccount Body::contact_account() const {
   return contact_ ? contact_->account() : ContactAccount{};
 }
 
-// Where the frame is at both ends of the step, as far as that is known.
+// Poses of the frame at both ends of the step, as far as they are known.
 StepPoses Body::step_poses() const {
   if (driven_ && frame() == FrameKind::kDriven) return {driven_->pose(), driven_->next_pose()};
   if (!free_) return {};
@@ -60,7 +60,7 @@ StepPoses Body::step_poses() const {
   return {free_->pose(), end};
 }
 
-// The step with contact where something is near, or turns out to have been.
+// Takes the step with contact if something is near, or is found to have been near.
 StepReport Body::advance_among(std::span<const PlacedCollider> colliders) {
   return advance_near(near_something(colliders));
 }
@@ -91,7 +91,7 @@ StepReport Body::advance_in_parts(const StepReport& failure) {
   return report;
 }
 
-// All that is known to act in the step to come.
+// All known forces of the next step.
 StepPush Body::step_push() const {
   StepPush push{&step_load_.average};
   if (!free_) return push;
@@ -99,7 +99,7 @@ StepPush Body::step_push() const {
   return push;
 }
 
-// Where the frame is at the end of a step that was made.
+// Pose of the frame at the end of a step that succeeded.
 Pose Body::step_end() const {
   return free_ ? free_->pose() : step_poses().end;
 }
@@ -114,20 +114,20 @@ void Body::reserve_contact(std::span<const PlacedCollider> colliders, std::size_
   contact_->hold({});
 }
 
-// Finds what may be touched in the step.
+// Finds the points that may be in contact in the step.
 bool Body::near_something(std::span<const PlacedCollider> colliders) {
   if (!contact_) return false;
   contact_->hold(grips_);
   return contact_->gather(colliders, step_poses(), state_.q, state_.p, step_push());
 }
 
-// After a step with contact.
+// After a step with contact: resets the integrator, and each grab starts where it ended.
 void Body::end_contact() {
   integrator_->reset();
   for (Grip& grip : grips_) grip.start = grip.end;
 }
 
-// Takes the motion off a body that falls asleep: contact took it.
+// Removes the motion of a body that falls asleep; contact takes its energy.
 void Body::fall_asleep() {
   const double before = total_energy();
   if (free_)
@@ -142,7 +142,7 @@ void Body::fall_asleep() {
   keep_sound_state();
 }
 
-// Time goes by for a body that sleeps.
+// One step of time for a body that sleeps.
 void Body::sleep_a_step() {
   ++steps_;
   age_applied_forces();
@@ -194,8 +194,9 @@ double Body::mass_at(const VertexRows& place) const {
 }
 
 HandSpring Body::stiffest_hand(const VertexRows& place) const {
-  // (h omega) of the mass on its spring, which the damper makes critical: far enough above the 2 at
-  // which the step stops a motion at once for the spring to be stiff, not so far that it rings on.
+  // h omega of the mass on its spring, which the damper makes critical. It is far enough above 2,
+  // where the step stops a motion at once, that the spring is stiff, and low enough that it does
+  // not ring long.
   constexpr double kTurn = 30.0;
   const double h = options_.step, mass = mass_at(place);
   return {kTurn * kTurn * mass / (h * h), 2.0 * kTurn * mass / h};

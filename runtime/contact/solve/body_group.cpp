@@ -13,7 +13,7 @@ bool moves(const PlacedCollider& collider) {
          collider.start.rotation.coeffs() != collider.end.rotation.coeffs();
 }
 
-// Whether a collider that moves comes near the body.
+// True if a moving collider comes near the body.
 bool is_disturbed(const ContactStep& contact, std::span<const PlacedCollider> colliders) {
   const ContactBall& ball = contact.ball();
   for (const PlacedCollider& collider : colliders) {
@@ -36,7 +36,7 @@ bool BodyGroup::has_to_wake(std::size_t i) const {
          is_disturbed(*body.contact_, colliders_);
 }
 
-// Begins the step of a body that is awake, up to what it may touch of the colliders.
+// Begins the step of an awake body, and finds the colliders that it may be in contact with.
 void BodyGroup::begin(std::size_t i) {
   Body& body = *bodies_[i];
   if (const std::optional<StepReport> failed = body.begin_step()) {
@@ -47,7 +47,7 @@ void BodyGroup::begin(std::size_t i) {
   begun_[i] = 1;
 }
 
-// Begins the step to come; a body that sleeps only looks for what may wake it.
+// Begins the next step; a body that sleeps only checks for what may wake it.
 void BodyGroup::begin_or_sleep(std::size_t i) {
   reports_[i] = {};
   reports_[i].converged = true;
@@ -88,14 +88,14 @@ bool BodyGroup::is_joined(std::size_t i) const {
                      [i](const Link& link) { return link.a == i || link.b == i; });
 }
 
-// False: a joint that lets them pass through each other holds them.
+// False: the bodies are joined by a joint that lets them pass through each other.
 bool BodyGroup::may_touch(std::size_t a, std::size_t b) const {
   return std::none_of(links_.begin(), links_.end(), [a, b](const Link& link) {
     return link.a == a && link.b == b && !link.joint.touch;
   });
 }
 
-// Wakes the one that sleeps of two of which one is awake; true if there was one.
+// If one of two bodies is awake, wakes the other. True if it was asleep.
 bool BodyGroup::wake_pair(std::size_t a, std::size_t b) {
   bool woke = false;
   if (begun_[a] == 0 && begun_[b] == 0) return false;
@@ -108,7 +108,7 @@ bool BodyGroup::wake_pair(std::size_t a, std::size_t b) {
   return woke;
 }
 
-// The points of a and b that may touch; wakes the one that sleeps.
+// Finds the points of a and b that may be in contact, and wakes the body that sleeps.
 void BodyGroup::look_at(std::size_t a, std::size_t b) {
   const ContactStep& first = *bodies_[a]->contact_;
   const ContactStep& second = *bodies_[b]->contact_;
@@ -124,7 +124,8 @@ void BodyGroup::look_at(std::size_t a, std::size_t b) {
   if (pair.count != 0) pairs_.push_back(pair);
 }
 
-// All pairs of bodies that may touch of which one is awake. What wakes looks for others again.
+// Finds all pairs of bodies that may be in contact, one of them awake. A body that wakes is checked
+// again.
 void BodyGroup::find_pairs() {
   const auto low = [this](std::size_t i) {
     const ContactBall& ball = bodies_[i]->contact_->ball();
@@ -163,8 +164,8 @@ void BodyGroup::find_pairs() {
             [](const Pair& x, const Pair& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
 }
 
-// What has been quiet for long falls asleep with its whole island. A body that is held, that is
-// loaded or that nothing can wake does not.
+// Bodies that have been quiet long enough fall asleep with their whole island. A grabbed or loaded
+// body, or one that nothing can wake, does not.
 void BodyGroup::put_to_sleep() {
   restless_.assign(bodies_.size(), 0);
   for (const std::size_t i : islands_) {

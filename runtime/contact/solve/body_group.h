@@ -1,14 +1,16 @@
 // Bodies that may touch each other, stepped together (docs/theory.md, section "Contact").
 //
-// Bodies whose balls come near are looked at point by point; those that may touch make an island,
-// which is solved for at once (contact_island.h); the others step by themselves, as Body::step()
-// does, with the same bits. A free body that has been nearly at rest for kQuiet falls asleep with
-// all that it touches: it costs nothing, and wakes when something that is awake comes near, a load
-// or a hand begins, gravity changes, or a collider moves beside it. Its motion is booked as taken
-// by contact.
+// Bodies whose balls come near are checked point by point. Bodies that may be in contact form an
+// island, which is solved at once (contact_island.h). The others step by themselves, same as
+// Body::step(), with the same bits.
 //
-// Islands, and bodies by themselves, are shared by threads, as many as are asked for: each is
-// stepped by one, from its own bodies alone, so that no bit depends on the number of threads.
+// A free body that has been nearly at rest for kQuiet falls asleep with all bodies in contact with
+// it: it then costs nothing. It wakes when something that is awake comes near, a load or a grab
+// begins, gravity changes, or a collider moves next to it. The motion that it loses is added to the
+// energy taken by contact.
+//
+// Threads divide islands, and bodies without an island, among themselves. One thread steps each,
+// from its own bodies alone, so that no bit depends on the number of threads.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +30,7 @@ namespace tremolo {
 
 class BodyGroup {
  public:
-  static constexpr double kQuiet = 0.5;  // s
+  static constexpr double kQuiet = 0.5;  // time at rest before a body falls asleep, s
 
   struct Options {
     bool sleep = true;
@@ -37,31 +39,31 @@ class BodyGroup {
   BodyGroup() = default;
   explicit BodyGroup(const Options& options) : options_(options) {}
 
-  // How many threads work in step(), the caller's included; 0: one a core. At first it is one.
-  // kSystem, and nothing changes, where the threads cannot be had.
+  // Sets the number of threads in step(), the caller's included; 0: one for each core. Default: 1.
+  // Error kSystem, with nothing changed: the threads cannot be started.
   Status set_threads(unsigned threads);
   unsigned threads() const { return pool_ ? pool_->threads() : 1; }
 
-  // One step of all bodies, which have one step size; a null is left out. Body i is the same in
-  // each call. The order of the bodies decides the order of sums: let it be one that does not
-  // change with how they came. reports: one a body; that of a body that sleeps is converged,
-  // without iterations. Where an island is not solved, none of its bodies is moved and each reports
-  // it. Errors of a body's own step: as Body::step().
+  // One step of all bodies, which have one step size; null entries are skipped. Body i must be the
+  // same in each call. The order of the bodies decides the order of sums: choose an order that does
+  // not depend on how they were added. reports: one for each body; a body that sleeps is converged
+  // without iterations. If an island is not solved, none of its bodies moves and each reports it.
+  // Errors of a body's own step: same as Body::step().
   void step(std::span<Body* const> bodies, std::span<const PlacedCollider> colliders,
             std::span<StepReport> reports);
 
-  // Joins the bodies a and b of step(), a != b, which wake; returns the joint's number. Sums follow
-  // the order of the pairs, and of the joints of one pair that of their numbers.
+  // Joins the bodies a and b of step(), a != b, and wakes them; returns the joint's number. Sums
+  // follow the order of the pairs and, for several joints of one pair, of their numbers.
   std::size_t join(std::size_t a, std::size_t b, Joint joint);
-  // False: there is no such joint. Numbers of others stay.
+  // Removes a joint; numbers of others are unchanged. False: there is no such joint.
   bool separate(std::size_t number);
   // The joint as the last step left it; null: there is no such joint.
   const Joint* joint(std::size_t number) const;
 
-  // Two bodies that pushed each other in the last step, a < b, and the impulse, N s. Sorted.
+  // Two bodies with a force between them in the last step, a < b. Sorted.
   struct Touch {
     std::size_t a = 0, b = 0;
-    double impulse = 0.0;
+    double impulse = 0.0;  // N s
   };
   std::span<const Touch> touches() const { return touches_; }
   bool asleep(std::size_t i) const { return i < rest_.size() && rest_[i].asleep; }
@@ -69,8 +71,8 @@ class BodyGroup {
     if (i < rest_.size()) rest_[i] = {};
   }
 
-  // Who rests and for how long, and what joints tell; the joints themselves are as before. bodies:
-  // as many as there are.
+  // Saves or restores which bodies rest and for how long, and the state of the joints, which must
+  // exist already. bodies: their number.
   void carry(StateStream& stream, std::size_t bodies) {
     stream.sized(rest_);
     stream.require(rest_.empty() || rest_.size() == bodies);
@@ -80,26 +82,29 @@ class BodyGroup {
 
  private:
   struct Rest {
-    double quiet = 0.0;  // s
+    double quiet = 0.0;  // time at rest so far, s
     bool asleep = false;
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();
     double alpha = 0.0, beta = 0.0;
 
     void carry(StateStream& stream) { stream(quiet, asleep, gravity, alpha, beta); }
   };
-  // Bodies that may touch, and their points.
+  // Two bodies that may be in contact.
   struct Pair {
     std::size_t a = 0, b = 0;
+    // Their points.
     std::size_t first = 0, count = 0;
   };
 
-  // Bodies that are solved for at once: `count` of islands_ from `first` on, and `pairs` of
-  // by_island_ from `first_pair` on.
+  // Bodies that are solved at once.
   struct Island {
+    // Its bodies: `count` entries of islands_ from `first` on.
     std::size_t first = 0, count = 0;
+    // Its pairs: `pairs` entries of by_island_ from `first_pair` on.
     std::size_t first_pair = 0, pairs = 0;
   };
-  // What a thread needs for the island at hand, and the touches of those that it has stepped.
+  // Buffers of a thread for its present island, and the contacts of the islands that it has
+  // stepped.
   struct Worker {
     std::vector<PairPoint> points;
     std::vector<IslandJoint> joints;
@@ -107,17 +112,17 @@ class BodyGroup {
     std::vector<StepReport> reports;
     std::vector<Touch> touches;
     ContactIsland island;
-    // For an island that is taken in parts.
+    // For an island whose step is subdivided.
     std::vector<PartBody> bodies;
     std::vector<PartPair> pairs;
     StepParts parts;
   };
 
-  // A joint, a < b; turned: b has its first place.
+  // A joint, a < b.
   struct Link {
     std::size_t a = 0, b = 0;
     std::size_t number = 0;
-    bool turned = false;
+    bool turned = false;  // b has the joint's first position
     Joint joint;
   };
 

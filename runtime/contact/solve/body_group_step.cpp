@@ -1,4 +1,4 @@
-// BodyGroup: islands, and who steps them.
+// BodyGroup: makes islands and steps them.
 #include <algorithm>
 #include <numeric>
 #include <string>
@@ -20,7 +20,7 @@ Status BodyGroup::set_threads(unsigned threads) {
   return Success{};
 }
 
-// work(index, thread) for each index below count.
+// Calls work(index, thread) for each index below count.
 template <class Work>
 void BodyGroup::share(std::size_t count, Work&& work) {
   if (pool_) return pool_->run(count, work);
@@ -32,7 +32,7 @@ std::size_t BodyGroup::root(std::size_t i) {
   return i;
 }
 
-// islands_: the bodies under way, those of an island next to each other, by their numbers.
+// Fills islands_ with the bodies of this step, sorted by island and number.
 void BodyGroup::make_islands() {
   parent_.resize(bodies_.size());
   std::iota(parent_.begin(), parent_.end(), std::size_t{0});
@@ -43,7 +43,7 @@ void BodyGroup::make_islands() {
   };
   for (const Pair& pair : pairs_) unite(pair.a, pair.b);
   for (const Link& link : links_) unite(link.a, link.b);
-  // Parents are lower: theirs are roots already.
+  // Parents are lower, so theirs are roots already.
   for (std::size_t i = 0; i < parent_.size(); ++i) parent_[i] = parent_[parent_[i]];
   islands_.clear();
   for (std::size_t i = 0; i < bodies_.size(); ++i)
@@ -78,7 +78,7 @@ void BodyGroup::list_islands() {
   }
 }
 
-// A body that touches no other one.
+// Steps a body without contact with others.
 void BodyGroup::step_alone(std::size_t i) {
   Body& body = *bodies_[i];
   StepReport report;
@@ -126,7 +126,7 @@ void BodyGroup::step_island(const Island& island, Worker& worker) {
   }
 }
 
-// The island, whose step failed as a whole.
+// Steps the island in parts after its whole step failed.
 bool BodyGroup::step_in_parts(const Island& island, Worker& worker) {
   worker.bodies.clear();
   worker.pairs.clear();
@@ -144,7 +144,7 @@ bool BodyGroup::step_in_parts(const Island& island, Worker& worker) {
   return made;
 }
 
-// Those of the island whose members member_of_ tells.
+// Finds the joints of the island whose members member_of_ lists.
 void BodyGroup::gather_joints(std::size_t root_here, std::vector<IslandJoint>& joints) {
   joints.clear();
   for (Link& link : links_) {
@@ -171,7 +171,7 @@ void BodyGroup::note_touches(std::span<const PairPoint> points, std::span<const 
   }
 }
 
-// The touches of a pair are those of one island, so that who stepped it does not matter.
+// A pair's contacts belong to one island, so that their order does not depend on the thread.
 void BodyGroup::step_islands() {
   workers_.resize(threads());
   for (Worker& worker : workers_) worker.touches.clear();

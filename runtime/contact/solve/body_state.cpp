@@ -1,4 +1,4 @@
-// Body: what it carries from step to step, saved and put back; other damping, another method.
+// Body: saves and restores its state between steps; sets other damping, another method.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -82,7 +82,7 @@ void Body::carry(StateStream& stream) {
 
 void Body::carry_frame(StateStream& stream) {
   stream(gravity_);
-  // A fixed body has one since it first felt gravity.
+  // A fixed body has a frame since gravity first acted on it.
   bool driven = driven_ != nullptr;
   stream(driven);
   if (!stream.good()) return;
@@ -99,7 +99,8 @@ void Body::carry_frame(StateStream& stream) {
   if (stream.reads() && stream.good()) free_->restore(rigid);
 }
 
-// Loads in time stay where they are; those of apply_force() come between them as they stood.
+// Loads in time stay at their indices; those of apply_force() are inserted between them in their
+// order.
 void Body::carry_forces(StateStream& stream) {
   std::size_t loads = loads_.size();
   stream(loads);
@@ -174,12 +175,12 @@ Status Body::set_damping(double alpha, double beta) {
 Status Body::set_method(std::string_view integrator, double step) {
   IntegratorOptions options = options_;
   options.step = step;
-  // Whoever makes such a body checks all that may be wrong.
+  // The caller that makes such a body checks all that may be wrong.
   Result<Body> made = create(model_, integrator, options, frame_);
   if (!made) return made.error();
   if (contact_ && frame() != FrameKind::kFixed && !made->energy_method_)
     return usage_error("contact goes with avf, ep2 and ep4");
-  // A method with a staggered momentum hands over that of the state's own moment.
+  // A method with a staggered momentum passes on the momentum at the state's own time.
   integrator_->synchronized_momentum(state_, momentum_);
   state_.p = momentum_;
   steps_ = std::llround(time() / step);

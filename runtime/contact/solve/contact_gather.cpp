@@ -1,5 +1,5 @@
-// ContactStep: which points may touch in a step, which were missed, and what is remembered of
-// contacts from step to step.
+// ContactStep: finds points that may be in contact in a step and points that were missed, and keeps
+// the memory of contacts between steps.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,8 @@ using Eigen::Index;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-// How far any point of a ball of `radius` about `place` moves in the world between the poses, m.
+// Bound of the displacement in the world of a ball's points about `place` between the poses, m.
+// radius: m.
 double reach_of(const StepPoses& poses, const Vector3d& place, double radius) {
   const double angle = turn_of(poses.start.rotation.conjugate() * poses.end.rotation).norm();
   return (poses.end * place - poses.start * place).norm() + angle * radius;
@@ -22,7 +23,7 @@ bool is_before(const ContactMemory& x, const ContactMemory& y) {
   return x.obstacle < y.obstacle || (x.obstacle == y.obstacle && x.point < y.point);
 }
 
-// memories: in that order. Null: there is none.
+// memories: sorted by these numbers. Null: there is none.
 const ContactMemory* find_memory(const std::vector<ContactMemory>& memories, std::size_t obstacle,
                                  std::size_t point) {
   const ContactMemory wanted{.obstacle = obstacle, .point = point};
@@ -32,8 +33,8 @@ const ContactMemory* find_memory(const std::vector<ContactMemory>& memories, std
 
 }  // namespace
 
-// By how much forces may move any point in the step beyond what its velocity does, m: those that
-// push, and the coordinates' own, which turn around within a period.
+// Bound of the displacement of any point in the step by forces, beyond its velocity, m: by applied
+// forces and by the coordinates' own forces, which reverse within a period.
 double ContactStep::acceleration_reach(const VectorXd& q, const StepPush& push) const {
   const double half = 0.5 * options_.step * options_.step;
   const VectorXd& lambda = model_->lambda();
@@ -64,7 +65,7 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
   contacted_.reserve(points_->size() * (colliders.size() + 1));
   q0_ = q;
   if (shape_) points_->displacement(q, u0_);
-  // The displacement by which the coordinates deform it: so far, and in the step.
+  // Displacements by the coordinates: so far, and in the step.
   ball_.centre = poses.start * points_->centre;
   ball_.radius = points_->radius;
   ball_.deformed = q.cwiseAbs().dot(points_->reach);
@@ -75,10 +76,10 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
     const PlacedCollider& collider = colliders[c];
     const Vector3d centre = ball_.centre;
     const double radius = ball_.radius + ball_.deformed;
-    // The collider's own motion, of what is near the body.
+    // The collider's own motion near the body.
     const StepPoses its{collider.start, collider.end};
     const Vector3d local = collider.start.rotation.conjugate() * (centre - collider.start.position);
-    // Twice: contact may speed a point up.
+    // Twice, because contact may accelerate a point.
     const double reach = law_.margin + 2.0 * (ball_.travel + reach_of(its, local, radius));
     const double far = signed_distance(collider.shape, local).distance - radius;
     if (far <= reach) add_candidates(collider, c, q, reach);
@@ -95,7 +96,7 @@ void ContactStep::sort_pair_memories() {
   std::sort(pair_memories_.begin(), pair_memories_.end(), is_before);
 }
 
-// x: where the point is at the start, world, m.
+// x: position of the point at the start, world, m.
 ContactStep::Candidate ContactStep::make_candidate(std::size_t point, std::size_t index,
                                                    const Vector3d& x) const {
   const PlacedCollider& collider = colliders_[index];
@@ -130,8 +131,8 @@ void ContactStep::add_candidates(const PlacedCollider& collider, std::size_t ind
   }
 }
 
-// What is farther than the reach of gather() is not missed by a body that travels no farther than
-// was foreseen there.
+// A point farther than the reach of gather() cannot be missed while the body travels no farther
+// than predicted there.
 bool ContactStep::went_far(const Pose& end, const VectorXd& q) const {
   const double bent = (q - q0_).cwiseAbs().dot(points_->reach);
   return bent + reach_of({poses_.start, end}, points_->centre, ball_.radius + ball_.deformed) >
@@ -176,14 +177,14 @@ bool ContactStep::add_missed() {
   return true;
 }
 
-// What is held begins as the last step left it.
+// Kept values start from those of the last step.
 void ContactStep::begin_candidate(Candidate& candidate) {
   hold_normal(candidate.start.normal, candidate.memory, candidate.held);
   candidate.held.limit = candidate.memory.limit;
   candidate.y0 = place_in_body(candidate.point, q0_);
 }
 
-// After a step: the points that ended it within the margin, in order.
+// After a step: remembers the points that ended it within the margin, in order.
 void ContactStep::remember() {
   memories_.clear();
   pair_memories_.clear();

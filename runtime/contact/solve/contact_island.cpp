@@ -12,18 +12,20 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int kMostIterations = 60;
-constexpr int kHeldFrom = 20;  // the iteration from which a last resort holds limits
-// Share of what counts as small: less of it counts as converged, as the last move of Newton's
-// method makes it.
+constexpr int kHeldFrom = 20;  // iteration from which a last resort keeps limits
+// Fraction of the small size below which a residual is converged, as after the last move of
+// Newton's method.
 constexpr double kConverged = 0.1;
-// A step that may be cut is given up where that many iterations leave that much of what is small.
+// A step that may be subdivided is given up if the residual is kFarOff times the small size after
+// kHopeless iterations.
 constexpr int kHopeless = 25;
 constexpr double kFarOff = 1e6;
-constexpr double kBeyond = 1e8;  // and is not tried otherwise, but cut, where so much is left
+// with a residual this large other attempts are skipped and the step is subdivided
+constexpr double kBeyond = 1e8;
 
 }  // namespace
 
-// One attempt at the step after the other.
+// The attempts at the step, in their order.
 const ContactIsland::Attempt ContactIsland::kAttempts[] = {
     {3, 3, false}, {8, 8, false}, {30, 2, false}, {3, 3, true}, {0, 0, true}};
 
@@ -38,7 +40,7 @@ ContactIsland::Coupling& ContactIsland::add_coupling(std::size_t low, std::size_
   return coupling;
 }
 
-// Points and joints come pair by pair of members.
+// Points and joints are sorted by pairs of members.
 void ContactIsland::couple() {
   coupled_ = 0;
   Coupling* last = nullptr;
@@ -111,7 +113,7 @@ void ContactIsland::look_at_couplings(std::size_t member) {
   }
 }
 
-// Its unknowns come after those of the members that move so far.
+// The member's unknowns follow those of the members that move so far.
 void ContactIsland::move_with(std::size_t member) {
   place_[member] = moving_.size();
   moving_.push_back(member);
@@ -121,7 +123,7 @@ void ContactIsland::move_with(std::size_t member) {
   first_.push_back(first_.back() + contact.unknowns());
 }
 
-// All are looked at, and move.
+// All members are evaluated, and move.
 void ContactIsland::choose_all() {
   looked_.assign(members_.size(), 0);
   place_.assign(members_.size(), kStill);
@@ -139,7 +141,7 @@ void ContactIsland::choose_all() {
   }
 }
 
-// The members of a group move; what may feel that is looked at.
+// The members of a group move; the members in contact with them are evaluated.
 void ContactIsland::choose(std::span<const std::size_t> group) {
   choose_none();
   for (const std::size_t i : group) {
@@ -152,12 +154,12 @@ void ContactIsland::choose(std::span<const std::size_t> group) {
       look(couplings_[k].b);
     }
   for (const std::size_t i : looked_at_) look_at_couplings(i);
-  // In their order, which that of sums follows.
+  // Sorted, because sums follow this order.
   std::sort(seen_.begin(), seen_.end());
   std::sort(looked_at_.begin(), looked_at_.end());
 }
 
-// One member moves, and it alone is looked at.
+// One member moves and is the only one that is evaluated.
 void ContactIsland::choose_one(std::size_t member) {
   choose_none();
   move_with(member);
@@ -174,8 +176,8 @@ bool ContactIsland::is_converged(std::size_t i) const {
   return sizes_[i] <= kConverged * enough_[i];
 }
 
-// Who is not converged makes groups with what it touches: group_ is the lowest member of a group,
-// or kStill. False: all are converged.
+// Members that are not converged form groups with the members in contact with them. group_ is the
+// lowest member of a group, or kStill. False: all are converged.
 bool ContactIsland::find_groups() {
   parent_.resize(members_.size());
   group_.assign(members_.size(), kStill);
@@ -205,7 +207,7 @@ bool ContactIsland::find_groups() {
   return any;
 }
 
-// What a pair or a joint does to those of its members that are looked at.
+// Applies the forces of a pair or a joint to those of its members that are evaluated.
 void ContactIsland::push(const PairPoint& pair) {
   if (!pair.now.acts) return;
   if (looked_[pair.a] != 0) body(pair.a).push_point(pair.now.force, pair.touch_a, pair.point);
@@ -218,8 +220,8 @@ void ContactIsland::push(const IslandJoint& link) {
   if (looked_[link.b] != 0) push_second(link, body(link.b));
 }
 
-// The residuals of those that are looked at at the members' z; returns the size of those that move
-// in units of what is small.
+// Computes the residuals of the evaluated members at their z. Returns the size of those that move
+// in units of the small size.
 double ContactIsland::evaluate(const ContactRenewal& renewal) {
   bends_.resize(members_.size());
   for (const std::size_t i : looked_at_) {
@@ -252,7 +254,7 @@ double ContactIsland::evaluate(const ContactRenewal& renewal) {
   return std::sqrt(square);
 }
 
-// How the members' residuals change with their own unknowns and with the other's.
+// Derivatives of the members' residuals with respect to their own unknowns and to each other's.
 void ContactIsland::make_links(Coupling& coupling, bool follows) {
   ContactStep &low = body(coupling.a), &high = body(coupling.b);
   PairBlocks& of = coupling.blocks;
@@ -298,7 +300,7 @@ bool ContactIsland::solve_for_move() {
   return solver_.solve(system, residual_, move_);
 }
 
-// Finds anew what is small; the size of the residuals that move in its units.
+// Updates the small sizes; returns the size of the residuals that move in these units.
 double ContactIsland::measure() {
   double square = 0.0;
   for (const std::size_t i : looked_at_) {
@@ -309,7 +311,7 @@ double ContactIsland::measure() {
   return std::sqrt(square);
 }
 
-// As ContactStep::try_following(), from z_before_.
+// Same as ContactStep::try_following(), starting from z_before_.
 bool ContactIsland::try_following(int iteration, double size) {
   const auto go = [this](double length) {
     for (std::size_t k = 0; k < moving_.size(); ++k) {
@@ -327,8 +329,8 @@ bool ContactIsland::try_following(int iteration, double size) {
   return false;
 }
 
-// The first try with all that move: a whole move with limits that follow. False: it does not lead
-// anywhere, or is not needed.
+// The first attempt with all moving members: one whole move with limits that follow. False: the
+// move does not lower the residual enough, or is not needed.
 bool ContactIsland::move_whole(int iteration) {
   if (hold_ && iteration >= kHeldFrom) return false;
   evaluate(renewal(iteration, measure(), hold_));
@@ -344,7 +346,7 @@ void ContactIsland::keep_unknowns() {
         body(moving_[k]).z().head(first_[k + 1] - first_[k]);
 }
 
-// A move of Newton's method of those that move. kDone: they are converged, or at rounding.
+// One move of Newton's method for the moving members. kDone: they are converged, or at rounding.
 ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& heavier) {
   evaluate(renewal(iteration, measure(), hold_));
   double size = measure();
@@ -377,7 +379,7 @@ ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& h
   const bool near = size <= near_rounding(hold_);
   if (!newton_move(find_move, go, size, near, heavier, reached))
     return near ? Outcome::kDone : Outcome::kFailed;
-  // At rounding no move helps.
+  // At rounding level no move lowers the residual.
   if (!(reached.size < 0.9 * size) && near) {
     if (reached.size > size) go(0.0);
     return Outcome::kDone;
@@ -385,8 +387,8 @@ ContactIsland::Outcome ContactIsland::move(int iteration, bool follow, double& h
   return Outcome::kMoved;
 }
 
-// Moves of each member by itself, which find out for most contacts whether they hold: one length
-// along a move of many would stop at the first that does.
+// Moves each member by itself. This finds for most contacts whether they act; a common length along
+// one move of many members would stop at the first contact that begins.
 void ContactIsland::relax(std::span<const std::size_t> group, int iteration, int times) {
   for (const std::size_t i : group) {
     choose_one(i);
@@ -397,7 +399,7 @@ void ContactIsland::relax(std::span<const std::size_t> group, int iteration, int
   }
 }
 
-// The largest residual in units of what is small.
+// The largest residual in units of the small size.
 double ContactIsland::farthest() const {
   double most = 0.0;
   for (std::size_t i = 0; i < members_.size(); ++i) most = std::max(most, sizes_[i] / enough_[i]);
@@ -411,7 +413,7 @@ bool ContactIsland::solve(const Attempt& attempt, bool whole, int& iterations) {
   heavier_.assign(members_.size(), 0.0);
   for (iterations = 0; iterations < kMostIterations; ++iterations) {
     if (!find_groups()) {
-      // Limits of friction that were held along the last moves may have to follow.
+      // Friction limits that were kept along the last moves may have to follow.
       if (hold_ && iterations >= kHeldFrom) return true;
       choose_all();
       evaluate({.normals = false, .limits = 1.0});
@@ -453,7 +455,7 @@ void ContactIsland::settle() {
     settle_joint(link, body(link.a), body(link.b), accounts_[link.a], accounts_[link.b]);
 }
 
-// Where the bodies would go without forces, with nothing held.
+// Starts the step from the motion without forces, with no kept values.
 void ContactIsland::begin() {
   for (const IslandMember& member : members_)
     member.contact->begin(*member.state, *member.load, member.free);
@@ -465,8 +467,8 @@ void ContactIsland::begin() {
   }
 }
 
-// Points of its pairs and of colliders that came within the margin unforeseen; true if there are
-// any.
+// Adds points of its pairs and of colliders that came within the margin without prediction. True if
+// there are any.
 bool ContactIsland::add_missed(std::vector<PairPoint>& points, std::size_t& count) {
   bool any = false;
   for (const IslandMember& member : members_) any = member.contact->add_missed() || any;

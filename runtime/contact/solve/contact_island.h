@@ -1,18 +1,20 @@
-// One step of several bodies that touch each other: the equations of each (contact_step.h) and the
-// forces between them, solved for together (docs/theory.md, section "Contact").
+// One step of several bodies in contact with each other. The equations of each body
+// (contact_step.h) and the forces between them are solved together (docs/theory.md, section
+// "Contact").
 //
-// A point of body A has from body B, whose shape at rest is a collider in B's mesh coordinates, the
-// distance
+// The shape of body B at rest is a collider in B's mesh coordinates. A point of body A has the
+// distance from B
 //
 //     d = D_B(X),   X + u_B(X) = Ro_B^T (x_A - c_B)
 //
-// where u_B is a smooth field through B's points. With the ends d0 and d1 of a step, contact_law.h
-// gives the force F on A; B feels -F at the same place, about which its torque is taken, so that
-// both momenta of the pair stay to rounding. By how much the place moves with either body is what
-// F's work on it is counted by, and d1 - d0 is F's direction times the difference of the two,
-// exactly: the pair's energy gives what both bodies get. What u_B changes by between the end of one
-// step and the start of the next, where other points of B may be the nearest, is told as the
-// account's surplus.
+// where u_B is a smooth field through B's points. With the distances d0 and d1 at the ends of a
+// step, contact_law.h gives the force F on A. B receives -F at the same position, about which the
+// torque is taken, so that both momenta of the pair are constant to rounding.
+//
+// The work of F on either body is its product with the displacement of the position with that body.
+// d1 - d0 is the direction of F times the difference of the two displacements, exactly: the pair's
+// energy supplies the work on both bodies. u_B can change between the end of one step and the start
+// of the next, where other points of B may be the nearest; the account reports this as surplus.
 #pragma once
 
 #include <span>
@@ -36,34 +38,38 @@ struct IslandMember {
 
 class ContactIsland {
  public:
-  // One step of all members; points: of pairs of them, the first `count`, pair by pair, of each
-  // those of the lower member first; points that were missed are added. joints: pair by pair as
-  // well. whole: all means are tried, since the step is not cut. reports: one a member; where the
-  // island does not converge, none does, and all states are as before. What it needs grows with the
-  // largest island so far; see block_solver.h.
+  // One step of all members. points: of pairs of members, the first `count` entries, pair by pair,
+  // in each pair first the points of the lower member; missed points are added. joints: also pair
+  // by pair. whole: tries all means, because the step will not be subdivided. reports: one for each
+  // member. If the island does not converge, no member does, and all states are unchanged. Memory
+  // grows with the largest island so far; see block_solver.h.
   void step(std::span<const IslandMember> members, std::vector<PairPoint>& points,
             std::size_t& count, std::span<IslandJoint> joints, double h, bool whole,
             std::span<StepReport> reports);
 
  private:
-  // Two members, a < b, their points, from `first` on, and their joints. touches: a joint holds
-  // them, or a point acted when last looked at. looked: it is evaluated.
+  // Two members, a < b, their points from index `first` on, and their joints.
   struct Coupling {
+    // Members.
     std::size_t a = 0, b = 0;
+    // Their points.
     std::size_t first = 0, count = 0;
     std::size_t first_joint = 0, joints = 0;
+    // touches: a joint connects them, or a point acted in the last evaluation. looked: it is
+    // evaluated.
     bool touches = false, looked = false;
     PairRate rate;
     PairBlocks blocks;
   };
 
-  // In how many iterations members move by themselves first, and how often in each.
+  // relaxed: number of first iterations in which members also move one by one. alone: moves of
+  // each.
   struct Attempt {
     int relaxed = 0, alone = 0;
-    bool hold = false;  // friction's limits, as a last resort: see renewal()
+    bool hold = false;  // keeps friction limits as a last resort: see renewal()
   };
   static const Attempt kAttempts[];
-  static constexpr int kFirstAttempts = 2;  // before the step is cut
+  static constexpr int kFirstAttempts = 2;  // before the step is subdivided
 
   enum class Outcome { kMoved, kDone, kFailed };
 
@@ -111,22 +117,24 @@ class ContactIsland {
   std::span<PairPoint> points_;
   std::span<IslandJoint> joints_;
   double h_ = 0.0;
-  bool hold_ = false;  // friction's limits, as a last resort
-  // Members that are not converged, and what they touch, in groups that are solved for one after
-  // the other: group_ is a group's lowest member, or kStill; in by_group_ those of a group stand
-  // next to each other. moving_: the group at hand; place_: each one's place in it, or kStill;
-  // first_: of its unknowns, and the number of all. looked_: their residual may change; looked_at_,
-  // seen_: these members, and the couplings of them.
+  bool hold_ = false;  // keeps friction limits, as a last resort
+  // Members that are not converged, with those in contact with them, form groups, which are solved
+  // one after the other. group_: lowest member of a member's group, or kStill. by_group_: members
+  // sorted by group. moving_: the present group. place_: index of each member in it, or kStill.
   std::vector<std::size_t> parent_, group_, by_group_, moving_, place_;
+  // Index of each one's first unknown; the last entry is their number.
   std::vector<Eigen::Index> first_;
+  // Members whose residual may change.
   std::vector<char> looked_;
+  // looked_at_: those members. seen_: the couplings of them.
   std::vector<std::size_t> looked_at_, seen_;
   std::vector<double> enough_, heavier_;
   std::vector<double> sizes_;
-  std::vector<double> bends_;  // how far the coordinates move a member's points in the step, m
+  // Bound of the displacement of a member's points by the coordinates in the step, m.
+  std::vector<double> bends_;
   std::vector<Coupling> couplings_;
-  std::size_t coupled_ = 0;  // used
-  // The couplings of each member, one member after the other.
+  std::size_t coupled_ = 0;  // number of entries in use
+  // The couplings of each member, member by member.
   std::vector<std::size_t> first_coupling_, coupling_of_;
   std::vector<ContactAccount> accounts_;
   PairScratch scratch_;

@@ -16,15 +16,15 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kGroupSize = 8;
 
-// Indices into the boundary's vertices. gap receives the largest distance left, nearest for each
-// vertex the number of the chosen one that is nearest to it.
+// Returns indices into the boundary's vertices. gap receives the largest remaining distance;
+// nearest receives for each vertex the number of the nearest chosen vertex.
 std::vector<std::size_t> farthest_points(const std::vector<Vector3d>& places, std::size_t most,
                                          double& gap, std::vector<std::size_t>& nearest) {
   nearest.assign(places.size(), 0);
   std::vector<double> distance2(places.size(), std::numeric_limits<double>::infinity());
   std::vector<std::size_t> chosen;
   gap = 0.0;
-  // The lowest vertex along x comes first, so that the choice has no other rule in it.
+  // The lowest vertex along x is first, so that the choice depends on no other rule.
   const auto least =
       std::min_element(places.begin(), places.end(),
                        [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); });
@@ -45,7 +45,7 @@ std::vector<std::size_t> farthest_points(const std::vector<Vector3d>& places, st
   return chosen;
 }
 
-// Halves along the longest side until groups are small; reorders `order`.
+// Divides along the longest side until groups are small; reorders `order`.
 void divide(const std::vector<Vector3d>& places, std::vector<std::size_t>& order, std::size_t first,
             std::size_t last, std::vector<PointGroup>& groups) {
   Vector3d low = places[order[first]], high = low;
@@ -70,7 +70,7 @@ void divide(const std::vector<Vector3d>& places, std::vector<std::size_t>& order
   divide(places, order, middle, last, groups);
 }
 
-// The size of the whole boundary: that of few points, or of a single one, is not the body's.
+// The size of the whole boundary: a few points, or a single one, do not show the body's size.
 void measure(const std::vector<Vector3d>& boundary, const Collider* shape, ContactPoints& points) {
   const BoundingBox box = bounding_box(boundary);
   points.centre = 0.5 * (box.low + box.high);
@@ -81,9 +81,9 @@ void measure(const std::vector<Vector3d>& boundary, const Collider* shape, Conta
     points.radius = std::max(points.radius, radius_about(*shape, points.centre));
 }
 
-// The area of the boundary that is nearest to each of `count` points, m^2. A triangle's area goes
-// to its corners by their angles, so that it does not matter along which diagonal a face is cut. A
-// boundary without triangles counts as a ball.
+// The area of the boundary that is nearest to each of `count` points, m^2. A triangle's area is
+// divided among its corners by their angles, so that it does not depend on the diagonal that
+// divides a face. A boundary without triangles counts as a ball.
 std::vector<double> areas_of(const Model& model, const std::vector<std::size_t>& nearest,
                              std::size_t count, double extent) {
   const std::vector<Vector3d>& rest = model.surface().rest;
@@ -127,7 +127,7 @@ ContactPoints choose_contact_points(const Model& model, std::size_t most, const 
     points.reach = points.reach.cwiseMax(points.rows.middleCols<3>(to).rowwise().norm());
   }
   measure(surface.rest, shape, points);
-  // Places near the surface see several points, and the field is smooth between them.
+  // Positions near the surface are near several points, and the field is smooth between them.
   points.field = ScatteredPoints(
       points.rest, 0.25 * points.gap * points.gap + 1e-6 * points.extent * points.extent);
   const Index stride = points.field.stride();

@@ -1,4 +1,4 @@
-// The points of a body that feel contact: a subset of its boundary's vertices, in groups.
+// The contact points of a body: a subset of its boundary's vertices, in groups.
 #pragma once
 
 #include <vector>
@@ -12,49 +12,50 @@
 
 namespace tremolo {
 
-// Neighbours, whose rest places lie within `radius` (m) of `centre` (m, the mesh's coordinates).
+// Neighbouring points.
 struct PointGroup {
   std::size_t first = 0, count = 0;
+  // Of a ball around their positions at rest, m, the mesh's coordinates.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double radius = 0.0;
+  double radius = 0.0;  // of that ball, m
 };
 
-// rest: m. rows: r x 3n, columns 3 i .. 3 i + 2 are the transposed rows of U of point i. field: the
-// points for fields through them; axis_rows: 3 stride x r, the same rows of U, all x, all y, all z,
-// zero in padding. reach: r, the farthest that a unit of a coordinate moves any point: |u| <= sum_i
-// |q_i| reach_i. centre, radius: of a ball around the boundary and the body's shape, which may
-// extend beyond it (shape_reach.h), m. extent: the longest side of the boundary's box, m. gap: no
-// vertex of the boundary is farther from the nearest point, m: what may slip between points. areas:
-// of the boundary that each point stands for, m^2; area: their sum.
+// The contact points of a body with r coordinates.
 struct ContactPoints {
   std::vector<VertexId> ids;
-  std::vector<Eigen::Vector3d> rest;
+  std::vector<Eigen::Vector3d> rest;  // m
+  // r x 3n: columns 3 i .. 3 i + 2 are the transposed rows of U of point i.
   Eigen::MatrixXd rows;
-  ScatteredPoints field;
+  ScatteredPoints field;  // the points, for fields through them
+  // 3 stride x r: the same rows of U, all x, all y, all z, zero in padding.
   Eigen::MatrixXd axis_rows;
+  // r: the largest displacement of any point by a unit of a coordinate: |u| <= sum_i |q_i| reach_i.
   Eigen::VectorXd reach;
   std::vector<PointGroup> groups;
-  std::vector<double> areas;
-  double area = 0.0;
+  std::vector<double> areas;  // of the boundary nearest to each point, m^2
+  double area = 0.0;          // sum of areas, m^2
+  // Ball around the boundary and the body's shape, which may extend beyond it (shape_reach.h), m.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double radius = 0.0;
-  double extent = 0.0;
+  double extent = 0.0;  // longest side of the boundary's box, m
+  // Largest distance of a vertex of the boundary from the nearest point, m: smaller obstacles may
+  // slip between points.
   double gap = 0.0;
 
   std::size_t size() const { return rest.size(); }
-  // X + U q of point i.
+  // X + U q of point i, m.
   Eigen::Vector3d place(std::size_t i, const Eigen::VectorXd& q) const {
     const Eigen::Index column = 3 * i;
     return rest[i] + rows.middleCols<3>(column).transpose() * q;
   }
-  // U q of all points, 3 stride: a field for field_at().
+  // U q of all points, 3 stride long, m: a field for field_at().
   void displacement(const Eigen::VectorXd& q, Eigen::VectorXd& u) const {
     u.noalias() = axis_rows * q;
   }
 };
 
-// At most `most` of the boundary's vertices, each the farthest from those before it, so that gap
-// falls as fast as it can. shape: what other bodies bump into; null: nothing.
+// Chooses at most `most` of the boundary's vertices, each the farthest from those before it, so
+// that gap falls as fast as possible. shape: the shape with which other bodies collide; null: none.
 ContactPoints choose_contact_points(const Model& model, std::size_t most,
                                     const Collider* shape = nullptr);
 

@@ -1,4 +1,4 @@
-// ContactStep: what a residual is measured by, and what is booked of a step.
+// ContactStep: measures of a residual, and the energy balance of a step.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,7 +16,7 @@ constexpr double kMomentaTolerance = 1e-10;  // of the momenta in a step
 
 }  // namespace
 
-// All rows as momenta, kg^1/2 m/s.
+// Converts all rows to momenta, kg^1/2 m/s.
 double ContactStep::size_of_residual() const {
   const Index n = unknowns();
   return row_scale_.head(n).cwiseProduct(residual_.head(n)).norm();
@@ -33,8 +33,8 @@ double ContactStep::work_along(const Eigen::Ref<const VectorXd>& move) const {
   return work;
 }
 
-// The measure of size_of_residual(): momenta, and forces times h; the first residual of a step is
-// that of all forces on a body that would go on as it moves.
+// Unit of size_of_residual(): momenta, and forces times h. The first residual of a step is that of
+// all forces on a body that continues its motion.
 double ContactStep::size_of_motion() const {
   const double h = options_.step;
   double size =
@@ -47,7 +47,7 @@ double ContactStep::size_of_motion() const {
   return size;
 }
 
-// What rounding of a place, which is `far` from the world's origin, leaves of the momenta.
+// Rounding error of the momenta from a position at the distance `far` from the world's origin.
 double ContactStep::held_rounding(const VertexRows& place, double stiffness, double far) const {
   const double lightness = place.rows.norm() + (free_ != nullptr ? 1.0 / std::sqrt(mass_) : 0.0);
   return 4.0 * std::numeric_limits<double>::epsilon() * options_.step * stiffness * lightness *
@@ -68,7 +68,7 @@ void ContactStep::hold_at(const VertexRows& place, double stiffness) {
   joints_rounding_ += held_rounding(place, 0.5 * stiffness, 2.0 * motion_.c0.norm());
 }
 
-// By how much move_ moves any point at most, m.
+// Largest displacement of any point by move_, m.
 double ContactStep::way_of_move() const {
   const Index r = model_->modes();
   const double way = move_.head(r).cwiseAbs().dot(points_->reach);
@@ -82,7 +82,7 @@ double ContactStep::enough() const {
                    std::numeric_limits<double>::min()});
 }
 
-// A hand's work, on a driven body that on its motion relative to the frame.
+// A grab's work; for a driven body the work on the motion relative to the frame.
 void ContactStep::settle_grips() {
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     Grip& grip = grips_[i];
@@ -97,8 +97,8 @@ void ContactStep::settle_grips() {
   }
 }
 
-// The law of a point: its area counts, and the spring of friction is as stiff as the contact is at
-// half the margin, or where it is linear.
+// The law of a point, scaled by its area. The friction spring is as stiff as the contact at half
+// the margin, or where it is linear.
 ContactLaw ContactStep::law_of(std::size_t point, double friction, double restitution) const {
   ContactLaw law = law_;
   law.friction = friction;
@@ -109,9 +109,9 @@ ContactLaw ContactStep::law_of(std::size_t point, double friction, double restit
   return law;
 }
 
-// Two bodies are two springs one behind the other: of the slopes of their pressure at the depth at
-// which both are taken for linear, or else of their kappa. Where each has points that meet the
-// other's shape, all of them push. Friction and restitution are geometric means, and the rebound is
+// Two bodies are two springs in series. Their stiffnesses are the slopes of the pressure at the
+// depth at which both count as linear, otherwise their kappa. If each body has points on the
+// other's shape, all of them act. Friction and restitution are geometric means; the rebound is
 // whole from the lower speed on.
 ContactLaw ContactStep::law_of(std::size_t point, const ContactStep& other) const {
   const ContactLaw& theirs = other.law_;
@@ -132,7 +132,7 @@ ContactLaw ContactStep::law_of(std::size_t point, const ContactStep& other) cons
   return law;
 }
 
-// About half of critical damping for the mass with which a point resists: c = (k m)^1/2.
+// About half of critical damping for the effective mass of a point: c = (k m)^1/2.
 void ContactStep::find_dampers() {
   const Index r = model_->modes();
   const Eigen::ArrayXd give =

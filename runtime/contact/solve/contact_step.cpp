@@ -13,13 +13,13 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kNewtonIterations = 100;  // Newton's, with the line search
+constexpr int kNewtonIterations = 100;  // of Newton's method with the line search
 constexpr int kShorter = 12;            // halvings of a move
 constexpr int kNormals = 20;            // iterations in which normals are renewed,
-constexpr double kHeldBelow = 1e6;      // unless the residual is below so many times what is small
-constexpr int kMostRenewals = 20;       // likewise as a last resort
+constexpr double kHeldBelow = 1e6;      // except below this multiple of the small size
+constexpr int kMostRenewals = 20;       // iterations that renew limits in a last resort
 constexpr int kFullRenewals = 8;        // iterations in which limits are renewed wholly
-constexpr double kRoundedWay = 1e-14;   // of the body's extent
+constexpr double kRoundedWay = 1e-14;   // shortest move, as a fraction of the body's extent
 
 }  // namespace
 
@@ -116,7 +116,7 @@ ContactTouch ContactStep::touch_at(const Vector3d& rest, const PlaceRows& rows) 
   return motion_.touch(from + rows.transpose() * q0_, from + rows.transpose() * q1_);
 }
 
-// From c along the body's axes.
+// Position from c along the body's axes, m.
 Vector3d ContactStep::place_in_body(std::size_t point, const VectorXd& q) const {
   const Vector3d from = points_->rest[point] - motion_.origin;
   return from + point_rows(point).transpose() * q;
@@ -155,7 +155,8 @@ void ContactStep::push_turn(const Vector3d& torque) {
   contact_torque_ += motion_.R0.transpose() * torque;
 }
 
-// A spring's mean force is that at the middle of the step, and exactly its discrete gradient.
+// A spring's mean force is its force at the middle of the step, which is exactly its discrete
+// gradient.
 void ContactStep::add_grips() {
   for (std::size_t i = 0; i < grips_.size(); ++i) {
     Grip& grip = grips_[i];
@@ -189,7 +190,7 @@ void ContactStep::add_contact(const ContactRenewal& renewal) {
   add_grips();
 }
 
-// On a place of the body's own, on which the force is `force`.
+// For a position of the body itself, at which the force is `force`.
 void ContactStep::add_geometry(const Vector3d& force, const Vector3d& bend_force,
                                const ContactTouch& touch, const PlaceRows& rows) {
   if (free_ == nullptr) return;
@@ -219,7 +220,7 @@ void ContactStep::evaluate(const ContactRenewal& renewal) {
   add_contact(renewal);
 }
 
-// All that depends on z_ but the forces on places.
+// All parts that depend on z_, except forces at positions.
 void ContactStep::evaluate_body() {
   const double h = options_.step;
   const Index r = model_->modes();
@@ -295,8 +296,8 @@ void ContactStep::add_contact_slopes(bool follows) {
   }
 }
 
-// The Jacobian of the residual that evaluate() left, without the gyroscopic terms of a turning
-// frame, which are of a higher order in h.
+// The Jacobian of the residual of evaluate(), without the gyroscopic terms of a rotating frame,
+// which are of a higher order in h.
 void ContactStep::make_jacobian(double heavier, bool follows) {
   const double h = options_.step;
   const Index r = model_->modes();
@@ -354,9 +355,9 @@ double following_bound(double length) {
   return 1.0 - 0.5 * length;
 }
 
-// A move of Newton's method in which limits follow the force, a whole one where that halves the
-// residual; once that has failed for long also a shorter one that lowers it. False, and nothing has
-// changed, where none does.
+// Tries a move of Newton's method in which limits follow the force: a whole move if it halves the
+// residual; after many failures also a shorter one that lowers it. False, with nothing changed, if
+// none does.
 bool ContactStep::try_following(int iteration, double size, double& reached) {
   const Index n = unknowns();
   make_jacobian(0.0, true);
@@ -375,13 +376,13 @@ bool ContactStep::try_following(int iteration, double size, double& reached) {
   return false;
 }
 
-// heavier: of the first moves.
+// heavier: factor of added inertia for the first moves.
 bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
   const double h = options_.step;
   const Index n = unknowns();
   evaluate({});
   double size = close(), enough = this->enough();
-  bool followed_last = false;  // all limits are those of the last move already
+  bool followed_last = false;  // all limits are already those of the last move
   for (int i = 0; i < kNewtonIterations; ++i) {
     const ContactRenewal renewed = renewal(i, size / enough, hold);
     if (!touching().empty() && (!followed_last || renewed.normals)) {
@@ -417,10 +418,10 @@ bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
     LineTrial reached;
     const bool small = size <= near_rounding(hold) * enough;
     if (!newton_move(find_move, go, size, small, heavier, reached)) return small;
-    // A move that rounding of the points' places swallows.
+    // The move is smaller than rounding of the points' positions.
     if (way_of_move() <= kRoundedWay * points_->extent) return true;
     ++report.iterations;
-    // At rounding no move helps.
+    // At rounding level no move lowers the residual.
     if (!(reached.size < 0.9 * size) && small) {
       if (reached.size > size) go(0.0);
       return true;
@@ -432,7 +433,7 @@ bool ContactStep::solve(double heavier, bool hold, StepReport& report) {
 
 StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free, bool whole) {
   StepReport report;
-  // From the beginning once more with short moves, where long ones led astray.
+  // Starts again with short moves where long ones did not converge.
   struct Attempt {
     double heavier;
     bool hold;
@@ -452,7 +453,7 @@ StepReport ContactStep::step(State& state, const StepLoad& load, FreeFrame* free
   return report;
 }
 
-// The state at the end, with the forces of contact as they were found: omega1 last and to rounding.
+// The state at the end, with the contact forces that were found: omega1 last and to rounding.
 void ContactStep::finish(State& state, StepReport& report) {
   const double h = options_.step;
   const VectorXd& n = damping_.n;

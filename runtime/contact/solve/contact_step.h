@@ -1,11 +1,11 @@
-// One step of a body that is near colliders (docs/theory.md, section "Contact"): the step of ep2
-// (runtime/integrators/energy_preserving.cpp), of a free body with that of
-// runtime/frames/free_frame.h, and the forces of contact_law.h on its points, all solved for
-// together. A point at y = X + U q of the body takes part with f = U^T Ro~^T F and the torque
-// (Ro~ y~) x F, so that F's work is F.(x1 - x0) exactly.
+// One step of a body that is near colliders (docs/theory.md, section "Contact"). The step is that
+// of ep2 (runtime/integrators/energy_preserving.cpp), for a free body together with that of
+// runtime/frames/free_frame.h. The forces of contact_law.h on the body's points are solved for in
+// the same system. A force F on the point y = X + U q adds f = U^T Ro~^T F and the torque (Ro~ y~)
+// x F, so that the work of F is F.(x1 - x0) exactly.
 //
-// Unknowns are d = q1 - q0 and, of a free body, omega1 and the path e of its centre: r + 6, by
-// Newton's method with a line search.
+// The unknowns are d = q1 - q0 and, for a free body, omega1 and the path e of its centre: r + 6.
+// Newton's method with a line search finds them.
 #pragma once
 
 #include <memory>
@@ -28,180 +28,192 @@
 
 namespace tremolo {
 
-// Where a body's points are in a step: at its start within `radius` + `deformed` of `centre` in the
-// world, m; in it none goes farther than `travel` without contact.
+// Bounds of the positions of a body's points in a step. At its start all points are within radius +
+// deformed of the centre.
 struct ContactBall {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // in the world, m
+  // m; without contact no point goes farther than travel in the step
   double radius = 0.0, deformed = 0.0, travel = 0.0;
 };
 
-// What is renewed of what is held before an iteration of Newton's method, counted from 0, at a
-// residual of `size` times the small one. Limits of friction always are, or the step would not be
-// solved; normals are not near the solution, where any normal near the middle's will do.
-// hold: the last resort, for steps whose limits run in circles: after kMostRenewals iterations they
-// stay as they are, and so near that of the step that the energy still closes.
+// Returns the parts of ContactHeld that are renewed before iteration `iteration` (from 0) of
+// Newton's method. size: the residual divided by its small size (ContactStep::enough()).
+//
+// Friction limits are always renewed, because otherwise the step would not be solved. Normals are
+// not renewed near the solution, where any normal near that of the middle is good enough. hold: the
+// last resort for steps whose limits cycle. After kMostRenewals iterations the limits are kept;
+// they are then so near those of the step that the energy balance still closes.
 ContactRenewal renewal(int iteration, double size, bool hold);
 
-// Whether a move from there is one of Newton's method with limits that follow the force; else they
-// are held along the move, and a line search goes by the slope (line_search.h).
+// True if the next move is one of Newton's method in which friction limits follow the force.
+// Otherwise limits are constant along the move, and a line search uses the slope (line_search.h).
 bool limits_follow(int iteration, double size, bool hold);
-// Where no move helps, a residual below so many times the small one is that of rounding.
+// Where no move lowers the residual, a residual below this multiple of the small size is rounding.
 double near_rounding(bool hold);
-// The shortest length along such a move that is tried, and the fraction of the residual that is
-// low enough there.
+// The shortest length along such a move that is tried.
 double shortest_following(int iteration);
+// The fraction of the residual below which a move of that length is accepted.
 double following_bound(double length);
 
 class ContactStep {
  public:
-  // mass: kg. free: nothing holds the body.
+  // mass: kg. free: no support fixes the body.
   ContactStep(Model::Pointer model, const IntegratorOptions& options, const ContactOptions& contact,
               double mass, bool free);
 
   const ContactPoints& points() const { return *points_; }
-  // Of a unit of area: stiffness kappa, N/m^4.
+  // The law for a unit of area: stiffness is kappa, N/m^4.
   const ContactLaw& law() const { return law_; }
-  // The law of one of its points against a collider of that friction and restitution, or, with
-  // `other`, against another body.
+  // The law of one of its points against a collider with that friction and restitution.
   ContactLaw law_of(std::size_t point, double friction, double restitution) const;
+  // The law of one of its points against another body.
   ContactLaw law_of(std::size_t point, const ContactStep& other) const;
 
-  // The memory of its point's contact with the body of that number in a group; null: there is none.
+  // The memory of the point's contact with body number `body` of a group; null: there is none.
   const ContactMemory* pair_memory(std::size_t body, std::size_t point) const;
-  // Those of the step that was made: after finish(), in any order, then sort_pair_memories().
+  // Adds a memory of the step that succeeded. Call it after finish(), in any order, then call
+  // sort_pair_memories().
   void remember_pair(const ContactMemory& memory) { pair_memories_.push_back(memory); }
   void note_contact(const ContactedPoint& point) { contacted_.push_back(point); }
   void sort_pair_memories();
 
-  // Finds the points that may touch a collider in the step from q, v. colliders must stay where
-  // they are until the step is made. False if there are none: the step is made without contact.
+  // Finds the points that may be in contact with a collider in the step from q, v. The colliders
+  // must stay in memory until the step has ended. False if there are no such points: the step is
+  // then taken without contact.
   bool gather(std::span<const PlacedCollider> colliders, const StepPoses& poses,
               const Eigen::VectorXd& q, const Eigen::VectorXd& v, const StepPush& push);
-  // After a step that was made without contact because gather() found none, with the body at q in
-  // `end`: finds the points that came within the margin all the same; true if there are any, and
-  // the step has to be made with them.
+  // Call this after a step without contact, taken because gather() found no points; the body is at
+  // q in `end`. It finds the points that came within the margin nevertheless. True if there are
+  // any: the step must be repeated with them.
   bool find_missed(const Pose& end, const Eigen::VectorXd& q);
 
-  // The hands of the step; they must stay where they are until it is made.
+  // Sets the grabs of the step; they must stay in memory until it has ended.
   void hold(std::span<Grip> grips) { grips_ = grips; }
 
-  // The step. free: of a free body, else null; then the poses hold. load: as for an integrator.
-  // Where it does not converge, the state is as before.
-  // whole: all means are tried, since the step is not cut.
+  // Takes the step. free: null unless the body is free; the poses of gather() are used then. load:
+  // as for an integrator. whole: tries all means, because the step will not be subdivided. If the
+  // step does not converge, the state is unchanged.
   StepReport step(State& state, const StepLoad& load, FreeFrame* free, bool whole);
 
-  // Account of the last step; when nothing was near, reset() instead.
+  // Energy balance of the last step. If nothing was near in a step, call reset() instead.
   const ContactAccount& account() const { return account_; }
-  // In how many steps friction's limits were held as a last resort; see renewal().
+  // Number of steps in which friction limits were kept as a last resort; see renewal().
   std::int64_t held_steps() const { return held_steps_; }
   void note_held_step() { ++held_steps_; }
   void reset();
-  // A step in parts: account(), impulses() and contacted() are of the whole after end_parts(), if
-  // it was made.
+  // A step in parts. After end_parts(), account(), impulses() and contacted() refer to the whole
+  // step if it succeeded.
   void begin_parts() { parts_ = {}; }
   void keep_part();
   void end_parts(bool made);
   std::span<const PlacedCollider> colliders() const { return colliders_; }
-  // For each collider the sum of the lengths of the impulses on it in the last step, N s; 0 where
-  // there was no contact. And the impulse itself, N s, world.
+  // For each collider the sum of the lengths of the impulses on it in the last step, N s; 0 without
+  // contact.
   std::span<const double> impulses() const { return impulses_; }
+  // For each collider the impulse on it in the last step, N s, world.
   std::span<const Eigen::Vector3d> collider_impulses() const { return collider_impulses_; }
-  // The points that pushed in the last step, of colliders first. Those of another body's points
-  // that met this one's shape are among that body's.
+  // The points with a contact force in the last step, first those on colliders. A point of another
+  // body on this one's shape is listed by that body.
   std::span<const ContactedPoint> contacted() const { return contacted_; }
 
-  // What solvers of several bodies at once need (contact_island.h). After gather(): begin(), with
-  // z() where the body would go without forces; evaluate() at a z(), then the forces of the other
-  // bodies, then close(); make_jacobian() there; in the end settle_pairs() and finish().
+  // Interface for solvers of several bodies at once (contact_island.h). After gather() call
+  // begin(), which sets z() to the motion without forces. Then call evaluate() at a z(), add the
+  // forces of the other bodies, call close() and make_jacobian(). At the end call settle_pairs()
+  // and finish().
   void begin(const State& state, const StepLoad& load, FreeFrame* free);
   Eigen::Index unknowns() const { return model_->modes() + (free_ != nullptr ? 6 : 0); }
-  // unknowns() entries of these are used. residual: kg^1/2 m for d, N m s for omega1, N for e.
+  // The first unknowns() entries are used. residual: kg^1/2 m for d, N m s for omega1, N for e.
   Eigen::VectorXd& z() { return z_; }
   const Eigen::VectorXd& residual() const { return residual_; }
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }
   void evaluate(const ContactRenewal& renewal);
-  // A joint of this stiffness, N/m, holds the place: what rounding leaves there counts as small.
-  // After begin().
+  // Declares that a joint of this stiffness, N/m, acts at the point: the rounding error that it
+  // causes there counts as small. Call it after begin().
   void hold_at(const VertexRows& place, double stiffness);
-  double close();  // the residual's size, all rows as momenta, kg^1/2 m/s
-  // What makes momenta of the residual's rows, kg^1/2 m/s; the first unknowns() are used.
+  double close();  // size of the residual, all rows as momenta, kg^1/2 m/s
+  // Factors that convert the residual's rows to momenta, kg^1/2 m/s; the first unknowns() are used.
   const Eigen::VectorXd& row_scale() const { return row_scale_; }
-  // How far the coordinates move any point in the step, m.
+  // Bound of the displacement of any point by the coordinates in the step, m.
   double bend_in_step() const { return z_.head(model_->modes()).cwiseAbs().dot(points_->reach); }
-  // The product of the residual, as forces, with a move of the unknowns: the slope of what the step
-  // minimizes, J, but for what turns.
+  // Product of the residual, as forces, with a move of the unknowns: the slope of the function that
+  // the step minimizes, J, except for rotation.
   double work_along(const Eigen::Ref<const Eigen::VectorXd>& move) const;
-  double enough() const;  // a residual's size that is small
-  // heavier: so many times more inertia than there is, for a move that falls. follows: as of
+  double enough() const;  // size below which a residual is small
+  // heavier: the factor of added inertia, for a move that lowers the residual. follows: same as for
   // contact_slopes().
   void make_jacobian(double heavier, bool follows);
-  // Where the step is solved: adds the points that came within a collider's margin but were not
-  // found before; true if there are any, and the step has to be solved with them.
+  // Call this where the step is solved. It adds the points that came within a collider's margin but
+  // were not found before. True if there are any: the step must be solved with them.
   bool add_missed();
-  // Whether the body, at the present z(), went farther than gather() foresaw.
+  // True if the body, at the present z(), went farther than gather() predicted.
   bool went_far() const { return went_far(end_pose(), q1_); }
-  // What other bodies' contact is in the account: energy, lost, rubbed, work, given, penetration,
-  // impulse and active of `pairs`, and the energy at the start of the step, J.
+  // Sets the part of the account that belongs to contact with other bodies: energy, lost, rubbed,
+  // work, given, penetration, impulse and active of `pairs`. start: their energy at the start of
+  // the step, J.
   void settle_pairs(const ContactAccount& pairs, double start) {
     pairs_ = pairs;
     pairs_start_ = start;
   }
-  // The state at the end of the step.
+  // Sets the state at the end of the step.
   void finish(State& state, StepReport& report);
 
-  // The body's frame in the step, at the present z(), and what a force does to its equations.
+  // Motion of the body's frame in the step, at the present z().
   const StepMotion& motion() const { return motion_; }
+  // Effect of a force on the equations of the body.
   PlaceLever& lever() { return lever_; }
-  // A place of the body that touches, at the present z(): a point; or any place, with the straight
-  // mean of its ends as the force's.
+  // A contact point of the body, at the present z().
   ContactTouch touch_at_point(std::size_t point) const;
+  // The same for any position of the body; the force acts at the straight mean of its ends.
   ContactTouch straight_touch_at(const VertexRows& place) const;
   Eigen::Vector3d end_of_point(std::size_t point) const;  // its x1
-  // By how much a place, whose rows of U are `rows`, moves in the step as the body bends, m, world:
-  // a force's work is its product with that and with motion().way_under().
+  // Displacement in the step of a position, whose rows of U are `rows`, by deformation, m, world.
+  // The work of a force is its product with that plus motion().way_under().
   Eigen::Vector3d bend_under(const PlaceRows& rows) const;
   const Eigen::VectorXd& q_start() const { return q0_; }
-  // The body's own shape, bent as at the start or the end of the step; for a body with a shape.
+  // Shape of the body, deformed as at the start or the end of the step; only for a body with a
+  // shape.
   BentShape shape_at_start() const { return {&*shape_, points_.get(), &u0_}; }
   BentShape shape_at_end() const { return {&*shape_, points_.get(), &u1_}; }
-  // A force, N, world, between evaluate() and close(); bend_force: what bends the body. And a
-  // torque alone, N m, world.
+  // Adds a force, N, world, between evaluate() and close(). bend_force: the force that deforms the
+  // body, N, world.
   void push_point(const Eigen::Vector3d& force, const ContactTouch& touch, std::size_t point);
   void push(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
             const ContactTouch& touch, const PlaceRows& rows);
+  // Adds a torque alone, N m, world.
   void push_turn(const Eigen::Vector3d& torque);
   auto point_rows(std::size_t point) const {
     return points_->rows.middleCols<3>(static_cast<Eigen::Index>(3 * point));
   }
   Eigen::MatrixXd& whole_block() { return jacobian_; }
   auto own_block() { return jacobian_.topLeftCorner(unknowns(), unknowns()); }
-  // What the force on a place adds to the Jacobian because the place and the body turn: where the
-  // lever has its swing; on a point; and on a place of another body's point (what does not depend
-  // on that body's unknowns).
+  // Adds to the Jacobian the change of the force on a position because the position and the body
+  // rotate. Needs the lever's swing.
   void add_geometry(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
                     const ContactTouch& touch, const PlaceRows& rows);
+  // The same for a force on a contact point.
   void add_geometry_at_point(const Eigen::Vector3d& force, const ContactTouch& touch,
                              std::size_t point);
+  // The same for a force at another body's point: the part that does not depend on that body's
+  // unknowns.
   void add_geometry_of_other(const Eigen::Vector3d& force, const Eigen::Vector3d& bend_force,
                              const ContactTouch& touch, const PlaceRows& rows);
   bool turns() const { return free_ != nullptr; }
   double mass() const { return mass_; }
   bool can_move() const { return can_move_; }
-  // False: it feels hands alone.
+  // False: only grabs act on it, not colliders.
   bool feels() const { return feels_; }
-  // What other bodies bump into; null: nothing.
+  // Shape with which other bodies collide; null: none.
   const Collider* shape() const { return shape_ ? &*shape_ : nullptr; }
   // Results of the last gather().
   const ContactBall& ball() const { return ball_; }
   const StepPoses& poses() const { return poses_; }
 
-  // alpha, beta: Rayleigh's, from the next step on.
+  // Sets Rayleigh damping alpha (1/s) and beta (s) from the next step on.
   void set_damping(double alpha, double beta);
-  // s, likewise. Contact is as stiff as the new step allows: what it stores changes with that,
-  // which the account tells as surplus.
+  // Sets the step (s) from the next step on. The contact law does not depend on it.
   void set_step(double step);
 
-  // What is carried between steps: the account, and where the body was when others looked last.
+  // Saves or restores the state between steps: the account, and the contact memories.
   void carry(StateStream& stream);
 
  private:
@@ -266,9 +278,9 @@ class ContactStep {
   PotentialWorkspace workspace_;
   std::vector<Candidate> candidates_;
   std::vector<PairRate> rates_;       // one a collider
-  std::vector<ColliderTurns> turns_;  // likewise
-  // What the pairs' rates do to the residual, and how what restitution takes grows with the
-  // unknowns; a column a collider.
+  std::vector<ColliderTurns> turns_;  // one a collider
+  // Effect of the pairs' rates on the residual, and growth of the fraction that restitution takes
+  // with the unknowns; one column per collider.
   Eigen::MatrixXd taken_push_, taken_growth_;
   std::vector<ContactMemory> memories_;       // by collider and point
   std::vector<ContactMemory> pair_memories_;  // by body and point
@@ -298,7 +310,7 @@ class ContactStep {
   FramePointer<FreeFrame> free_ = nullptr;
 
   Eigen::VectorXd u0_, u1_, q0_, v0_, q1_, G_, dp_, force_, middle_, contact_push_;
-  // What evaluate_body() found at known_z_: of the residual, without places.
+  // Residual without forces at positions, found by evaluate_body() at known_z_.
   bool known_ = false;
   Eigen::VectorXd known_z_, own_force_;
   Eigen::Vector3d own_spin_residual_, own_centre_residual_;

@@ -4,7 +4,7 @@ namespace tremolo {
 
 using Eigen::Vector3d;
 
-// Forces and arms are along the straight means of the places, for which both momenta stay.
+// Forces and arms are along the straight means of the points, for which both momenta are conserved.
 void evaluate_joint(IslandJoint& link, const ContactStep& first, const ContactStep& second,
                     double h) {
   const StepMotion &one = first.motion(), &two = second.motion();

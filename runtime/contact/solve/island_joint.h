@@ -1,5 +1,5 @@
-// A joint in a step of the two bodies that it holds (contact_island.h): its force, and what that
-// does to the equations of the two.
+// A joint in a step of its two bodies (contact_island.h): its force, and the effect of the force on
+// the equations of the two.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,20 +18,20 @@ struct IslandJoint {
   JointForce now = {};
 };
 
-// Finds the joint's force where the two bodies are now. h: the step, s.
+// Computes the joint's force at the present positions of the two bodies. h: the step, s.
 void evaluate_joint(IslandJoint& link, const ContactStep& first, const ContactStep& second,
                     double h);
 
-// What it does to its first and to its second body, between evaluate() and close() of that one.
+// Apply the force to the first and to the second body, between evaluate() and close() of that body.
 void push_first(const IslandJoint& link, ContactStep& first);
 void push_second(const IslandJoint& link, ContactStep& second);
 
-// As add_pair_slopes(), without what turns the damper's force.
+// Same as add_pair_slopes(), without the rotation of the damper's force.
 void add_joint_slopes(const IslandJoint& link, ContactStep& first, ContactStep& second,
                       Eigen::MatrixXd& first_by_second, Eigen::MatrixXd& second_by_first);
 
-// Books what the joint did in itself and in the accounts of its bodies, of a driven one relative to
-// its frame.
+// Adds the work and loss of the joint to the joint and to the accounts of its bodies; for a driven
+// body relative to its frame.
 void settle_joint(const IslandJoint& link, const ContactStep& first, const ContactStep& second,
                   ContactAccount& a, ContactAccount& b);
 

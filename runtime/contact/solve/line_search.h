@@ -1,4 +1,4 @@
-// How far to go along a move of Newton's method.
+// Chooses the length of a move of Newton's method.
 #pragma once
 
 #include <algorithm>
@@ -6,24 +6,26 @@
 
 namespace tremolo {
 
-// At a length along the move: the residual's size, and the slope of what falls along it.
+// Values at a length along the move.
 struct LineTrial {
-  double size = 0.0;
-  double slope = 0.0;
+  double size = 0.0;   // size of the residual
+  double slope = 0.0;  // slope of the function that falls along the move
 };
 
-// go(length) evaluates there and returns a LineTrial; the last one that it was asked for is where
-// the search ends, and is returned. start: at length 0, with a slope below zero where the move is
-// one of descent. The whole move is taken if the residual falls or the slope is not yet up again;
-// else the valley in between is looked for, by the slope: friction's changes of sign make the
-// residual itself no guide.
+// Searches along the move. go(length) evaluates there and returns a LineTrial; the search ends at
+// the length of its last call and returns that. start: at length 0, with a slope below zero for a
+// move of descent.
+//
+// The whole move is taken if the residual falls or the slope is not yet positive. Otherwise the
+// slope guides the search for the minimum in between: the residual cannot, because friction changes
+// sign.
 template <class Go>
 LineTrial search_line(const Go& go, const LineTrial& start) {
   constexpr int kMost = 14;
   constexpr double kFlat = 0.3, kFalls = 0.1, kGrows = 4.0;
   LineTrial trial = go(1.0);
   if (trial.size < kFalls * start.size) return trial;
-  // A slope that falls on and on, with a residual that grows, leads away from where the step is.
+  // A slope that continues to fall while the residual grows leads away from the solution.
   const auto leads_away = [&start](const LineTrial& at) {
     return !std::isfinite(at.size) || (at.size > kGrows * start.size && at.slope < start.slope);
   };
@@ -48,10 +50,11 @@ LineTrial search_line(const Go& go, const LineTrial& start) {
   return trial;
 }
 
-// A move of Newton's method and the way along it. find_move(heavier) makes the move, with so many
-// times more inertia than there is, and returns the slope along it; more of it until the move falls
-// and its end is not far off. heavier: what it took, for the next move. small: the residual is
-// near rounding. False: no move falls; the last call was go(0), if any.
+// Makes a move of Newton's method and searches along it. find_move(heavier) makes the move with
+// inertia increased by the factor heavier and returns the slope. The inertia is raised until the
+// move is one of descent and its end is not far off. heavier: receives the factor for the next
+// move. small: the residual is near rounding. False: no move is one of descent; the last call was
+// go(0), if any.
 template <class FindMove, class Go>
 bool newton_move(const FindMove& find_move, const Go& go, double size, bool small, double& heavier,
                  LineTrial& reached) {

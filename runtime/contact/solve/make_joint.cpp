@@ -15,7 +15,7 @@ Vector3d place_now(const Body& body, const VertexRows& place) {
   return body.pose() * Vector3d(place.rest + place.rows * body.state().q);
 }
 
-// (h omega) of the two masses on a stiff joint, as that of a pin.
+// h omega of the two masses on a stiff joint, same as for a pin.
 constexpr double kTurn = 30.0;
 
 Status set_springs(Joint& joint, const Body& first, const Body& second,

@@ -7,15 +7,16 @@
 
 namespace tremolo {
 
-// Joins a vertex of each body. Both need Body::set_contact() and one step size. kUsage for what is
-// not finite or negative, and where neither place moves; errors as Model::vertex.
+// Joins a vertex of each body. Both bodies need Body::set_contact() and one step size. Errors:
+// kUsage for a value that is not finite or negative, and if neither vertex can move; otherwise same
+// as for Model::vertex.
 Result<Joint> make_joint(const Body& first, VertexId at, const Body& second, VertexId to,
                          const JointOptions& options = {});
-// Joins a vertex of the first to where that is now, on the second: to a place that goes with the
-// nearest vertex of the second's boundary.
+// Joins a vertex of the first body to its present position on the second: to a point that moves
+// with the nearest vertex of the second body's boundary.
 Result<Joint> make_joint(const Body& first, VertexId at, const Body& second,
                          const JointOptions& options = {});
-// How far the places are apart now, m.
+// Present distance of the joint's two points, m.
 double joint_distance(const Joint& joint, const Body& first, const Body& second);
 
 }  // namespace tremolo

@@ -20,7 +20,7 @@ void find_start(PairPoint& pair, const ContactStep& second, PairScratch& scratch
   pair.fresh = false;
 }
 
-// The point's way is taken as if what bends did not.
+// The point's path is computed as if the second body did not deform.
 bool passes(const PairPoint& pair, const ContactStep& second, double way) {
   if (pair.distance <= 0.0 || way <= pair.distance) return false;
   const BentShape start = second.shape_at_start(), end = second.shape_at_end();
@@ -30,14 +30,14 @@ bool passes(const PairPoint& pair, const ContactStep& second, double way) {
       {pair.place, bent_distance(end, pair.place), bent_gradient(end, pair.place)});
 }
 
-// How the pair's forces fall with the unknowns of its bodies, by d1, the path and the bending, and
-// what they do to what restitution takes from all points of the two.
+// Fall of the pair's forces with the unknowns of its bodies, by d1, the path and the deformation,
+// and its effect on the part that restitution takes from all points of the two.
 void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& time, bool follows,
                   PairScratch& scratch) {
   const auto& [first, second] = bodies;
   const Index n = second.unknowns();
   const Index r = second.turns() ? n - 6 : n;
-  // Slopes of a place nearby do as well: they change over the distance between points.
+  // Slopes of a nearby position are accurate enough: they change over the distance between points.
   const double near = kSameSlopes * second.points().gap;
   if (!pair.sloped || (pair.place - pair.slope_place).squaredNorm() > near * near) {
     pair.slope = bent_change(second.shape_at_end(), pair.place, scratch.bent, pair.by_q);
@@ -73,8 +73,8 @@ void find_changes(PairPoint& pair, const PairBodies& bodies, const ContactTime& 
         -growth * (bodies.second.lever().way().rightCols<6>().transpose() * gradient);
 }
 
-// A point of the first near the second, at y in the second's mesh coordinates and at that distance
-// from it at the start.
+// Makes a point of the first body near the second, at y in the second's mesh coordinates and at
+// that distance from it at the start.
 void begin_point(PairPoint& pair, const ContactStep& first, const ContactStep& second,
                  const PairNames& names, std::size_t point, const Vector3d& y, double distance) {
   pair.a = names.a;
@@ -139,7 +139,7 @@ void approach_pair(PairPoint& pair, const PairBodies& bodies, double bend, PairR
   pair.place = second.motion().into_rest(pair.touch_a.x1, true);
   const bool acts = pair.distance < pair.law.begins || pair.held.limit != 0.0;
   pair.near = false;
-  // Too far for d1 to be within the margin, if its gradient is shorter than 2.
+  // d1 cannot be within the margin if its gradient is shorter than 2.
   const double nearer = 2.0 * ((pair.place - pair.place_at_start).norm() + bend);
   if (!acts && pair.distance - nearer > pair.law.margin)
     return pair.now.clear(pair.distance, stored);
@@ -240,7 +240,7 @@ void add_pair_slopes(PairPoint& pair, const PairBodies& bodies, const ContactTim
   sides.second_growth += scratch.growth_b;
   first.add_geometry_at_point(pair.now.force, pair.touch_a, pair.point);
   second.add_geometry_of_other(-pair.now.force, -pair.now.bend_force, pair.touch_b, pair.rows);
-  // The torque on the second acts where the first's point is.
+  // The torque on the second body acts at the first's point.
   if (!second.turns()) return;
   const Index turn = second.unknowns() - 6;
   sides.second_by_first.middleRows<3>(turn).noalias() +=

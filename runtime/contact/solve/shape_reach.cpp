@@ -18,8 +18,8 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr Index kSpread = 300;            // directions spread over the sphere, 11 degrees apart
-constexpr std::uint32_t kGridSteps = 64;  // nodes of a grid looked at along an axis, at most
+constexpr Index kSpread = 300;            // distributed over the sphere, 11 degrees apart
+constexpr std::uint32_t kGridSteps = 64;  // nodes of a grid sampled along an axis, at most
 
 // The axes, the diagonals, and points of a spiral on the sphere; 3 x n, of length one.
 Matrix3Xd directions() {
@@ -58,7 +58,7 @@ struct Support {
     return cylinder.radius * n.topRows<2>().colwise().norm().transpose() +
            cylinder.half_length * n.row(2).cwiseAbs().transpose();
   }
-  // A node inside at the depth d has a ball of that radius around it inside.
+  // A node at the depth d has a ball of that radius inside the shape.
   VectorXd operator()(const GridShape& shape) const {
     const DistanceGrid& grid = *shape.grid;
     const GridNodes& nodes = grid.nodes();

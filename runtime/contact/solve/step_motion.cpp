@@ -14,14 +14,14 @@ void StepMotion::set_turn(const Matrix3d& turn_in_step) {
   mean = 0.5 * (Matrix3d::Identity() + turn);
 }
 
-// (x0 + x1)/2 is beside the mean place by (Ro1 - Ro0)(y1 - y0)/4.
+// (x0 + x1)/2 differs from the mean position by (Ro1 - Ro0)(y1 - y0)/4.
 ContactTouch StepMotion::straight_touch(const Vector3d& y0, const Vector3d& y1) const {
   const Vector3d turned_mean = 0.5 * (y0 + turn * y1);
   return {c0 + R0 * y0, c1 + R1 * y1, turned_mean};
 }
 
-// The place's way is way_under() of that arm and Ro0 (mean - phi x (turn - 1)/4)(y1 - y0), where
-// turn - 1 = phi x mean.
+// The displacement of the position is way_under() of that arm plus Ro0 (mean - phi x (turn -
+// 1)/4)(y1 - y0), where turn - 1 = phi x mean.
 Vector3d StepMotion::straight_bend(const Vector3d& force) const {
   const Vector3d pull = R0.transpose() * force;
   return R0 * (pull - 0.25 * phi.cross(phi.cross(pull)));
@@ -49,7 +49,7 @@ void PlaceLever::make(const StepMotion& motion, const ContactTouch& touch, const
   const double h = motion.h;
   const Index r = motion.modes;
   n_ = motion.unknowns();
-  // Products of so few columns are not worth the packing of a large one's.
+  // For so few columns the packing of a large product takes longer than it saves.
   way_.leftCols(r).noalias() = motion.R1.lazyProduct(rows.transpose());
   const Matrix3d into_body = (0.5 * h * h) * (motion.R0 * motion.mean).transpose();
   push_.topRows(r).noalias() = rows.lazyProduct(into_body);
@@ -74,7 +74,7 @@ void PlaceLever::add_tangent(const Matrix3d& stiffness, Eigen::MatrixXd& jacobia
 void PlaceLever::add_pushed(const Eigen::Matrix3Xd& change, const Eigen::Matrix3Xd& bend_change,
                             double sign, Eigen::Ref<Eigen::MatrixXd> block) const {
   const Index r = push_.rows() - 6;
-  // Three multiply-adds along each column: too few to be worth the packing of a large product.
+  // Three multiply-adds along each column: too few for the packing of a large product.
   for (Index j = 0; j < block.cols(); ++j) {
     const Vector3d bend = sign * bend_change.col(j);
     block.col(j).head(r) += push_.col(0).head(r) * bend[0] + push_.col(1).head(r) * bend[1] +

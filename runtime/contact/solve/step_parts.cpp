@@ -93,7 +93,7 @@ void StepParts::put_back() {
   for (std::size_t k = 0; k < joints_.size(); ++k) *joints_[k].joint = joints_before_[k];
 }
 
-// [from, to] in two parts.
+// Takes [from, to] in two parts.
 bool StepParts::halves(double from, double to, int depth) {
   const double middle = 0.5 * (from + to);
   for (const auto& [a, b] : {std::pair{from, middle}, std::pair{middle, to}})
@@ -102,7 +102,7 @@ bool StepParts::halves(double from, double to, int depth) {
   return true;
 }
 
-// The part [from, to] of the step, as a step of its own. last: it is not cut again.
+// Takes the part [from, to] of the step as a step of its own. last: it is not divided again.
 bool StepParts::part(double from, double to, bool last) {
   colliders_.assign(all_colliders_.begin(), all_colliders_.end());
   for (PlacedCollider& collider : colliders_) {
@@ -160,7 +160,7 @@ void StepParts::find_points() {
   }
 }
 
-// A part that was made. share: of the step.
+// Adds a part that succeeded to the sums. share: fraction of the step.
 void StepParts::book(std::size_t i, const StepReport& report, double share) {
   Body& body = *bodies_[i].body;
   body.contact_->keep_part();

@@ -1,8 +1,8 @@
-// A step with contact whose solve fails is taken in parts: twice half of it, each of which may be
-// cut again. Bodies, colliders, hands and loads go through the same step as they would as a whole,
-// and every part keeps the account of the law for its own length, so that the energy closes.
+// A step with contact whose solve fails is taken in parts: two halves, each of which may be divided
+// again. Bodies, colliders, grabs and loads follow the same path as in the whole step. Every part
+// has the energy balance of the law for its own length, so that the energy closes.
 //
-// Cut steps allocate.
+// Divided steps allocate.
 #pragma once
 
 #include <span>
@@ -15,36 +15,36 @@
 
 namespace tremolo {
 
-// A body of the step: its begin_step() was made, and it has contact. number: in its group.
+// A body of the step. Its begin_step() has succeeded, and it has contact.
 struct PartBody {
   Body* body = nullptr;
-  std::size_t number = 0;
+  std::size_t number = 0;  // in its group
 };
 
-// Two bodies, by their places in the list of them, that may touch each other.
+// Two bodies, by their indices in the list, that may be in contact with each other.
 struct PartPair {
   std::size_t a = 0, b = 0;
 };
 
 class StepParts {
  public:
-  // Makes the step of all bodies in parts. colliders: of the whole step. joints: their members are
-  // places in the list. False: one of the bodies has a frame that moves as it is told, or a part
-  // failed as well; then everything is as before. Otherwise the bodies have booked their parts but
-  // for end_step(), and reports, one a body, are of the whole.
+  // Takes the step of all bodies in parts. colliders: of the whole step. joints: their members are
+  // indices in the list. reports: one for each body, of the whole step. False, with everything
+  // unchanged: one of the bodies has a prescribed frame, or a part failed as well. Otherwise the
+  // energy of all parts has been added to the bodies, and only end_step() is left.
   bool step(std::span<const PartBody> bodies, std::span<const PlacedCollider> colliders,
             std::span<const PartPair> pairs, std::span<const IslandJoint> joints,
             std::span<StepReport> reports);
-  // The points of pairs in all parts, with the force of each part times its share of the step.
+  // The points of pairs in all parts; each force is multiplied by the part's fraction of the step.
   const std::vector<PairPoint>& points() const { return touched_; }
 
  private:
-  // A body as it was before the first part.
+  // A body before the first part.
   struct Whole {
-    std::string bytes;  // all that it carries
+    std::string bytes;  // its complete state
     StepLoad load;
     Eigen::VectorXd q_before;
-    std::vector<Eigen::Vector3d> from, to;  // of its hands, world, m
+    std::vector<Eigen::Vector3d> from, to;  // path of its grabs, m, world
     std::vector<Grip> sums;                 // force, work and damped of the parts
     double step = 0.0;                      // s
   };
