@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kMostHalvings = 5;
+constexpr int kMostCuts = 5;
 
 Pose pose_at(const Pose& start, const Pose& end, double fraction) {
   return {start.position + fraction * (end.position - start.position),
@@ -97,7 +97,7 @@ void StepParts::put_back() {
 bool StepParts::halves(double from, double to, int depth) {
   const double middle = 0.5 * (from + to);
   for (const auto& [a, b] : {std::pair{from, middle}, std::pair{middle, to}})
-    if (!part(a, b, depth == kMostHalvings) && (depth == kMostHalvings || !halves(a, b, depth + 1)))
+    if (!part(a, b, depth == kMostCuts) && (depth == kMostCuts || !halves(a, b, depth + 1)))
       return false;
   return true;
 }
