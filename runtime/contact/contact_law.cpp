@@ -141,8 +141,7 @@ ColliderTurns turns_of(const PlacedCollider& collider) {
   Eigen::Quaterniond end = collider.end.rotation;
   if (collider.start.rotation.dot(end) < 0.0) end.coeffs() = -end.coeffs();
   const Eigen::Quaterniond mean(collider.start.rotation.coeffs() + end.coeffs());
-  return {collider.start.rotation.toRotationMatrix(), collider.end.rotation.toRotationMatrix(),
-          mean.normalized().toRotationMatrix()};
+  return {collider.end.rotation.toRotationMatrix(), mean.normalized().toRotationMatrix()};
 }
 
 ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,

@@ -186,9 +186,9 @@ ContactForce contact_force(const ContactLaw& law, const ContactGap& gap, const C
 ContactSlopes contact_slopes(const ContactLaw& law, const ContactGap& gap, const ContactWay& way,
                              const ContactTime& time, const ContactHeld& held, bool follows);
 
-// The rotations of a collider's frame in a step: at its ends, and their mean.
+// The rotation of a collider's frame at the end of a step, and the mean of both ends.
 struct ColliderTurns {
-  Eigen::Matrix3d start, end, mean;
+  Eigen::Matrix3d end, mean;
 };
 ColliderTurns turns_of(const PlacedCollider& collider);
 

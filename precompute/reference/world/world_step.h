@@ -4,10 +4,10 @@
 //     M_ff (2/h) (d_f/h - v0) + M_fh (v1_h - v0_h)/h + F_f(w0, w1) + D = load,   v1 = 2 d_f/h - v0
 //
 // with F the mean of the elements' forces over the step and v_h the support's own velocity.
-// D is that of the strain rates, as in time_integration.h: it feels no rotation. Damping by the mass
-// acts on the motion relative to the support: alpha multiplies v - V by exp(-alpha h/2) before and
-// after, V the velocity of what rides along. No quantity of a moving
-// frame enters: no fictitious force, no integral of the mass over a mode.
+// D is that of the strain rates, as in time_integration.h: it feels no rotation. Damping by the
+// mass acts on the motion relative to the support: alpha multiplies v - V by exp(-alpha h/2) before
+// and after, V the velocity of a point that moves with it. No quantity of a moving frame enters: no
+// fictitious force, no integral of the mass over a mode.
 #pragma once
 
 #include "precompute/reference/time_integration.h"
@@ -23,9 +23,9 @@ Motion start_in_world(const WorldBody& world, const RigidMotion& flight);
 Field whole_displacement(const WorldBody& world, const Motion& motion);
 Field whole_velocity(const WorldBody& world, const Motion& motion);
 
-// Advances by one step. motion.work includes that of the support; with damping by the mass also what
-// holds the damper does. load: on the unknowns, N. Throws Failure (kSolver) if
-// the solve does not converge.
+// Advances by one step. motion.work includes that of the support; with damping by the mass also
+// what holds the damper does. load: on the unknowns, N. Throws Failure (kSolver) if the solve does
+// not converge.
 void advance_in_world(WorldBody& world, const TimeSettings& settings, const LoadHistory& load,
                       Motion& motion);
 

@@ -83,6 +83,17 @@ StepReport Body::advance_near(bool near) {
   return report;
 }
 
+// False: a frame that follows given poses moves in the step.
+bool Body::can_be_cut() const {
+  if (!driven_) return true;
+  for (std::size_t b = 0; b < driven_->bones(); ++b) {
+    const Pose &now = driven_->pose(b), &next = driven_->next_pose(b);
+    if (now.position != next.position || now.rotation.coeffs() != next.rotation.coeffs())
+      return false;
+  }
+  return !driven_->turning();
+}
+
 StepReport Body::advance_in_parts(const StepReport& failure) {
   StepReport report = failure;
   StepParts parts;

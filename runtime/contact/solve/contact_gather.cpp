@@ -58,7 +58,6 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
   impulses_.resize(colliders.size());
   rates_.resize(colliders.size());
   turns_.resize(colliders.size());
-  std::transform(colliders.begin(), colliders.end(), turns_.begin(), turns_of);
   taken_push_.resize(model_->modes() + 6, static_cast<Index>(colliders.size()));
   taken_growth_.resize(taken_push_.rows(), taken_push_.cols());
   collider_impulses_.resize(colliders.size());
@@ -82,7 +81,9 @@ bool ContactStep::gather(std::span<const PlacedCollider> colliders, const StepPo
     // Twice, because contact may accelerate a point.
     const double reach = law_.margin + 2.0 * (ball_.travel + reach_of(its, local, radius));
     const double far = signed_distance(collider.shape, local).distance - radius;
-    if (far <= reach) add_candidates(collider, c, q, reach);
+    if (far > reach) continue;
+    turns_[c] = turns_of(collider);
+    add_candidates(collider, c, q, reach);
   }
   held_.resize(grips_.size());
   return !touching().empty() || !grips_.empty();
@@ -157,6 +158,7 @@ bool ContactStep::find_missed(const Pose& end, const VectorXd& q) {
           .distance;
     };
     std::fill(listed_.begin(), listed_.end(), 0);
+    turns_[c] = turns_of(collider);
     for (std::size_t k = 0; k < known; ++k)
       if (candidates_[k].collider == c) listed_[candidates_[k].point] = 1;
     for (const PointGroup& group : points_->groups) {

@@ -199,7 +199,7 @@ void ContactStep::keep_part() {
         &ContactAccount::hand_damped, &ContactAccount::joint_work, &ContactAccount::impulse})
     sum.*each += before.*each;
   sum.penetration = std::max(sum.penetration, before.penetration);
-  sum.way = std::max(sum.way, before.way);
+  sum.way += before.way;
   sum.active = std::max(sum.active, before.active);
   sum.passed += before.passed;
   sum.impulse_vector += before.impulse_vector;

@@ -273,8 +273,12 @@ double ContactStep::close() {
 
 void ContactStep::add_contact_slopes(bool follows) {
   const Index n = unknowns();
-  taken_push_.setZero();
-  taken_growth_.setZero();
+  const auto pushes = [this](std::size_t collider) { return rates_[collider].force > 0.0; };
+  for (std::size_t c = 0; c < rates_.size(); ++c) {
+    if (!pushes(c)) continue;
+    taken_push_.col(static_cast<Index>(c)).setZero();
+    taken_growth_.col(static_cast<Index>(c)).setZero();
+  }
   for (const Candidate& candidate : touching()) {
     if (!candidate.now.acts) continue;
     lever_.make(motion_, candidate.touch, point_rows(candidate.point));
@@ -283,13 +287,14 @@ void ContactStep::add_contact_slopes(bool follows) {
                       time_with(candidate.collider), candidate.held, follows);
     lever_.add_tangent(slope.by_end, jacobian_);
     add_geometry_at_point(candidate.now.force, candidate.touch, candidate.point);
+    if (!pushes(candidate.collider)) continue;
     const auto column = static_cast<Index>(candidate.collider);
     taken_push_.col(column).head(n).noalias() += lever_.push().lazyProduct(slope.by_taken);
     taken_growth_.col(column).head(n).noalias() +=
         lever_.way().transpose().lazyProduct(slope.taken);
   }
   for (std::size_t c = 0; c < rates_.size(); ++c) {
-    if (!(rates_[c].force > 0.0)) continue;
+    if (!pushes(c)) continue;
     const auto column = static_cast<Index>(c);
     jacobian_.topLeftCorner(n, n).noalias() +=
         taken_push_.col(column).head(n).lazyProduct(taken_growth_.col(column).head(n).transpose());

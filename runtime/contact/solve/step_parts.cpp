@@ -20,16 +20,6 @@ Pose pose_at(const Pose& start, const Pose& end, double fraction) {
 
 }  // namespace
 
-bool Body::can_be_cut() const {
-  if (!driven_) return true;
-  for (std::size_t b = 0; b < driven_->bones(); ++b) {
-    const Pose &now = driven_->pose(b), &next = driven_->next_pose(b);
-    if (now.position != next.position || now.rotation.coeffs() != next.rotation.coeffs())
-      return false;
-  }
-  return !driven_->turning();
-}
-
 bool StepParts::step(std::span<const PartBody> bodies, std::span<const PlacedCollider> colliders,
                      std::span<const PartPair> pairs, std::span<const IslandJoint> joints,
                      std::span<StepReport> reports) {
@@ -172,6 +162,7 @@ void StepParts::book(std::size_t i, const StepReport& report, double share) {
   }
   body.end_contact();
   body.book_step(report);
+  reports_[i].dissipated += report.dissipated;
   ++reports_[i].parts;
 }
 
