@@ -13,7 +13,7 @@
 namespace tremolo {
 namespace {
 
-// SleepOptions: J.
+// The threshold of SleepOptions, J.
 double quiet_energy(const Model& model, const SleepOptions& sleep) {
   if (sleep.energy > 0.0) return sleep.energy;
   const VertexBlock& surface = model.surface();
@@ -71,7 +71,7 @@ Result<GroupId> World::add_group(Model::Pointer model, const GroupOptions& optio
                        std::to_string(available));
   const Eigen::Index modes = options.modes == 0 ? available : options.modes;
   WorldGroup group;
-  // Lanes have the damping at rest alone.
+  // Lanes support only the damping at rest.
   const bool strain_damped = options.options.beta > 0.0 && !model->potential().linear();
   if (steps_in_lanes(options.integrator) && !strain_damped) {
     Result<LaneGroup> lanes = LaneGroup::create(*model, options.integrator, options.options,

@@ -18,8 +18,8 @@ MadeIntegrator always(Model::Pointer model, const IntegratorOptions& options) {
   return kMake(std::move(model), options);
 }
 
-// halves: a step whose solve fails may be taken in parts. drifts: what the solve leaves shows in
-// the energy.
+// halves: a step whose solve fails may be taken in parts. drifts: the residual of the solve shows
+// in the energy.
 struct Entry {
   std::string_view name;
   IntegratorMaker make;
@@ -102,7 +102,7 @@ MadeIntegrator make_integrator(std::string_view name, Model::Pointer model,
   for (const Entry& entry : kEntries) {
     if (entry.name != name) continue;
     if (Status status = check_options(wanted); !status) return status.error();
-    // The solution that ep4 approximates is known for a linear model.
+    // For a linear model the solution that ep4 approximates is known.
     if (entry.name == "ep4" && model->potential().linear() && !wanted.moving_frame)
       return make_exact_linear(entry.name, std::move(model), wanted);
     IntegratorOptions options = wanted;

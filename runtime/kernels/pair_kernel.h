@@ -1,4 +1,4 @@
-// The potential as a matrix over index pairs, for evaluations that are not at one point: with the
+// The potential as a matrix over index pairs, for evaluations at more than one point. With the
 // pairs a = (i <= j) in the order of pair_index,
 //
 //     A = S X,   S_ab = Q_ijkl,      B_a = sum_k C_ijk q_k

@@ -8,10 +8,10 @@
 namespace tremolo {
 namespace {
 
-// Floats resolve no more of a residual.
+// The smallest relative residual that floats resolve.
 constexpr double kLeastInside = 1e-4;
-// What conjugate gradients themselves say of a residual is true to floats' digits: it is not
-// measured in doubles where no more than this share was asked for.
+// The residual of the recurrence has the digits of floats: it is not computed in doubles if at
+// least this fraction was requested.
 constexpr double kTrusted = 1e-3;
 
 }  // namespace
@@ -22,8 +22,8 @@ ConjugateGradients::ConjugateGradients(const BlockPattern& pattern)
   rest_ = image_ = Eigen::VectorXd::Zero(3 * n_);
 }
 
-// The matrix in floats. False where a diagonal block is not positive definite: the leading minors
-// of one that is are.
+// Sets the matrix in floats. False if a diagonal block is not positive definite: the leading minors
+// of a positive definite one are positive.
 bool ConjugateGradients::take(const BlockMatrix& a) {
   double largest = 0.0;
   for (std::size_t i = 0; i < n_; ++i) {
@@ -58,7 +58,7 @@ double ConjugateGradients::search(double tolerance, int most, CgReport& report) 
   return size;
 }
 
-// Whether p.A p > 0 in doubles: rounding in floats may say otherwise of a stiff matrix.
+// True if p.A p > 0 in doubles: rounding in floats may give another sign for a stiff matrix.
 bool ConjugateGradients::is_positive(const BlockMatrix& a) {
   storage_->copy_direction(rest_);
   a.multiply(rest_, image_);

@@ -72,7 +72,7 @@ class ImexvLinear final : public OneStep {
   std::optional<Split> split() const override { return split_; }
 
  private:
-  // Returns what damping took of the low rows, J.
+  // Returns the energy that damping took from the low rows, J.
   double kick(State& state, const VectorXd& f) {
     const VectorXd& R = V_.force(state.q);
     if (strain_.present()) {

@@ -20,8 +20,9 @@
 //   - damping by the velocity at the end of the step on high rows and by p_k on low ones: first
 //     order against damping, and explicit on the low rows (stable only for h D_l < 2);
 //   - the absolute tolerance in the maximum norm, |residual|_inf <= tolerance, in units of q;
-//   - the Newton Jacobian is evaluated anew each iteration; the solve is over the high rows only.
-// Mended, because the printed formula is nonsense, or another equation:
+//   - the Newton Jacobian is evaluated again in each iteration; the solve is over the high rows
+//   only.
+// Repaired, because the printed formula is wrong or another equation:
 //   - (4.4.3) and line 9: the bracket is + (h^2/2) (R - f); line 12: A = I + (h^2/2) (K/2 + ...),
 //     with the printed minus it is singular at h omega = 2;
 //   - line 3 lacks h; R = -dV/dq contradicts the algorithm, which needs R = +dV/dq;
@@ -74,8 +75,8 @@ class ImexvThesis final : public OneStep {
     report = finish(report, state);
     if (!report.converged) return report;
     f_before_ = load.end;
-    // The next step's kick wants it, and so does whoever reads an energy in between: evaluated
-    // here, a step's time contains all of its work.
+    // The next step's kick needs it, and so does a caller that reads an energy in between. With the
+    // evaluation here, a step's time includes all of its work.
     if (low > 0) V_.force(state.q);
     return report;
   }
