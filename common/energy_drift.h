@@ -1,4 +1,4 @@
-// How far an orbit leaves its energy balance.
+// The largest deviation of an orbit from its energy balance.
 #pragma once
 
 namespace tremolo {

@@ -40,7 +40,7 @@ double table_line(const SignalTable& table, std::size_t k, double time) {
   return time < t1 ? v0 + (v1 - v0) * ((time - t0) / (t1 - t0)) : v1;
 }
 
-// Where the table has a moment within `slack`, that moment.
+// Returns the table's time that is within `slack` of `time`, else `time`.
 double table_snapped(const SignalTable& table, double time, double slack) {
   const auto near = std::lower_bound(table.times.begin(), table.times.end(), time - slack);
   return near != table.times.end() && *near <= time + slack ? *near : time;

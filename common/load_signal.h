@@ -1,4 +1,4 @@
-// Loads in time: the shapes that a force may have, for bodies and for the unreduced solid alike
+// Loads in time: the shapes that a force may have, for bodies and for the unreduced solid
 // (docs/reference.md, "Loads in time").
 #pragma once
 

@@ -77,7 +77,7 @@ constexpr std::size_t quad_index_any(std::size_t i, std::size_t j, std::size_t k
   return quad_index(i, j, k, l);
 }
 
-// How many orderings an index triple or quadruple i <= j <= k (<= l) has: the factor between a
+// Number of orderings of an index triple or quadruple i <= j <= k (<= l): the factor between a
 // tensor entry and the coefficient of its monomial.
 constexpr int orderings(std::size_t i, std::size_t j, std::size_t k) {
   return i == k ? 1 : (i == j || j == k) ? 3 : 6;

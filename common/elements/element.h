@@ -6,8 +6,8 @@
 // c is of one degree less,
 //   G(l) = sum_a G_a l_a,   G_a = 2 sum_b c_ab (grad l_b)^T        (order 2; order 1: one
 //   constant).
-// What is multiplied of k such gradients has degree k(order - 1), and a sum over sample points
-// integrates it exactly:
+// A product of k such gradients has degree k(order - 1), and a sum over sample points integrates it
+// exactly:
 //   1/V integral p dV = sum_s share_s p(l_s).
 // So an element is a set of strain samples, for both orders the same; that of order 1 has one.
 #pragma once

@@ -149,7 +149,7 @@ TEST(ClothChains, AreTheCoshOnlyWhereNothingStretches) {
     }
     before = off;
   }
-  // What stretches by a few hundredths is nearer to its own catenary than to the cosh, by far.
+  // A chain that stretches by a few hundredths is much nearer to its own catenary than to the cosh.
   const ElasticCatenary soft(60.0);
   const HungChain chain = hung_chain(48, 60.0);
   const Vector3d middle = chain.x.segment<3>(3 * 24);

@@ -64,7 +64,7 @@ TEST(ClothSpin, TwoMassesLoseTheShareThatIsKnown) {
       const double known = step * kOmega * kOmega;
       std::printf("%s, two masses, %.0f steps a second: %.4g %% a second, known %.4g %%\n", method,
                   1.0 / step, 100.0 * lost, 100.0 * known);
-      // What is of second order; implicit Euler also slows it, which makes it lose less.
+      // A second-order effect; implicit Euler also slows the spin, which makes it lose less.
       EXPECT_NEAR(lost, known, 2.0 * known * known) << method << step;
     }
 }

@@ -16,8 +16,8 @@ namespace fs = std::filesystem;
 
 const fs::path kRoot = TREMOLO_SOURCE_DIR;
 
-// A file of ours, its path from the top of the tree, and what it includes: "room/header.h" and
-// <header> alike.
+// A source file of the project, its path from the top of the tree, and its includes, both
+// "room/header.h" and <header>.
 struct Source {
   fs::path path;
   std::vector<std::string> ours;
@@ -82,7 +82,7 @@ TEST(Rooms, IncludesGoOneWay) {
     }
 }
 
-// What stands on the engine's public face, in targets of its own.
+// Targets that are built on the engine's public interface.
 bool is_beside_the_engine(const fs::path& path) {
   return is_below(path, "runtime/program") || is_below(path, "runtime/scene_reader") ||
          is_below(path, "runtime/viewer");
@@ -114,7 +114,7 @@ TEST(Rooms, TheProgramKnowsNothingOfTheViewer) {
   }
 }
 
-// Who builds the engine needs Eigen and xxhash and nothing else.
+// A build of the engine needs Eigen and xxhash and nothing else.
 TEST(Rooms, TheEngineKnowsNoLibraryOfThePrograms) {
   for (const Source& source : sources()) {
     const bool of_engine = is_below(source.path, "common") || is_below(source.path, "runtime");

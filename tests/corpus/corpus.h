@@ -6,7 +6,7 @@
 
 namespace tremolo::corpus {
 
-// expected: "mesh", "message", or "either" where both are right as long as the user is told.
+// expected: "mesh", "message", or "either" where both are right if the user gets a message.
 struct Entry {
   std::string name;  // of the file, with extension
   std::string what;  // is the matter with it

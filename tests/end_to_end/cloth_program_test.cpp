@@ -87,7 +87,7 @@ TEST_F(ClothProgram, TheEnergyThatIsToldAddsUp) {
         report["energy_final"].get<double>() - report["energy_initial"].get<double>();
     // Sums of 30 steps in doubles.
     EXPECT_NEAR(change, told, 1e-11 * report["energy_max"].get<double>()) << method;
-    // What the method adds of its own is what its solve leaves: 1e-10 of the load.
+    // The energy added by the method itself is due to the error of its solve: 1e-10 of the load.
     if (std::string(method) == "energy") {
       EXPECT_LE(report["energy_balance_error"].get<double>(), 1e-8);
     }

@@ -128,12 +128,13 @@ TEST(ContactPhysics, AThrownBlockStopsAfterItsSquaredSpeedOverTwiceFriction) {
       ASSERT_TRUE(body.set_motion({2.0, 0.0, 0.0}, Vector3d::Zero()));
       run(body, floor_plane(), 0.9);
       EXPECT_NEAR(body.rigid_state().centre.x(), expected, 0.005 * expected) << points << " " << h;
-      // All of its energy is friction's but for what restitution had of the way down.
+      // All of its energy goes to friction, except for the part that restitution took on the way
+      // down.
       EXPECT_NEAR(body.contact_rubbed(), 2.0, 0.01) << points << " " << h;
     }
 }
 
-// What begins on the floor has no energy that nobody put in: its contact begins where it is. It
+// A body that begins on the floor gets no energy from it: its contact begins at its position. It
 // sinks until contact carries it, and comes to rest.
 TEST(ContactPhysics, ABlockThatIsLaidOnTheFloorStaysThere) {
   for (const char* young : {"5e4", "5e7"})

@@ -202,7 +202,7 @@ TEST_F(ExportProgram, WrongUseIsSaidAndNothingIsWritten) {
   // A method that explodes: the exit code is the run's.
   expect_refused("bar.tremolo --integrator explicit-euler --step 0.01 --duration 5 --glb no.glb", 5,
                  "energy");
-  // What is read is not written over.
+  // An input file is not overwritten.
   std::filesystem::copy_file(folder_ + "/bar.tremolo", folder_ + "/bar.usda.tremolo");
   std::filesystem::create_hard_link(folder_ + "/bar.usda.tremolo", folder_ + "/linked.glb");
   expect_refused("bar.usda.tremolo" + kTimes + "--glb linked.glb", 2, "take the place");

@@ -1,5 +1,5 @@
-// What a user names on a command line may be a pipe, a device or another of its files; and what the
-// programs say may have nowhere to go.
+// A file named on a command line may be a pipe, a device or another of the user's files; and the
+// programs' output may have nowhere to go.
 #include <filesystem>
 
 #include <gtest/gtest.h>

@@ -82,7 +82,7 @@ TEST_F(PrecomputePlaces, UpYTurnsTheModelAndItsSelectors) {
   expect_failure(run(kBlock + " --up x"), 2, "--up");
 }
 
-// What is drawn lies where the solid is.
+// The drawn surface is at the position of the solid.
 TEST_F(PrecomputePlaces, UpYTurnsWhatIsDrawnToo) {
   std::ofstream obj(folder_ + "/box.obj");
   for (const double x : {0.0, 0.4})
@@ -115,7 +115,7 @@ TEST_F(PrecomputePlaces, WhoHoldsTheSideOfWhatStandsOnYIsTold) {
   EXPECT_EQ(side.code, 0) << side.err;
   EXPECT_NE(side.err.find(hint), std::string::npos) << side.err;
   EXPECT_NE(run_on(standing, "--select 'z<30%'").err.find(hint), std::string::npos);
-  // Where the side does not hold the body, too: here it is an edge, about which it can turn.
+  // Also if the side does not hold the body: here it is an edge, about which it can rotate.
   const ProgramResult edge = run_on(standing, "--fix 'z<1%'" + modes);
   EXPECT_EQ(edge.code, 3) << edge.err;
   EXPECT_NE(edge.err.find("z<1% takes the body's side, if y points up"), std::string::npos)

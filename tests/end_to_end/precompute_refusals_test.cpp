@@ -72,7 +72,7 @@ TEST_F(PrecomputeRefusals, APartThatHangsByAVertexOrAnEdgeIsNamed) {
   EXPECT_EQ(held.code, 0) << held.err;
 }
 
-// More pieces than are looked at: what the modes show is told.
+// More pieces than are checked: the finding of the modes is reported.
 TEST_F(PrecomputeRefusals, ALongChainOfHingesIsRefusedToo) {
   const TetMesh cube = box_mesh({1, 1, 1}, {0.2, 0.2, 0.2});
   // Rounding decides whether a factor of the singular stiffness exists: it differs by direction.

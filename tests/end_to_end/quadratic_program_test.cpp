@@ -1,5 +1,5 @@
-// Quadratic elements as a user meets them: what is told, several ranks and every solver, free
-// bodies and materials, files of quadratic meshes, the reference, and what is refused.
+// Quadratic elements as a user meets them: output, several ranks and every solver, free bodies and
+// materials, files of quadratic meshes, the reference, and refusals.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -174,8 +174,8 @@ TEST_F(Quadratic, TheReferenceFindsItsOwnMatricesInTheBasis) {
   EXPECT_NE(linear.err.find("order 2"), std::string::npos) << linear.err;
 }
 
-// The mesh's share against the deflection near the tip on the mesh and on the refined one; under a
-// small load both shapes are alike, and the error of one is that of the other.
+// The mesh's error against the deflection near the tip on the mesh and on the refined one. Under a
+// small load both shapes are equal, and the error of one is that of the other.
 TEST_F(Quadratic, TheErrorBudgetIsThatOfTheTipOnARefinedMesh) {
   TetMesh fine = block_;
   ASSERT_TRUE(add_edge_points(fine));

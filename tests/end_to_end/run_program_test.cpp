@@ -34,7 +34,8 @@ class RunProgram : public ::testing::Test {
   }
 
   void SetUp() override {
-    // Who starts the tests in the background of a shell ignores it, and so would the programs.
+    // A shell that starts the tests in the background ignores the signal; the programs would
+    // inherit that.
     std::signal(SIGINT, SIG_DFL);
     folder_ = fresh_folder();
   }
@@ -366,7 +367,7 @@ TEST_F(RunProgram, TheFirstAndTheLastMomentAreLookedAtToo) {
   const ProgramResult few = run("run " + model() + " --load constant --duration 0.015 --json");
   ASSERT_EQ(few.code, 0) << few.err;
   EXPECT_NEAR(json::parse(few.out)["largest_displacement_at"], 0.015, 1e-12);
-  // What is let go and damped is nowhere as far as at its start.
+  // A released and damped body is never as far as at its start.
   const ProgramResult let_go =
       run("run " + model() + " --load none --start 80=0,0,-0.03 --alpha 20 --duration 0.3 --json");
   ASSERT_EQ(let_go.code, 0) << let_go.err;

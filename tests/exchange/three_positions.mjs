@@ -2,8 +2,8 @@
 //
 //     node three_positions.mjs NODE_MODULES FILE.glb BODY RUN TOLERANCE
 //
-// RUN: a folder of `tremolo run --surfaces N`. Exit code 1 if a vertex is farther off than TOLERANCE
-// of the size that run_surfaces.mjs tells.
+// RUN: a folder of `tremolo run --surfaces N`. Exit code 1 if a vertex is farther off than
+// TOLERANCE of the size that run_surfaces.mjs returns.
 import fs from 'node:fs';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';

@@ -103,7 +103,7 @@ TEST_F(AtomicFileTest, WhatAnotherProcessIsWritingAndWhatIsNotOursIsLeftAlone) {
   }
   char byte = 0;
   ASSERT_EQ(::read(ready[0], &byte, 1), 1);
-  // Names that only look alike, of other targets or of no process.
+  // Names that are only similar, of other targets or of no process.
   for (const char* name : {"/other.partial-12345", "/file.partial-12x", "/file.partial"})
     std::ofstream(folder_ + name) << "not a temporary file of ours";
   ASSERT_TRUE(write_file(target(), "ours"));

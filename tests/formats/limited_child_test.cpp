@@ -1,4 +1,4 @@
-// What happens in the child stays in the child.
+// Failures in the child process stay in the child process.
 #include "formats/file/limited_child.h"
 
 #include <array>

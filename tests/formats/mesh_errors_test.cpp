@@ -1,4 +1,4 @@
-// What is wrong in a mesh file is said with its place, what was expected and what was found.
+// Errors in a mesh file: the message has the position, the expected text and the found one.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -137,8 +137,8 @@ TEST(ContactParts, TheSlopesAreDerivatives) {
   EXPECT_LE(beyond, 10);
 }
 
-// A ball that rolls: as much comes in before it as goes out behind. What comes in pushes no more
-// than what goes out but for the fiftieth that is by the point's own rate.
+// A ball that rolls: as much enters contact in front as leaves it behind. The entering part pushes
+// no more than the leaving part, except for the fiftieth that depends on the point's own rate.
 TEST(ContactParts, RestitutionIsOfThePair) {
   ContactLaw law = pair_law();
   law.friction = 0.0;

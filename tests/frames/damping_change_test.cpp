@@ -92,7 +92,7 @@ TEST(DampingChange, IsTheDampingOfABodyThatHasItFromTheStart) {
   }
 }
 
-// In the middle of a motion: what other methods carry goes on, so that the orbit is that of small
+// In the middle of a motion: the state of other methods is kept, so that the orbit is that of small
 // steps to the method's order. rk4 with a tenth of the step is the truth.
 TEST(DampingChange, IsOfTheMethodsOrder) {
   const auto end = [](const std::string& method, double step) {

@@ -367,8 +367,8 @@ TEST(FreeBody, RefusesWhatItCannotBe) {
   EXPECT_FALSE(body.add_load({Signal{.kind = SignalKind::kSquare}, VectorXd::Zero(3)}));
 }
 
-// What damps by strain rates takes nothing from the whole rotation: the angular momentum stays, and
-// the energy falls to the least that goes with it, steady spin about the axis of largest inertia.
+// Damping by strain rates takes nothing from the whole rotation: the angular momentum stays, and
+// the energy falls to its least value, steady spin about the axis of largest inertia.
 TEST(FreeBody, ADampedSpinEndsAboutTheAxisOfLargestInertia) {
   const Model::Pointer model = testing::frame_model(6, true, 30.0, 400.0, 0.2);
   const InertiaIntegrals& inertia = *model->inertia();

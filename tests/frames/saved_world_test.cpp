@@ -92,7 +92,7 @@ void run(SceneWorld& world, int steps) {
   for (int k = 0; k < steps; ++k) (void)world.step();
 }
 
-// All that is carried, and what is looked at, bit for bit.
+// All saved state, and all queries, bit for bit.
 void expect_same(SceneWorld& a, SceneWorld& b) {
   EXPECT_EQ(state_bytes(a), state_bytes(b));
   EXPECT_EQ(a.steps(), b.steps());

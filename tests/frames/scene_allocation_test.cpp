@@ -82,7 +82,7 @@ TEST(SceneAllocation, StepsOfAllKindsOfFramesAllocateNothing) {
   EXPECT_EQ(after - before, 0);
 }
 
-// Bodies that fall onto colliders, still and moving ones, and hands that take hold and let go.
+// Bodies that fall onto colliders at rest and in motion, and hands that grab and release.
 TEST(SceneAllocation, StepsAmongCollidersAndHandsAllocateNothing) {
   Scene scene;
   scene.step = 1e-3;

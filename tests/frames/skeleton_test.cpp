@@ -182,9 +182,9 @@ Vector3d second_difference(const Function& x, double bit) {
          (12.0 * bit * bit);
 }
 
-// What the bones' motion does to the coordinates at (q, v) and at time t, from the points: by the
-// shares that ride on the bones, and by the skin's own field x = sum_b w_b T_b (X + U q). between:
-// the formula of docs/theory.md for the difference of the two.
+// The effect of the bones' motion on the coordinates at (q, v) and at time t, from the points: by
+// the masses that ride on the bones, and by the skin's own field x = sum_b w_b T_b (X + U q).
+// between: the formula of docs/theory.md for the difference of the two.
 struct BoneForces {
   VectorXd shares, field, between;
 };
@@ -261,7 +261,7 @@ TEST(Skeleton, ForceIsThatOfTheSkinnedPositionsInTheirSecondDifference) {
   }
 }
 
-// Where each point belongs to one bone, nothing is left out.
+// If each point belongs to one bone, nothing is left out.
 TEST(Skeleton, ForceOnPointsOfOneBoneEachIsThatOfTheSkinsOwnField) {
   const VectorXd q = testing::random_vector(4, 0.05, 8), v = testing::random_vector(4, 0.5, 9);
   const std::vector<MotionPath> paths = {path_of(0), path_of(1), path_of(2)};

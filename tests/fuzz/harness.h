@@ -1,5 +1,5 @@
-// What every fuzz target shares. A target is one file NAME_fuzz.cpp that defines read_input();
-// harness.cpp calls it and looks at the memory that it took.
+// Common parts of all fuzz targets. A target is one file NAME_fuzz.cpp that defines read_input();
+// harness.cpp calls it and checks the memory that it used.
 #pragma once
 
 #include <string_view>
@@ -28,7 +28,7 @@ void check_error(const Result<T>& result) {
   if (!result && result.error().message.empty()) finding("an error without a message");
 }
 
-// What a mesh reader promises of a mesh that it returns; then check_mesh() sees it.
+// Checks the promises of a mesh reader for a mesh that it returns; then calls check_mesh() on it.
 void check_mesh_file(Result<MeshFile> file);
 
 }  // namespace tremolo::fuzz

@@ -277,7 +277,8 @@ TEST(NodalIntegrators, ANodeThatIsLetGoFallsUnderEveryMethod) {
 }
 
 // A floor at x = 0 that pushes one mass back as a spring does, -k x, in a step that would end below
-// it. It is linear in the step's end, so that one Newton step finds it. Keeps what it is told.
+// it. It is linear in the step's end, so that one Newton step finds it. It stores the impulse of
+// the last part of a step.
 struct Floor : NodalContact {
   double k = 400.0;      // N/m
   double impulse = 0.0;  // N s, of the last part of a step

@@ -105,7 +105,7 @@ TEST(ColliderSurface, PartsThatFaceInwardsAreTurnedAndCavitiesKept) {
   EXPECT_TRUE(SurfaceDistance(pair).is_inside({2, 0, 0}));
 }
 
-// What lies inside of the other part does not count: the distance is that to the outer one.
+// Surfaces inside of the other part do not count: the distance is that to the outer one.
 TEST(ColliderSurface, PartsInsideOfOthersAreNoBoundary) {
   const ClosedSurface nested =
       closed_surface(testing::together(centred_box(), testing::sphere_surface(0.4)));

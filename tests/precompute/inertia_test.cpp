@@ -62,7 +62,7 @@ BasisRows held_fields(const TwoMaterialBox& box) {
   return fields;
 }
 
-// What basis_inertia() and add_rest_moments() should give, summed over points.
+// Expected results of basis_inertia() and add_rest_moments(), summed over points.
 struct PointSums {
   InertiaIntegrals sums;
 
@@ -136,7 +136,7 @@ TEST(InertiaIntegralsOfAMesh, AreSumsOverItsMassForBothOrders) {
     const TwoMaterialBox box(order);
     const BasisRows fields = held_fields(box);
     PointSums sums = integrate(box, fields);
-    // What the mesh's mass must be, so that the points themselves are right.
+    // Compares the mesh's mass, so that the points themselves are right.
     double mass = 0;
     for (std::size_t e = 0; e < box.mesh.tetrahedra.size(); ++e)
       mass += box.density(e) * std::abs(signed_volume(box.mesh, box.mesh.tetrahedra[e]));

@@ -1,5 +1,5 @@
-// What must not depend on how a mesh is written down: the numbers of its vertices, where it stands,
-// the unit of length. The whole precompute runs on meshes by chance.
+// Results must not depend on the description of a mesh: the numbers of its vertices, its position,
+// the unit of length. The whole precompute runs on random meshes.
 #include <cmath>
 
 #include <gtest/gtest.h>

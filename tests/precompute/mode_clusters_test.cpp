@@ -1,4 +1,4 @@
-// Modes of equal frequency: the same vectors whoever found them.
+// Modes of equal frequency: the same vectors from every solver.
 #include "precompute/modes/mode_clusters.h"
 
 #include <random>
@@ -189,7 +189,7 @@ TEST(ModeClusters, DoNotDependOnPlaceSizeOrNumbersOfVertices) {
   for (std::size_t v = 0; v < order.size(); ++v)
     back.middleRows<3>(3 * static_cast<Eigen::Index>(v)) =
         b.middleRows<3>(3 * Eigen::Index{order[v]});
-  // Moving the mesh rounds its coordinates anew: pairs part by 1e-14.
+  // Moving the mesh rounds its coordinates again: pairs separate by 1e-14.
   EXPECT_LE(distance(a, std::sqrt(512.0) * back), 1e-8);
 }
 

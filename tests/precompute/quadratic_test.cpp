@@ -38,7 +38,7 @@ Field random_field(const TetMesh& mesh, double size) {
   return u;
 }
 
-// A box whose inner vertices are shifted, so that no two elements are alike.
+// A box whose inner vertices are shifted, so that no two elements are equal.
 TetMesh uneven_mesh(const std::array<int, 3>& cells = {2, 2, 2}) {
   const Eigen::Vector3d size(0.3, 0.2, 0.25);
   TetMesh mesh = box_mesh(cells, size);

@@ -52,7 +52,7 @@ struct ReducedBlock {
   }
 };
 
-// What the force would be if the body were linear.
+// The force if the body were linear.
 Vector force_at_rest(const FullOrder& body, const Vector& u) {
   return multiply(body, body.stiffness, u);
 }

@@ -47,7 +47,7 @@ TEST(Slender, FineMeshesOfSlenderBeamsAreNotRefusedForRounding) {
   const Slender stout = flat_cantilever(50), slender = flat_cantilever(400);
   EXPECT_LT(stout.residual, 1e-6);
   EXPECT_GT(slender.residual, 1e-6);  // else this test is about nothing
-  // Both meshes lock alike; shear is worth 1e-4 of the stouter one, and rounding less.
+  // Both meshes lock equally; shear is worth 1e-4 of the stouter one, and rounding less.
   EXPECT_NEAR(slender.scaled_frequency / stout.scaled_frequency, 1.0, 5e-4);
 }
 

@@ -401,8 +401,8 @@ TEST(Basis, OfManyColumnsIsTheSameSpanAndIsHeardOfOnTheWay) {
                 1e-9 * principal.singular_values[0]);
 }
 
-// What keep_always() takes in is in every basis, whatever the cut; the rest is the same span as
-// without it.
+// The columns of keep_always() are in every basis, for any cut; the rest is the same span as
+// without them.
 TEST(Basis, WhatIsKeptIsInTheSpanOfEveryCutAndTheWholeSpanStays) {
   const DerivedBlock derived(1, 4);
   const Block& block = derived.block;

@@ -81,7 +81,7 @@ Report wild_report(const std::string& directory) {
   return report;
 }
 
-// What the script of a page reads.
+// The report that the script of a page reads.
 Json report_of(const std::string& html) {
   const std::string_view open = "<script id=\"report\" type=\"application/json\">";
   const std::size_t begin = html.find(open) + open.size();

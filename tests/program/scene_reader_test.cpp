@@ -1,4 +1,4 @@
-// Scene files: what is read, and what is told of what is wrong.
+// Scene files: reading, and messages about errors.
 #include "runtime/scene_reader/scene_reader.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// How deep what is drawn is, and how a body rebounds.
+// Depth of the drawn surface in an obstacle, and a body's rebound.
 #include "runtime/program/world/surface_depth.h"
 
 #include <algorithm>
@@ -112,8 +112,8 @@ TEST(Rebound, IsNoneWithoutACollider) {
   EXPECT_FALSE(rebound.ratio());
 }
 
-// A corner that is none of the points that feel flies into a sphere: no point is deep, the surface
-// is as deep as the corner.
+// A corner that is not a contact point flies into a sphere: no point is deep, the surface is as
+// deep as the corner.
 TEST(SurfaceDepth, SeesWhatIsBetweenThePoints) {
   Scene scene = falling(0.5);
   scene.gravity = {};

@@ -150,7 +150,7 @@ TEST(Collider, NormalLeadsToTheSurface) {
     }
 }
 
-// Both one-sided differences are looked at: where they disagree the point is near a kink.
+// Both one-sided differences are checked: if they disagree the point is near a kink.
 TEST(Collider, NormalIsTheGradient) {
   std::mt19937 random(3);
   constexpr double kStep = 1e-6;
@@ -348,7 +348,7 @@ TEST(GridCollider, AnswersAsItsGrid) {
     EXPECT_EQ(found.distance, grid.at(x).distance);
     EXPECT_EQ(found.normal, grid.at(x).gradient);
     const Vector3d y = x + random_point(random, 0.05);
-    // What the steps of the sweep rely on.
+    // The steps of the sweep rely on this.
     EXPECT_LE(std::abs(signed_distance(collider, y).distance - found.distance),
               1.5 * (x - y).norm());
   }

@@ -32,7 +32,7 @@ std::vector<std::pair<double, double>> dampings_and_stiffnesses() {
       pairs.emplace_back(2.0 * std::sqrt(b) * (1.0 + beside), b);
   }
   for (const double a : {0.0, 1e-9, 0.1, 1.9, 3.9, 4.1, 1e3, 1e6}) pairs.emplace_back(a, 0.0);
-  // Where one form hands over to another.
+  // The boundary between two forms.
   for (const double a : {3.9, 3.99999, 4.0, 4.00001, 4.2, 5.0, 6.0})
     for (const double b : {1.0, 3.99999, 4.0, 4.00001, 6.2, 7.9, 8.1}) pairs.emplace_back(a, b);
   return pairs;

@@ -131,7 +131,7 @@ Scalar imexv_high_step(Scalar s, StepForces f, double lambda, double rate) {
   return {s.q + d, s.p + (d / h - s.p) / sigma};
 }
 
-// Where the damping may depend on q all of it is in the kicks.
+// If the damping may depend on q all of it is in the kicks.
 Scalar linear_high_step(Scalar s, StepForces f, double lambda, double rate) {
   s.p = damped_kick(s.p, f.start, rate);
   s = midpoint_step(s, {0.0, 0.0, 0.0}, lambda, 0.0);

@@ -1,4 +1,4 @@
-// What the two variational splits have that imexv has not, and what each of them pays for it.
+// Advantages of the two variational splits over imexv, and the price of each.
 #include <algorithm>
 #include <cmath>
 
@@ -43,7 +43,7 @@ TEST(VariationalSplit, InSmallMotionTheEnergyOfBothStays) {
 }
 
 TEST(VariationalSplit, StiffeningBreaksTheLinearOneBeforeTheOthers) {
-  // What stiffens the high rows is kicked explicitly at h omega = 4.5.
+  // The stiffening of the high rows is kicked explicitly at h omega = 4.5.
   EXPECT_EQ(energy_growth("imexv-linear", 0.1), INFINITY);
   EXPECT_LE(energy_growth("imexv", 0.1), 1.01);
   EXPECT_LE(energy_growth("imexv-coupled", 0.1), 1.01);

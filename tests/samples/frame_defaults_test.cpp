@@ -11,7 +11,7 @@
 namespace tremolo {
 namespace {
 
-constexpr double kBalance = 1e-11;  // of the largest energy: exact but for the solves' rounding
+constexpr double kBalance = 1e-11;  // of the largest energy: exact up to the solves' rounding
 
 SceneBody sample_body(const std::string& name, FrameKind kind) {
   SceneBody body;

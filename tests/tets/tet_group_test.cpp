@@ -260,7 +260,7 @@ TEST(TetGroup, AStackComesToRestAndSleepsAndEachCarriesWhatIsAboveIt) {
     ASSERT_TRUE(group.step(slabs.reports)) << steps;
   ASSERT_EQ(group.sleeping(), 3U);
   EXPECT_LT(group.energy_of_sleep(), 3.0 * 0.5 * slabs.model->mass() * 0.005 * 0.005);
-  // What the floor pushes up with carries all three, and what the middle one passes on, one.
+  // The floor's force carries all three slabs, the force between the upper two carries one.
   for (const auto& [level, above] : {std::pair{0, 3.0}, {1, 2.0}, {2, 1.0}}) {
     double up = 0.0;
     for (std::size_t i = 0; i < 3; ++i)
@@ -321,7 +321,7 @@ TEST(TetGroup, SlabsThatLieFlatOnEachOtherAreSolvedAndCarried) {
   for (std::size_t i = 0; i < 2; ++i)
     for (const TetTouch& touch : group.contact(i).touches())
       if (touch.partner == kNoPartner) floor += touch.force.z();
-  // Where a step ends at a jump, a thousandth of what presses is not balanced.
+  // If a step ends at a jump, a thousandth of the pressing force is not balanced.
   EXPECT_NEAR(floor, 2.0 * slabs.model->mass() * kHeapG, 0.01 * slabs.model->mass() * kHeapG);
 }
 

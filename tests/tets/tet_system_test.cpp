@@ -96,8 +96,8 @@ TEST(TetSystem, AllEdgesLinearIsTheLinearMesh) {
   c.system.set_degrees(std::vector<std::uint8_t>(c.model->edges(), 1));
   c.system.follow_ends(c.x);
   const double folded = c.energy_at(c.x);
-  // The same, computed as straight quadratic elements: one edge far away is told to be quadratic
-  // and moved nowhere.
+  // The same, computed as straight quadratic elements: one edge far away is set to quadratic and
+  // not moved.
   double plain = 0.0;
   for (const TetModelElement& element : c.model->elements()) {
     NodeVectors local(3, kMostNodes);

@@ -17,7 +17,7 @@ using testing::fresh_folder;
 using testing::shoot;
 using testing::Shots;
 
-// How much of each pixel a body covers, 0 to 1.
+// Coverage of each pixel by a body, 0 to 1.
 struct Mask {
   int width = 0, height = 0;
   std::vector<double> cover;

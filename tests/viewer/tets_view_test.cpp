@@ -137,7 +137,7 @@ TEST(TetsView, ARayTakesTheNearestVertexFromEverySide) {
 TEST(TetsView, AHandPullsAHeldBarFourFifthsOfItsWayAndTakesAFreeOneAlong) {
   Result<TetsScenes> scenes = scenes_of(two_whole_bars(fresh_folder()));
   ASSERT_TRUE(scenes) << scenes.error().message;
-  // What is fixed cannot be pulled.
+  // Fixed vertices cannot be pulled.
   EXPECT_FALSE(scenes->take({Vector3d(-1.0, 0.01, 0.01), Vector3d::UnitX()}));
   ASSERT_TRUE(scenes->take({Vector3d(1.0, 0.09, 0.09), -Vector3d::UnitX()}));
   const Vector3d begun = *scenes->held();

@@ -58,7 +58,7 @@ for (const bytes of [...whole, ...corpora.flatMap(filesOf)]) read(bytes);
 assert.ok(counts.models >= whole.length, 'the golden files are models');
 for (const bytes of whole) for (let length = 0; length < bytes.length; length += 7) read(bytes.slice(0, length));
 for (let k = 0; k < 3000; ++k) read(damaged(whole[k % whole.length]));
-// What was refused has given its memory back.
+// A refused file has returned its memory.
 const size = tremolo.engine.HEAPU8.length;
 for (let k = 0; k < 1000; ++k) read(damaged(whole[k % whole.length]));
 console.log(`${counts.models} models, ${counts.refused} refused, ${size >> 20} MB`);

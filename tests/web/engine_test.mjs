@@ -117,7 +117,7 @@ for (const file of ['tremolo.mjs', 'tremolo.single.mjs']) {
   assert.deepEqual(started, sizes);
 }
 
-// The core is small, and what is left out of it is in the full module. A body of both moves alike,
+// The core is small; the parts left out of it are in the full module. A body of both moves equally,
 // to the bit, also in a hand.
 const sizeOf = (...names) => names.reduce((sum, name) =>
   sum + gzipSync(readFileSync(join(packagePath, name)), { level: 9 }).length, 0);

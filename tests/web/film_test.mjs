@@ -36,7 +36,7 @@ const look = () => page.evaluate(() => {
   window.lastLook = data;
   return { share: count / (data.length / 4), changed: changed / (data.length / 4) };
 });
-// What is asked for is drawn in the picture after the next.
+// A requested frame is drawn in the picture after the next.
 const settle = () => page.evaluate(() => new Promise((resolve) => {
   const wanted = window.tremoloFilm.player.frames + 2;
   const wait = () => (window.tremoloFilm.player.frames >= wanted ? resolve() : requestAnimationFrame(wait));
@@ -48,7 +48,7 @@ const seek = async (t) => {
   await settle();
 };
 
-// It moves by itself, stands still when paused, and slowly when told so.
+// It moves by itself, is at rest when paused, and is slow on request.
 const seen = await look();
 assert.ok(seen.share > 0.02 && seen.share < 0.6, `the body covers ${seen.share} of the stage`);
 const began = await time();

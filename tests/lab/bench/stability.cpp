@@ -9,7 +9,7 @@
 
 namespace tremolo::bench {
 
-// What the store keeps of a cell.
+// The stored data of a cell.
 template <class Archive>
 void fields(Archive& archive, StabilityCell& cell) {
   archive("scale", cell.scale, "step", cell.step, "outcome", cell.outcome, "reached", cell.reached,

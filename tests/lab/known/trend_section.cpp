@@ -10,7 +10,7 @@
 
 namespace tremolo::known {
 
-// What the store keeps of a trend; method, tolerance and steps are in its name and key.
+// The stored data of a trend; method, tolerance and steps are in its name and key.
 template <class Archive>
 void fields(Archive& archive, EnergyTrend& trend) {
   archive("reached", trend.reached, "slope", trend.slope, "error", trend.standard_error, "largest",

@@ -1,4 +1,4 @@
-// All runs of one start of `tremolo reproduce`, from the store or made anew.
+// All runs of one start of `tremolo reproduce`, from the store or made again.
 #pragma once
 
 #include <array>

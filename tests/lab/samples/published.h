@@ -10,7 +10,7 @@
 
 namespace tremolo {
 
-// Where the files are, seen from the top of the repository.
+// Location of the files, relative to the top of the repository.
 inline constexpr const char* kPublishedDirectory = "assets/published";
 
 // Reads one file: comments from # to the end of a line, a line of column names, then a record a

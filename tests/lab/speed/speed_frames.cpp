@@ -1,4 +1,4 @@
-// What a frame that moves, freedom and contact add to a step.
+// The cost that a moving frame, free motion and contact add to a step.
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -46,7 +46,7 @@ void step_once(Body& body, std::span<const PlacedCollider> colliders = {}) {
   if (!report.converged) throw Failure({ErrorKind::kSolver, why_not_made(report, body.time())});
 }
 
-// Where a support is that shakes, and turns by `spin` (rad/s); its motion is known with it.
+// Moves a support that shakes, and rotates by `spin` (rad/s); its motion is known with it.
 void drive(Body& body, double size, const Vector3d& spin) {
   const double t = body.time() + 0.5 * kStep, rate = 2.0 * std::numbers::pi * 2.0;
   const double far = 0.02 * size;

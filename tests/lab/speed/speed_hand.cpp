@@ -1,5 +1,5 @@
-// What somebody waits for who holds a body in the hand: the force on the hand, which a device wants
-// a thousand times a second, and what a ray meets.
+// Waiting times of a user who holds a body: for the force on the hand, which a device requests a
+// thousand times a second, and for the hit of a ray.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-// What is saved by leaving out what a scene does not need: one row for each, with and without.
+// Savings by leaving out parts that a scene does not need: one row for each, with and without.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -47,7 +47,7 @@ BasisData dense_data(std::size_t r) {
   return data;
 }
 
-// What evaluates `want` of a model that outlives it.
+// Work that evaluates `want` of a model that outlives it.
 Work evaluation(const Model& model, unsigned want) {
   const Potential& potential = model.potential();
   return [&potential, want, q = Eigen::VectorXd::Constant(model.modes(), 1e-3).eval(),

@@ -1,5 +1,5 @@
-// What u = U q costs: positions and normals of a surface, beside the row-by-row product in double
-// and beside what reading the rows takes.
+// Cost of u = U q: positions and normals of a surface, compared with the row-by-row product in
+// double and with the time for reading the rows.
 #include <cmath>
 #include <numbers>
 #include <random>

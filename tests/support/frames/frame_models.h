@@ -183,8 +183,8 @@ State runge_kutta(State s, double time, int steps, const Slope& slope) {
   return s;
 }
 
-// How well an account closes: the largest energy that was there, and the most by which energy, work
-// and what was damped away missed each other, J.
+// Error of an energy balance: the largest energy, and the largest difference between energy, work
+// and dissipation, J.
 struct Balance {
   double most = 0.0, worst = 0.0;
 };
