@@ -12,8 +12,8 @@ namespace tremolo {
 
 enum class SignalKind { kNone, kImpulse, kSquare, kSine, kConstant, kTable };
 
-// Values at moments, straight lines between them, zero before the first moment and after the last
-// one. A moment that stands twice is a jump. times: s, ascending, at least two, each at most twice;
+// Values at times, straight lines between them, zero before the first time and after the last
+// one. A time that occurs twice is a jump. times: s, ascending, at least two, each at most twice;
 // values: dimensionless, as many. All finite.
 struct SignalTable {
   std::vector<double> times;

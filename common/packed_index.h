@@ -2,7 +2,7 @@
 //
 // A fully symmetric tensor of order d over r coordinates has C(r+d-1, d) unique entries, those
 // with i <= j <= k <= l. They are stored in colexicographic order: sorted by the largest index
-// first, then by the next. The place of an entry does not depend on r, so the entries of the
+// first, then by the next. The position of an entry does not depend on r, so the entries of the
 // first R coordinates are a prefix: leaving trailing coordinates out means reading less.
 #pragma once
 

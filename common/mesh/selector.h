@@ -1,4 +1,4 @@
-// Sets of vertices chosen by a short text: where a body is held, where it is pushed.
+// Sets of vertices selected by a short text: where a body is fixed, where it is pushed.
 #pragma once
 
 #include <array>

@@ -33,7 +33,7 @@ class WindingNumber {
     Eigen::Matrix3d quadrupole = Eigen::Matrix3d::Zero();  // sum of (x - centre) (area n)^T
     double radius = 0;
     std::size_t first = 0, last = 0;  // triangles
-    std::size_t right = 0;            // the left child stands next; 0: a leaf
+    std::size_t right = 0;            // the left child is next; 0: a leaf
   };
   using Corners = Eigen::Matrix3d;  // columns: the corners of a triangle
 

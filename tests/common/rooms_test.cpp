@@ -70,7 +70,7 @@ TEST(Rooms, IncludesGoOneWay) {
       {"tests", {"common", "formats", "runtime", "tests"}}};
   for (const Source& source : sources())
     for (const std::string& include : source.ours) {
-      // C headers find the first one beside them, where all are installed.
+      // C headers find the first one next to them, where all are installed.
       const bool of_c =
           source.path == "runtime/tremolo_cloth.h" || source.path == "runtime/tremolo_tets.h";
       if (of_c && include == "tremolo.h") continue;
@@ -131,7 +131,7 @@ TEST(Rooms, TheEngineKnowsNoLibraryOfThePrograms) {
 // folder -> folders that its files include.
 using Arrows = std::map<std::string, std::set<std::string>>;
 
-// A way along the arrows from `at` back to `goal`; empty: there is none.
+// A path along the arrows from `at` back to `goal`; empty: there is none.
 std::vector<std::string> way_back(const Arrows& arrows, const std::string& at,
                                   const std::string& goal, std::set<std::string>& seen) {
   const auto found = arrows.find(at);

@@ -34,7 +34,7 @@ class ClothProgram : public ::testing::Test {
     EXPECT_NE(result.code, 0) << scene;
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err << "\ninstead of " << words;
   }
-  // Each scene is refused with the words beside it.
+  // Each scene is refused with the words next to it.
   void expect_refused(std::initializer_list<std::pair<std::string, std::string>> scenes) {
     for (const auto& [scene, words] : scenes) expect_refused(scene, words);
   }
@@ -122,7 +122,7 @@ TEST_F(ClothProgram, WritesWhatOtherProgramsOpen) {
                    "--series e.obj --json");
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(json::parse(result.out)["frames"], 16);
-  // A head of 32 bytes, then 36 places of 16 frames.
+  // A head of 32 bytes, then 36 positions of 16 frames.
   EXPECT_EQ(fs::file_size(folder_ + "/a.pc2"), 32U + 16U * 36U * 12U);
   EXPECT_EQ(fs::file_size(folder_ + "/b.mdd"), 8U + 16U * 4U + 16U * 36U * 12U);
   EXPECT_TRUE(fs::exists(folder_ + "/c.pvd"));
@@ -149,7 +149,7 @@ TEST_F(ClothProgram, WritesPagesAndGlbToAThousandthOfItsSize) {
   EXPECT_EQ(live.code, 2) << live.err;
 }
 
-// The second scene's places are those of the first, and so far to the right as it is broad and a
+// The second scene's positions are those of the first, and so far to the right as it is broad and a
 // quarter.
 TEST_F(ClothProgram, ASecondSceneIsWrittenBesideTheFirst) {
   std::ofstream(folder_ + "/scene.toml") << small_sheet("name = \"sheet\"\n");

@@ -1,4 +1,4 @@
-// Bodies against bodies: momenta, energy, and what comes to rest.
+// Contact between bodies: momenta, energy, and bodies that come to rest.
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -144,7 +144,7 @@ Body free_bar(const Model::Pointer& model, double length, double middle) {
   Result<Body> body = Body::create(model, "ep4", {.step = 5e-5}, FrameKind::kFree);
   EXPECT_TRUE(body) << body.error().message;
   ContactOptions contact;
-  contact.margin = 5e-4;                   // little beside what the impact squeezes it by,
+  contact.margin = 5e-4;                   // little relative to the impact's compression,
   contact.stiffness = 16.0 * 60.0 * 60.0;  // as its contact is, of 50 us instead of 3 ms
   contact.shape = BoxShape{{0.02, 0.02, 0.5 * length}};
   contact.friction = 0.0;

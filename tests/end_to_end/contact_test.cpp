@@ -1,5 +1,5 @@
 // Bodies among colliders, and hands on them, against what mechanics says: rebounds, stopping
-// distances, slopes, momenta, and an account of energy that closes with everything at once.
+// distances, slopes, momenta, and an energy balance that closes with everything at once.
 #include <cmath>
 #include <filesystem>
 
@@ -220,7 +220,7 @@ TEST(Contact, ABarLeavesAWallAfterTwoRunsOfItsWave) {
   }
   EXPECT_NEAR(end - begin, 2.0 * length / c, 0.05 * 2.0 * length / c);
   EXPECT_NEAR(body->rigid_state().velocity.z(), speed, 0.03 * speed);
-  // All of the motion is in the squeezed bar when the wave comes back from its free end.
+  // All of the motion is in the squeezed bar when the wave returns from its free end.
   const double mass = 1000.0 * 0.04 * 0.04 * length;
   EXPECT_NEAR(energy, 0.5 * mass * speed * speed, 0.05 * 0.5 * mass * speed * speed);
 }

@@ -65,7 +65,7 @@ class ExportProgram : public ::testing::Test {
     EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
     EXPECT_FALSE(there("no.glb") || there("no.html")) << flags;
   }
-  // Each list of flags ends with the exit code and the word beside it.
+  // Each list of flags ends with the exit code and the word next to it.
   static void expect_refused(
       std::initializer_list<std::tuple<std::string, int, std::string>> rows) {
     for (const auto& [flags, code, word] : rows) expect_refused(flags, code, word);

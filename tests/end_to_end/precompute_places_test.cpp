@@ -1,4 +1,4 @@
-// tremolo-precompute and where things are: vertices by their places, axes, units, pictures of what
+// tremolo-precompute and positions: vertices by their positions, axes, units, pictures of what
 // is held.
 #include <algorithm>
 #include <cmath>
@@ -104,7 +104,7 @@ TEST_F(PrecomputePlaces, UpYTurnsWhatIsDrawnToo) {
   }
 }
 
-// It stands on its square end along y and comes to a ridge above.
+// It stands on its square end along y and has a ridge above.
 TEST_F(PrecomputePlaces, WhoHoldsTheSideOfWhatStandsOnYIsTold) {
   TetMesh standing = box_mesh({4, 4, 4}, {1, 1, 1});
   for (Eigen::Vector3d& x : standing.vertices)

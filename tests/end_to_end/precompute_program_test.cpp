@@ -228,7 +228,7 @@ TEST_F(PrecomputeProgram, ManyModesOfASmallMeshTakeSecondsAndAreHeardOf) {
   EXPECT_EQ(report["cut_singular_values"].size(), 135 - 20);
 }
 
-// Their frequencies lie so close together that a small basis of vectors does not tell them apart;
+// Their frequencies lie so close together that a small basis of vectors does not distinguish them;
 // one vector at a time takes minutes of a hundred larger parts.
 TEST_F(PrecomputeProgram, FreePartsOfMuchTheSameShapeAreSolvedForInBlocks) {
   constexpr int kParts = 60;

@@ -253,7 +253,7 @@ TEST_F(Response, RecordingsAndLightFilesKeepIt) {
   world_positions(animation, animation.bodies[0], 0, written);
   for (std::size_t i = 0; i < shown.size(); ++i) EXPECT_NEAR(shown[i], written[i], 1e-13);
 
-  // The second place is inside: a light file has no vertices there.
+  // The second point is inside: a light file has no vertices there.
   const BasisData light = *without_interior(data);
   ASSERT_EQ(light.response.at.size(), 1u);
   const auto bytes = encode_basis(light, BasisEncoding::kFull);

@@ -133,7 +133,8 @@ TEST_F(Resume, ARunKilledInAnyWriteFlushOrRenameOfACheckpointGivesTheSameBytes) 
   }
 }
 
-// From every stage in the long form, else each way from one, another one than the way before it.
+// From every stage in the long form, else each variant from one, a different one from the variant
+// before it.
 TEST_F(Resume, EveryWayOfSolvingGoesOnFromItsStages) {
   int way = 0;
   for (const auto& [options, stages] : std::vector<std::pair<std::string, int>>{
@@ -415,7 +416,7 @@ TEST_F(Resume, TheFolderMayBeALinkToWhereThereIsRoom) {
   EXPECT_TRUE(fs::is_symlink(checkpoint()));
 }
 
-// MUMPS's sums depend on which message comes first: two runs differ in their last digits anyway.
+// MUMPS's sums depend on which message arrives first: two runs differ in their last digits anyway.
 TEST_F(Resume, SeveralRanksGoOnTogetherAndAnotherNumberIsRefused) {
   const std::string mpi =
       "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpiexec -n 2 --oversubscribe ";

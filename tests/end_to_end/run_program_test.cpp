@@ -278,7 +278,7 @@ TEST_F(RunProgram, ASceneGivesTheDefaultsAndFlagsWin) {
   EXPECT_TRUE(std::filesystem::exists(folder_ + "/both/second/run.csv"));
 }
 
-// A scene that says one thing in one way and a flag that says it in the other: the flag's is taken.
+// A scene and a flag that state one thing in two different forms: the flag is used.
 TEST_F(RunProgram, OfTwoWaysToSayOneThingTheFlagsWins) {
   std::ofstream(folder_ + "/course.csv") << "0,1\n0.3,1\n";
   const auto report = [&](const std::string& key, const std::string& flags) {
@@ -313,7 +313,7 @@ TEST_F(RunProgram, AWrongSceneNamesItsLine) {
   expect_failure(run("run nowhere.toml"), 1, "nowhere.toml");
 }
 
-// The numbers of a CSV, a row a line, and where each column stands.
+// The numbers of a CSV, a row a line, and the position of each column.
 struct Csv {
   std::map<std::string, std::size_t> columns;
   std::vector<std::vector<double>> rows;

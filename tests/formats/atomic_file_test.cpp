@@ -34,7 +34,7 @@ class AtomicFileTest : public ::testing::Test {
   }
   long files() const { return std::distance(fs::directory_iterator(folder_), {}); }
 
-  // In a child process: begins to write, then `signal` comes. Returns the signal it died of.
+  // In a child process: begins to write, then gets `signal`. Returns the signal it died of.
   int interrupted_by(int signal) const {
     const pid_t child = ::fork();
     if (child == 0) {
@@ -135,7 +135,7 @@ TEST_F(AtomicFileTest, ASymbolicLinkKeepsPointingToTheNewContents) {
 }
 
 TEST_F(AtomicFileTest, AFullDiskIsAnErrorAndTheTargetIsAsItWas) {
-  // The limit on file size stands in for a full disk: write() then fails in mid-file.
+  // The limit on file size simulates a full disk: write() then fails in mid-file.
   const pid_t child = ::fork();
   if (child == 0) {
     remove_partial_files_on_signals();

@@ -170,7 +170,7 @@ TEST(CompactFile, TheReaderSaysWhichEncodingItIs) {
     }
 }
 
-// Version 1.0 knows the element types 1 to 4 and wants all coefficients.
+// Version 1.0 knows the element types 1 to 4 and requires all coefficients.
 TEST(CompactFile, AReaderOfVersionOneZeroRefusesWhatItCannotUnderstand) {
   for (const Bytes& bytes : new_files()) {
     const auto reader = BasisReader::from_memory(bytes);

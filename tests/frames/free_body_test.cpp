@@ -218,8 +218,8 @@ TEST(FreeBody, KeepsMomentaAndEnergyOverALongFlight) {
   EXPECT_LE(drifted, 1e-9);
 }
 
-// Newton's laws of the cloud's points, for all virtual motions (c, a turn in the body's axes, q),
-// by the classical method of Runge and Kutta: shares no code with what is tested.
+// Newton's laws of the cloud's points, for all virtual motions (c, a rotation in the body's axes,
+// q), by the classical method of Runge and Kutta: has no code in common with the tested method.
 struct CloudState {
   Vector3d centre, velocity, spin;
   Eigen::Quaterniond turn;

@@ -85,7 +85,8 @@ double balance_of(const Body& body) {
   return body.energy().total() - body.work() + body.dissipated();
 }
 
-// Soft bodies that tumble, joined in every way: both momenta stay, and all energy is accounted for.
+// Soft bodies that tumble, with every kind of joint: both momenta stay, and the energy balance
+// closes.
 TEST(Joints, KeepBothMomentaAndTheEnergy) {
   const JointOptions kinds[] = {{},
                                 {.stiffness = 200.0, .damping = 3.0},
@@ -205,7 +206,7 @@ struct Pendulum {
   }
 };
 
-// A stiff body that hangs from a held one by a joint swings as a rigid one about that point.
+// A stiff body that hangs from a fixed one by a joint swings as a rigid one about that point.
 TEST(Joints, SwingAsARigidPendulum) {
   const Model::Pointer model = testing::frame_model(4, true, 3e4, 1e5, 0.0, 3);
   const Model::Pointer held_model = testing::frame_model(4, false, 3e3, 1e4, 0.0, 5);

@@ -98,7 +98,7 @@ TEST(SceneAllocation, StepsAmongCollidersAndHandsAllocateNothing) {
     hand.body = body.name;
     hand.at = "7";
     hand.stiffness = 200.0;
-    // A body's first touch of all makes its solver.
+    // A body's first contact of all makes its solver.
     hand.until = 0.002;
     scene.hands.push_back(hand);
     hand.from = 0.1;

@@ -1,4 +1,4 @@
-// Bodies on bones in scenes: their chains, accounts, what is refused.
+// Bodies on bones in scenes: their chains, energy balance, refusals.
 #include <cmath>
 #include <string>
 #include <utility>

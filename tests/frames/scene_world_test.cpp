@@ -1,4 +1,4 @@
-// Scenes: bodies that are stepped together, their accounts, what is refused.
+// Scenes: bodies that are stepped together, their energy balances, refusals.
 #include "runtime/scene/scene_world.h"
 
 #include <cmath>

@@ -10,12 +10,12 @@
 namespace tremolo::fuzz {
 
 // Gives the bytes to the reader. The harness ends the process, which libFuzzer reports as a
-// finding, if the reader held more than kFixedBytes + kBytesAByte * bytes.size() at any moment.
+// finding, if the reader used more than kFixedBytes + kBytesAByte * bytes.size() at any time.
 void read_input(std::string_view bytes);
 
 // A reader's own tables and error texts.
 inline constexpr std::size_t kFixedBytes = 256 << 10;
-// An element of an MSH file, ten bytes of text, becomes a tetrahedron, its place in sorted lists
+// An element of an MSH file, ten bytes of text, becomes a tetrahedron, its position in sorted lists
 // and a member of up to 64 sets, in vectors that are up to twice as large as what they hold.
 inline constexpr std::size_t kBytesAByte = 400;
 

@@ -19,8 +19,8 @@ using testing::MassPoint;
 
 constexpr Eigen::Index kColumns = 4;
 
-// An uneven box off the origin, of two materials, held at x = 0.1, with three point masses, of
-// which one is on a held vertex.
+// An uneven box off the origin, of two materials, fixed at x = 0.1, with three point masses, of
+// which one is on a fixed vertex.
 struct TwoMaterialBox {
   MaterialTable table;
   TetMesh mesh;
@@ -52,7 +52,7 @@ struct TwoMaterialBox {
   double density(std::size_t element) const { return table.of(element).density; }
 };
 
-// Displacements, zero at what is held; 3n x kColumns.
+// Displacements, zero at fixed vertices; 3n x kColumns.
 BasisRows held_fields(const TwoMaterialBox& box) {
   std::mt19937 engine(5);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -72,7 +72,7 @@ struct PointSums {
     sums.linear.setZero(12, kColumns);
     sums.B.setZero(9, pair_count(kColumns));
   }
-  // fields: 3 x kColumns, at the place.
+  // fields: 3 x kColumns, at the point.
   void add(double mass, const Eigen::Vector3d& place, const Eigen::MatrixXd& fields) {
     sums.mass += mass;
     sums.first_moment += mass * place;

@@ -53,7 +53,7 @@ struct ClusteredSystem {
   }
 };
 
-// A cantilever of square section, turned by 0.3 about its length: bending in pairs.
+// A cantilever of square section, rotated by 0.3 about its length: bending in pairs.
 TetMesh square_beam(int cells = 8) {
   TetMesh mesh = symmetric_box({cells, 2, 2}, {0.05 * cells, 0.1, 0.1});
   const Eigen::AngleAxisd turn(0.3, Eigen::Vector3d::UnitX());
@@ -268,7 +268,7 @@ TEST(ModeClusters, TheModelOfASymmetricBodyIsTheSameBySlepc) {
               1e-10 * force(a, q).norm())
         << k << " " << r;
     // A model of half a pair has no symmetry left: the first two Lambdas differ by 3e-8, and their
-    // coordinates turn by rounding over that. Signs are a convention of the file.
+    // coordinates rotate by rounding over that. Signs are a convention of the file.
     const double tolerance = k == 7 || r == 5 ? 1e-4 : 1e-10;
     EXPECT_LE((x - y).norm(), tolerance * x.norm()) << k << " " << r;
   }

@@ -1,4 +1,4 @@
-// A reduced model beside the unreduced body: a basis that fills the space reproduces it.
+// A reduced model compared with the unreduced body: a basis that fills the space reproduces it.
 #include <cmath>
 
 #include <gtest/gtest.h>

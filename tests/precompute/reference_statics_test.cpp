@@ -138,7 +138,7 @@ TEST(ReferenceStatics, WhatCannotBeReachedIsASolverFailureThatSaysHowFarItCame) 
 
 TEST(ReferenceStatics, AMechanismIsRefused) {
   Problem problem = bar_problem();
-  problem.fixed = {0};  // turns about the corner
+  problem.fixed = {0};  // rotates about the corner
   ReferenceBody bar(problem);
   try {
     static_solution(bar.system, bar.tip_load(0.1));

@@ -117,7 +117,7 @@ TEST(ReferenceSystem, HoldingAxesCountsAgainstRigidFreedom) {
   EXPECT_EQ(rigid_freedom(mesh, part, 1, {}, held).front(), 0);
 }
 
-// A model by chance with positive quartic growth.
+// A random model with positive quartic growth.
 struct ChanceModel {
   Vector lambda{{1.0, 4.0, 9.0, 30.0}};
   std::vector<double> cubic, quartic;

@@ -1,5 +1,5 @@
-// Slender beams on fine meshes: the forces of their slow bending are small beside what the last
-// digit of a displacement makes, but the frequencies are sound, and the precompute gives them.
+// Slender beams on fine meshes: the forces of their slow bending are small relative to what the
+// last digit of a displacement makes, but the frequencies are right, and the precompute gives them.
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -40,7 +40,7 @@ TEST(WallLayers, AreTheCellsAcrossAPlate) {
   for (const int layers : {1, 2, 5}) {
     const auto walls = find_wall_layers(box_mesh({12, 9, layers}, {1.2, 0.9, 0.02}));
     ASSERT_TRUE(walls);
-    // A share of the narrow sides' lines is as long as the plate: they are no thin wall.
+    // A fraction of the narrow sides' lines is as long as the plate: they are no thin wall.
     EXPECT_NEAR(walls->thickness, 0.02, 1e-12);
     EXPECT_NEAR(walls->layers, layers, 1e-9);
     EXPECT_NEAR(walls->edge, 0.1 * std::numbers::sqrt2 / 0.02, 0.3);

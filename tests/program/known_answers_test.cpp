@@ -1,4 +1,4 @@
-// The experiments with a known answer against closed forms that share no code with them.
+// The experiments with a known answer against closed forms that have no code in common with them.
 #include "tests/lab/known/known_answers.h"
 
 #include <cmath>

@@ -135,7 +135,7 @@ TEST(SoundStep, TheFileHasTheFrequenciesOfTheModel) {
   int found = 0;
   for (const double mode : (*model)->frequencies_hz()) {
     const double here = strength(sound, 48'000.0, mode * (1.0 - 1.5e-3));
-    // 20 Hz wide peaks of a tenth of a second, the bound of 0.3 % beside them.
+    // 20 Hz wide peaks of a tenth of a second, the bound of 0.3 % next to them.
     double best = 0.0, loudest = 0.0;
     for (double f = 0.9 * mode; f < 1.1 * mode; f += 2.0)
       if (const double now = strength(sound, 48'000.0, f); now > loudest) {

@@ -36,7 +36,7 @@ void expect_refused(const std::string& text, const std::string& words,
   EXPECT_EQ(file.error().message.find(path), 0U) << file.error().message;
 }
 
-// Each text is refused with the words beside it.
+// Each text is refused with the words next to it.
 void expect_refused(std::initializer_list<std::pair<std::string, std::string>> texts) {
   for (const auto& [text, words] : texts) expect_refused(text, words);
 }

@@ -70,8 +70,8 @@ TEST(Rebound, IsTheRatioOfTheSpeedsAfterAndBefore) {
   }
 }
 
-// Under gravity it is that of the moment at which the body leaves: a drop that keeps its energy
-// comes back with the speed that it had.
+// Under gravity it is that of the time at which the body leaves: a drop that keeps its energy
+// returns with the speed that it had.
 TEST(Rebound, OfADropThatKeepsItsEnergyIsOne) {
   SceneWorld world = world_of(falling(1.0));
   Rebound rebound;

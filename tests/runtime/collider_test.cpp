@@ -256,7 +256,7 @@ TEST(Collider, BadSizesAreNamed) {
   EXPECT_TRUE(check(CapsuleShape{1.0, 0.0}));
 }
 
-// The first of 20 000 places along the way that is inside.
+// The first of 20 000 points along the path that is inside.
 std::optional<double> first_place_inside(const Collider& collider, const Vector3d& from,
                                          const Vector3d& to) {
   constexpr int kPlaces = 20000;
@@ -287,7 +287,7 @@ TEST(ColliderSweep, FindsTheFirstPlaceInside) {
   EXPECT_GT(hits, 80);
 }
 
-// Both ends are outside, and the plate is a thousandth of the way, or a millionth.
+// Both ends are outside, and the plate is a thousandth of the path, or a millionth.
 TEST(ColliderSweep, DoesNotPassThroughThinPlates) {
   std::mt19937 random(6);
   for (const double thickness : {1e-3, 1e-6, 1e-12})

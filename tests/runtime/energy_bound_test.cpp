@@ -232,7 +232,7 @@ TEST(EnergyBound, BodyOfAWorldThatExplodesIsPutBackToASoundStateAndToSleepAndIsN
         failed.push_back(body);
         EXPECT_EQ(report.why[i], StepFailure::kEnergy) << lane.method << body;
         EXPECT_FALSE(*world.is_awake(body));
-        // Rounding of the float lanes' V beside a V that is the model's own.
+        // Rounding of the float lanes' V relative to a V that is the model's own.
         EXPECT_LE(world.energy(body)->total(), 10.1 * start[body]) << lane.method << body;
       }
     }

@@ -71,7 +71,7 @@ TEST(EnergyPreserving, BalanceHoldsWhateverTheTolerance) {
 }
 
 TEST(EnergyPreserving, BalanceHoldsWhereAStepEndsAlmostAtRest) {
-  // Motion from rest, turned round, comes back to rest: there is no momentum from which what the
+  // Motion from rest, reversed, returns to rest: there is no momentum from which what the
   // solve left could be taken back.
   for (const char* name : kFamily) {
     const Model::Pointer model = testing::make_model(strong_strain_model());

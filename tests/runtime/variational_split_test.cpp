@@ -37,7 +37,7 @@ double energy_growth(const char* name, double size) {
 }
 
 TEST(VariationalSplit, InSmallMotionTheEnergyOfBothStays) {
-  // h omega = 0.27 on the highest low row: (h omega)^2/4 = 2 %, times its share of the energy.
+  // h omega = 0.27 on the highest low row: (h omega)^2/4 = 2 %, times its fraction of the energy.
   EXPECT_LE(energy_growth("imexv-linear", 0.01), 1.01);
   EXPECT_LE(energy_growth("imexv-coupled", 0.01), 1.01);
 }

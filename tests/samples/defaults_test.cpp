@@ -264,7 +264,7 @@ TEST(LanesUnderTheSamplesLoads, AreWatchedAndPutBackToASoundStateWhereTheyExplod
       EXPECT_LE(state.q.norm(), 10.0 * largest) << name;
     }
   }
-  EXPECT_GE(exploded, 4u);  // else the test looks at nothing
+  EXPECT_GE(exploded, 4u);  // else the test checks nothing
 }
 
 }  // namespace

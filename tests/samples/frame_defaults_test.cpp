@@ -1,5 +1,5 @@
 // Every kind of frame with nothing but its defaults, on every sample model: fixed under gravity,
-// driven through a shake and a turn, and the free bases thrown.
+// driven through a shake and a rotation, and the free bases thrown.
 #include <cmath>
 #include <cstdio>
 #include <string>

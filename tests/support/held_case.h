@@ -1,4 +1,4 @@
-// A held cloud in motion and with damping, as the tests of driven frames and of bones share it, and
+// A fixed cloud in motion and with damping, for the tests of driven frames and of bones, and
 // the order in which a method approaches what Newton's laws make of it.
 #pragma once
 

@@ -13,7 +13,7 @@ namespace {
 
 using namespace testing;
 
-// A x = b of a turned bar with a step's mass and stiffness, in single precision, with smooth modes
+// A x = b of a rotated bar with a step's mass and stiffness, in single precision, with smooth modes
 // or without: how many directions it took, and the solution.
 struct Searched {
   int iterations = 0;

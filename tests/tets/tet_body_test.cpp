@@ -237,7 +237,7 @@ TEST(TetBody, MomentaStayWhenEdgesChangeTheirDegree) {
     EXPECT_LE((body.momentum() - p).norm(), 1e-12 * p.norm());
     EXPECT_LE((body.angular_momentum() - l).norm(), 1e-10 * l.norm());
     EXPECT_NEAR(energy - body.kinetic_energy() - body.elastic_energy(), taken, 1e-12 * energy);
-    // The turn that restores the angular momentum costs the little that it was off.
+    // The rotation that restores the angular momentum costs the little that it was off.
     EXPECT_LE(body.kinetic_energy(), kinetic * 1.001);
     // And back: nothing moves.
     const Eigen::VectorXd x = body.positions(), v = body.velocities();

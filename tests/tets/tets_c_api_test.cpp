@@ -15,7 +15,7 @@ namespace {
 
 class CApiTets : public ::testing::Test {
  protected:
-  // Two free bars, one of them turned and spinning, above a plane that rubs.
+  // Two free bars, one of them rotated and spinning, above a plane with friction.
   void SetUp() override {
     TetsData data = testing::small_tets();
     data.held.clear();

@@ -23,7 +23,7 @@ ViewFlags no_flags() {
   return {RunOptions{}, [](const char*) { return false; }, [](RunOptions&) {}};
 }
 
-// A ray towards the middle of the triangle of the body's surface that lies farthest along `way`.
+// A ray towards the middle of the triangle of the body's surface that is farthest along `way`.
 CameraRay ray_at(const SceneWorld& world, std::size_t i, const Vector3d& way) {
   const Body& body = world.body(i);
   const auto& rest = body.model().drawn().rest;

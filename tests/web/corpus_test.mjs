@@ -1,8 +1,8 @@
 // Basis files that are none, in the engine for pages: each is refused in the reader's words or
 // becomes a model that can step; nothing traps, and memory is given back. The engine is one that
-// does not look at checksums, so that damage gets as far as it can.
+// does not check checksums, so that damage gets as far as it can.
 // usage: node corpus_test.mjs PACKAGE GOLDEN [CORPUS...]
-// PACKAGE: tremolo.mjs with that engine beside it. GOLDEN, CORPUS: folders of files.
+// PACKAGE: tremolo.mjs with that engine next to it. GOLDEN, CORPUS: folders of files.
 import assert from 'node:assert/strict';
 import { existsSync, readFileSync, readdirSync, statSync } from 'node:fs';
 import { join } from 'node:path';

@@ -1,5 +1,5 @@
-// A page with a recorded motion in Chromium, from disk: it moves, its places are the run's, its
-// charts zoom, tell values and hide curves.
+// A page with a recorded motion in Chromium, from disk: it moves, its positions are the run's, its
+// charts zoom, show values and hide curves.
 // usage: node film_test.mjs INDEX.HTML CHROMIUM PHOTOS RUN
 // RUN: a folder of `tremolo run --out RUN --surfaces N --surface-format obj`: what moves on the page.
 import assert from 'node:assert/strict';
@@ -21,7 +21,7 @@ page.on('request', (request) => requests.push(request.url()));
 await page.goto(pathToFileURL(index).href);
 await page.waitForFunction(() => window.tremoloFilm?.player.frames > 2, null, { timeout: 60000 });
 
-// The share of the stage that is coloured as a body is, and how much two pictures differ.
+// The fraction of the stage that is coloured as a body is, and how much two pictures differ.
 const look = () => page.evaluate(() => {
   const from = document.getElementById('scene'), flat = document.createElement('canvas');
   [flat.width, flat.height] = [from.width, from.height];
@@ -77,7 +77,7 @@ const slow = await page.evaluate((from) => (window.tremoloFilm.player.time - 1.4
 assert.ok(slow < 0.05, `${slow} of real time, asked for a fiftieth`);
 await page.click('#play');
 
-// The bar goes to a time, the mouse turns the camera.
+// The bar moves to a time, the mouse rotates the camera.
 await page.fill('#time', '2.5');
 await settle();
 assert.ok(Math.abs((await time()) - 2.5) < 1e-9);

@@ -20,7 +20,7 @@ await page.waitForFunction(() => window.tremoloPage?.frames > 2, null, { timeout
 const firstFrame = await page.evaluate(() => window.tremoloPage.firstFrame);
 console.log(`first picture ${firstFrame.toFixed(0)} ms after the script began`);
 
-// The share of the middle's pixels that are neither floor nor sky: coloured, or dark.
+// The fraction of the middle's pixels that are neither floor nor sky: coloured, or dark.
 const body = () => page.evaluate(() => {
   const from = document.getElementById('scene'), flat = document.createElement('canvas');
   flat.width = from.width;
@@ -64,7 +64,7 @@ const start = await energy();
 await page.waitForTimeout(1500);
 assert.ok(Math.abs((await energy()) - start) < 1e-6 * start);
 
-// A pull at the body puts energy in; one beside it turns the camera.
+// A pull at the body puts energy in; one next to it rotates the camera.
 const target = { x: 900 * seen.x, y: 640 * seen.y };
 const at = await page.evaluate(() => document.getElementById('scene').getBoundingClientRect().toJSON());
 await page.mouse.move(at.x + target.x, at.y + target.y);

@@ -17,7 +17,8 @@
 namespace tremolo::cloth_study {
 
 // A sheet of so many particles along each edge. stiffness: of the structural springs, N/m; shear
-// and bend are a third and a hundredth of it. damping: N s/m, of all springs. held: by two corners.
+// and bend are a third and a hundredth of it. damping: N s/m, of all springs. held: fixed by two
+// corners.
 struct SheetSpec {
   std::size_t edge = 16;
   double width = 0.75;  // m

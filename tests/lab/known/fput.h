@@ -28,7 +28,7 @@ Model::Pointer fput_model();
 // x0 = (1,0,0), x1 = (1/omega,0,0), p = (1,0,0,1,0,0).
 State fput_start();
 
-// The Hamiltonian above, written out; shares no code with the model.
+// The Hamiltonian above, written out; has no code in common with the model.
 double fput_hamiltonian(const State& state);
 
 // I_1, I_2, I_3 at one time.

@@ -67,7 +67,7 @@ std::vector<std::string> trend_row(const EnergyTrend& trend) {
           trend.failure};
 }
 
-// A method that keeps H is held to a bound; of the others the trend is shown.
+// A method that keeps H has a bound; for the others the trend is shown.
 Criterion judge(const EnergyTrend& trend, bool keeps) {
   if (keeps)
     return at_most(

@@ -26,7 +26,7 @@ struct Windows {
   std::int64_t length = 1;
   std::int64_t count = 1;
   std::int64_t taken = 0;
-  double sum = 0.0;           // of the window under way
+  double sum = 0.0;           // of the unfinished window
   std::vector<double> means;  // of the finished ones
   std::vector<double> first;  // the values of the first window
   std::vector<double> last;   // the last `length` values of the whole

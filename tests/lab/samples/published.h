@@ -26,7 +26,7 @@ class PublishedTable {
   // `least`.
   std::string word(std::string_view what);
   double number(std::string_view what, double least = 0.0);
-  // Empty where `none` stands instead.
+  // Empty if the file has `none`.
   std::optional<double> number_or(std::string_view none, std::string_view what);
 
   // Throws: `problem` with the line of the value that was read last.

@@ -71,7 +71,7 @@ void add_row(const std::string& what, double seconds, double fixed, double bound
   section.criteria.push_back(std::move(criterion));
 }
 
-// A fixed body by turns with a driven one whose frame moves, and moves and turns.
+// A fixed body alternately with a driven one whose frame moves, and moves and rotates.
 void add_driven(const std::string& name, const Options& options, SpeedSection& section) {
   const Model::Pointer model =
       or_fail(Model::load(fmt::format("{}/{}.tremolo", options.models_dir, name)));
@@ -106,7 +106,7 @@ void add_driven(const std::string& name, const Options& options, SpeedSection& s
           each * seconds[0], 1.15, section);
 }
 
-// The same basis held by nothing, tumbling, and as if its frame were bolted.
+// The same basis free, tumbling, and with a fixed frame.
 void add_free(const std::string& name, const Options& options, SpeedSection& section) {
   const std::string path = fmt::format("{}/{}.tremolo", options.models_dir, name);
   if (!std::filesystem::exists(path)) return;
@@ -153,8 +153,8 @@ PlacedCollider plane_below(Body& damped) {
   return plane;
 }
 
-// A body that rests on a plane which rises and sinks a little, beside the same that touches
-// nothing.
+// A body that rests on a plane which rises and sinks a little, compared with the same that is in
+// contact with nothing.
 void add_contact(const std::string& name, const Options& options, SpeedSection& section) {
   const Model::Pointer model =
       or_fail(Model::load(fmt::format("{}/{}.tremolo", options.models_dir, name)));

@@ -15,7 +15,7 @@
 
 namespace tremolo {
 
-// A number that was stored; `otherwise` for null, which is how one that is not finite comes back.
+// A number that was stored; `otherwise` for null, which is stored for one that is not finite.
 double to_number(const nlohmann::json& value,
                  double otherwise = std::numeric_limits<double>::quiet_NaN());
 

@@ -1,4 +1,4 @@
-// A support that shakes and turns, as a function of time, for tests of bodies that are moved.
+// A support that shakes and rotates, as a function of time, for tests of bodies that are moved.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// A cube by the precompute, and what bodies that touch something keep.
+// A cube by the precompute, and quantities that bodies in contact keep.
 #pragma once
 
 #include <filesystem>
