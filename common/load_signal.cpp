@@ -32,7 +32,7 @@ StepSignal sample_sine(const Signal& signal, double begin, double finish, double
           std::sin(rate * (finish - signal.start))};
 }
 
-// The table's straight line between the moments k and k + 1, at `time` on it.
+// The table's straight line between the times k and k + 1, at `time` on it.
 double table_line(const SignalTable& table, std::size_t k, double time) {
   const double t0 = table.times[k], t1 = table.times[k + 1];
   const double v0 = table.values[k], v1 = table.values[k + 1];
@@ -40,13 +40,13 @@ double table_line(const SignalTable& table, std::size_t k, double time) {
   return time < t1 ? v0 + (v1 - v0) * ((time - t0) / (t1 - t0)) : v1;
 }
 
-// Where the table has a moment within `slack`, that moment.
+// Returns the table's time that is within `slack` of `time`, else `time`.
 double table_snapped(const SignalTable& table, double time, double slack) {
   const auto near = std::lower_bound(table.times.begin(), table.times.end(), time - slack);
   return near != table.times.end() && *near <= time + slack ? *near : time;
 }
 
-// Times are the table's own. Each piece between two moments is a line: its average is that of its
+// Times are the table's own. Each piece between two times is a line: its average is that of its
 // ends.
 StepSignal sample_table(const SignalTable& table, double time, double step) {
   const double slack = kSnap * step;
@@ -55,7 +55,7 @@ StepSignal sample_table(const SignalTable& table, double time, double step) {
   const double end = table_snapped(table, time + step, slack);
   const double first = std::max(begin, times.front()), last = std::min(end, times.back());
   if (!(first < last)) return {};
-  // From the last moment at or before `first`, so that a jump there has happened.
+  // From the last time at or before `first`, so that a jump there has happened.
   std::size_t k = std::upper_bound(times.begin(), times.end(), first) - times.begin() - 1;
   StepSignal sample;
   sample.start = begin < first ? 0.0 : table_line(table, k, first);

@@ -1,4 +1,4 @@
-// Loads in time: the shapes that a force may have, for bodies and for the unreduced solid alike
+// Loads in time: the shapes that a force may have, for bodies and for the unreduced solid
 // (docs/reference.md, "Loads in time").
 #pragma once
 
@@ -12,8 +12,8 @@ namespace tremolo {
 
 enum class SignalKind { kNone, kImpulse, kSquare, kSine, kConstant, kTable };
 
-// Values at moments, straight lines between them, zero before the first moment and after the last
-// one. A moment that stands twice is a jump. times: s, ascending, at least two, each at most twice;
+// Values at times, straight lines between them, zero before the first time and after the last
+// one. A time that occurs twice is a jump. times: s, ascending, at least two, each at most twice;
 // values: dimensionless, as many. All finite.
 struct SignalTable {
   std::vector<double> times;

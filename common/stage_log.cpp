@@ -8,8 +8,7 @@
 namespace tremolo {
 namespace {
 
-// Lets the kernel's high-water mark start anew; where that is not allowed the mark is the
-// process's.
+// Resets the kernel's high-water mark; if that is not allowed the mark is the process's.
 void reset_peak() {
   std::ofstream clear("/proc/self/clear_refs");
   clear << "5\n";

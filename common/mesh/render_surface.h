@@ -12,7 +12,7 @@
 
 namespace tremolo {
 
-// Vertices are split where normals or texture coordinates are: two of them may be at one place.
+// Vertices are split where normals or texture coordinates are: two of them may be at one position.
 // Nothing is promised of the triangles: holes, repeats and crossings are the author's.
 struct RenderSurface {
   std::vector<Eigen::Vector3d> vertices;   // s, m

@@ -65,7 +65,7 @@ class ExportProgram : public ::testing::Test {
     EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
     EXPECT_FALSE(there("no.glb") || there("no.html")) << flags;
   }
-  // Each list of flags ends with the exit code and the word beside it.
+  // Each list of flags ends with the exit code and the word next to it.
   static void expect_refused(
       std::initializer_list<std::tuple<std::string, int, std::string>> rows) {
     for (const auto& [flags, code, word] : rows) expect_refused(flags, code, word);
@@ -202,7 +202,7 @@ TEST_F(ExportProgram, WrongUseIsSaidAndNothingIsWritten) {
   // A method that explodes: the exit code is the run's.
   expect_refused("bar.tremolo --integrator explicit-euler --step 0.01 --duration 5 --glb no.glb", 5,
                  "energy");
-  // What is read is not written over.
+  // An input file is not overwritten.
   std::filesystem::copy_file(folder_ + "/bar.tremolo", folder_ + "/bar.usda.tremolo");
   std::filesystem::create_hard_link(folder_ + "/bar.usda.tremolo", folder_ + "/linked.glb");
   expect_refused("bar.usda.tremolo" + kTimes + "--glb linked.glb", 2, "take the place");

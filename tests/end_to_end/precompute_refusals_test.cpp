@@ -16,7 +16,7 @@ namespace {
 
 using PrecomputeRefusals = PrecomputeFolder;
 
-// A mesh that is not there would be exit code 1: nobody has looked for it, nor meshed it.
+// A mesh that is not there would be exit code 1: it was neither opened nor meshed.
 TEST_F(PrecomputeRefusals, WhatNoMeshCouldMakeRightIsRefusedBeforeOneIsLookedFor) {
   const std::string none = "none.obj -o out.tremolo ";
   expect_failure(run(none + "--fix 'x<<1'"), 2, "selector `x<<1`");
@@ -67,12 +67,12 @@ TEST_F(PrecomputeRefusals, APartThatHangsByAVertexOrAnEdgeIsNamed) {
                    "turns on piece 1 about vertex 26 at 0.2, 0.2, 0.2 (a ball joint: 3 motions)");
     expect_failure(run_on(edge, arguments), 3, "(a hinge: 1 motion)");
   }
-  // The same joints, with enough held behind them.
+  // The same joints, with enough fixed vertices behind them.
   const ProgramResult held = run_on(edge, "-o held.tremolo --fix 'x<0.001' --fix 'x>0.399'");
   EXPECT_EQ(held.code, 0) << held.err;
 }
 
-// More pieces than are looked at: what the modes show is told.
+// More pieces than are checked: the finding of the modes is reported.
 TEST_F(PrecomputeRefusals, ALongChainOfHingesIsRefusedToo) {
   const TetMesh cube = box_mesh({1, 1, 1}, {0.2, 0.2, 0.2});
   // Rounding decides whether a factor of the singular stiffness exists: it differs by direction.

@@ -1,4 +1,4 @@
-// An artist's surface through both programs: in with --render, out as it came but moved.
+// An artist's surface through both programs: in with --render, out unchanged but moved.
 #include <filesystem>
 #include <fstream>
 #include <sstream>

@@ -34,7 +34,7 @@ class AtomicFileTest : public ::testing::Test {
   }
   long files() const { return std::distance(fs::directory_iterator(folder_), {}); }
 
-  // In a child process: begins to write, then `signal` comes. Returns the signal it died of.
+  // In a child process: begins to write, then gets `signal`. Returns the signal it died of.
   int interrupted_by(int signal) const {
     const pid_t child = ::fork();
     if (child == 0) {
@@ -103,7 +103,7 @@ TEST_F(AtomicFileTest, WhatAnotherProcessIsWritingAndWhatIsNotOursIsLeftAlone) {
   }
   char byte = 0;
   ASSERT_EQ(::read(ready[0], &byte, 1), 1);
-  // Names that only look alike, of other targets or of no process.
+  // Names that are only similar, of other targets or of no process.
   for (const char* name : {"/other.partial-12345", "/file.partial-12x", "/file.partial"})
     std::ofstream(folder_ + name) << "not a temporary file of ours";
   ASSERT_TRUE(write_file(target(), "ours"));
@@ -135,7 +135,7 @@ TEST_F(AtomicFileTest, ASymbolicLinkKeepsPointingToTheNewContents) {
 }
 
 TEST_F(AtomicFileTest, AFullDiskIsAnErrorAndTheTargetIsAsItWas) {
-  // The limit on file size stands in for a full disk: write() then fails in mid-file.
+  // The limit on file size simulates a full disk: write() then fails in mid-file.
   const pid_t child = ::fork();
   if (child == 0) {
     remove_partial_files_on_signals();

@@ -1,4 +1,4 @@
-// What is wrong in a mesh file is said with its place, what was expected and what was found.
+// Errors in a mesh file: the message has the position, the expected text and the found one.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -92,7 +92,7 @@ TEST(Msh2Errors, NameTheOffsetInABinaryFile) {
   const std::size_t node = good.find("$Nodes\n5\n") + 9;
   std::string bad = good;
   bad.replace(node + 4, 8, bytes_of(std::nan("")));
-  // The vertex is complete when it is judged: the place is that of its last coordinate.
+  // The vertex is complete when it is checked: the position is that of its last coordinate.
   expect_error("a.msh", bad, {("byte " + std::to_string(node + 20)).c_str(), "vertex 2", "nan"});
   const std::size_t element = good.find("$Elements\n3\n") + 12;
   bad = good;

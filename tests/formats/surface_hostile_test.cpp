@@ -73,7 +73,7 @@ TEST_F(HostileSurface, CutFilesAreRefusedOrGiveLess) {
     }
 }
 
-// Where assimp 5.2.5 looks for the end for ever.
+// At this position assimp 5.2.5 searches for the end for ever.
 TEST_F(HostileSurface, APlyWithoutAnEndOfItsHeaderIsRefusedAtOnce) {
   const std::string ply = box_ply(false);
   expect_refused(folder.write("cut.ply", ply.substr(0, ply.find("end_header"))),
@@ -91,7 +91,7 @@ TEST_F(HostileSurface, CountsThatTheFileCannotHoldAreRefused) {
       std::string ply = box_ply(binary);
       const std::string huge = std::string(element, std::strlen(element) - 1) + "4000000000";
       ply.replace(ply.find(element), std::strlen(element), huge);
-      // What assimp makes of it is its own affair; that it comes back is ours.
+      // The result is up to assimp; the test requires that it returns.
       const Result<SurfaceFile> file = read_surface(folder.write("many.ply", ply));
       if (file) {
         EXPECT_LE(file->surface.triangles.size(), 12U);

@@ -96,7 +96,7 @@ TEST_F(SurfaceReader, AnOffIsTheSameSurfaceAsTheObj) {
   EXPECT_TRUE(off.notes.empty());
 }
 
-// assimp rounds long numbers in its own way, and not always to the nearest float.
+// assimp's rounding of long numbers is its own, and not always to the nearest float.
 TEST_F(SurfaceReader, LongNumbersOfAnOffAreRoundedAsAnObjs) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(-10, 10);

@@ -38,7 +38,7 @@ SceneBody body_of(const std::string& name, FrameKind kind, const std::string& me
   return body;
 }
 
-// Bodies that fall on each other, one that shakes, one that is held and loaded; a hand, and a
+// Bodies that fall on each other, one that shakes, one that is fixed and loaded; a hand, and a
 // collider that moves. Every method of the energy-preserving family is there, damped and not.
 Scene crowded() {
   Scene scene;
@@ -92,7 +92,7 @@ void run(SceneWorld& world, int steps) {
   for (int k = 0; k < steps; ++k) (void)world.step();
 }
 
-// All that is carried, and what is looked at, bit for bit.
+// All saved state, and all queries, bit for bit.
 void expect_same(SceneWorld& a, SceneWorld& b) {
   EXPECT_EQ(state_bytes(a), state_bytes(b));
   EXPECT_EQ(a.steps(), b.steps());
@@ -374,7 +374,7 @@ TEST(SavedBody, EveryMethodGoesOnWithTheSameBits) {
     }
 }
 
-// A solve that fails is taken in parts, whose integrators carry something too.
+// A step whose solve fails is subdivided, and the integrators of its parts have saved state too.
 TEST(SavedBody, StepsInPartsComeAlong) {
   for (const char* method : {"ep4", "newmark", "midpoint"}) {
     const auto make = [method] {

@@ -28,7 +28,7 @@ OrderedJson to_json(const std::string& page, const std::vector<Criterion>& crite
   return json;
 }
 
-// What was measured; what --only leaves out is empty.
+// All measurements; those that --only leaves out are empty.
 struct Measured {
   std::optional<Speed> speed;
   std::optional<Precision> precision;

@@ -1,4 +1,4 @@
-// Scene files: what is read, and what is told of what is wrong.
+// Scene files: reading, and messages about errors.
 #include "runtime/scene_reader/scene_reader.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ void expect_refused(const std::string& text, const std::string& words,
   EXPECT_EQ(file.error().message.find(path), 0U) << file.error().message;
 }
 
-// Each text is refused with the words beside it.
+// Each text is refused with the words next to it.
 void expect_refused(std::initializer_list<std::pair<std::string, std::string>> texts) {
   for (const auto& [text, words] : texts) expect_refused(text, words);
 }

@@ -112,7 +112,7 @@ std::string table_note(int table) {
   return text + ".";
 }
 
-// Ours beside the thesis's over the six models, runs that reached 30 s in both.
+// Ours and the thesis's over the six models, runs that reached 30 s in both.
 std::string timing_difference(const Session& session, SignalKind load, double alpha,
                               const Orbits& orbits, const Timings& timings) {
   std::vector<double> ours, theirs, iterations, their_iterations;

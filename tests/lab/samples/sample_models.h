@@ -22,9 +22,9 @@ struct SampleModel {
 std::vector<SampleModel> load_sample_models(const std::string& directory,
                                             const std::vector<std::string>& names);
 
-// Throws a Failure (kUsage) if a file in the folder `out` that a report would write anew is one of
-// the models: of load_sample_models' arguments, through whatever links. To be asked before anything
-// is written.
+// Throws a Failure (kUsage) if a report would overwrite one of the models: if a file in the folder
+// `out` is, through any links, one of load_sample_models' arguments. Call it before anything is
+// written.
 void keep_models_apart(const std::string& out, const std::string& directory,
                        const std::vector<std::string>& names);
 
