@@ -63,6 +63,8 @@ inline constexpr std::string_view kMaterialNames = "material_names";
 inline constexpr std::string_view kRenderNormals = "render_normals";
 inline constexpr std::string_view kRenderUvs = "render_uvs";
 inline constexpr std::string_view kRenderColours = "render_colours";
+// Optional, of any version with a render surface: its vertices in the author's file.
+inline constexpr std::string_view kRenderSources = "render_sources";
 
 // Version 1.3, of quadratic elements.
 inline constexpr std::string_view kEdgePoints = "edge_points";

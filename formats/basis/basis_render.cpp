@@ -71,6 +71,15 @@ Status read_colours(BasisReader& reader, std::vector<Colour>& colours) {
   return Success{};
 }
 
+Status read_sources(BasisReader& reader, RenderSurface& surface) {
+  if (!reader.has(kRenderSources)) return Success{};
+  if (Status s = take(surface.sources, reader.indices(kRenderSources, surface.vertices.size())); !s)
+    return s;
+  if (surface.sources_hold()) return Success{};
+  return content_error("section '" + std::string(kRenderSources) +
+                       "': the vertices of the author's file do not come first, each as itself");
+}
+
 bool are_names(const std::vector<std::string>& names) {
   return !names.empty() && std::none_of(names.begin(), names.end(), [](const std::string& name) {
     return name.find('\0') != std::string::npos;
@@ -93,7 +102,7 @@ bool fits(const RenderBlock& render, Eigen::Index r, std::uint64_t n) {
       render.anchors.size() != count || !one_each_or_none(surface.normals.size()) ||
       !one_each_or_none(surface.uvs.size()) || !one_each_or_none(surface.colours.size()) ||
       surface.object_of.size() != triangles || surface.material_of.size() != triangles ||
-      !are_names(surface.objects) || !are_names(surface.materials))
+      !are_names(surface.objects) || !are_names(surface.materials) || !surface.sources_hold())
     return false;
   const auto is_corner = [count](VertexId id) { return is_index(id, count); };
   return std::all_of(render.anchors.begin(), render.anchors.end(),
@@ -113,6 +122,7 @@ Result<std::optional<RenderBlock>> read_render(BasisReader& reader) {
   if (Status s = read_vectors(reader, kRenderNormals, block.surface.normals); !s) return s.error();
   if (Status s = read_vectors(reader, kRenderUvs, block.surface.uvs); !s) return s.error();
   if (Status s = read_colours(reader, block.surface.colours); !s) return s.error();
+  if (Status s = read_sources(reader, block.surface); !s) return s.error();
   return std::optional<RenderBlock>(std::move(block));
 }
 

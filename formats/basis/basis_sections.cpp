@@ -48,6 +48,7 @@ std::vector<SectionShape> section_shapes(const SectionSizes& sizes) {
       {kRenderNormals, f32, v, 3, no, kRenderRest},
       {kRenderUvs, f32, v, 2, no, kRenderRest},
       {kRenderColours, u8, v, 4, no, kRenderRest},
+      {kRenderSources, u32, v, 1, no, kRenderRest},
       {kInteriorIds, u32, inner, 1},
       {kInteriorRest, f64, inner, 3},
       {kInteriorBasis, basis, 3 * inner, r},

@@ -103,6 +103,7 @@ void add_render(const RenderBlock& render, const Additions& more, Contents& cont
   if (!surface.normals.empty()) contents[kRenderNormals] = bytes_of(surface.normals);
   if (!surface.uvs.empty()) contents[kRenderUvs] = bytes_of(surface.uvs);
   if (!surface.colours.empty()) contents[kRenderColours] = bytes_of(surface.colours);
+  if (!surface.sources.empty()) contents[kRenderSources] = bytes_of(surface.sources);
 }
 
 Contents contents_of(const BasisData& data, const Additions& more) {
