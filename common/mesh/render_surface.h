@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "common/mesh/surface_rig.h"
 #include "common/mesh/tet_mesh.h"
 
 namespace tremolo {
@@ -27,6 +29,7 @@ struct RenderSurface {
   // s or none: the vertex of the author's file that each one is, or is a copy of. The n vertices of
   // the file come first, each as itself. None: every vertex is the file's.
   std::vector<VertexId> sources;
+  std::shared_ptr<const SurfaceRig> rig;  // the skeleton that its file gives it, or null
 
   // Number of the file's vertices, n.
   std::size_t authored() const {

@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "formats/file/byte_scanner.h"
+#include "formats/surface/flat_rig.h"
 
 namespace tremolo {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 // The answer: magic, kind, then of a refusal its text; of a surface
 //   f64 metres_per_unit, text unit, text format, texts notes, objects, materials,
 //   u32 channels, u64 s, u64 t, vertices, triangles, normals, uvs, colours, sources, object_of,
-//   material_of
+//   material_of, and if there is a rig the arrays of a FlatRig, each behind its u64 length,
 // in this machine's byte order. A text is u32 length and bytes; texts are u32 count and texts.
 constexpr std::uint32_t kMagic = 0x46525354;  // "TSRF"
 constexpr std::uint32_t kRefusal = 0;
@@ -24,6 +25,7 @@ constexpr std::uint32_t kNormals = 1;
 constexpr std::uint32_t kUvs = 2;
 constexpr std::uint32_t kColours = 4;
 constexpr std::uint32_t kSources = 8;
+constexpr std::uint32_t kRig = 16;
 
 class Writer {
  public:
@@ -133,12 +135,37 @@ bool normals_hold(const RenderSurface& surface) {
                      [](const Eigen::Vector3f& n) { return std::abs(n.norm() - 1.0F) < 1e-4F; });
 }
 
+template <class T>
+bool read_array(Reader& reader, std::vector<T>& values) {
+  std::uint64_t count = 0;
+  return reader.number(count) && reader.rows(values, count);
+}
+bool read_array(Reader& reader, std::string& text) {
+  std::vector<char> values;
+  if (!read_array(reader, values)) return false;
+  text.assign(values.begin(), values.end());
+  return true;
+}
+
+bool read_rig(Reader& reader, RenderSurface& surface) {
+  FlatRig flat;
+  if (!read_array(reader, flat.names) || !read_array(reader, flat.parents) ||
+      !read_array(reader, flat.ends) || !read_array(reader, flat.places) ||
+      !read_array(reader, flat.weights) || !read_array(reader, flat.clip_names) ||
+      !read_array(reader, flat.clip_frames) || !read_array(reader, flat.clip_times) ||
+      !read_array(reader, flat.clip_poses))
+    return false;
+  surface.rig = unflatten(flat, surface.vertices.size());
+  return surface.rig != nullptr || reader.fail("bones that do not fit each other or the surface");
+}
+
 bool read_surface_values(Reader& reader, RenderSurface& surface) {
   std::uint32_t channels = 0;
   std::uint64_t s = 0;
   std::uint64_t t = 0;
   if (!reader.number(channels) || !reader.number(s) || !reader.number(t)) return false;
-  if (channels > (kNormals | kUvs | kColours | kSources)) return reader.fail("unknown channels");
+  if (channels > (kNormals | kUvs | kColours | kSources | kRig))
+    return reader.fail("unknown channels");
   if (t == 0) return reader.fail("no triangles");
   constexpr std::uint64_t kMost = std::numeric_limits<VertexId>::max();
   if (s > kMost || t > kMost) return reader.fail("more vertices or triangles than have numbers");
@@ -152,7 +179,8 @@ bool read_surface_values(Reader& reader, RenderSurface& surface) {
          reader.rows<Colour>(surface.colours, with(kColours, s)) &&
          reader.rows<VertexId>(surface.sources, with(kSources, s)) &&
          reader.rows<std::uint32_t>(surface.object_of, t) &&
-         reader.rows<std::uint32_t>(surface.material_of, t) && reader.at_end();
+         reader.rows<std::uint32_t>(surface.material_of, t) &&
+         ((channels & kRig) == 0 || read_rig(reader, surface)) && reader.at_end();
 }
 
 bool read_file_values(Reader& reader, SurfaceFile& file) {
@@ -194,7 +222,7 @@ std::vector<std::byte> encode_surface(const SurfaceFile& file) {
   writer.texts(surface.materials);
   writer.number((surface.normals.empty() ? 0 : kNormals) | (surface.uvs.empty() ? 0 : kUvs) |
                 (surface.colours.empty() ? 0 : kColours) |
-                (surface.sources.empty() ? 0 : kSources));
+                (surface.sources.empty() ? 0 : kSources) | (surface.rig == nullptr ? 0 : kRig));
   writer.number(std::uint64_t{surface.vertices.size()});
   writer.number(std::uint64_t{surface.triangles.size()});
   writer.numbers(surface.vertices.data(), surface.vertices.size());
@@ -205,6 +233,22 @@ std::vector<std::byte> encode_surface(const SurfaceFile& file) {
   writer.numbers(surface.sources.data(), surface.sources.size());
   writer.numbers(surface.object_of.data(), surface.object_of.size());
   writer.numbers(surface.material_of.data(), surface.material_of.size());
+  if (surface.rig != nullptr) {
+    const FlatRig flat = flatten(*surface.rig);
+    const auto add = [&writer](const auto& values) {
+      writer.number(std::uint64_t{values.size()});
+      writer.numbers(values.data(), values.size());
+    };
+    add(flat.names);
+    add(flat.parents);
+    add(flat.ends);
+    add(flat.places);
+    add(flat.weights);
+    add(flat.clip_names);
+    add(flat.clip_frames);
+    add(flat.clip_times);
+    add(flat.clip_poses);
+  }
   return std::move(writer.bytes);
 }
 

@@ -29,13 +29,6 @@ std::string_view given_name(const aiString& text) {
   return made_up ? std::string_view() : name;
 }
 
-Matrix4d matrix_of(const aiMatrix4x4& m) {
-  Matrix4d matrix;
-  matrix << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2,
-      m.d3, m.d4;
-  return matrix;
-}
-
 std::uint8_t channel_byte(float value) {
   // Written so that NaN becomes 0.
   return static_cast<std::uint8_t>(value > 0 ? std::lround(std::min(value, 1.0F) * 255.0F) : 0);
@@ -121,7 +114,7 @@ void Flattener::add_mesh(const aiMesh& mesh, const Placement& place) {
       vertices * kVertexBytes + triangles * kTriangleBytes > bytes_)
     throw Refusal{"its scene shows so many copies of its meshes that they need more than " +
                   number_text(std::ceil(static_cast<double>(bytes_) / 1e6)) + " MB"};
-  if (mesh.HasBones() || mesh.mNumAnimMeshes > 0) ++skinned_;
+  if (mesh.mNumAnimMeshes > 0) ++morphed_;
   taken_.assign(mesh.mNumVertices, kNotTaken);
   find_skin(mesh);
   const auto object = static_cast<std::uint32_t>(surface.objects.size() - 1);
@@ -157,22 +150,6 @@ void Flattener::add_mesh(const aiMesh& mesh, const Placement& place) {
   }
 }
 
-// Of two nodes with one name the first, as assimp finds them.
-void Flattener::find_node_places(const Matrix4d& root) {
-  bool skins = false;
-  for (unsigned m = 0; m < scene_.mNumMeshes; ++m) skins |= scene_.mMeshes[m]->HasBones();
-  if (!skins) return;
-  std::vector<std::pair<const aiNode*, Matrix4d>> stack = {{scene_.mRootNode, root}};
-  while (!stack.empty()) {
-    const auto [node, parent] = stack.back();
-    stack.pop_back();
-    const Matrix4d world = parent * matrix_of(node->mTransformation);
-    node_places_.try_emplace(text_of(node->mName), world);
-    for (unsigned child = node->mNumChildren; child-- > 0;)
-      stack.emplace_back(node->mChildren[child], world);
-  }
-}
-
 // Blends G_b B_b by the weights: G_b where the joint is, B_b its inverse bind matrix.
 void Flattener::find_skin(const aiMesh& mesh) {
   skin_.clear();
@@ -180,9 +157,9 @@ void Flattener::find_skin(const aiMesh& mesh) {
   skin_.assign(mesh.mNumVertices, Eigen::Matrix<double, 4, 5>::Zero());
   for (unsigned b = 0; b < mesh.mNumBones; ++b) {
     const aiBone& bone = *mesh.mBones[b];
-    const auto node = node_places_.find(text_of(bone.mName));
-    if (node == node_places_.end()) continue;
-    const Matrix4d placed = node->second * matrix_of(bone.mOffsetMatrix);
+    const Matrix4d* place = rig_->place_of(text_of(bone.mName));
+    if (place == nullptr) continue;
+    const Matrix4d placed = *place * matrix_of(bone.mOffsetMatrix);
     for (unsigned k = 0; k < bone.mNumWeights; ++k) {
       const aiVertexWeight& weight = bone.mWeights[k];
       if (weight.mVertexId >= mesh.mNumVertices || !(weight.mWeight > 0)) continue;
@@ -202,7 +179,7 @@ void Flattener::add_nodes(double file_scale) {
   };
   Matrix4d root = Matrix4d::Identity();
   root.topLeftCorner<3, 3>() *= 1.0 / file_scale;
-  find_node_places(root);
+  rig_.emplace(scene_, root);
   std::vector<Visit> stack = {{scene_.mRootNode, root}};
   while (!stack.empty()) {
     const auto [node, parent] = stack.back();
@@ -217,6 +194,8 @@ void Flattener::add_nodes(double file_scale) {
       const aiMesh& mesh = *scene_.mMeshes[node->mMeshes[m]];
       if (name.empty()) name = given_name(mesh.mName);
       add_mesh(mesh, place);
+      if (mesh.HasBones()) rig_->add_skin(mesh, taken_);
+      carriers_.resize(surface.vertices.size(), rig_->bone_of(node));
     }
     if (surface.triangles.size() == before)
       surface.objects.pop_back();
@@ -229,13 +208,20 @@ void Flattener::add_nodes(double file_scale) {
   if (!any_colour_) surface.colours.clear();
 }
 
+bool Flattener::take_rig(std::vector<std::string>& notes) {
+  if (!rig_ || rig_->empty()) return false;
+  carriers_.resize(surface.vertices.size(), kNoParent);
+  surface.rig = rig_->finish(carriers_, notes);
+  return surface.rig != nullptr;
+}
+
 void Flattener::fill_normals() {
   fill_missing_normals(surface, has_normal_);
 }
 
 void Flattener::note_what_was_left_out(std::vector<std::string>& notes) const {
   note_left_out(left_out_, notes);
-  if (skinned_ > 0) notes.push_back("skins and shapes that move: taken in their rest pose");
+  if (morphed_ > 0) notes.push_back("shapes that morph: taken in their rest shape");
 }
 
 }  // namespace tremolo

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <assimp/types.h>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -12,6 +13,8 @@
 #include <Eigen/Core>
 
 #include "common/mesh/render_surface.h"
+#include "formats/surface/assimp_values.h"
+#include "formats/surface/scene_rig.h"
 #include "formats/surface/surface_parts.h"
 #include "formats/surface/unique_names.h"
 
@@ -25,10 +28,6 @@ struct Refusal {
   std::string message;
 };
 
-inline std::string_view text_of(const aiString& text) {
-  return {text.data, std::min<std::size_t>(text.length, sizeof(text.data) - 1)};
-}
-
 // Takes triangles alone; counts what it leaves out. bytes: what the surface may take. Its functions
 // may throw Refusal.
 class Flattener {
@@ -39,6 +38,8 @@ class Flattener {
   // where its joints and their inverse bind matrices put it at rest; its own node does not count.
   void add_nodes(double file_scale);
   void fill_normals();
+  // Gives the surface its skeleton; false if the scene has none.
+  bool take_rig(std::vector<std::string>& notes);
   void note_what_was_left_out(std::vector<std::string>& notes) const;
 
   RenderSurface surface;
@@ -47,13 +48,13 @@ class Flattener {
   struct Placement;
   void add_mesh(const aiMesh& mesh, const Placement& place);
   VertexId vertex_of(const aiMesh& mesh, unsigned index, const Placement& place);
-  void find_node_places(const Eigen::Matrix4d& root);
   void find_skin(const aiMesh& mesh);
   std::uint32_t material_of(unsigned index);
 
   const aiScene& scene_;
   std::uint64_t bytes_;
-  std::unordered_map<std::string_view, Eigen::Matrix4d> node_places_;  // in the world, by name
+  std::optional<SceneRig> rig_;
+  std::vector<std::int32_t> carriers_;  // of each vertex: the bone that its node hangs on
   std::vector<Eigen::Matrix<double, 4, 5>> skin_;  // of the mesh at hand: blended matrix, weights
   std::vector<VertexId> taken_;  // of the mesh at hand: the surface's vertices of the mesh's
   std::vector<bool> has_normal_;
@@ -63,7 +64,7 @@ class Flattener {
   UniqueNames material_names_{"material"};
   std::unordered_map<unsigned, std::uint32_t> materials_;
   LeftOut left_out_;
-  std::uint64_t skinned_ = 0;
+  std::uint64_t morphed_ = 0;
 };
 
 }  // namespace tremolo

@@ -228,7 +228,8 @@ Result<SurfaceFile> import_by_assimp(const std::string& path, const std::string&
   }
   flattener.fill_normals();
   flattener.note_what_was_left_out(file.notes);
-  if (scene->mNumAnimations > 0) file.notes.push_back("movements left out: taken in the rest pose");
+  if (!flattener.take_rig(file.notes) && scene->mNumAnimations > 0)
+    file.notes.push_back("movements left out: taken in the rest pose");
   note_refused(file.notes);
   file.surface = std::move(flattener.surface);
   if (Status s = finish_notes(file); !s) return s.error();

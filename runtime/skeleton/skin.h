@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,6 +25,7 @@ namespace tremolo {
 struct Skin {
   BoneWeights drawn, surface, interior;
   std::vector<std::shared_ptr<const FrameInertia>> shares;
+  std::vector<std::string> names = {};  // one a bone, or none
 
   std::size_t bones() const { return shares.size(); }
 };
