@@ -19,7 +19,7 @@ std::vector<std::string> split_names(const std::string& text) {
   return names;
 }
 
-bool read_clips(const FlatRig& flat, std::size_t bones, SurfaceRig& rig) {
+bool split_clips(const FlatRig& flat, std::size_t bones, SurfaceRig& rig) {
   const std::vector<std::string> names = split_names(flat.clip_names);
   if (names.size() != flat.clip_frames.size()) return false;
   std::size_t frame = 0;
@@ -92,7 +92,7 @@ std::shared_ptr<const SurfaceRig> unflatten(const FlatRig& flat, std::size_t ver
   for (std::size_t k = 0; k < flat.weights.size(); ++k)
     rig->weights.push_back(
         {static_cast<std::int32_t>(flat.places[2 * k]), flat.places[2 * k + 1], flat.weights[k]});
-  if (!read_clips(flat, bones, *rig) || !rig_holds(*rig, vertices)) return nullptr;
+  if (!split_clips(flat, bones, *rig) || !rig_holds(*rig, vertices)) return nullptr;
   return rig;
 }
 

@@ -8,8 +8,8 @@
 
 #include "formats/file/base64.h"
 #include "formats/file/text_scanner.h"
+#include "formats/polygons/unique_names.h"
 #include "formats/surface/surface_answer.h"
-#include "formats/surface/unique_names.h"
 
 namespace tremolo {
 namespace {

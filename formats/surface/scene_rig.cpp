@@ -10,9 +10,9 @@
 #include <Eigen/Dense>
 
 #include "common/number_text.h"
+#include "formats/polygons/unique_names.h"
 #include "formats/surface/assimp_values.h"
 #include "formats/surface/surface_answer.h"
-#include "formats/surface/unique_names.h"
 
 namespace tremolo {
 namespace {

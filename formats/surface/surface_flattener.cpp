@@ -9,7 +9,7 @@
 #include <Eigen/Dense>
 
 #include "common/number_text.h"
-#include "formats/surface/surface_parts.h"
+#include "formats/polygons/surface_parts.h"
 
 namespace tremolo {
 namespace {

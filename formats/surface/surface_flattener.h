@@ -13,10 +13,10 @@
 #include <Eigen/Core>
 
 #include "common/mesh/render_surface.h"
+#include "formats/polygons/surface_parts.h"
+#include "formats/polygons/unique_names.h"
 #include "formats/surface/assimp_values.h"
 #include "formats/surface/scene_rig.h"
-#include "formats/surface/surface_parts.h"
-#include "formats/surface/unique_names.h"
 
 struct aiMesh;
 struct aiScene;

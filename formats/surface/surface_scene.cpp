@@ -16,15 +16,15 @@
 #include "common/number_text.h"
 #include "formats/file/folder_files.h"
 #include "formats/file/whole_file.h"
+#include "formats/polygons/obj_text.h"
+#include "formats/polygons/off_polygons.h"
+#include "formats/polygons/ply_text.h"
+#include "formats/polygons/polygon_surface.h"
+#include "formats/polygons/stl_text.h"
+#include "formats/polygons/surface_parts.h"
 #include "formats/surface/gltf_plain.h"
-#include "formats/surface/obj_text.h"
-#include "formats/surface/off_polygons.h"
-#include "formats/surface/ply_text.h"
-#include "formats/surface/polygon_surface.h"
-#include "formats/surface/stl_text.h"
 #include "formats/surface/surface_answer.h"
 #include "formats/surface/surface_flattener.h"
-#include "formats/surface/surface_parts.h"
 
 namespace tremolo {
 namespace {

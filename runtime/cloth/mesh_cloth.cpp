@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 
-#include "formats/surface/polygon_surface.h"
-#include "formats/surface/triangle_reader.h"
+#include "formats/polygons/polygon_surface.h"
+#include "formats/polygons/triangle_reader.h"
 #include "runtime/cloth/cloth_parts.h"
 #include "runtime/cloth/cloth_seams.h"
 

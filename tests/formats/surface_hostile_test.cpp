@@ -1,12 +1,17 @@
 // Files that are not what they say, and what they may not do to the process that reads them.
 #include <csignal>
 #include <filesystem>
+#include <random>
 #include <string>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
 
+#include "formats/polygons/obj_text.h"
+#include "formats/polygons/ply_text.h"
+#include "formats/polygons/polygon_surface.h"
+#include "formats/polygons/stl_text.h"
 #include "formats/surface/surface_reader.h"
 #include "tests/support/meshes/surface_files.h"
 #include "tests/support/temporary_folder.h"
@@ -100,6 +105,50 @@ TEST_F(HostileSurface, CountsThatTheFileCannotHoldAreRefused) {
   std::string off = box_off();
   off.replace(off.find("8 6 12"), 6, "4000000000 4000000000 0");
   expect_refused(folder.write("many.off", off), ErrorKind::kContent);
+}
+
+// In this process: a reader that leaves its bounds ends it.
+TEST_F(HostileSurface, FilesThatWereChangedAtRandomAreRefusedOrGiveWholeSurfaces) {
+  using Parser = Result<PolygonMesh> (*)(std::string_view, const std::string&);
+  const std::vector<std::pair<Parser, std::string>> files = {
+      {parse_obj_polygons, box_obj()},        {parse_obj_polygons, star_prism()[0]},
+      {parse_ply_polygons, box_ply(false)},   {parse_ply_polygons, box_ply(true)},
+      {parse_stl_polygons, box_stl_binary()}, {parse_stl_polygons, box_stl_text()}};
+  std::mt19937 random(11);
+  for (const auto& [parse, whole] : files)
+    for (int round = 0; round < 2000; ++round) {
+      std::string bytes = whole;
+      for (int k = 0; k < 1 + round % 4; ++k) {
+        const std::size_t at = random() % bytes.size();
+        switch (random() % 4) {
+          case 0:
+            bytes[at] = static_cast<char>(random());
+            break;
+          case 1:
+            bytes[at] = "0123456789-+/. \\\n"[random() % 17];
+            break;
+          case 2:
+            bytes.erase(at, random() % 9);
+            break;
+          default:
+            bytes.insert(at, bytes.substr(random() % bytes.size(), random() % 40));
+        }
+        if (bytes.empty()) bytes = " ";
+      }
+      Result<PolygonMesh> mesh = parse(bytes, "file");
+      if (!mesh) {
+        EXPECT_EQ(mesh.error().kind, ErrorKind::kContent);
+        continue;
+      }
+      const std::size_t vertices = mesh->vertices.size();
+      std::vector<std::string> notes;
+      const RenderSurface surface = render_surface_of(std::move(*mesh), notes);
+      ASSERT_TRUE(surface.sources_hold());
+      ASSERT_EQ(surface.authored(), vertices);
+      for (const Triangle& triangle : surface.triangles)
+        for (const VertexId v : triangle)
+          ASSERT_TRUE(v >= 0 && static_cast<std::size_t>(v) < surface.vertices.size());
+    }
 }
 
 TEST_F(HostileSurface, NodesNestAsDeepAsTheyLike) {

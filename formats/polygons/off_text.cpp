@@ -1,4 +1,4 @@
-#include "formats/surface/off_text.h"
+#include "formats/polygons/off_text.h"
 
 #include <algorithm>
 #include <cctype>

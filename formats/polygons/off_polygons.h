@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "common/result.h"
-#include "formats/surface/polygon_mesh.h"
+#include "formats/polygons/polygon_mesh.h"
 
 namespace tremolo {
 

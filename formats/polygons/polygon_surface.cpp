@@ -1,4 +1,4 @@
-#include "formats/surface/polygon_surface.h"
+#include "formats/polygons/polygon_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "common/mesh/polygon_cut.h"
-#include "formats/surface/surface_parts.h"
-#include "formats/surface/unique_names.h"
+#include "formats/polygons/surface_parts.h"
+#include "formats/polygons/unique_names.h"
 
 namespace tremolo {
 namespace {

@@ -1,4 +1,4 @@
-#include "formats/surface/ply_header.h"
+#include "formats/polygons/ply_header.h"
 
 #include <algorithm>
 #include <array>

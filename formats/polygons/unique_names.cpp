@@ -1,4 +1,4 @@
-#include "formats/surface/unique_names.h"
+#include "formats/polygons/unique_names.h"
 
 #include "formats/file/printable_text.h"
 

@@ -1,4 +1,4 @@
-#include "formats/surface/ply_text.h"
+#include "formats/polygons/ply_text.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "formats/surface/ply_header.h"
+#include "formats/polygons/ply_header.h"
 
 namespace tremolo {
 namespace {

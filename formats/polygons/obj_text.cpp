@@ -1,4 +1,4 @@
-#include "formats/surface/obj_text.h"
+#include "formats/polygons/obj_text.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "formats/surface/surface_parts.h"
+#include "formats/polygons/surface_parts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "formats/surface/off_polygons.h"
+#include "formats/polygons/off_polygons.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/decimal.h"
-#include "formats/surface/off_text.h"
+#include "formats/polygons/off_text.h"
 
 namespace tremolo {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/mesh/render_surface.h"
-#include "formats/surface/polygon_mesh.h"
+#include "formats/polygons/polygon_mesh.h"
 
 namespace tremolo {
 

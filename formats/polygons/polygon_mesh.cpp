@@ -1,4 +1,4 @@
-#include "formats/surface/polygon_mesh.h"
+#include "formats/polygons/polygon_mesh.h"
 
 #include <algorithm>
 #include <array>

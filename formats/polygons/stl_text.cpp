@@ -1,4 +1,4 @@
-#include "formats/surface/stl_text.h"
+#include "formats/polygons/stl_text.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 namespace tremolo {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 80, kCountBytes = 4, kTriangleBytes = 50;
+constexpr std::size_t kHeaderBytes = 80, kCountBytes = 4, kFacetBytes = 50;
 
 bool same_word(std::string_view text, std::string_view lower) {
   return std::equal(text.begin(), text.end(), lower.begin(), lower.end(), [](char a, char b) {
@@ -193,7 +193,7 @@ Result<PolygonMesh> parse_stl_polygons(std::string_view bytes, const std::string
     ByteScanner scanner(bytes, name, kHeaderBytes, kSwapsLittleEndian);
     scanner.read(count, "the number of triangles");
   }
-  const std::uint64_t needed = kHeaderBytes + kCountBytes + std::uint64_t{count} * kTriangleBytes;
+  const std::uint64_t needed = kHeaderBytes + kCountBytes + std::uint64_t{count} * kFacetBytes;
   const bool exact = headed && bytes.size() == needed && count > 0;
   if (!exact && StlText::opens(bytes)) return StlText(bytes, name).parse();
   if (headed && bytes.size() >= needed && count > 0) return parse_bytes(bytes, name, count);

@@ -1,4 +1,4 @@
-#include "formats/surface/triangle_reader.h"
+#include "formats/polygons/triangle_reader.h"
 
 #include <algorithm>
 #include <cctype>
@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "formats/file/whole_file.h"
-#include "formats/surface/obj_text.h"
-#include "formats/surface/ply_text.h"
+#include "formats/polygons/obj_text.h"
+#include "formats/polygons/ply_text.h"
 
 namespace tremolo {
 namespace {
