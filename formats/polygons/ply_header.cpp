@@ -96,6 +96,9 @@ class HeaderParser {
       const std::string_view word = scanner_.token();
       if (word == "end_header") return finish();
       if (word == "comment" || word == "obj_info") continue;
+      // Some writers forget the word before a line about themselves.
+      if (header_.elements.empty() && word != "format" && word != "element" && word != "property")
+        continue;
       const bool good = word == "format"     ? format()
                         : word == "element"  ? element()
                         : word == "property" ? property()

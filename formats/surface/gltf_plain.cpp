@@ -21,10 +21,10 @@ constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
 // Extensions that change no shape: what they add is not read.
 bool changes_no_shape(std::string_view name) {
-  constexpr std::array<std::string_view, 10> kHarmless = {
-      "KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif",
-      "MSFT_texture_dds",      "KHR_lights_",        "EXT_lights_",      "KHR_xmp",
-      "KHR_materials_",        "EXT_materials_"};
+  constexpr std::array<std::string_view, 11> kHarmless = {
+      "KHR_technique",    "KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp",
+      "EXT_texture_avif", "MSFT_texture_dds",      "KHR_lights_",        "EXT_lights_",
+      "KHR_xmp",          "KHR_materials_",        "EXT_materials_"};
   return std::any_of(kHarmless.begin(), kHarmless.end(),
                      [name](std::string_view harmless) { return name.starts_with(harmless); });
 }
@@ -32,7 +32,7 @@ bool changes_no_shape(std::string_view name) {
 Error refused_extension(const std::string& name) {
   const std::string shown = printable_text(name, 80);
   std::string advice = "export it without this extension";
-  if (name == kDraco) advice = "export it without Draco compression";
+  if (name.starts_with(kDraco)) advice = "export it without Draco compression";
   if (name.find("meshopt") != std::string::npos)
     advice = "export it without meshopt compression (gltf-transform copy IN OUT unpacks it)";
   return content_error("it requires the glTF extension " + shown +
@@ -43,7 +43,9 @@ Status check_extensions(const json& document) {
   for (const json& entry : gltf_list(document, "extensionsRequired")) {
     if (!entry.is_string()) continue;
     const std::string name = entry.get<std::string>();
-    if (name != "KHR_mesh_quantization" && name != kInstancing && !changes_no_shape(name))
+    // assimp unpacks Draco, or says that it was built without.
+    if (name != "KHR_mesh_quantization" && name != kInstancing && name != kDraco &&
+        !changes_no_shape(name))
       return refused_extension(name);
   }
   return Success{};
@@ -134,12 +136,17 @@ class PlainMaker {
   }
 
   // Colours and joints are read as the integers that they are.
+  static bool is_float_attribute(std::string_view name) {
+    constexpr std::array<std::string_view, 5> kKinds = {"POSITION", "NORMAL", "TANGENT",
+                                                        "TEXCOORD_", "WEIGHTS_"};
+    return std::any_of(kKinds.begin(), kKinds.end(),
+                       [name](std::string_view kind) { return name.starts_with(kind); });
+  }
   Status make_attributes(json& attributes) {
     if (!attributes.is_object()) return Success{};
     for (auto& [name, accessor] : attributes.items())
-      for (const char* kind : {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_", "WEIGHTS_"})
-        if (name.starts_with(kind))
-          if (Status s = make_floats(accessor); !s) return s;
+      if (is_float_attribute(name))
+        if (Status s = make_floats(accessor); !s) return s;
     return Success{};
   }
 
@@ -149,7 +156,9 @@ class PlainMaker {
       if (gltf_list(mesh, "primitives").empty()) continue;
       for (json& primitive : mesh["primitives"]) {
         if (!primitive.is_object()) continue;
-        if (Status s = check_draco(primitive); !s) return s;
+        const Result<bool> draco = is_draco(primitive);
+        if (!draco) return draco.error();
+        if (*draco) continue;
         if (primitive.contains("attributes"))
           if (Status s = make_attributes(primitive["attributes"]); !s) return s;
         if (gltf_list(primitive, "targets").empty()) continue;
@@ -160,18 +169,22 @@ class PlainMaker {
     return Success{};
   }
 
-  // Without a plain form beside it, a compressed primitive has accessors without data.
-  Status check_draco(const json& primitive) const {
+  // Whether assimp unpacks the primitive, of which the accessors are then floats alone.
+  Result<bool> is_draco(const json& primitive) const {
     const auto extensions = primitive.find("extensions");
     if (extensions == primitive.end() || !extensions->is_object() ||
-        !extensions->contains(kDraco) || !primitive.contains("attributes"))
-      return Success{};
-    const std::int64_t index = gltf_integer(primitive["attributes"], "POSITION", -1);
+        !extensions->contains(kDraco) || !primitive.contains("attributes") ||
+        !primitive["attributes"].is_object())
+      return false;
     const json& list = gltf_list(original_, "accessors");
-    const bool plain = index >= 0 && std::cmp_less(index, list.size()) &&
-                       list[static_cast<std::size_t>(index)].is_object() &&
-                       list[static_cast<std::size_t>(index)].contains("bufferView");
-    return plain ? Status(Success{}) : refused_extension(kDraco);
+    for (const auto& [name, accessor] : primitive["attributes"].items()) {
+      const std::int64_t index = accessor.is_number_integer() ? accessor.get<std::int64_t>() : -1;
+      if (!is_float_attribute(name) || index < 0 || std::cmp_greater_equal(index, list.size()))
+        continue;
+      if (gltf_integer(list[static_cast<std::size_t>(index)], "componentType", 0) != kGltfFloat)
+        return refused_extension(std::string(kDraco) + " of integers");
+    }
+    return true;
   }
 
   Status make_animations() {

@@ -137,6 +137,8 @@ TEST_F(SurfaceDialects, StripsOfAPlyAreTriangles) {
     const std::size_t body = text.find("end_header\n") + 11;
     return text.substr(0, body) + with(text.substr(body), " ", "\n");
   }());
+  expect_box("about.ply",
+             with(ply_of("vf", Numbers::kText), "comment by a test", "Made by a test"));
   expect_box("mac.ply", with(ply_of("vf", Numbers::kText), "\n", "\r"));
   expect_box("dos.ply", with(ply_of("vf", Numbers::kText), "\n", "\r\n"));
 }
