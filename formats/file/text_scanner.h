@@ -35,8 +35,9 @@ inline std::string_view without_mark(std::string_view text) {
 // What was found, for an error message: short, in quotes, without control characters.
 std::string quoted_text(std::string_view found);
 
-// Walks over a text that must outlive it, from behind its byte-order mark if it has one. A read that fails returns false and leaves an error
-// (kContent) that names file and line, what was expected and what was found.
+// Walks over a text that must outlive it, from behind its byte-order mark if it has one. A read
+// that fails returns false and leaves an error (kContent) that names file and line, what was
+// expected and what was found.
 class TextScanner {
  public:
   TextScanner(std::string_view text, std::string file, TextStyle style = {});

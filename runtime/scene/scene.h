@@ -70,9 +70,9 @@ struct ValueFrom {
 // contact.shape: what other bodies bump into; without one they pass through. shape_file: of a
 // mesh's distances, in its place; shape_made_by: the command that makes it, told where it is
 // missing. rig: bones, their weights and their motions are those of the model's render surface;
-// clip: the name of the motion, empty for the first one. bones: of a driven body that hangs on several frames and touches nothing; bone_weights:
-// a row a drawn vertex, a column a bone; none: by distance, with bone_blend, m (runtime/bones.h; 0:
-// the usual one).
+// clip: the name of the motion, empty for the first one. bones: of a driven body that hangs on
+// several frames and touches nothing; bone_weights: a row a drawn vertex, a column a bone; none: by
+// distance, with bone_blend, m (runtime/bones.h; 0: the usual one).
 struct SceneBody {
   std::string name;
   std::string model;
