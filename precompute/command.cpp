@@ -98,7 +98,9 @@ void write_result(const CommandLine& line, PrecomputeResult& result, bool rows_a
                   StageLog& log) {
   const PrecomputeOptions& options = line.options;
   if (options.encoding == BasisEncoding::kCompact) find_encoding_error(result, log);
-  if (options.keep_elements) add_elements(result.problem, result.data);
+  const auto& render = result.data.render;
+  const bool on_bones = render && render->surface.rig != nullptr;
+  if (options.keep_elements || on_bones) add_elements(result.problem, result.data);
   result.data.provenance = provenance_json(options, result);
   log.begin("file");
   Status written = rows_are_here ? write_basis(options.output_path, result.data, options.encoding)

@@ -17,7 +17,7 @@ MeshFormat format_of_first_line(std::string_view text) {
   const std::string_view first = scanner.peek();
   if (first == "$MeshFormat") return MeshFormat::kMsh;
   if (first == "<?xml" || first == "<VTKFile") return MeshFormat::kVtu;
-  if (text.starts_with("# vtk DataFile")) return MeshFormat::kVtk;
+  if (without_mark(text).starts_with("# vtk DataFile")) return MeshFormat::kVtk;
   // A .veg file may open with comments.
   TextScanner uncommented(text, "", {.comment = '#'});
   const std::string_view keyword = uncommented.peek();

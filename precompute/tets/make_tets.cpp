@@ -35,6 +35,7 @@ TetsSurface drawn_surface(const Problem& problem, unsigned threads) {
     drawn.vertices = problem.render->vertices;
     drawn.triangles = problem.render->triangles;
     drawn.uvs = problem.render->uvs;
+    drawn.sources = problem.render->sources;
     embedding = problem.embedding;
   } else {
     // With the edges' middles, where a quadratic edge shows that it is bent.

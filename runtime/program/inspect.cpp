@@ -131,13 +131,34 @@ std::string encoding_text(const Json& encoding) {
   return text;
 }
 
+Json rig_json(const SurfaceRig* rig) {
+  if (rig == nullptr) return nullptr;
+  Json json = {{"bones", Json::array()}, {"clips", Json::array()}};
+  for (const RigBone& bone : rig->bones) json["bones"].push_back(bone.name);
+  for (const RigClip& clip : rig->clips)
+    json["clips"].push_back(
+        {{"name", clip.name}, {"start", clip.times.front()}, {"end", clip.times.back()}});
+  return json;
+}
+
+void print_rig(const SurfaceRig& rig) {
+  std::vector<std::string> bones, clips;
+  for (const RigBone& bone : rig.bones) bones.push_back(bone.name);
+  for (const RigClip& clip : rig.clips)
+    clips.push_back(
+        fmt::format("'{}' ({:.4g} to {:.4g} s)", clip.name, clip.times.front(), clip.times.back()));
+  fmt::print("    bones: {}\n", fmt::join(bones, ", "));
+  if (!clips.empty()) fmt::print("    clips: {}\n", fmt::join(clips, ", "));
+}
+
 Json render_json(const std::optional<RenderBlock>& render) {
   if (!render) return nullptr;
   const RenderSurface& surface = render->surface;
   return {{"vertices", surface.vertices.size()}, {"triangles", surface.triangles.size()},
           {"objects", surface.objects},          {"materials", surface.materials},
           {"normals", !surface.normals.empty()}, {"uvs", !surface.uvs.empty()},
-          {"colours", !surface.colours.empty()}};
+          {"colours", !surface.colours.empty()}, {"authored_vertices", surface.authored()},
+          {"rig", rig_json(surface.rig.get())}};
 }
 
 void print_render(const RenderSurface& surface) {
@@ -149,6 +170,10 @@ void print_render(const RenderSurface& surface) {
              surface.triangles.size(), with);
   fmt::print("    objects: {}\n    materials: {}\n", fmt::join(surface.objects, ", "),
              fmt::join(surface.materials, ", "));
+  if (surface.authored() < surface.vertices.size())
+    fmt::print("    {} vertices of the author's file, the others are copies at seams\n",
+               surface.authored());
+  if (surface.rig != nullptr) print_rig(*surface.rig);
 }
 
 // What --select asks for.

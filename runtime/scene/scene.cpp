@@ -80,6 +80,14 @@ Status check_damping(const SceneBody& body) {
 }
 
 Status check_bones(const SceneBody& body) {
+  if (body.rig && (!body.bones.empty() || body.bone_weights.size() > 0))
+    return content_error(
+        "rig: bones and weights are those of the model: leave [[bodies.bones]] and "
+        "bone-weights out");
+  if (!body.rig && !body.clip.empty())
+    return content_error("clip: it is a motion of the model's bones: say rig = true");
+  if (body.rig && body.kind != FrameKind::kDriven)
+    return content_error("rig: bones carry a driven body only: say kind = \"driven\"");
   if (body.bones.empty()) {
     if (body.bone_weights.size() > 0) return content_error("bone-weights: it has no bones");
     return Success{};
@@ -132,7 +140,7 @@ Status check_body(const SceneBody& body) {
 // Checks the method of a body that needs contact.
 Status check_method(const SceneBody& body) {
   const std::string& method = body.integrator;
-  if (!body.bones.empty())
+  if (!body.bones.empty() || body.rig)
     return content_error(
         "a body on bones touches nothing, and no hand holds it: say contact = false");
   if (frame_kind(body) == FrameKind::kFixed || method == "avf" || method == "ep2" ||

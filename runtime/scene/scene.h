@@ -69,9 +69,10 @@ struct ValueFrom {
 // says; a driven, free or turned body then needs avf, ep2 or ep4. Hands hold it either way.
 // contact.shape: what other bodies bump into; without one they pass through. shape_file: of a
 // mesh's distances, in its place; shape_made_by: the command that makes it, told where it is
-// missing. bones: of a driven body that hangs on several frames and touches nothing; bone_weights:
-// a row a drawn vertex, a column a bone; none: by distance, with bone_blend, m (runtime/bones.h; 0:
-// the usual one).
+// missing. rig: bones, their weights and their motions are those of the model's render surface;
+// clip: the name of the motion, empty for the first one. bones: of a driven body that hangs on
+// several frames and touches nothing; bone_weights: a row a drawn vertex, a column a bone; none: by
+// distance, with bone_blend, m (runtime/bones.h; 0: the usual one).
 struct SceneBody {
   std::string name;
   std::string model;
@@ -90,6 +91,8 @@ struct SceneBody {
   std::vector<SceneBone> bones;
   BoneWeights bone_weights;
   double bone_blend = 0.0;
+  bool rig = false;
+  std::string clip;
   double acceleration_limit = 1e4;
   bool feels_contact = true;
   ContactOptions contact;

@@ -76,11 +76,13 @@ Result<SceneWorld> SceneWorld::create(const Scene& scene, const ModelSource& sou
   const std::vector<Vector3d>& values = world.scene_.gravity.values;
   world.gravity_changes_ = values.size() > 1;
   std::map<std::tuple<std::string, int, bool, bool>, Model::Pointer> models;
-  for (const SceneBody& wanted : world.scene_.bodies) {
+  for (SceneBody& wanted : world.scene_.bodies) {
     const ModelOptions& options = wanted.model_options;
     Model::Pointer& model = models[{wanted.model, options.modes, options.linear, options.hull}];
     if (!model)
       if (Status s = take(model, source(wanted)); !s) return error_of_body(wanted, s.error());
+    if (wanted.rig)
+      if (Status s = take_rig(wanted, *model); !s) return error_of_body(wanted, s.error());
     if (Status s = world.add(wanted, model); !s) return error_of_body(wanted, s.error());
   }
   if (Status s = take(world.colliders_, SceneColliders::create(world.scene_)); !s) return s.error();

@@ -74,7 +74,7 @@ void add_nearest(TomlKeys& keys, const SceneCloth& cloth, const Eigen::Vector3d&
   const Eigen::Map<const Eigen::Matrix3Xd> places(parts->x.data(), 3, parts->x.size() / 3);
   Eigen::Index nearest = 0;
   (places.colwise() - point).colwise().squaredNorm().minCoeff(&nearest);
-  particles.push_back(static_cast<std::size_t>(nearest));
+  particles.push_back(parts->vertex_of_particle(static_cast<std::size_t>(nearest)));
 }
 
 void add_part(const ClothGrid& grid, const GridPart& part, std::vector<std::size_t>& particles) {

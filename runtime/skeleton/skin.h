@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,6 +25,7 @@ struct Skin {
   BoneWeights drawn, surface, interior;
   // Inertia of each bone's weighted part of the body, about the mesh's origin.
   std::vector<std::shared_ptr<const FrameInertia>> shares;
+  std::vector<std::string> names = {};  // one a bone, or none
 
   std::size_t bones() const { return shares.size(); }
 };

@@ -35,6 +35,19 @@ TEST_F(PrecomputeRefusals, WhatNoMeshCouldMakeRightIsRefusedBeforeOneIsLookedFor
   expect_failure(run(none + "--fix none --linear-modes 4 --modes 14"), 1, "none.obj");
 }
 
+// Each drops every direction of the block method: by a mass that hides all others, by overflow and
+// by underflow.
+TEST_F(PrecomputeRefusals, ModesThatDoublePrecisionDoesNotHoldAreGivenUpWithWords) {
+  const std::string modes = " -o out.tremolo --refine 2 --linear-modes 2 --modes 5 --fix 'x<1%'";
+  for (const char* extreme : {" --young 1e5 --density 4 --point-mass near:100%,0,0=1e10",
+                              " --young 1e-300 --density 1e3", " --young 1e300 --density 1e3",
+                              " --young 1e5 --density 1e300", " --young 1e5 --density 1e-300"})
+    expect_failure(run("block.veg" + modes + extreme), 4, "check --young, --density, --point-mass");
+  expect_failure(run("block.veg -o out.tremolo --refine 2 --linear-modes 2 --modes 5 --fix none "
+                     "--young 1e-300 --density 1e3"),
+                 4, "check --young");
+}
+
 TEST_F(PrecomputeRefusals, TheMeshIsNotOverwritten) {
   const std::string before = slurp(folder_ + "/block.veg");
   const ProgramResult result = run("block.veg -o ./block.veg --fix none");

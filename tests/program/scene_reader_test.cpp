@@ -224,6 +224,21 @@ TEST(SceneReader, ReadsCsvFilesBesideTheScene) {
   EXPECT_EQ(std::get<RecordMotion>(body.motion.parts[1]).accelerations[1].x(), 2.0);
 }
 
+TEST(SceneReader, AByteOrderMarkIsSkippedInScenesAndTables) {
+  const std::string mark = "\xef\xbb\xbf", folder = testing::fresh_folder();
+  std::ofstream(folder + "/poses.csv") << mark << "t,x,y,z\n0,0,0,0\n1,2,0,0\n";
+  std::ofstream(folder + "/course.csv") << mark << "0,0\n1,2\n";
+  EXPECT_TRUE(*is_world(mark + kBody, "s.toml"));
+  const SceneFile file = read_scene_text(
+      mark + kDriven +
+          "signal = \"course.csv\"\n[[bodies.motion]]\nkind = \"csv\"\nfile = \"poses.csv\"\n",
+      folder + "/s.toml");
+  ASSERT_EQ(file.scene.bodies.size(), 1U);
+  EXPECT_EQ(file.scene.bodies[0].loads[0].table->values[1], 2.0);
+  const auto& keys = std::get<KeyframeMotion>(file.scene.bodies[0].motion.parts[0]);
+  EXPECT_EQ(keys.keys[1].pose.position.x(), 2.0);
+}
+
 TEST(SceneReader, TellsFileLineAndKeyOfWhatIsWrong) {
   expect_refused({
       {"stop = 1\n" + kBody, "line 1: unknown key 'stop'"},
@@ -333,6 +348,17 @@ TEST(SceneReader, ReadsBones) {
   EXPECT_EQ(given.files, std::vector{folder + "/weights.csv"});
   ASSERT_EQ(given.scene.bodies[0].bone_weights.rows(), 3);
   EXPECT_EQ(given.scene.bodies[0].bone_weights(1, 1), 0.75);
+}
+
+TEST(SceneReader, ReadsWhetherTheBonesAreTheModels) {
+  const SceneFile file = read_scene_text(kDriven + "rig = true\nclip = \"walk\"\n");
+  EXPECT_TRUE(file.scene.bodies[0].rig);
+  EXPECT_EQ(file.scene.bodies[0].clip, "walk");
+  expect_refused({
+      {kDriven + "clip = \"walk\"\n", "say rig = true"},
+      {kBody + "rig = true\n", "bones carry a driven body only"},
+      {kDriven + "rig = true\n[[bodies.bones]]\nname = \"b\"\n", "leave [[bodies.bones]]"},
+  });
 }
 
 TEST(SceneReader, TellsWhatIsWrongWithBones) {

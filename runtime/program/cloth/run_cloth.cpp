@@ -73,7 +73,8 @@ void add_parts(Json& json, const ClothWorld& world) {
     json["cloths"].push_back({{"cloth", world.scene().cloths[i].name},
                               {"particles", world.particles(i)},
                               {"springs", world.model(i).springs()},
-                              {"triangles", world.triangles(i).size()}});
+                              {"triangles", world.triangles(i).size()},
+                              {"joined", world.model(i).parts().joined}});
   json["balls"] = Json::array();
   for (std::size_t i = 0; i < world.balls().size(); ++i) {
     const ClothWorld::Ball& ball = world.balls()[i];
@@ -155,6 +156,10 @@ Result<ClothEnding> follow_cloths(const ClothFile& file, ClothWorld& world, Clot
 void tell_cloths(const ClothFile& file, const ClothWorld& world, const ClothLog& log,
                  const ClothEnding& ending) {
   const ClothReport& report = log.report();
+  for (std::size_t i = 0; i < world.cloths(); ++i)
+    if (const std::size_t joined = world.model(i).parts().joined; joined > 0)
+      tell("cloth '{}': {} vertices of {} lie on others along seams and are joined with them\n",
+           world.scene().cloths[i].name, joined, world.scene().cloths[i].file);
   tell("{}: {} particles reached {:.6g} of {:.6g} s by {} in steps of {:.4g} s, {:.2f} us each\n",
        fs::path(file.path).stem().string(), all_particles(world), world.time(), file.scene.duration,
        file.scene.integrator, file.scene.options.step, mean(ending.each));

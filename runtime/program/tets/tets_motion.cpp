@@ -27,6 +27,7 @@ AnimatedShape tets_shape(const TetsKind& kind) {
   surface.vertices = drawn.vertices;
   surface.triangles = drawn.triangles;
   surface.uvs = drawn.uvs;
+  surface.sources = drawn.sources;
   surface.object_of.assign(surface.triangles.size(), 0);
   surface.material_of.assign(surface.triangles.size(), 0);
   surface.objects = surface.materials = {shape.name};
