@@ -166,7 +166,6 @@ struct ContactWay {
 };
 
 // A distance that changes from d0, m, with the energy e0, J, to d1, m, in a step.
-// A distance that goes from d0, with the energy e0, to d1 in a step, m and J.
 struct ContactGap {
   double d0 = 0.0, e0 = 0.0, d1 = 0.0;
 };

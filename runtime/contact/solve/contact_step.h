@@ -32,7 +32,7 @@ namespace tremolo {
 // deformed of the centre.
 struct ContactBall {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // in the world, m
-  // m; without contact no point goes farther than travel in the step
+  // All in m. Without contact no point goes farther than travel in the step.
   double radius = 0.0, deformed = 0.0, travel = 0.0;
 };
 
