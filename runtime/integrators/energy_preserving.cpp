@@ -13,9 +13,9 @@
 //     H1 - H0 = f . d [+ (h/12) Df . Dp]  -  h v . D v - h Dp . theta D Dp
 //
 // for every h and every theta >= 0: without load and damping the energy stays, with damping it
-// falls. f is the load's average over the step, Df its change from end to end; what stands in
-// brackets is ep4's. theta is diagonal, 1/12 + O(h^2) where N = I - h^2 K/12. All that differs is
-// N:
+// falls. f is the load's average over the step, Df its change from end to end; the terms in
+// brackets are those of ep4. theta is diagonal, 1/12 + O(h^2) where N = I - h^2 K/12. All that
+// differs is N:
 //
 //     avf   N = I                                     (Quispel & McLaren 2008)
 //     ep2   N = diag(x_i cot x_i),  x_i = min(h omega_i/2, 1.2): small vibrations have their exact
@@ -30,10 +30,10 @@
 // the direction of time, energy moves into the fast modes, as fast as e-fold in 70 s on the horse
 // at h omega up to 9.7.
 //
-// Damping. D = alpha I + beta Lambda itself stands in (b), so that the damping force is right on
+// Damping. D = alpha I + beta Lambda itself is in (b), so that the damping force is right on
 // coordinates that are slaved to others. theta and, for each coordinate, a change of N's value are
 // chosen so that a free linear mode has its exact roots up to h omega = 2.4 at any D
-// (runtime/integrators/solve/damping.h); both tend to what stands without damping fast enough that
+// (runtime/integrators/solve/damping.h); both tend to their undamped values fast enough that
 // no order is lost. `dissipated` is exact: the negative terms of the balance above.
 //
 // Solving. Without Dp, times h^2/2, for d:
@@ -256,7 +256,7 @@ class EnergyPreserving final : public Integrator {
     }
   }
 
-  // K: K(m) + O(d^2) where it is wanted, else null.
+  // K: receives K(m) + O(d^2); null: not computed.
   void evaluate_gradient(MatrixXd* K) {
     q1_ = *q0_ + d_;
     model_->potential().averaged_gradient(*q0_, q1_, workspace_, G_, K);
@@ -265,8 +265,8 @@ class EnergyPreserving final : public Integrator {
     rest_work_ = strain_.force(middle_, d_, rest_) / h_;
   }
 
-  // N and the frozen Jacobian from the K in Z_, and what of (a) depends on them. False if they
-  // cannot be had.
+  // Computes N and the frozen Jacobian from the K in Z_, and the terms of (a) that depend on them.
+  // False if that fails.
   bool make_filter() {
     N_of_last_step_ = false;
     Z_ *= 0.25 * h_ * h_;
@@ -431,8 +431,8 @@ class EnergyPreserving final : public Integrator {
   VectorXd b_hat_;
   VectorXd g_hat_;
   VectorXd x_;  // scratch
-  // Of strain_: rest(qm) d, what is expected of it before it is evaluated (without rest_missed_,
-  // the difference in the step before), and its work d.rest(qm) d/h, J.
+  // Of strain_: rest(qm) d, its prediction before it is evaluated (without rest_missed_, the
+  // difference in the step before), and its work d.rest(qm) d/h, J.
   VectorXd middle_;
   VectorXd rest_;
   VectorXd rest_predicted_;

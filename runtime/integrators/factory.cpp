@@ -52,9 +52,9 @@ constexpr auto kNames = [] {
   return names;
 }();
 
-// A step of second order errs by (h omega)^3/12 of its own motion, and T/h steps are taken: for the
-// drift to fall with h^2 what the solve leaves must fall with h^3. omega is that of the first mode,
-// the slowest motion there is.
+// A step of second order has the error (h omega)^3/12 of its own motion, and T/h steps are taken:
+// the drift falls with h^2 if the residual of the solve falls with h^3. omega is that of the first
+// mode, the slowest motion.
 double solve_tolerance(const Model& model, const IntegratorOptions& options) {
   constexpr double kShare = 1e-5;   // of (h omega)^3 at which the solve becomes stricter
   constexpr double kLeast = 1e-13;  // rounding

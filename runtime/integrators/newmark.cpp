@@ -13,12 +13,12 @@
 //
 // Second order for gamma = 1/2, first otherwise. beta = 1/4, gamma = 1/2, the default, is linearly
 // stable for every h and time-reversible; beta = 0, gamma = 1/2 is Stoermer-Verlet without damping.
-// `dissipated` is d.D d/h with d = q1 - q0, and d times the mean of the rest of D at the ends, which
-// is its work in the step: second order.
+// `dissipated` is d.D d/h with d = q1 - q0, and d times the mean of the rest of D at the ends,
+// which is its work in the step: second order.
 //
 // The solve begins at a prediction where the step before left one: with the Jacobian J of that step
-// and its factor, K d = (J d - d - gamma h D d)/(beta h^2) gives R(q1) = R(q0) + K d + e, e what
-// the same prediction missed in the step before.
+// and its factor, K d = (J d - d - gamma h D d)/(beta h^2) gives R(q1) = R(q0) + K d + e, where e
+// is the error of the same prediction in the step before.
 #include <algorithm>
 
 #include "runtime/integrators/implicit_step.h"

@@ -77,7 +77,7 @@ class PartialFractions {
 
  private:
   ComplexLanes poles_;
-  // T - z_k = L D L^T: 1/D, the entries of L beside the diagonal, and scratch; r each.
+  // T - z_k = L D L^T: 1/D, the entries of L next to the diagonal, and scratch; r each.
   std::vector<ComplexLanes> inverse_, ratio_, scratch_;
 };
 

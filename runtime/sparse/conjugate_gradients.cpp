@@ -40,8 +40,8 @@ bool ConjugateGradients::take(const BlockMatrix& a) {
   return true;
 }
 
-// d = A^-1 r nearly, until the residual is `tolerance` of what it was, from |r| = 1 on. Returns the
-// residual; report.positive is false where a direction p has p.A p <= 0.
+// d = A^-1 r approximately, from |r| = 1 until the residual is `tolerance`. Returns the residual;
+// report.positive is false if a direction p has p.A p <= 0.
 double ConjugateGradients::search(double tolerance, int most, CgReport& report) {
   double rz = storage_->advance(0.0F).product, size = 1.0;
   storage_->turn(0.0F);

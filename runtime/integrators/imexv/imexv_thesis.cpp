@@ -12,8 +12,8 @@
 // the low momenta that are stored lag by half a kick, so an energy must be read from
 // synchronized_momentum(), which adds the missing half.
 //
-// The part of the damping that depends on q (solve/strain_damping.h), which the thesis has not,
-// goes by mean velocities: on high rows in the solve, on low rows as a kick behind it.
+// The part of the damping that depends on q (solve/strain_damping.h), which the thesis lacks,
+// uses mean velocities: on high rows in the solve, on low rows as a kick after it.
 //
 // Kept as in the thesis:
 //   - the merged kick, and a start that is not staggered: the given p is taken as the lagging one;
@@ -98,7 +98,7 @@ class ImexvThesis final : public OneStep {
  private:
   Split split_;
   HighRows high_;
-  Eigen::VectorXd f_before_;  // f((t_k)-), what the step before ended with
+  Eigen::VectorXd f_before_;  // f((t_k)-), the load at the end of the step before
 };
 
 }  // namespace

@@ -26,7 +26,7 @@ class Halving final : public Integrator {
       return report;
     try {
       return in_parts(state, load, 1, report);
-    } catch (const std::exception&) {  // no memory for a level: the failure stands
+    } catch (const std::exception&) {  // no memory for a level: the failure remains
       return report;
     }
   }

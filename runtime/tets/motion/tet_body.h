@@ -25,8 +25,8 @@ namespace tremolo {
 enum class UnsolvedStep {
   kCut,   // it is subdivided
   kTake,  // it is accepted, which is reported
-  // KCut without contact; in contact a few corrections of implicit-euler, subdivided if they add
-  // energy.
+  // As kCut without contact; in contact a few corrections of implicit-euler, subdivided if they
+  // add energy.
   kTakeContact
 };
 
