@@ -38,7 +38,7 @@ std::string table_problem(const SignalTable& table);
 // "none", "impulse", "square", "sine", "constant"; kUsage with the list otherwise.
 Result<Signal> parse_signal(std::string_view name);
 
-// When the signal has ended for good, s; infinity if it lasts, `start` for kNone.
+// Time after which the signal is zero for ever, s; infinity if it lasts, `start` for kNone.
 double signal_end(const Signal& signal);
 
 // The signal over one step, dimensionless.

@@ -55,7 +55,7 @@ Result<std::size_t> straighten_edges(TetMesh& mesh, double tolerance);
 // Returns how many there were.
 std::size_t remove_edge_points(TetMesh& mesh);
 
-// Which vertices are edge points: empty for a linear mesh, else one flag a vertex.
+// The vertices that are edge points: empty for a linear mesh, else one flag per vertex.
 std::vector<bool> edge_point_flags(const TetMesh& mesh);
 
 // The edge whose point a vertex is; nullptr if it is none.

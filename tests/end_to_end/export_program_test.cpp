@@ -1,5 +1,5 @@
-// What `tremolo export` writes of a run, read by tests/exchange/read_exports.py, which knows the
-// formats by their specifications, and compared with the surfaces of `tremolo run`.
+// The output of `tremolo export` for a run, read by tests/exchange/read_exports.py, which follows
+// the formats' specifications, and compared with the surfaces of `tremolo run`.
 #include <filesystem>
 #include <fstream>
 

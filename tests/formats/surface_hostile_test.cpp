@@ -190,7 +190,7 @@ TEST_F(HostileSurface, FilesElsewhereAreNotOpened) {
         std::string("link.bin"), std::string("pipe.bin")})
     expect_refused(folder.write("inside/scene.gltf", box_gltf(uri)), ErrorKind::kContent,
                    "no file in this folder: ");
-  // Which assimp looks for below the folder.
+  // assimp searches for this file below the folder.
   expect_refused(folder.write("inside/scene.gltf", box_gltf(folder.file("secret.bin"))),
                  ErrorKind::kContent);
   EXPECT_TRUE(read_surface(folder.write("inside/scene.gltf", box_gltf("deeper/good.bin"))));

@@ -34,7 +34,7 @@ void add_bench_flags(CLI::App& bench, bench::Options& o, bool& quick) {
   bench.add_flag("--json", o.json, "print one JSON object on stdout");
 }
 
-// What --quick leaves out, unless a flag asks for it.
+// Parts that --quick leaves out, unless a flag requests them.
 void shorten(const CLI::App& bench, bench::Options& o) {
   const auto given = [&](const char* flag) { return bench.count(flag) > 0; };
   if (!given("--models")) o.models = {"beam", "horse"};

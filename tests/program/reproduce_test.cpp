@@ -299,7 +299,7 @@ TEST(Orbit, ComesBackFromItsJson) {
 
 // ---- names ----
 
-// What `call` fails with.
+// The error with which `call` fails.
 Error error_of(const std::function<void()>& call) {
   try {
     call();

@@ -14,7 +14,7 @@ std::string where_text(const RunName& run) {
                      run.alpha == 0.0 ? "no damping" : fmt::format("alpha = {:g}", run.alpha));
 }
 
-// Which runs of the thesis's method and of ours end elsewhere than the thesis says.
+// The runs of the thesis's method and of ours whose end differs from the thesis's.
 std::string reached_difference(const Session& session, const Orbits& orbits) {
   std::vector<std::string> parts;
   for (RunName run : thesis_runs(session.models, "imexv-thesis")) {
