@@ -207,6 +207,11 @@ void read_solid(const ProblemRequest& request, Problem& problem,
       throw Failure(
           {ErrorKind::kUsage, "--mesh-unit applies to a tetrahedral mesh's coordinates: " +
                                   request.mesh_path + " is a surface, see --unit"});
+    if (request.merge)
+      throw Failure(
+          {ErrorKind::kUsage,
+           "--merge applies to a tetrahedral mesh: the corners of a surface that lie at one "
+           "place are joined in any case"});
     CutSurface surface = cut_surface(request);
     problem.mesh = std::move(surface.cut.mesh);
     problem.mesh_format = std::move(surface.cut.format);
@@ -295,9 +300,13 @@ Problem load_problem(const ProblemRequest& request) {
   try {
     hold(request, problem);
   } catch (const Failure& failure) {
-    if (hint.empty()) throw;
+    const auto coincident =
+        std::find_if(problem.notes.begin(), problem.notes.end(),
+                     [](const std::string& note) { return note.ends_with(kCoincidentNote); });
+    if (hint.empty() && coincident == problem.notes.end()) throw;
     Error error = failure.error();
-    error.message += ". A hint: " + hint;
+    if (coincident != problem.notes.end()) error.message += ". A hint: " + *coincident;
+    if (!hint.empty()) error.message += ". A hint: " + hint;
     throw Failure(std::move(error));
   }
   problem.load = make_load(request, problem);
