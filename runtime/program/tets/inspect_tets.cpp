@@ -10,7 +10,8 @@ namespace {
 Result<ScenePlaces> places_of(const TetScene& scene) {
   const Result<TetsBodies> bodies = make_tets_bodies(scene);
   if (!bodies) return error_of_file(scene.path, value_error(bodies.error()));
-  ScenePlaces places{scene.path, "a world of tetrahedra", scene.step, scene.duration};
+  ScenePlaces places{scene.path, "a world of tetrahedra", scene.step, scene.duration, true, {}, {},
+                     {}};
   places.warnings = keyframe_warnings({}, scene.colliders);
   std::vector<Eigen::Vector3f> normals;
   for (std::size_t i = 0; i < bodies->group->size(); ++i) {

@@ -42,7 +42,8 @@ void warn_of_step(const PlacedBody& body, double step, ScenePlaces& places) {
 Result<ScenePlaces> places_of(const SceneFile& file) {
   const Result<SceneWorld> world = SceneWorld::create(file.scene);
   if (!world) return error_of_file(file.path, value_error(world.error()));
-  ScenePlaces places{file.path, "a world of bodies", world->step_size(), file.scene.duration};
+  ScenePlaces places{
+      file.path, "a world of bodies", world->step_size(), file.scene.duration, true, {}, {}, {}};
   places.warnings = keyframe_warnings(file.scene.bodies, file.scene.colliders);
   for (std::size_t i = 0; i < world->size(); ++i) {
     const SceneBody& wanted = file.scene.bodies[i];
@@ -60,8 +61,9 @@ Result<ScenePlaces> places_of(const SceneFile& file) {
 }
 
 Result<ScenePlaces> places_of(const std::vector<RunOptions>& bodies, const std::string& path) {
-  ScenePlaces places{path, "bodies, each by itself", bodies.front().step, bodies.front().duration};
-  places.together = false;
+  ScenePlaces places{
+      path, "bodies, each by itself", bodies.front().step, bodies.front().duration, false, {}, {},
+      {}};
   for (const RunOptions& options : bodies) {
     if (Status s = check_run(options); !s) return s.error();
     Result<Model::Pointer> model = load_model(options);
