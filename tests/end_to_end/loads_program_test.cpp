@@ -42,7 +42,7 @@ class LoadsProgram : public ::testing::Test {
     for (std::size_t at = 0, n = 0; at != std::string::npos; at = line.find(',', at), ++n) {
       if (at > 0) ++at;
       const std::string name = line.substr(at, line.find(',', at) - at);
-      if (name.ends_with("z") || name.ends_with("z_m")) column = n;
+      if (name.starts_with("u") && name.ends_with("z")) column = n;
     }
     std::vector<double> values;
     while (std::getline(file, line)) {
@@ -126,7 +126,7 @@ TEST_F(LoadsProgram, RescalingIsRefusedWithTheReason) {
   const ProgramResult two = run("run two.tremolo --rescale young=2e6 --duration 0.01");
   EXPECT_EQ(two.code, 3);
   EXPECT_NE(two.err.find("several materials"), std::string::npos) << two.err;
-  for (const char* wrong : {"''", "young", "young=", "young=-1", "poisson=0.3", "young=1,young=2"})
+  for (const char* wrong : {"young", "young=", "young=-1", "poisson=0.3", "young=1,young=2"})
     EXPECT_EQ(run("run soft.tremolo --duration 0.01 --rescale " + std::string(wrong)).code, 2)
         << wrong;
 }
@@ -157,8 +157,8 @@ TEST_F(LoadsProgram, AForceOnAFaceThatIsMeshedFinerOnOneSideDoesNotTwistTheBar) 
     const std::size_t next = header.find(',', at), end = row.find(',', to);
     const std::string name = header.substr(at, next - at);
     const double value = std::atof(row.substr(to, end - to).c_str());
-    if (name.find("_x") != std::string::npos || name.ends_with(" x")) along_x.push_back(value);
-    if (name.find("_y") != std::string::npos || name.ends_with(" y")) along_y.push_back(value);
+    if (name.starts_with("u") && name.ends_with("x")) along_x.push_back(value);
+    if (name.starts_with("u") && name.ends_with("y")) along_y.push_back(value);
     at = next == std::string::npos ? next : next + 1;
     to = end == std::string::npos ? end : end + 1;
   }
