@@ -17,6 +17,9 @@ Result<ScenePlaces> places_of(const TetScene& scene) {
   for (std::size_t i = 0; i < bodies->group->size(); ++i) {
     const TetSceneBody& wanted = scene.bodies[i];
     PlacedBody body{wanted.name, "tets", wanted.model, wanted.pose, {}, {}};
+    const std::size_t vertices = bodies->kind(i).surface->rest().vertices.size();
+    body.surface.resize(vertices);
+    normals.resize(vertices);
     bodies->kind(i).surface->place(bodies->group->body(i).positions(), body.surface, normals);
     places.bodies.push_back(std::move(body));
   }
