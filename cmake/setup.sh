@@ -6,6 +6,7 @@ give_up() { printf '%s: %s\n' "${0##*/}" "$*" >&2; exit 1; }
 
 packages_build="g++ cmake make ninja-build pkg-config libeigen3-dev libxxhash-dev libcli11-dev
   libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libpugixml-dev libassimp-dev
+  zlib1g-dev liblz4-dev
   libpetsc-real-dev libslepc-real-dev libopenmpi-dev openmpi-bin libmetis-dev libopenblas-dev
   libsuitesparse-dev"
 packages_mesher="libcgal-dev"  # of tremolo-mesh alone

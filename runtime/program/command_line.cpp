@@ -21,6 +21,7 @@
 #include "runtime/program/run/run.h"
 #include "runtime/program/run/run_flags.h"
 #include "runtime/program/run/sound.h"
+#include "runtime/program/world/inspect_world.h"
 #include "runtime/program/world/run_world.h"
 #include "runtime/scene_reader/scene_kind.h"
 #include "runtime/scene_reader/scene_reader.h"
@@ -67,6 +68,8 @@ void add_export_flags(CLI::App& app, ExportOptions& o) {
   app.add_option("--vtu", o.vtu,
                  "the modes as point data of the surface, .vtu (tremolo-precompute --modes-vtu "
                  "writes them on the tetrahedra)");
+  app.add_option("--rescaled", o.rescaled,
+                 "a basis file of the same body of another material, which --rescale gives");
   app.add_option("--light", o.light,
                  "a basis file of the same body without the vertices inside, for pages and games");
 }
@@ -134,8 +137,9 @@ struct Parser {
     app.name("tremolo");
     app.set_version_flag("--version", std::string("tremolo ") + TREMOLO_VERSION);
     app.require_subcommand(1);
-    inspect = app.add_subcommand("inspect", "show what a basis file or a scene of cloth holds");
-    inspect->add_option("file", request.file, "basis file, or scene of cloth")->required();
+    inspect = app.add_subcommand(
+        "inspect", "show what a basis file holds, or where the bodies of a scene are at its start");
+    inspect->add_option("file", request.file, "basis file, or scene.toml")->required();
     inspect->add_option("--select", request.select,
                         "print the boundary's vertices that a selector chooses, and nothing else");
     inspect->add_flag("--json", request.json, "print one JSON object on stdout");
@@ -256,7 +260,12 @@ Result<std::vector<RunOptions>> scene_bodies(const std::string& text, const std:
     parser.app.parse(count, words);  // cannot fail: it has been parsed before
     const CLI::App& flags = *(parser.*command);
     // A flag wins over the scene's way to say the same.
-    if (flags.count("--load") > 0) body.signal.clear();
+    if (flags.count("--load") > 0) {
+      body.signal.clear();
+      if (flags.count("--frequency") == 0) body.shape.frequency.reset();
+      if (flags.count("--sweep") == 0) body.shape.sweep.clear();
+    }
+    if (flags.count("--alpha") + flags.count("--beta") > 0) body.damping_ratio.clear();
     if (flags.count("--scale") > 0) body.deflect.clear();
     if (flags.count("--deflect") > 0) body.scale = 1.0;
     if (!body.wav.empty() && flags.count("--step") == 0) take_sound_step(body);
@@ -334,11 +343,12 @@ int export_scene(int count, char** words, const MotionOutputs& outputs, const Sc
 
 int run_export(int count, char** words, const Request& request, const RunOptions& flags,
                const CLI::App& app, const NodalScenes* nodal) {
-  const ExportOptions& still = request.exported;
+  ExportOptions still = request.exported;
+  still.rescale = flags.rescale;
   const bool asks_still = still.any();
   if (asks_still && is_scene(still.model))
-    return report_error(
-        usage_error("--cub, --U, --vtu and --light are of a basis file, not of a scene"));
+    return report_error(usage_error(
+        "--cub, --U, --vtu, --light and --rescaled are of a basis file, not of a scene"));
   if (asks_still || !request.motion.any())
     if (const int code = export_command(still); code != 0) return code;
   if (!request.motion.any()) return 0;
@@ -354,19 +364,30 @@ int run_export(int count, char** words, const Request& request, const RunOptions
   return export_motion_command(request.motion, *bodies_motion(bodies_of(of_run, flags)));
 }
 
+// Scenes that this program knows.
+int inspect_bodies(const std::string& text, SceneKind kind, const Request& request) {
+  if (kind == SceneKind::kWorld) {
+    const Result<SceneFile> file = parse_world(text, request.file);
+    return file ? inspect_world_command(*file, request.json) : report_error(file.error());
+  }
+  const Result<std::vector<RunOptions>> bodies = parse_scene(text, request.file);
+  return bodies ? inspect_bodies_command(*bodies, request.file, request.json)
+                : report_error(bodies.error());
+}
+
 int inspect_scene(char** words, const Request& request, const NodalScenes* nodal) {
   const Result<std::string> text = read_whole_file(request.file);
   if (!text) return report_error(text.error());
   const Result<SceneKind> kind = scene_kind(*text, request.file);
   if (!kind) return report_error(kind.error());
-  if (*kind != SceneKind::kCloth)
-    return report_error(usage_error(request.file +
-                                    ": a scene without cloth; `tremolo inspect` looks into basis "
-                                    "files, and `tremolo run --json` tells what a scene holds"));
   if (!request.select.empty())
     return report_error(usage_error("--select is of a basis file, not of a scene"));
+  if (*kind == SceneKind::kBodies || *kind == SceneKind::kWorld)
+    return inspect_bodies(*text, *kind, request);
   if (nodal == nullptr) return start_nodal(request.file, words);
-  return nodal->inspect_cloth(*text, {request.file, {}, {}, {}, request.json});
+  const SceneCommand command = {request.file, {}, {}, {}, request.json};
+  return *kind == SceneKind::kCloth ? nodal->inspect_cloth(*text, command)
+                                    : nodal->inspect_tets(*text, command);
 }
 
 int run_program(int count, char** words, const NodalScenes* nodal) {

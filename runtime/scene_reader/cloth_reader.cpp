@@ -114,7 +114,8 @@ Result<SceneBall> read_ball(const toml::table& table, std::size_t number, const 
   keys.read("fixed", ball.fixed);
   keys.read("friction", ball.friction);
   keys.read("restitution", ball.restitution);
-  if (Status s = take(ball.motion, read_motion(keys, path, what, files)); !s) return s.error();
+  if (Status s = take(ball.motion, read_motion(keys, path, what, files, true)); !s)
+    return s.error();
   if (!ball.motion.parts.empty() && !ball.fixed)
     keys.fail("motion", "a `motion` is of a ball with `fixed = true`: the others go as they fall");
   for (const char* key : {"mass", "velocity", "spin"})

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <limits>
 
+#include "common/format_text.h"
+
 namespace tremolo {
 
 Error error_at(const std::string& path, const toml::source_region& where, const std::string& what) {
@@ -45,6 +47,13 @@ std::optional<std::vector<std::string>> list_of_texts(const toml::node& node) {
     list.push_back(std::move(*text));
   }
   return list;
+}
+
+std::optional<std::string> sweep_text(const toml::node& node) {
+  if (const auto given = node.value_exact<std::string>(); given && !given->empty()) return given;
+  const auto numbers = numbers_of(node);
+  if (!numbers || numbers->size() != 2) return std::nullopt;
+  return text("%.17g,%.17g", (*numbers)[0], (*numbers)[1]);
 }
 
 std::optional<std::vector<double>> numbers_of(const toml::node& node) {

@@ -13,6 +13,7 @@
 #include "formats/vega/reduced_files.h"
 #include "formats/vtk/vtu_writer.h"
 #include "runtime/program/output/tell.h"
+#include "runtime/program/run/rescale.h"
 
 namespace tremolo {
 namespace {
@@ -21,8 +22,10 @@ Status check_outputs(const ExportOptions& options) {
   if (!options.any())
     return Error{ErrorKind::kUsage,
                  "nothing to export: name an output with --glb, --page, --pc2, --mdd, --pvd, "
-                 "--usda, --series, --cub, --U, --vtu or --light"};
-  return keep_apart({options.cub, options.u, options.vtu, options.light},
+                 "--usda, --series, --cub, --U, --vtu, --light or --rescaled"};
+  if (!options.rescaled.empty() && options.rescale.empty())
+    return usage_error("--rescaled is the file of a model that --rescale changes: say which");
+  return keep_apart({options.cub, options.u, options.vtu, options.light, options.rescaled},
                     {{options.model, "the basis file"}});
 }
 
@@ -98,9 +101,20 @@ Status write_light(const std::string& path, const BasisData& data, bool compact)
   return Success{};
 }
 
+Status write_rescaled(const ExportOptions& options, BasisData data, bool compact) {
+  const Result<BasisData> made = rescale_model(std::move(data), options.rescale, options.model);
+  if (!made) return made.error();
+  const BasisEncoding encoding = compact ? BasisEncoding::kCompact : BasisEncoding::kFull;
+  if (Status status = write_basis(options.rescaled, *made, encoding); !status) return status;
+  fmt::print("{}: the model with {}\n", options.rescaled, options.rescale);
+  return Success{};
+}
+
 Status write_outputs(const ExportOptions& options, BasisReader& reader) {
   const Result<BasisData> data = read_basis(reader);
   if (!data) return data.error();
+  if (!options.rescaled.empty())
+    if (Status s = write_rescaled(options, *data, reader.compact()); !s) return s;
   const Result<VegaFiles> vega = read_vega_files(reader);
   if (!vega) return vega.error();
   const auto write = [](const std::string& path, const std::string& kept, const auto& make,

@@ -182,6 +182,7 @@ Result<Json> write_motion_files(const MotionOutputs& outputs, const Animation& a
 // A series is told by its list alone, many caches by the first.
 void print_files(const Json& files) {
   constexpr std::size_t kShown = 24;
+  constexpr double kMuchTurned = 10;  // degrees: shading then shows it
   std::size_t shown = 0, passed_over = 0;
   double bytes = 0.0;
   for (const Json& file : files) {
@@ -202,6 +203,10 @@ void print_files(const Json& files) {
           file["vertices"].get<std::size_t>(), file["targets"].get<std::size_t>(),
           file["dropped"].get<std::size_t>(), file["position_error"].get<double>(),
           file["normal_error_mean"].get<double>());
+    if (format == "glb" && file["normal_error_max"].get<double>() > kMuchTurned)
+      fmt::print(
+          "; up to {:.2g} degrees where it bends most: --no-normals leaves them to the viewer",
+          file["normal_error_max"].get<double>());
     if (format == "page")
       fmt::print(", positions to {:.1e} of the size", file["position_error"].get<double>());
     if (file.contains("recorded_modes"))

@@ -19,6 +19,7 @@
 #include "runtime/contact/solve/shape_reach.h"
 #include "runtime/program/output/json_values.h"
 #include "runtime/program/output/plot.h"
+#include "runtime/program/output/scene_places.h"
 #include "runtime/program/output/tell.h"
 #include "runtime/program/output/warnings.h"
 #include "runtime/program/run/interruption.h"
@@ -425,7 +426,7 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
        fs::path(file.path).stem().string(), world->size(), world->time(), file.scene.duration,
        world->step_size(), 1e6 * ending->seconds / static_cast<double>(ending->steps));
   print_bodies(file, *world, logs);
-  Warnings warnings;
+  Warnings warnings = keyframe_warnings(file.scene.bodies, file.scene.colliders);
   add_step_warnings(file.scene, *world, warnings);
   add_shape_warnings(file.scene, *world, warnings);
   add_spring_warnings(file.scene, *world, warnings);

@@ -39,7 +39,7 @@ Result<std::vector<SceneLoad>> load_of(const RunOptions& options) {
     if (!table) return table.error();
     load.table = std::make_shared<const SignalTable>(std::move(*table));
     load.signal = {.kind = SignalKind::kTable};
-  } else if (Status s = take(load.signal, parse_signal(options.load)); !s) {
+  } else if (Status s = take(load.signal, shaped_signal(options)); !s) {
     return s.error();
   }
   if (load.signal.kind == SignalKind::kNone) return std::vector<SceneLoad>{};
@@ -51,6 +51,10 @@ Result<SceneBody> body_of(const RunOptions& options) {
     return usage_error(
         "--deflect is found by trial runs, which `tremolo run` makes: take the factor that it "
         "tells as --scale");
+  if (!options.rescale.empty())
+    return usage_error(
+        "--rescale is of `tremolo run` and `export`: write the model with `tremolo export MODEL "
+        "--rescale ... --rescaled FILE` and view that");
   if (Status s = check_run(options); !s) return s.error();
   SceneBody body;
   body.name = scene_name(options.name);
