@@ -109,7 +109,6 @@ Status ClothLog::finish(const ClothWorld& world) {
     if (Status s = plot_energies({{label, report_.files[0]}}, picture); !s) return s;
     report_.files.push_back(picture);
   }
-  if (Status s = remove_leftovers(outputs.out, report_.files); !s) return s;
   for (ClothFrames& frames : frames_) {
     if (Status s = frames.finish(); !s) return s;
     report_.files.insert(report_.files.end(), frames.files().begin(), frames.files().end());

@@ -61,15 +61,7 @@ class WorldMotion : public MotionSource {
   }
 
   std::vector<NamedFile> inputs() const override {
-    std::vector<NamedFile> files = inputs_of(file_);
-    std::vector<std::string> selectors;
-    for (const SceneBody& body : file_.scene.bodies)
-      for (const SceneLoad& load : body.loads) selectors.push_back(load.at);
-    for (const SceneHand& hand : file_.scene.hands) selectors.push_back(hand.at);
-    for (const std::string& selector : selectors)
-      for (const std::string& ids : files_of_selector(selector))
-        files.push_back({ids, "the ids of a selector"});
-    return files;
+    return inputs_of(file_);
   }
 
   std::string told() const override {

@@ -18,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kStepsBetweenShapes = 10;
+constexpr std::size_t kMostOpen = 64;  // files of one run
 
 const std::vector<std::string> kFurther = {"load",
                                            "support",
@@ -113,20 +114,10 @@ Result<RecordedColumns> columns_of(const RunOptions& options, const Model& model
 
 }  // namespace
 
-Status check_outputs(const SceneFile& file, const SceneWorld& world, std::size_t body) {
-  const SceneBody& known = world.scene().bodies[body];
-  const std::unique_ptr<RunOptions> options = options_of(file, known);
+Status check_columns(const SceneFile& file, const SceneWorld& world, std::size_t body) {
+  const std::unique_ptr<RunOptions> options = options_of(file, world.scene().bodies[body]);
   const Result<RecordedColumns> columns = columns_of(*options, world.body(body).model());
-  if (!columns) return columns.error();
-  for (const SceneLoad& load : known.loads) {
-    options->at = load.at;
-    if (Status s = keep_run_apart(*options); !s) return s;
-  }
-  for (const SceneHand& hand : file.scene.hands) {
-    options->at = hand.body == known.name ? hand.at : "";
-    if (Status s = keep_run_apart(*options); !s) return s;
-  }
-  return keep_run_apart(*options);
+  return columns ? Status(Success{}) : Status(columns.error());
 }
 
 Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, std::size_t body) {
@@ -141,7 +132,7 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
     if (error) return system_error(options->out + ": cannot create: " + error.message());
     csv = (fs::path(options->out) / kTableName).string();
   }
-  Result<Recorder> recorder = Recorder::create(model, *columns, csv);
+  Result<Recorder> recorder = Recorder::create(model, *columns, csv, world.size() > kMostOpen);
   if (!recorder) return value_error(recorder.error());
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
   BodyLog log(body, std::move(options), std::move(*recorder), model, steps);
@@ -289,7 +280,7 @@ Status BodyLog::finish(const SceneWorld& world) {
   report_.files.push_back(csv);
   if (options_->plot)
     if (Status s = plot_run({options_->name, csv}, options_->out, report_.files); !s) return s;
-  return remove_leftovers(options_->out, report_.files);
+  return Success{};
 }
 
 }  // namespace tremolo

@@ -61,9 +61,9 @@ struct BodyReport {
   double balance_error() const { return energy_max > 0.0 ? remainder_max / energy_max : 0.0; }
 };
 
-// Whether the body's columns are there and none of its files is one that is read. To be asked of
-// all bodies before anything is written. Errors: kUsage, kContent.
-Status check_outputs(const SceneFile& file, const SceneWorld& world, std::size_t body);
+// Whether the body's columns are there. It must be asked of all bodies before anything is written.
+// Errors: kUsage, kContent.
+Status check_columns(const SceneFile& file, const SceneWorld& world, std::size_t body);
 
 class BodyLog {
  public:
