@@ -23,9 +23,10 @@ namespace tremolo {
 // A temporary file under way, readable from a signal handler. Slots are linked once and stay: one
 // that is free again is used by the next file.
 struct PartialSlot {
-  std::atomic<int> state{0};   // kFree, kTaken, kNamed
-  const char* path = nullptr;  // of a named slot; a handler may read it at any time, so none is freed
-  std::size_t room = 0;        // bytes at `path`
+  std::atomic<int> state{0};  // kFree, kTaken, kNamed
+  const char* path =
+      nullptr;           // of a named slot; a handler may read it at any time, so none is freed
+  std::size_t room = 0;  // bytes at `path`
   PartialSlot* next = nullptr;
 };
 

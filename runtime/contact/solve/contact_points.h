@@ -1,6 +1,7 @@
 // The points of a body that feel contact: a subset of its boundary's vertices, in groups.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -57,5 +58,10 @@ struct ContactPoints {
 // falls as fast as it can. shape: what other bodies bump into; null: nothing.
 ContactPoints choose_contact_points(const Model& model, std::size_t most,
                                     const Collider* shape = nullptr);
+
+// The same, made once for all bodies of the model that have as many points and as large a shape. It
+// may be called on several threads at once.
+std::shared_ptr<const ContactPoints> shared_contact_points(const Model::Pointer& model,
+                                                           std::size_t most, const Collider* shape);
 
 }  // namespace tremolo

@@ -186,8 +186,7 @@ Result<ClothRun> run_cloths(const ClothFile& file) {
   if (!ending) return ending.error();
   if (Status s = log->finish(*world); !s) return s.error();
   tell_cloths(file, *world, *log, *ending);
-  return ClothRun{cloth_json(file, *world, *log, *ending), std::move(*ending),
-                  log->report().files};
+  return ClothRun{cloth_json(file, *world, *log, *ending), std::move(*ending), log->report().files};
 }
 
 }  // namespace

@@ -60,9 +60,13 @@ class WorldMotion : public MotionSource {
     return names;
   }
 
-  std::vector<NamedFile> inputs() const override {
-    return inputs_of(file_);
+  std::vector<std::string> scenery() const override {
+    std::vector<std::string> names;
+    for (const SceneCollider& collider : file_.scene.colliders) names.push_back(collider.name);
+    return names;
   }
+
+  std::vector<NamedFile> inputs() const override { return inputs_of(file_); }
 
   std::string told() const override {
     return fmt::format("{:.4g} s in steps of {:.4g} ms", file_.scene.duration,

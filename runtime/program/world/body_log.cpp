@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "common/larger.h"
 #include "runtime/contact/solve/contact_step.h"
 #include "runtime/program/output/plot.h"
 #include "runtime/program/run/run_body.h"
@@ -120,7 +121,8 @@ Status check_columns(const SceneFile& file, const SceneWorld& world, std::size_t
   return columns ? Status(Success{}) : Status(columns.error());
 }
 
-Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, std::size_t body) {
+Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, std::size_t body,
+                                SharedLooks& shared) {
   std::unique_ptr<RunOptions> options = options_of(file, world.scene().bodies[body]);
   const Model& model = world.body(body).model();
   const Result<RecordedColumns> columns = columns_of(*options, model);
@@ -135,7 +137,12 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
   Result<Recorder> recorder = Recorder::create(model, *columns, csv, world.size() > kMostOpen);
   if (!recorder) return value_error(recorder.error());
   const std::int64_t steps = std::llround(file.scene.duration / file.scene.step);
-  BodyLog log(body, std::move(options), std::move(*recorder), model, steps);
+  const auto looks = shared.looks.find(&model);
+  const ShapeLooks& first =
+      looks != shared.looks.end()
+          ? looks->second
+          : shared.looks.try_emplace(&model, model, kStepsBetweenShapes, steps).first->second;
+  BodyLog log(body, std::move(options), std::move(*recorder), first, steps, shared);
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& x : model.surface().rest) box.extend(x);
   log.report_.size = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
@@ -144,21 +151,22 @@ Result<BodyLog> BodyLog::create(const SceneFile& file, const SceneWorld& world, 
 }
 
 BodyLog::BodyLog(std::size_t body, std::unique_ptr<RunOptions> options, Recorder recorder,
-                 const Model& model, std::int64_t steps)
+                 const ShapeLooks& looks, std::int64_t steps, SharedLooks& shared)
     : body_(body),
       options_(std::move(options)),
       recorder_(std::move(recorder)),
       frames_(*options_, steps),
-      shape_looks_(model, kStepsBetweenShapes, steps) {}
+      shape_looks_(looks),
+      shared_(&shared) {}
 
 Result<bool> BodyLog::observe(const SceneWorld& world) {
   const Body& body = world.body(body_);
   look_at(body, moment_);
   const EnergyAccount account = world.account(body_);
   report_.account = account;
-  report_.energy_max = std::max(report_.energy_max, account.total());
-  report_.remainder_max = std::max(report_.remainder_max, std::abs(account.remainder()));
-  report_.turnover_max = std::max(report_.turnover_max, turnover(account));
+  report_.energy_max = larger(report_.energy_max, account.total());
+  report_.remainder_max = larger(report_.remainder_max, std::abs(account.remainder()));
+  report_.turnover_max = larger(report_.turnover_max, turnover(account));
   if (shape_looks_.due(moment_.steps, moment_.state.q)) note_shape(world);
   // Where the points are deeper than ever the surface may be.
   if (world.penetration_max(body_) > deepest_) note_depth(world);
@@ -229,7 +237,7 @@ void BodyLog::note_depth(const SceneWorld& world) {
   // Where it sleeps it lies as it lay.
   if (world.asleep(body_)) return;
   report_.penetration_surface_max =
-      std::max(report_.penetration_surface_max, depth_.measure(world, body_));
+      std::max(report_.penetration_surface_max, depth_.measure(world, body_, shared_->near));
 }
 
 void BodyLog::give_up(const StepReport& step, double time) {

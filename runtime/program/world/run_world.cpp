@@ -402,8 +402,9 @@ Result<WorldRun> run_world(SceneFile file, unsigned threads) {
   for (std::size_t i = 0; i < world->size(); ++i)
     if (Status s = check_columns(file, *world, i); !s) return told(i, s.error());
   std::vector<BodyLog> logs;
+  SharedLooks shared;
   for (std::size_t i = 0; i < world->size(); ++i) {
-    Result<BodyLog> log = BodyLog::create(file, *world, i);
+    Result<BodyLog> log = BodyLog::create(file, *world, i, shared);
     if (!log) return told(i, log.error());
     logs.push_back(std::move(*log));
   }
