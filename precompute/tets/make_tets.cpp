@@ -101,7 +101,9 @@ TetsJson tets_json(const TetsOptions& options, const TetsData& data) {
 }  // namespace
 
 void make_tets(const TetsOptions& options) {
-  unwrap(keep_apart({options.output_path}, input_files(options.solid, "")));
+  const std::vector<NamedFile> inputs = input_files(options.solid, options.config_path);
+  unwrap(keep_apart({options.output_path}, inputs));
+  const GuardedInputs guard(inputs);
   unwrap(AtomicFile::create(options.output_path));
   StageLog log(false);
   log.begin("mesh");

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/thread_limit.h"
 #include "runtime/crowd/world_contents.h"
 #include "runtime/energy.h"
 #include "runtime/load.h"
@@ -49,6 +50,9 @@ World::~World() = default;
 
 Result<World> World::create(unsigned threads) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  if (threads > kMostThreads)
+    return content_error(std::to_string(threads) + " threads: at most " +
+                         std::to_string(kMostThreads));
   auto contents = std::make_unique<Contents>();
   try {
     contents->pool = std::make_unique<ThreadPool>(threads);

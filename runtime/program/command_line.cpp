@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <iostream>
 #include <optional>
 #include <unistd.h>
 
@@ -11,6 +10,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/thread_limit.h"
+#include "formats/file/command_words.h"
+#include "formats/file/output_guard.h"
 #include "formats/file/whole_file.h"
 #include "runtime/integrator.h"
 #include "runtime/program/export/export.h"
@@ -93,7 +95,8 @@ void add_motion_outputs(CLI::App& app, MotionOutputs& o) {
   app.add_option("--from", o.range.from, "the first frame's time, s")->capture_default_str();
   app.add_option("--to", o.range.to, "s (default: the end of the run)");
   app.add_option("--modes", o.modes,
-                 "keep the first R coordinates in the files only (0: all); all of them move");
+                 "keep the first R coordinates in the files only (0: all); all of them move")
+      ->check(CLI::Range(0, 1'000'000));
   app.add_flag(
       "--plain-weights", o.plain_weights,
       "of a .glb: weights are q itself, which programs that clamp them to [0, 1] get wrong");
@@ -149,7 +152,8 @@ struct Parser {
     run->add_option("--save", request.save, "of a scene with [[bodies]]: its state at the end");
     run->add_option("--restore", request.restore, "likewise: begin with what --save has written");
     run->add_option("--threads", request.threads,
-                    "likewise: how many threads step its bodies, 0: one a core (1)");
+                    "likewise: how many threads step its bodies, 0: one a core (1)")
+        ->check(CLI::Range(0U, kMostThreads));
     run->add_option("--degree", request.degree,
                     "of bodies of kind tets: linear, quadratic or adaptive");
     add_run_flags(*run, options);
@@ -349,6 +353,12 @@ int run_export(int count, char** words, const Request& request, const RunOptions
   if (asks_still && is_scene(still.model))
     return report_error(usage_error(
         "--cub, --U, --vtu, --light and --rescaled are of a basis file, not of a scene"));
+  const MotionOutputs& moved = request.motion;
+  if (Status s = keep_apart({still.cub, still.u, still.vtu, still.light, moved.glb, moved.pc2,
+                             moved.mdd, moved.pvd, moved.usda, moved.series, moved.page},
+                            {});
+      !s)
+    return report_error(s.error());
   if (asks_still || !request.motion.any())
     if (const int code = export_command(still); code != 0) return code;
   if (!request.motion.any()) return 0;
@@ -394,12 +404,7 @@ int run_program(int count, char** words, const NodalScenes* nodal) {
   Request request;
   RunOptions options;
   Parser parser(request, options);
-  try {
-    parser.app.parse(count, words);
-  } catch (const CLI::ParseError& error) {
-    const int code = parser.app.exit(error, std::cout, std::cerr);
-    return code == 0 ? 0 : exit_code(ErrorKind::kUsage);
-  }
+  if (const std::optional<int> code = read_words(parser.app, count, words)) return *code;
   if (*parser.inspect && is_scene(request.file)) return inspect_scene(words, request, nodal);
   if (*parser.inspect) return inspect_command(request.file, request.select, request.json);
   if (*parser.plot) return plot_command(request.directories, request.picture);

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -172,6 +174,17 @@ bool bodies_touch(const Scene& scene);
 // Whether the body needs Body::set_contact(): colliders or bodies that it feels, a hand or a joint
 // on it.
 bool needs_contact(const Scene& scene, const SceneBody& body);
+
+// The same for each body of a scene of many, which must outlive it.
+class ContactNeeds {
+ public:
+  explicit ContactNeeds(const Scene& scene);
+  bool of(const SceneBody& body) const;
+
+ private:
+  bool felt_;
+  std::set<std::string_view> held_;  // bodies on hands and joints
+};
 
 // Errors, kContent, each with the body, collider, hand or key that it is about: no body, names that
 // are empty or stand twice, a step or duration that is not positive and finite, a pose, velocity,

@@ -113,6 +113,9 @@ Result<std::vector<VertexId>> vertices_of(const std::string& text, const Model& 
     if (vertex < 0) return content_error("vertex " + text + " must not be negative");
     return std::vector<VertexId>{vertex};
   }
+  // A number may be that of a vertex inside, however it is written.
+  if (const Result<Selector> selector = parse_selector(text); selector && selector->further.empty())
+    if (const auto* list = std::get_if<SelectVertices>(&selector->choice)) return list->ids;
   Result<Selection> chosen = select_on_boundary(
       text, {model.surface(), model.render(), model.default_load(), model.vertex_count()});
   if (!chosen) return chosen.error();

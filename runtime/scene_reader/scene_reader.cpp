@@ -101,12 +101,20 @@ void read_course(TomlKeys& keys, const char* key, double& value, std::vector<Val
     keys.fail(key, std::string("'") + key + "' must be a number or a list of [t, value]");
 }
 
+template <class Names>
+std::string list_of(const Names& names) {
+  std::string list;
+  for (const std::string_view name : names) list += (list.empty() ? "" : ", ") + std::string(name);
+  return list;
+}
+
 void read_method(TomlKeys& keys, SceneBody& body) {
   IntegratorOptions& options = body.options;
   keys.read("integrator", body.integrator);
   const auto names = integrator_names();
   if (std::find(names.begin(), names.end(), body.integrator) == names.end())
-    keys.fail("integrator", "unknown integrator '" + body.integrator + "'");
+    keys.fail("integrator",
+              "unknown integrator '" + body.integrator + "'; there are " + list_of(names));
   read_course(keys, "alpha", options.alpha, body.alphas);
   read_course(keys, "beta", options.beta, body.betas);
   read_damping_ratio(keys, options.alpha, options.beta);

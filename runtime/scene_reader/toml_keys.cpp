@@ -22,7 +22,8 @@ std::string beside(const std::string& path, const std::string& name) {
 // toml++ turns any float into an integer to see whether it is one, which a large one does not bear.
 std::optional<int> whole_number(const toml::node& node) {
   const auto* number = node.as_floating_point();
-  if (number == nullptr) return node.value<int>();
+  // toml++ would turn true into 1.
+  if (number == nullptr) return node.is_integer() ? node.value<int>() : std::nullopt;
   const double value = number->get();
   if (!(std::abs(value) <= std::numeric_limits<int>::max()) || value != std::trunc(value))
     return std::nullopt;
@@ -62,7 +63,7 @@ std::optional<std::vector<double>> numbers_of(const toml::node& node) {
   std::vector<double> numbers;
   for (const toml::node& entry : *array) {
     const auto number = entry.value<double>();
-    if (!number || !std::isfinite(*number)) return std::nullopt;
+    if (!number || !std::isfinite(*number) || entry.is_boolean()) return std::nullopt;
     numbers.push_back(*number);
   }
   return numbers;

@@ -73,11 +73,54 @@ TEST_F(AtomicFileTest, AnUncommittedFileLeavesNothing) {
 }
 
 TEST_F(AtomicFileTest, ASignalInMidWriteRemovesThePartialFileAndStillKills) {
-  for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU}) {
+  for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM,
+                     SIGVTALRM, SIGPROF, SIGIO, SIGPWR, SIGABRT, SIGSYS, SIGRTMIN, SIGRTMAX}) {
     EXPECT_EQ(interrupted_by(signal), signal);
     EXPECT_EQ(contents(), "old");
     EXPECT_EQ(files(), 1);
   }
+}
+
+// Between two writes it takes no descriptor.
+TEST_F(AtomicFileTest, AParkedFileGoesOnWhereItWas) {
+  const auto descriptors = [] {
+    return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+  };
+  const auto before = descriptors();
+  auto file = AtomicFile::create(target());
+  ASSERT_TRUE(file->write("one "));
+  for (const char* word : {"two ", "three"}) {
+    file->park();
+    EXPECT_EQ(descriptors(), before);
+    ASSERT_TRUE(file->write(word));
+  }
+  file->park();
+  ASSERT_TRUE(file->commit());
+  EXPECT_EQ(contents(), "one two three");
+  {
+    auto left = AtomicFile::create(target());
+    left->park();
+  }
+  EXPECT_EQ(files(), 1);
+}
+
+TEST_F(AtomicFileTest, ASignalRemovesAsManyPartialFilesAsThereAre) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    remove_partial_files_on_signals();
+    std::vector<AtomicFile> open;
+    for (int i = 0; i < 200; ++i) {
+      auto file = AtomicFile::create(target() + std::to_string(i));
+      if (!file) ::_exit(1);
+      file->park();
+      open.push_back(std::move(*file));
+    }
+    ::raise(SIGTERM);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(files(), 1);
 }
 
 TEST_F(AtomicFileTest, EvenSigkillLeavesTheTargetAsItWasAndTheNextWriterTidiesUp) {

@@ -296,6 +296,32 @@ TEST(SavedWorld, ForgedStatesDoNotCrash) {
   EXPECT_GT(refused, kTrials / 8);
 }
 
+// Sums that are not finite would pass every comparison of a balance.
+TEST(SavedWorld, SumsThatAreNoNumbersAreRefused) {
+  SceneWorld world = saved_world_of(crowded());
+  run(world, 350);
+  const Result<SavedState> saved = read_saved(world.save(), "test");
+  ASSERT_TRUE(saved);
+  const Body& stone = world.body(0);
+  int forged_sums = 0;
+  for (const double sum : {stone.gravity_work(), stone.work(), stone.contact_work(),
+                           world.account(0).at_start, world.body(3).support_work()}) {
+    std::string bytes(sizeof(sum), '\0');
+    std::memcpy(bytes.data(), &sum, sizeof(sum));
+    const std::size_t at = saved->state.find(bytes);
+    if (sum == 0.0 || at == std::string::npos) continue;
+    ++forged_sums;
+    for (const double wrong : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+      SavedState forged = *saved;
+      std::memcpy(forged.state.data() + at, &wrong, sizeof(wrong));
+      const std::string before = state_bytes(world);
+      EXPECT_FALSE(world.restore(encode_saved(forged))) << sum;
+      EXPECT_EQ(state_bytes(world), before);
+    }
+  }
+  EXPECT_GE(forged_sums, 4);
+}
+
 TEST(SavedWorld, FilesAppearWholeAndComeBack) {
   const testing::TemporaryFolder folder;
   const std::string path = folder.file("world.saved");

@@ -34,7 +34,7 @@ void note(const std::string& text) {
 }
 
 Session open_session(const ReproduceOptions& options) {
-  keep_models_apart(options.out, options.models_directory, options.models);
+  keep_models_apart(options.out, options.models_directory, options.models, options.published);
   std::vector<SampleModel> models = load_sample_models(options.models_directory, options.models);
   thesis::Thesis thesis = thesis::read_thesis(options.published);
   const std::string directory = (fs::path(options.out) / "store").string();

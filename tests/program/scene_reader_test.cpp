@@ -48,6 +48,26 @@ TEST(SceneReader, KnowsAWorldByItsBodies) {
   EXPECT_FALSE(is_world("[", "s.toml"));
 }
 
+// toml++ would read true as 1.
+TEST(SceneReader, ABoolIsNoNumberAndANumberIsNoBool) {
+  for (const char* key :
+       {"probe = true", "probe = [0, true]", "coordinate = true", "modes = true",
+        "tolerance = true", "max-iterations = false", "split = true", "position = [true, 0, 0]",
+        "copies = [2, true, 1]", "contact-points = true", "friction = true", "linear = 1",
+        "hull = 0", "alpha = true", "alpha = [[0, true]]"})
+    expect_refused(kBody + key + "\n", std::string(key).substr(0, std::string(key).find(' ')));
+  for (const char* key : {"step = true", "duration = true", "gravity = [0, 0, true]",
+                          "every = true", "surfaces = true", "plot = 1"})
+    expect_refused(std::string(key) + "\n" + kBody,
+                   std::string(key).substr(0, std::string(key).find(' ')));
+  for (const char* key : {"step = true", "duration = true", "probe = true", "modes = true",
+                          "linear = 1", "scale = true", "velocities = 0", "every = true"}) {
+    const auto bodies = parse_scene("[a]\nmodel = \"m\"\n" + std::string(key) + "\n", "s.toml");
+    ASSERT_FALSE(bodies) << key;
+    EXPECT_NE(bodies.error().message.find("line 3"), std::string::npos) << bodies.error().message;
+  }
+}
+
 TEST(SceneReader, ReadsBodies) {
   const SceneFile file = read_scene_text(
       "step = 1e-3\nduration = 2\ngravity = [0, 1, -9.5]\nout = \"there\"\nsurfaces = 3\n"

@@ -104,7 +104,7 @@ Status ClothFrames::finish() {
     if (Status s = write_file(list, list_); !s) return s;
     files_.push_back(list);
   }
-  return remove_leftovers(folder_, files_);
+  return Success{};
 }
 
 }  // namespace tremolo

@@ -170,6 +170,15 @@ class ClothMotion : public MotionSource {
     return names;
   }
 
+  std::vector<std::string> scenery() const override {
+    std::vector<std::string> names;
+    for (const ClothFile& file : files_) {
+      for (const SceneBall& ball : file.scene.balls) names.push_back(ball.name);
+      for (const SceneCollider& collider : file.scene.colliders) names.push_back(collider.name);
+    }
+    return names;
+  }
+
   std::vector<NamedFile> inputs() const override {
     std::vector<NamedFile> inputs;
     for (const ClothFile& file : files_)

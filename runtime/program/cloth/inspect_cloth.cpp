@@ -109,19 +109,19 @@ Json scene_contents(const ClothFile& file, const ClothWorld& world) {
 }
 
 void print_contents(const Json& json) {
-  fmt::print("{}: {} in steps of {:.4g} s for {:.6g} s, balls: {}, colliders: {}\n",
-             json["scene"].get<std::string>(), json["integrator"].get<std::string>(),
-             json["step"].get<double>(), json["duration"].get<double>(),
-             json["balls"].get<std::size_t>(), json["colliders"].get<std::size_t>());
+  show("{}: {} in steps of {:.4g} s for {:.6g} s, balls: {}, colliders: {}\n",
+       json["scene"].get<std::string>(), json["integrator"].get<std::string>(),
+       json["step"].get<double>(), json["duration"].get<double>(), json["balls"].get<std::size_t>(),
+       json["colliders"].get<std::size_t>());
   for (const Json& cloth : json["cloths"]) {
     const auto number = [&](const char* key) { return cloth[key].get<std::size_t>(); };
-    fmt::print("  {}: {} particles, {} of them held, {} triangles, {:.6g} kg\n",
-               cloth["cloth"].get<std::string>(), number("particles"), number("held"),
-               number("triangles"), cloth["mass_kg"].get<double>());
-    fmt::print("    springs: structural {}, shear {}, bend {}\n", number("structural"),
-               number("shear"), number("bend"));
+    show("  {}: {} particles, {} of them held, {} triangles, {:.6g} kg\n",
+         cloth["cloth"].get<std::string>(), number("particles"), number("held"),
+         number("triangles"), cloth["mass_kg"].get<double>());
+    show("    springs: structural {}, shear {}, bend {}\n", number("structural"), number("shear"),
+         number("bend"));
     if (cloth["frequency_max_hz"].is_number())
-      fmt::print("    fastest oscillation {:.6g} Hz\n", cloth["frequency_max_hz"].get<double>());
+      show("    fastest oscillation {:.6g} Hz\n", cloth["frequency_max_hz"].get<double>());
   }
   const auto text = [](const Json& x) {
     return fmt::format("({:.4g}, {:.4g}, {:.4g})", x[0].get<double>(), x[1].get<double>(),
@@ -138,7 +138,7 @@ void print_contents(const Json& json) {
     fmt::print("  {} is {:.4g} m from {}\n", contact["cloth"].get<std::string>(),
                contact["distance_m"].get<double>(), contact["ball"].get<std::string>());
   for (const auto& [name, limit] : json["stability_limits_s"].items())
-    fmt::print("  {} is stable up to steps of {:.4g} s\n", name, limit.get<double>());
+    show("  {} is stable up to steps of {:.4g} s\n", name, limit.get<double>());
 }
 
 }  // namespace
@@ -151,10 +151,10 @@ int inspect_cloth_command(const ClothFile& file, bool json) {
   if (!world) return report_error(error_of_file(file.path, value_error(world.error())));
   const Json contents = scene_contents(file, *world);
   if (json)
-    std::cout << contents.dump(2) << '\n';
+    print_json(contents);
   else
     print_contents(contents);
-  return 0;
+  return flushed(0);
 }
 
 }  // namespace tremolo

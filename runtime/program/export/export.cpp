@@ -25,8 +25,10 @@ Status check_outputs(const ExportOptions& options) {
                  "--usda, --series, --cub, --U, --vtu, --light or --rescaled"};
   if (!options.rescaled.empty() && options.rescale.empty())
     return usage_error("--rescaled is the file of a model that --rescale changes: say which");
-  return keep_apart({options.cub, options.u, options.vtu, options.light, options.rescaled},
-                    {{options.model, "the basis file"}});
+  const std::vector<std::string> outputs = {options.cub, options.u, options.vtu, options.light,
+                                            options.rescaled};
+  if (Status s = keep_apart(outputs, {{options.model, "the basis file"}}); !s) return s;
+  return check_writable(outputs);
 }
 
 // The rows of the mesh's vertices; edge points of quadratic elements are left out, VegaFEM's meshes
@@ -94,8 +96,7 @@ Status write_light(const std::string& path, const BasisData& data, bool compact)
   if (!light) return light.error();
   const BasisEncoding encoding = compact ? BasisEncoding::kCompact : BasisEncoding::kFull;
   if (Status status = write_basis(path, *light, encoding); !status) return status;
-  fmt::print("{}: the body with the {} vertices of its boundary alone\n", path,
-             light->vertex_count);
+  show("{}: the body with the {} vertices of its boundary alone\n", path, light->vertex_count);
   if (light->load.vertices.empty() && !data.load.vertices.empty())
     tell("  note: its default load acts inside: it is left out\n");
   return Success{};
@@ -123,8 +124,8 @@ Status write_outputs(const ExportOptions& options, BasisReader& reader) {
     Result<std::string> made = kept.empty() ? make() : Result<std::string>(kept);
     if (!made) return made.error();
     if (Status status = write_file(path, *made); !status) return status;
-    fmt::print("{}: {}, {} bytes{}\n", path, what, made->size(),
-               kept.empty() ? "" : ", as it was imported");
+    show("{}: {}, {} bytes{}\n", path, what, made->size(),
+         kept.empty() ? "" : ", as it was imported");
     return Success{};
   };
   Status status = write(
@@ -136,7 +137,7 @@ Status write_outputs(const ExportOptions& options, BasisReader& reader) {
     status =
         write_modes_vtu(options.vtu, data->surface.rest, std::span<const Triangle>(data->triangles),
                         data->surface.rows, data->lambda);
-    if (status) fmt::print("{}: {} modes on the surface\n", options.vtu, data->lambda.size());
+    if (status) show("{}: {} modes on the surface\n", options.vtu, data->lambda.size());
   }
   if (status && !options.light.empty())
     status = write_light(options.light, *data, reader.compact());
@@ -150,6 +151,7 @@ Status write_outputs(const ExportOptions& options, BasisReader& reader) {
 
 int export_command(const ExportOptions& options) {
   if (Status status = check_outputs(options); !status) return report_error(status.error());
+  const GuardedInputs guard({{options.model, "the basis file"}});
   Result<BasisReader> reader = BasisReader::open(options.model);
   if (!reader) return report_error(reader.error());
   if (Status status = write_outputs(options, *reader); !status) return report_error(status.error());

@@ -18,10 +18,13 @@ using Store = bool (*)(const toml::node&, RunOptions&);
 
 template <class T>
 std::optional<T> value_of(const toml::node& node) {
+  // toml++ turns numbers and bools into each other.
   if constexpr (std::is_same_v<T, int>)
     return whole_number(node);
+  else if constexpr (std::is_same_v<T, double>)
+    return node.is_boolean() ? std::nullopt : node.value<double>();
   else
-    return node.value<T>();
+    return node.value_exact<T>();
 }
 
 template <class T>

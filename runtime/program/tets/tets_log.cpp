@@ -196,7 +196,7 @@ Status TetsLog::finish() {
     if (Status s = write_file(list, list_); !s) return s;
     report_.files.push_back(list);
   }
-  return remove_leftovers(folder_, report_.files);
+  return Success{};
 }
 
 }  // namespace tremolo

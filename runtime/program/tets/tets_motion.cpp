@@ -141,6 +141,12 @@ class TetsMotion : public MotionSource {
     return names;
   }
 
+  std::vector<std::string> scenery() const override {
+    std::vector<std::string> names;
+    for (const SceneCollider& collider : scene_.colliders) names.push_back(collider.name);
+    return names;
+  }
+
   std::vector<NamedFile> inputs() const override { return inputs_of(scene_); }
 
   std::string told() const override {

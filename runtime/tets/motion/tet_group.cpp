@@ -5,6 +5,8 @@
 #include <numeric>
 #include <string>
 
+#include "common/thread_limit.h"
+
 namespace tremolo {
 namespace {
 
@@ -23,7 +25,8 @@ Status check(const TetGroupOptions& options) {
   if (!(options.sleep_time >= 0.0 && std::isfinite(options.sleep_time)))
     return content_error("sleep time is " + std::to_string(options.sleep_time) +
                          " s, expected at least 0");
-  if (options.threads < 1) return content_error("threads: expected at least 1");
+  if (options.threads < 1 || options.threads > kMostThreads)
+    return content_error("threads: expected 1 to " + std::to_string(kMostThreads));
   return Success{};
 }
 

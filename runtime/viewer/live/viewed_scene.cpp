@@ -7,6 +7,7 @@
 
 #include "formats/file/whole_file.h"
 #include "runtime/program/run/run_body.h"
+#include "runtime/program/run/run_files.h"
 #include "runtime/program/start/start_text.h"
 #include "runtime/program/world/run_world.h"
 #include "runtime/scene_reader/csv_rows.h"
@@ -78,6 +79,7 @@ Result<ViewedScene> scene_of(const std::vector<RunOptions>& bodies, const std::s
     if (!body) return body.error();
     viewed.scene.bodies.push_back(std::move(*body));
     viewed.starts.push_back(options.start);
+    for (NamedFile& input : inputs_of(options)) viewed.inputs.push_back(std::move(input));
   }
   return viewed;
 }
@@ -121,7 +123,7 @@ Result<ViewedScene> read_viewed_scene(const std::string& file, const ViewFlags& 
   if (!read) return read.error();
   if (Status s = apply_flags(flags.flags, flags.told, *read); !s) return s.error();
   return ViewedScene{file, std::move(*text), read->scene,
-                     std::vector<std::string>(read->scene.bodies.size())};
+                     std::vector<std::string>(read->scene.bodies.size()), inputs_of(*read)};
 }
 
 ModelSource ModelCache::source() {
