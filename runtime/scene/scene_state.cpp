@@ -62,9 +62,9 @@ void SceneWorld::carry_contacts(StateStream& stream) {
   stream.sized(pairs_);
   if (stream.reads()) {
     for (const Touching& touching : touching_)
-      stream.require(std::isfinite(touching.impulse) && touching.whole.allFinite());
-    for (const ContactEvent& event : events_) stream.require(std::isfinite(event.impulse));
-    for (const Pair& pair : pairs_) stream.require(std::isfinite(pair.impulse));
+      stream.require(std::isfinite(touching.place.impulse) && touching.whole.allFinite());
+    for (const ContactEvent& event : events_) stream.require(std::isfinite(event.place.impulse));
+    for (const Pair& pair : pairs_) stream.require(std::isfinite(pair.place.impulse));
   }
   const auto is_body = [this](std::size_t i) { return i < size(); };
   for (const ContactEvent& event : events_)
