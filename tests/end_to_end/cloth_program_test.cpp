@@ -181,10 +181,6 @@ TEST_F(ClothProgram, ASecondSceneIsWrittenBesideTheFirst) {
 }
 
 TEST_F(ClothProgram, OtherCommandsSayWhatGoesInstead) {
-  std::ofstream(folder_ + "/bodies.toml") << "[[bodies]]\nfile = \"a.tremolo\"\n";
-  const ProgramResult inspect = run_program(folder_, kTremolo + "inspect bodies.toml");
-  EXPECT_NE(inspect.code, 0);
-  EXPECT_NE(inspect.err.find("tremolo run"), std::string::npos) << inspect.err;
   expect_refused(small_sheet(), "--load is of bodies", "--load square");
   expect_refused(small_sheet(), "none of cloth's", "--integrator ep4");
   expect_refused(small_sheet(), "half a step", "--step 0.01 --duration 0.004");
