@@ -80,7 +80,9 @@ class Places {
     }
     if (const fs::path real = fs::canonical(path, error); !error) return {real.string(), true};
     const fs::path known = fs::weakly_canonical(path, error);
-    return {error ? std::string() : known.string(), false};
+    if (error) return {};
+    // What ends in "." or ".." comes out with a slash behind it.
+    return {(known.has_filename() ? known : known.parent_path()).string(), false};
   }
 
   fs::path current_;

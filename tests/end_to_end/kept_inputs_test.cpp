@@ -187,9 +187,10 @@ TEST_F(KeptInputs, WhatCannotBeWrittenIsKnownBeforeTheFirstStep) {
   write("scene.toml", world(""));
   write("file", "no folder");
   fs::create_directories(at("folder"));
+  fs::create_directories(at("folder.wav"));
   for (const std::string& flag :
        {"--save nowhere/state", "--save folder", "--save file/state", "--wav nowhere/a.wav",
-        "--wav folder", "--out file", "--out file/out"})
+        "--wav folder.wav", "--out file", "--out file/out"})
     expect_refused("run scene.toml " + flag + kLong, 1, "");
   expect_refused("run bar.tremolo --wav nowhere/a.wav" + kLong, 1, "nowhere/a.wav");
   for (const std::string& flag : {"--glb nowhere/a.glb", "--usda nowhere/a.usda",
