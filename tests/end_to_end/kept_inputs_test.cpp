@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 // A run that would take hours: what is refused is refused before.
-const std::string kLong = " --duration 1e6 ";
+const std::string kHours = " --duration 1e6 ";
 
 class KeptInputs : public ::testing::Test {
  protected:
@@ -101,14 +101,14 @@ TEST_F(KeptInputs, AClothsMeshIsNoSurfaceOfAnEarlierRun) {
 TEST_F(KeptInputs, FilesThatPartsOfAWorldNameAreInputs) {
   write("out/a/frames.csv", "0,0,0,-9.81\n1,0,0,-9.81\n");
   write("scene.toml", "gravity = \"out/a/frames.csv\"\n" + world(""));
-  expect_kept("run scene.toml --out out" + kLong, "out/a/frames.csv");
+  expect_kept("run scene.toml --out out" + kHours, "out/a/frames.csv");
   write("out/a/energy.html", "0 1\n");
   write("scene.toml", world("probe = [\"file:out/a/energy.html\"]\n"));
-  expect_kept("run scene.toml --out out" + kLong, "out/a/energy.html");
+  expect_kept("run scene.toml --out out" + kHours, "out/a/energy.html");
   fs::copy(at("free.tremolo"), at("out/a/surface-0000-t0.030000s.ply"));
   write("scene.toml", world("", "a", "out/a/surface-0000-t0.030000s.ply"));
-  expect_kept("run scene.toml --out out" + kLong, "out/a/surface-0000-t0.030000s.ply");
-  expect_kept("run scene.toml --save out/../scene.toml" + kLong, "scene.toml");
+  expect_kept("run scene.toml --out out" + kHours, "out/a/surface-0000-t0.030000s.ply");
+  expect_kept("run scene.toml --save out/../scene.toml" + kHours, "scene.toml");
 }
 
 TEST_F(KeptInputs, ABodyOfASceneIsKeptFromTheFilesOfAnother) {
@@ -164,14 +164,14 @@ TEST_F(KeptInputs, APageTakesThePlaceOfNoPageOrReportThatItShows) {
 
 TEST_F(KeptInputs, TwoOutputsHaveTwoPlaces) {
   write("scene.toml", world(""));
-  expect_refused("run scene.toml --save out/report.json --out out" + kLong, 2, "two outputs");
+  expect_refused("run scene.toml --save out/report.json --out out" + kHours, 2, "two outputs");
   expect_refused("export bar.tremolo --vtu a.x --light a.x", 2, "two outputs");
-  expect_refused("export bar.tremolo --vtu a.glb --glb ./a.glb" + kLong, 2, "two outputs");
+  expect_refused("export bar.tremolo --vtu a.glb --glb ./a.glb" + kHours, 2, "two outputs");
 }
 
 TEST_F(KeptInputs, NamesOfBodiesCollideWithNoFileOfTheRun) {
   write("scene.toml", world("", "report.json"));
-  expect_refused("run scene.toml --out out" + kLong, 2, "folder");
+  expect_refused("run scene.toml --out out" + kHours, 2, "folder");
   write("scene.toml",
         "duration = 1e6\nstep = 0.01\n[[cloths]]\nname = \"run.csv\"\ncolumns = 3\n"
         "rows = 3\n");
@@ -191,14 +191,14 @@ TEST_F(KeptInputs, WhatCannotBeWrittenIsKnownBeforeTheFirstStep) {
   for (const std::string& flag :
        {"--save nowhere/state", "--save folder", "--save file/state", "--wav nowhere/a.wav",
         "--wav folder.wav", "--out file", "--out file/out"})
-    expect_refused("run scene.toml " + flag + kLong, 1, "");
-  expect_refused("run bar.tremolo --wav nowhere/a.wav" + kLong, 1, "nowhere/a.wav");
+    expect_refused("run scene.toml " + flag + kHours, 1, "");
+  expect_refused("run bar.tremolo --wav nowhere/a.wav" + kHours, 1, "nowhere/a.wav");
   for (const std::string& flag : {"--glb nowhere/a.glb", "--usda nowhere/a.usda",
                                   "--pc2 nowhere/a.pc2", "--mdd nowhere/a.mdd", "--pvd file/a.pvd",
                                   "--series nowhere/a.ply", "--page nowhere/a.html"})
-    expect_refused("export bar.tremolo " + flag + kLong, 1, "");
+    expect_refused("export bar.tremolo " + flag + kHours, 1, "");
   fs::create_directories(at("out/a/run.csv"));
-  expect_refused("run scene.toml --out out" + kLong, 1, "not a regular file");
+  expect_refused("run scene.toml --out out" + kHours, 1, "not a regular file");
 }
 
 TEST_F(KeptInputs, FoldersOfAnotherScenesBodiesGo) {
@@ -275,7 +275,7 @@ TEST_F(KeptInputs, NoSignalLeavesTemporaryFiles) {
   for (const char* signal :
        {"USR1", "USR2", "ALRM", "VTALRM", "PROF", "IO", "ABRT", "RTMIN", "RTMAX"}) {
     const ProgramResult result = run_program(
-        folder_, "(" + kTremolo + "run scene.toml --out out" + kLong +
+        folder_, "(" + kTremolo + "run scene.toml --out out" + kHours +
                      "& for i in $(seq 600); do test -e out/a-100/run.csv.partial-* && break; "
                      "sleep 0.05; done; kill -" +
                      signal + " $!; wait $!)");

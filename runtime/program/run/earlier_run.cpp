@@ -16,7 +16,7 @@ namespace tremolo {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using ReportJson = nlohmann::json;
 
 constexpr std::string_view kFramesHead = "frame,t,file\n";
 
@@ -57,25 +57,25 @@ bool has_time(std::string_view name) {
 }
 
 // report.json of a run; null if it is none.
-Json report_in(const fs::path& folder) {
+ReportJson report_in(const fs::path& folder) {
   const fs::path path = folder / kReportName;
   if (!is_file(path)) return nullptr;
   std::ifstream stream(path);
-  Json report = Json::parse(stream, nullptr, false);
+  ReportJson report = ReportJson::parse(stream, nullptr, false);
   const bool ours = report.is_object() && report.contains("exit_code") &&
                     report.contains("reached") && report.contains("duration");
   // Of several bodies it holds the reports of all.
   const bool of_several = report.is_object() && report.size() == 1 && report.contains("bodies");
-  return ours || of_several ? std::move(report) : Json(nullptr);
+  return ours || of_several ? std::move(report) : ReportJson(nullptr);
 }
 
 // Names of folders that a report's bodies had, and what it says of each.
-std::vector<std::pair<std::string, Json>> folders_of(const Json& report) {
-  std::vector<std::pair<std::string, Json>> names;
+std::vector<std::pair<std::string, ReportJson>> folders_of(const ReportJson& report) {
+  std::vector<std::pair<std::string, ReportJson>> names;
   for (const auto& [list, key] : {std::pair{"bodies", "body"}, {"cloths", "cloth"}}) {
     const auto found = report.find(list);
     if (found == report.end() || !found->is_array()) continue;
-    for (const Json& entry : *found) {
+    for (const ReportJson& entry : *found) {
       if (!entry.is_object() || !entry.contains(key) || !entry[key].is_string()) continue;
       const std::string name = entry[key];
       if (!name.empty() && name.front() != '.' && name.find('/') == std::string::npos)
@@ -136,7 +136,7 @@ EarlierRun EarlierRun::in(const std::string& folder, const std::vector<std::stri
   EarlierRun earlier;
   std::error_code ignored;
   if (folder.empty() || !fs::is_directory(folder, ignored)) return earlier;
-  const Json report = report_in(folder);
+  const ReportJson report = report_in(folder);
   earlier.look_into(folder, report.is_object());
   std::set<std::string> looked;
   for (const std::string& name : bodies) {
@@ -149,7 +149,7 @@ EarlierRun EarlierRun::in(const std::string& folder, const std::vector<std::stri
     if (looked.contains(name) || !fs::is_directory(fs::symlink_status(one, ignored))) continue;
     looked.insert(name);
     // Somebody has made another run into it since.
-    if (const Json own = report_in(one); own.is_object() && own != said) continue;
+    if (const ReportJson own = report_in(one); own.is_object() && own != said) continue;
     earlier.look_into(one.string(), true);
     earlier.old_bodies_.push_back(one.string());
   }
